@@ -3,7 +3,7 @@
 
 namespace momentree::cli {
 
-/// Handles the signals during its lifetime.
+/// Handles the signals during its lifetime. Guards within that of another one change nothing. Used by the main thread.
 class InterruptGuard {
  public:
   InterruptGuard();

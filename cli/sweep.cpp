@@ -12,7 +12,6 @@
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/io/text_file.hpp>
 #include <momentree/sweep/coordinator.hpp>
 #include <momentree/sweep/distribute.hpp>
 #include <momentree/sweep/launch.hpp>
@@ -99,7 +98,7 @@ int run_one_world(const sweep::Sweep& sweep, const SweepOptions& options) {
 
 int say_complete(const std::string& out, const SweepOptions& options) {
   if (options.json)
-    std::fputs(io::read_text_file(out + "/sweep.json").c_str(), stdout);
+    std::fputs(complete_summary(out).c_str(), stdout);
   else if (!options.quiet)
     show(stdout, "The sweep is complete already. Results: " + printable(out) + '\n');
   return done;
@@ -160,8 +159,13 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
   const sweep::Lanes lanes = lanes_for(sweep, sweep::lanes_of(options.lanes));
   SweepOutput output(sweep, lanes, options);
   if (output.found() > 0 && !options.quiet)
-    show(stderr, printable(output.working()) +
-                     format(": continues after %llu worlds\n", static_cast<unsigned long long>(output.found())));
+    show(stderr, printable(output.working()) + ": continues after " +
+                     count_text(static_cast<long>(output.found()), "world", "worlds") + '\n');
+  if (const sweep::Journal::Damage& damage = output.journal().damage(); damage.records > 0)
+    show(stderr, printable(output.working()) + "/sweep.journal: warning: " +
+                     count_text(static_cast<long>(damage.records), "damaged record is", "damaged records are") + " skipped; " +
+                     (damage.worlds > 0 ? count_text(static_cast<long>(damage.worlds), "world is", "worlds are") : "their worlds are") +
+                     " computed again\n");
   std::atomic<bool> cancel = false, stop = false;
   const sweep::ScenarioWorlds worlds(sweep, lanes, &cancel);
   const int threads = threads_of(options, ranks);
@@ -196,7 +200,13 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
         keep();
         return static_cast<int>(failed);
       }
-      for (const std::string& warning : output.publish(options.report)) show(stderr, warning + '\n');
+      const std::optional<std::vector<std::string>> warnings = output.publish(options.report);
+      if (!warnings) {
+        show(stderr, printable(sweep.path) + ": interrupted while the report was written, after all worlds\n");
+        keep();
+        return static_cast<int>(interrupted);
+      }
+      for (const std::string& warning : *warnings) show(stderr, printable(warning) + '\n');
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       const sweep::SweepSummary& summary = output.summary();
       if (options.json)

@@ -6,13 +6,14 @@
 #include <filesystem>
 #include <set>
 
+#include <cli/interrupt.hpp>
 #include <cli/page.hpp>
 #include <cli/record.hpp>
+#include <cli/sweep_hdf5.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/io/json.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
-#include <momentree/io/table_file.hpp>
 #include <momentree/io/text_file.hpp>
 #include <momentree/sweep/scenario_worlds.hpp>
 
@@ -24,11 +25,10 @@ namespace fs = std::filesystem;
 using sweep::Journal;
 
 constexpr const char* journal_name = "sweep.journal";
-constexpr std::size_t rows_at_once = 4096;
 constexpr std::size_t animated_ends = 3;  // worlds with a page of their own, at each end of each measure
 
 sweep::JournalIdentity identity_of(const sweep::Sweep& sweep, sweep::Lanes lanes) {
-  return {sweep::program_text(lanes), sweep.hash, sweep.worlds(), sweep.measures.size()};
+  return {sweep::program_text(lanes), sweep.hash, sweep.plan_hash, sweep.worlds(), sweep.measures.size()};
 }
 
 // Why a journal does not belong to the sweep; empty if it does.
@@ -37,6 +37,8 @@ std::string difference(const sweep::JournalIdentity& found, const sweep::Journal
   if (found.worlds != wanted.worlds || found.measures != wanted.measures)
     return "this folder has the unfinished results of another sweep, with " + std::to_string(found.worlds) + " worlds and " +
            std::to_string(found.measures) + " measures";
+  if (found.plan != wanted.plan)
+    return "the values of worlds have changed since these unfinished results: [vary], [[correlated]], the seed or the number of worlds";
   if (found.hash != wanted.hash)
     return "this folder has the unfinished results of another sweep, or of one that has been changed";
   return "this folder has unfinished results of version " + found.version + ", and this is version " + wanted.version;
@@ -51,17 +53,25 @@ std::vector<std::string> files_of(const sweep::Sweep& sweep, const SweepOptions&
 
 }  // namespace
 
+bool is_one_file(const std::string& destination) { return destination.ends_with(".h5"); }
+
+std::string complete_summary(const std::string& out) {
+  std::error_code ignored;
+  if (is_one_file(out)) return fs::is_regular_file(out, ignored) ? summary_in(out) : "";
+  const fs::path file = fs::path(out) / "sweep.json";
+  return fs::is_regular_file(file, ignored) ? io::read_text_file(file.string()) : "";
+}
+
 std::string sweep_destination(const sweep::Sweep& sweep, const SweepOptions& options) {
   if (!options.out.empty()) return options.out;
   return sweep.output.empty() ? "results/" + sweep.name : sweep.output;
 }
 
 bool is_complete_sweep(const sweep::Sweep& sweep, const std::string& out) {
-  const fs::path file = fs::path(out) / "sweep.json";
-  std::error_code ignored;
-  if (!fs::is_regular_file(file, ignored)) return false;
   try {
-    const Value document = io::parse_json(io::read_text_file(file.string()), file.string());
+    const std::string text = complete_summary(out);
+    if (text.empty()) return false;
+    const Value document = io::parse_json(text, out);
     const Value::Entry* const hash = document.find("hash");
     const Value::Entry* const program = document.find("program");
     const Value::Entry* const version = program != nullptr ? program->value.find("version") : nullptr;
@@ -78,6 +88,7 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, sweep::Lanes lanes, const Sw
   if (in_one_file()) {
     io::require_hdf5();
     if (fs::is_directory(out_, ignored)) throw_error({"there is a folder of that name already", out_, "name a file with --out"});
+    require_replaceable(out_);
     if (options.report) throw_error({"--report needs a folder for the results, not a file", out_, "name a folder with --out"});
   }
   folder_.emplace(in_one_file() ? out_ + ".sweep" : out_, in_one_file() ? std::vector<std::string>() : files_of(sweep, options),
@@ -86,25 +97,34 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, sweep::Lanes lanes, const Sw
   if (folder_->has(journal_name) && !options.restart) {
     journal_.emplace(Journal::open((folder_->working() / journal_name).string()));
     const std::string why = difference(journal_->identity(), wanted);
-    const bool same_form = journal_->identity().worlds == wanted.worlds && journal_->identity().measures == wanted.measures;
+    const sweep::JournalIdentity& found = journal_->identity();
+    const bool same_form = found.worlds == wanted.worlds && found.measures == wanted.measures && found.plan == wanted.plan;
     if (!why.empty() && !(options.accept_changes && same_form))
       throw_error({why, folder_->working().string(),
                    std::string("--restart discards them") + (same_form ? ", and --accept-changes continues from them" : "")});
     for (const Journal::Entry& entry : journal_->entries()) found_ += entry.chunk.count;
+    try_table();
+    if (!why.empty()) journal_->accept(wanted);
     folder_->keep();
     return;
   }
   if (options.resume && !options.restart) {
     if (in_one_file() && fs::exists(out_, ignored))
-      throw_error({"this file is there already, and there is no unfinished sweep beside it", out_,
-                   "the sweep is complete, or leave out --resume to replace the file"});
+      throw_error({"this file has the complete results of another sweep, or of one that has been changed", out_,
+                   "leave out --resume to replace it, or name another file with --out"});
     if (fs::exists(fs::path(out_) / "sweep.json", ignored))
       throw_error({"this folder has the complete results of another sweep, or of one that has been changed", out_,
                    "leave out --resume to replace them, or name another folder with --out"});
   }
+  try_table();
   folder_->clear();
   journal_.emplace(Journal::create(folder_->file(journal_name), wanted));
   folder_->keep();
+}
+
+// A name that HDF5 cannot store is found before the first world.
+void SweepOutput::try_table() {
+  if (in_one_file()) SweepTable(sweep_, (folder_->working() / "names.h5").string());
 }
 
 void SweepOutput::write_tables() {
@@ -135,103 +155,76 @@ void SweepOutput::write_tables() {
 }
 
 void SweepOutput::write_hdf5() {
-  using Type = io::TableColumn::Type;
-  const std::vector<sweep::ParameterColumn> varied = parameter_columns(sweep_);
-  std::vector<io::TableColumn> columns = {{"world", Type::count, "", "number of the world"}};
-  for (const sweep::ParameterColumn& column : varied) {
-    const sweep::Parameter& parameter = sweep_.parameters[column.parameter];
-    columns.push_back({column.name, column.is_text ? Type::text : Type::number, parameter.unit, parameter.about});
-  }
-  for (const sweep::Measure& measure : sweep_.measures)
-    columns.push_back({measure.name, measure.is_flag() ? Type::flag : Type::number, measure.unit, measure.about});
-  columns.push_back({"status", Type::text, "", "done, or failed and why"});
   const std::string path = folder_->file("results.h5");
   folder_->remove("results.h5");
-  const std::unique_ptr<io::TableFile> file = io::make_hdf5_file(path);
-  const std::size_t table = file->add_table("worlds", columns);
-  std::vector<io::ColumnValues> values;
-  const auto empty = [&] {
-    values.clear();
-    for (const io::TableColumn& column : columns) {
-      if (column.type == Type::number) values.emplace_back(std::vector<double>());
-      if (column.type == Type::flag) values.emplace_back(std::vector<std::uint8_t>());
-      if (column.type == Type::text) values.emplace_back(std::vector<std::string>());
-      if (column.type == Type::count) values.emplace_back(std::vector<std::uint64_t>());
-    }
-  };
-  empty();
-  std::size_t rows = 0;
+  SweepTable table(sweep_, path);
   for_each_row(sweep_, *journal_, [&](const sweep::Row& row) {
     summary_->add(row);
-    std::size_t c = 0;
-    std::get<std::vector<std::uint64_t>>(values[c++]).push_back(row.world);
-    for (const sweep::ParameterColumn& column : varied) {
-      io::ColumnValues& cells = values[c++];
-      if (column.is_text)
-        std::get<std::vector<std::string>>(cells).push_back(parameter_text(column, row.values));
-      else
-        std::get<std::vector<double>>(cells).push_back(parameter_number(column, row.values));
-    }
-    for (std::size_t m = 0; m < sweep_.measures.size(); ++m) {
-      const double x = row.result.done() ? row.result.measures[m] : NAN;
-      io::ColumnValues& cells = values[c++];
-      if (sweep_.measures[m].is_flag())
-        std::get<std::vector<std::uint8_t>>(cells).push_back(x == 1 ? 1 : 0);  // of a failed world: false; see status
-      else
-        std::get<std::vector<double>>(cells).push_back(x);
-    }
-    std::get<std::vector<std::string>>(values[c]).push_back(status_of(row.result));
-    if (++rows == rows_at_once) {
-      file->append(table, values);
-      empty();
-      rows = 0;
-    }
+    table.add(row);
     return true;
   });
-  if (rows > 0) file->append(table, values);
-  file->file_attribute("summary", summary_->json());
-  file->finish();
+  table.finish(summary_->json());
 }
 
-// The worst worlds are run again, each with a page that shows its motion.
-void SweepOutput::write_report() {
+// The worst worlds are run again, each with a page that shows its motion. False: interrupted.
+bool SweepOutput::write_report(std::vector<std::string>& warnings) {
   std::set<std::uint64_t> wanted;
   for (const sweep::Worst& worst : summary_->worst(animated_ends))
     for (const sweep::Extreme& each : worst.worlds) wanted.insert(each.world);
   std::vector<std::uint64_t> animated;
   for (const std::uint64_t world : wanted) {
-    io::ReadResult read = io::read_scenario_again(*sweep_.scenario, sweep_.overrides(world));
-    if (!read.scenario) continue;
-    const TemporaryFolder scratch;
-    sweep::Observation observation(sweep_.measures);
-    const Recorded recorded =
-        record(*read.scenario, scratch.result(), Purpose::report,
-               [&](Simulation& simulation, double until) { return run_world(simulation, until, sweep_.stop, observation); });
-    if (recorded.code != done) continue;
-    const std::string page = io::report_page(report_html(), io::report_data(recorded.folder));
+    if (InterruptGuard::interrupted()) return false;
+    std::string page, why;
+    try {
+      page = page_of(world);
+    } catch (const Error& error) {
+      why = error.message();
+    }
+    if (InterruptGuard::interrupted()) return false;
+    if (page.empty()) {
+      warnings.push_back(sweep_.path + ": warning: the report has no animation of world " + std::to_string(world) +
+                         (why.empty() ? ": it could not be run again" : ": " + why));
+      continue;
+    }
     folder_->write(sweep::page_of_world(world).c_str(), page);
     animated.push_back(world);
   }
   folder_->write("report.html", io::sweep_page(sweep_html(), summary_->report(animated)));
+  return true;
 }
 
-std::vector<std::string> SweepOutput::publish(bool report) {
+// Empty, with a message, if the run failed.
+std::string SweepOutput::page_of(std::uint64_t world) const {
+  io::ReadResult read = io::read_scenario_again(*sweep_.scenario, sweep_.overrides(world));
+  if (!read.scenario) return "";
+  const TemporaryFolder scratch;
+  sweep::Observation observation(sweep_.measures);
+  const Recorded recorded =
+      record(*read.scenario, scratch.result(), Purpose::report,
+             [&](Simulation& simulation, double until) { return run_world(simulation, until, sweep_.stop, observation); });
+  return recorded.code == done ? io::report_page(report_html(), io::report_data(recorded.folder)) : "";
+}
+
+std::optional<std::vector<std::string>> SweepOutput::publish(bool report) {
   journal_->flush();
   summary_.emplace(sweep_);
+  summary_->set_former(journal_->former());
   if (in_one_file()) {
     write_hdf5();
     const std::string file = (folder_->working() / "results.h5").string();
+    require_replaceable(out_);  // it may be new
     std::error_code error;
     fs::rename(file, out_, error);
     if (error) io::fail_with_reason("cannot move the result to its destination", out_, error);
     const fs::path above = fs::path(out_).parent_path();
     io::sync_folder(above.empty() ? "." : above);
     folder_->remove_all();
-    return {};
+    return std::vector<std::string>();
   }
   write_tables();
-  if (report) write_report();
-  std::vector<std::string> warnings = folder_->publish();
+  std::vector<std::string> warnings;
+  if (report && !write_report(warnings)) return std::nullopt;
+  for (std::string& warning : folder_->publish()) warnings.push_back(std::move(warning));
   ::unlink((fs::path(out_) / journal_name).c_str());  // last: until here the results could be made again from it
   return warnings;
 }

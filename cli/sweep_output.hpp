@@ -12,6 +12,11 @@
 
 namespace momentree::cli {
 
+/// Whether the results go into one HDF5 file.
+bool is_one_file(const std::string& destination);
+/// The text of sweep.json in complete results, of whatever sweep; empty if there are none. Throws Error.
+std::string complete_summary(const std::string& out);
+
 /// The folder `OUT.partial` with the journal. Without publish() it is kept, so that the sweep can be continued.
 class SweepOutput {
  public:
@@ -26,17 +31,19 @@ class SweepOutput {
   /// Worlds of an earlier run that were found.
   std::uint64_t found() const { return found_; }
 
-  /// Writes the tables from the complete journal and moves them to their destination. Returns warnings. Throws Error: the journal
-  /// is then still there.
-  std::vector<std::string> publish(bool report);
+  /// Writes the tables from the complete journal and moves them to their destination. Returns warnings; nothing if it
+  /// was interrupted while the report was written. The journal is then still there, and so it is if this throws Error.
+  std::optional<std::vector<std::string>> publish(bool report);
   /// The statistics, after publish().
   const sweep::SweepSummary& summary() const { return *summary_; }
 
  private:
-  bool in_one_file() const { return out_.ends_with(".h5"); }
+  bool in_one_file() const { return is_one_file(out_); }
+  void try_table();
   void write_tables();
   void write_hdf5();
-  void write_report();
+  bool write_report(std::vector<std::string>& warnings);
+  std::string page_of(std::uint64_t world) const;
 
   const sweep::Sweep& sweep_;
   std::string out_;
@@ -48,7 +55,7 @@ class SweepOutput {
 
 /// The destination of a sweep: --out, the sweep's own, or results/ and its name.
 std::string sweep_destination(const sweep::Sweep& sweep, const SweepOptions& options);
-/// Whether the folder holds the complete result of this sweep, computed by this version.
+/// Whether the folder or file holds the complete result of this sweep, computed by this version.
 bool is_complete_sweep(const sweep::Sweep& sweep, const std::string& out);
 
 }  // namespace momentree::cli

@@ -223,6 +223,27 @@ int close(void* file, MomentreeHdf5Problem* problem) {
   });
 }
 
+// Only texts as this module writes them: of variable length.
+int file_text(const char* path, const char* name, void (*take)(void*, const char*), void* context) {
+  MomentreeHdf5Problem ignored;
+  return guarded(&ignored, 0, [&] {
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // prints nothing
+    const Handle access = properties(H5P_FILE_ACCESS);
+    require(H5Pset_file_locking(access, false, true));
+    const Handle file(require(H5Fopen(path, H5F_ACC_RDONLY, access)), H5Fclose);
+    if (require(H5Aexists(file, name)) == 0) return 0;
+    const Handle attribute(require(H5Aopen(file, name, H5P_DEFAULT)), H5Aclose), text = text_type();
+    const Handle type(require(H5Aget_type(attribute)), H5Tclose), space(require(H5Aget_space(attribute)), H5Sclose);
+    if (H5Tis_variable_str(type) <= 0 || H5Sget_simple_extent_type(space) != H5S_SCALAR) return 0;
+    char* found = nullptr;
+    require(H5Aread(attribute, text, static_cast<void*>(&found)));
+    if (found != nullptr) take(context, found);
+    const bool there = found != nullptr;
+    H5free_memory(found);
+    return there ? 1 : 0;
+  });
+}
+
 const char* library_version() {
   static char text[32] = "";
   unsigned major = 0, minor = 0, release = 0;
@@ -235,6 +256,7 @@ const char* library_version() {
 
 extern "C" __attribute__((visibility("default"))) const void* momentree_plugin_hdf5() {
   [[maybe_unused]] static const herr_t no_exit_handler = H5dont_atexit();
-  static const MomentreeHdf5 table = {hdf5_interface, library_version(), create, group, dataset, append, attribute, texts, close};
+  static const MomentreeHdf5 table = {hdf5_interface, library_version(), create,    group, dataset,
+                                      append,         attribute,         texts, close, file_text};
   return &table;
 }

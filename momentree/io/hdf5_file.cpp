@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -210,6 +211,19 @@ class Hdf5File final : public TableFile {
 }  // namespace
 
 void require_hdf5() { load_plugin(hdf5_plugin); }
+
+std::optional<std::string> hdf5_text(const std::string& path, const std::string& name) {
+  const MomentreeHdf5& api = *static_cast<const MomentreeHdf5*>(load_plugin(hdf5_plugin));
+  std::optional<std::string> found;
+  const auto take = [](void* context, const char* text) {
+    try {
+      *static_cast<std::optional<std::string>*>(context) = text;
+    } catch (const std::bad_alloc&) {  // no exception may pass through the plugin
+    }
+  };
+  if (api.file_text(path.c_str(), name.c_str(), take, &found) == 1 && !found) throw std::bad_alloc();
+  return found;
+}
 
 std::unique_ptr<TableFile> make_hdf5_file(const std::string& path) { return std::make_unique<Hdf5File>(path); }
 

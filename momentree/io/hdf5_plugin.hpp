@@ -5,7 +5,7 @@
 
 namespace momentree::io {
 
-inline constexpr int hdf5_interface = 1;
+inline constexpr int hdf5_interface = 2;
 
 extern "C" {
 /// Why a call failed.
@@ -36,6 +36,9 @@ struct MomentreeHdf5 {
                MomentreeHdf5Problem* problem);
   /// Writes everything and closes the file, in any case.
   int (*close)(void* file, MomentreeHdf5Problem* problem);
+  /// Passes on an attribute of the root of an existing file that is one text without null bytes: calls `take` once and returns 1.
+  /// 0: the file or the attribute cannot be read as that.
+  int (*file_text)(const char* path, const char* name, void (*take)(void* context, const char* text), void* context);
 };
 }
 

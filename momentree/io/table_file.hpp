@@ -2,6 +2,7 @@
 // Files with tables in columns: HDF5.
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -59,6 +60,10 @@ class TableFile {
 
 /// Throws Error if momentree-hdf5.so is missing or unusable.
 void require_hdf5();
+
+/// An attribute of a whole HDF5 file, as file_attribute() writes texts; nothing if there is no such file or attribute. Throws Error
+/// if momentree-hdf5.so is missing.
+[[nodiscard]] std::optional<std::string> hdf5_text(const std::string& path, const std::string& name);
 
 /// The paths of columns within their group: see make_hdf5_file().
 std::vector<std::string> hdf5_paths(std::span<const TableColumn> columns);

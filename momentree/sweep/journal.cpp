@@ -19,10 +19,12 @@ namespace {
 
 // magic, format, length and CRC of the identity, then the identity
 constexpr std::string_view magic = "momentree sweep\n";
-constexpr std::uint32_t journal_format = 1;
+constexpr std::uint32_t journal_format = 2;
 constexpr std::size_t head_size = 16 + 4 + 4 + 4;
 // mark, first, count, size, CRC of these, CRC of the bytes; then the bytes
 constexpr std::string_view record_mark = "WRLD";
+// A record without worlds: version and hash of accepted changes.
+constexpr std::string_view accepted_mark = "ACPT";
 constexpr std::size_t record_size = 4 + 8 + 8 + 4 + 4 + 4;
 constexpr std::uint64_t largest_record = 1u << 30;
 
@@ -30,12 +32,28 @@ std::int64_t milliseconds_now() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+void append_text(std::string& bytes, const std::string& text) {
+  append_integer(bytes, text.size(), 4);
+  bytes += text;
+}
+
+// Takes a text from the beginning; nothing if it is not there.
+std::optional<std::string> take_text(std::string_view& bytes) {
+  if (bytes.size() < 4) return std::nullopt;
+  const std::uint64_t size = integer_at(bytes, 4);
+  if (size > bytes.size() - 4) return std::nullopt;
+  std::string text(bytes.substr(4, size));
+  bytes.remove_prefix(4 + size);
+  return text;
+}
+
 std::string identity_bytes(const JournalIdentity& identity) {
   std::string bytes;
   append_integer(bytes, identity.worlds, 8);
   append_integer(bytes, identity.measures, 8);
-  append_integer(bytes, identity.version.size(), 4);
-  bytes += identity.version + identity.hash;
+  append_text(bytes, identity.plan);
+  append_text(bytes, identity.version);
+  append_text(bytes, identity.hash);
   return bytes;
 }
 
@@ -101,30 +119,14 @@ void Journal::scan() {
   if (own.size() < length || crc32c(own) != integer_at(std::string_view(head).substr(24), 4)) not_a_journal(path_);
   identity_.worlds = integer_at(own, 8);
   identity_.measures = integer_at(std::string_view(own).substr(8), 8);
-  const std::uint64_t version = integer_at(std::string_view(own).substr(16), 4);
-  if (version > own.size() - 20) not_a_journal(path_);
-  identity_.version = own.substr(20, version);
-  identity_.hash = own.substr(20 + version);
-  size_ = head_size + length;
-  for (;;) {
-    const std::string record = bytes_at(file_, size_, record_size, path_);
-    if (record.empty()) break;
-    cut_ = true;
-    if (record.size() < record_size || !record.starts_with(record_mark)) break;
-    const std::string_view view = record;
-    const Entry entry{{integer_at(view.substr(4), 8), integer_at(view.substr(12), 8)},
-                      size_ + record_size,
-                      static_cast<std::uint32_t>(integer_at(view.substr(20), 4)),
-                      static_cast<std::uint32_t>(integer_at(view.substr(28), 4))};
-    if (crc32c(view.substr(0, 24)) != integer_at(view.substr(24), 4) || entry.size > largest_record) break;
-    const Chunk& chunk = entry.chunk;
-    if (chunk.first >= identity_.worlds || chunk.count == 0 || chunk.count > identity_.worlds - chunk.first) break;
-    const std::string bytes = bytes_at(file_, entry.offset, entry.size, path_);
-    if (bytes.size() < entry.size || crc32c(bytes) != entry.crc || !is_encoded(bytes, identity_.measures, chunk.count)) break;
-    cut_ = false;
-    size_ = entry.offset + entry.size;
-    entries_.push_back(entry);
+  std::string_view texts = std::string_view(own).substr(16);
+  for (std::string* const each : {&identity_.plan, &identity_.version, &identity_.hash}) {
+    std::optional<std::string> text = take_text(texts);
+    if (!text) not_a_journal(path_);
+    *each = std::move(*text);
   }
+  size_ = head_size + length;
+  scan_records();
   if (cut_ && !io::cut(file_, size_)) io::fail_with_reason("cannot truncate this file", path_, io::last_error());
   if (::lseek(file_.number(), static_cast<off_t>(size_), SEEK_SET) < 0)
     io::fail_with_reason("cannot read this file", path_, io::last_error());
@@ -135,25 +137,128 @@ void Journal::scan() {
     if (sorted[i - 1].first + sorted[i - 1].count > sorted[i].first) not_a_journal(path_);
 }
 
+struct Journal::Header {
+  bool accepted;  ///< a record without worlds
+  Entry entry;
+  std::uint64_t end() const { return entry.offset + entry.size; }
+};
+
+std::optional<Journal::Header> Journal::header_at(std::uint64_t offset) const {
+  const std::string record = bytes_at(file_, offset, record_size, path_);
+  const std::string_view view = record;
+  const bool accepted = view.starts_with(accepted_mark);
+  if (record.size() < record_size || (!accepted && !view.starts_with(record_mark))) return std::nullopt;
+  const Entry entry{{integer_at(view.substr(4), 8), integer_at(view.substr(12), 8)},
+                    offset + record_size,
+                    static_cast<std::uint32_t>(integer_at(view.substr(20), 4)),
+                    static_cast<std::uint32_t>(integer_at(view.substr(28), 4))};
+  if (crc32c(view.substr(0, 24)) != integer_at(view.substr(24), 4) || entry.size > largest_record) return std::nullopt;
+  const Chunk& chunk = entry.chunk;
+  if (!accepted && (chunk.first >= identity_.worlds || chunk.count == 0 || chunk.count > identity_.worlds - chunk.first))
+    return std::nullopt;
+  return Header{accepted, entry};
+}
+
+// The offset of the first header at `from` or after it.
+std::optional<std::uint64_t> Journal::next_header(std::uint64_t from) const {
+  constexpr std::size_t block = 1u << 20, overlap = 3;  // of a mark
+  for (;; from += block) {
+    const std::string bytes = bytes_at(file_, from, block + overlap, path_);
+    for (std::size_t i = 0; i + overlap < bytes.size(); ++i) {
+      const std::string_view here = std::string_view(bytes).substr(i, record_mark.size());
+      if ((here == record_mark || here == accepted_mark) && header_at(from + i)) return from + i;
+    }
+    if (bytes.size() < block + overlap) return std::nullopt;
+  }
+}
+
+// Adds a record; false if its bytes are damaged.
+bool Journal::take(const Header& header, std::uint64_t offset, const std::string& bytes) {
+  const Entry& entry = header.entry;
+  if (bytes.size() < entry.size || crc32c(bytes) != entry.crc) return false;
+  if (header.accepted) {
+    std::string_view rest = bytes;
+    const std::optional<std::string> version = take_text(rest), hash = take_text(rest);
+    if (!version || !hash) return false;
+    former_.push_back({std::exchange(identity_.version, *version), std::exchange(identity_.hash, *hash)});
+  } else {
+    if (!is_encoded(bytes, identity_.measures, entry.chunk.count)) return false;
+    entries_.push_back(entry);
+  }
+  size_ = offset + record_size + entry.size;
+  return true;
+}
+
+void Journal::scan_records() {
+  std::vector<Header> damaged;
+  for (;;) {
+    const std::optional<Header> header = header_at(size_);
+    std::string bytes;
+    if (header) bytes = bytes_at(file_, header->entry.offset, header->entry.size, path_);
+    if (header && take(*header, size_, bytes)) continue;
+    if (bytes_at(file_, size_, 1, path_).empty()) break;
+    // Goes on with the next record. If there is none, the last one was cut off, or is complete and damaged.
+    const std::optional<std::uint64_t> next = next_header(size_ + 1);
+    const bool complete = header && bytes.size() == header->entry.size;
+    if (!next && !complete) {
+      cut_ = true;
+      break;
+    }
+    if (header)
+      damaged.push_back(*header);
+    else
+      ++damage_.records;
+    size_ = next ? *next : header->end();
+  }
+  note_damage(damaged);
+}
+
+// Worlds that were computed again since then are not lost.
+void Journal::note_damage(const std::vector<Header>& damaged) {
+  for (const Header& header : damaged) {
+    const Chunk& lost = header.entry.chunk;
+    const auto overlaps = [&](const Entry& entry) {
+      return entry.chunk.first < lost.first + lost.count && lost.first < entry.chunk.first + entry.chunk.count;
+    };
+    if (std::any_of(entries_.begin(), entries_.end(), overlaps)) continue;
+    ++damage_.records;
+    damage_.worlds += lost.count;
+  }
+}
+
 void Journal::append(Chunk chunk, std::string_view bytes) {
+  const std::uint64_t offset = size_ + record_size;
+  write(record_mark, chunk, bytes);
+  entries_.push_back({chunk, offset, static_cast<std::uint32_t>(bytes.size()), crc32c(bytes)});
+  if (milliseconds_now() - flushed_at_ >= 1000) flush();
+}
+
+void Journal::accept(const JournalIdentity& identity) {
+  std::string bytes;
+  append_text(bytes, identity.version);
+  append_text(bytes, identity.hash);
+  write(accepted_mark, {}, bytes);
+  flush();
+  former_.push_back({identity_.version, identity_.hash});
+  identity_ = identity;
+}
+
+void Journal::write(std::string_view mark, Chunk chunk, std::string_view bytes) {
   if (bytes.size() > largest_record) throw_error({"the results of one chunk are larger than a journal can hold", path_, ""});
-  std::string record(record_mark);
+  std::string record(mark);
   append_integer(record, chunk.first, 8);
   append_integer(record, chunk.count, 8);
   append_integer(record, bytes.size(), 4);
   append_integer(record, crc32c(record), 4);
-  const std::uint32_t crc = crc32c(bytes);
-  append_integer(record, crc, 4);
+  append_integer(record, crc32c(bytes), 4);
   record += bytes;
   std::size_t written = 0;
   if (const std::error_code error = io::write_all(file_, record, written)) {
     io::cut(file_, size_);  // if this fails, the incomplete record is recognised by its checksum
     io::fail_with_reason("cannot write this file", path_, error);
   }
-  entries_.push_back({chunk, size_ + record_size, static_cast<std::uint32_t>(bytes.size()), crc});
   size_ += record.size();
   unflushed_ = true;
-  if (milliseconds_now() - flushed_at_ >= 1000) flush();
 }
 
 void Journal::flush() {
@@ -166,7 +271,7 @@ void Journal::flush() {
 std::string Journal::read(const Entry& entry) const {
   std::string bytes = bytes_at(file_, entry.offset, entry.size, path_);
   if (bytes.size() != entry.size || crc32c(bytes) != entry.crc)
-    throw_error({"this file was changed during the sweep", path_, "start again with --restart"});
+    throw_error({"this file was changed or damaged during the sweep", path_, "the same command computes the damaged worlds again"});
   return bytes;
 }
 

@@ -19,7 +19,7 @@ struct Folder : momentree::io::test::TemporaryFolder {
   std::string file() const { return *this / "journal"; }
 };
 
-const JournalIdentity identity{"1.2.3", "0123456789abcdef", 100, 2};
+const JournalIdentity identity{"1.2.3", "0123456789abcdef", "fedcba9876543210", 100, 2};
 
 // World w has the measures w and -w/3; every seventh one failed.
 std::string worlds(Chunk chunk) {
@@ -106,12 +106,62 @@ TEST_CASE("a damaged journal never gives other results") {
     try {
       const Journal journal = Journal::open(folder.file());
       REQUIRE(journal.identity() == identity);
-      REQUIRE(journal.entries().size() < chunks.size());
+      REQUIRE(journal.entries().size() == chunks.size() - 1);  // all others are kept
+      CHECK((journal.was_cut() || journal.damage().records == 1));
       for (const Journal::Entry& entry : journal.entries()) CHECK(journal.read(entry) == worlds(entry.chunk));
     } catch (const momentree::Error& error) {
       CHECK(error.where == folder.file());
     }
   }
+}
+
+TEST_CASE("worlds of a damaged record are computed again, and the others are kept") {
+  const Folder folder;
+  std::vector<std::uint64_t> starts;
+  {
+    Journal journal = Journal::create(folder.file(), identity);
+    for (const Chunk chunk : {Chunk{0, 10}, {40, 3}, {10, 25}}) {
+      starts.push_back(journal.size());
+      journal.append(chunk, worlds(chunk));
+    }
+  }
+  std::string damaged = momentree::io::read_text_file(folder.file());
+  for (const std::uint64_t start : starts) damaged[start + 40] = static_cast<char>(damaged[start + 40] ^ 1);  // in the results
+  overwrite(folder.file(), damaged);
+  {
+    Journal journal = Journal::open(folder.file());
+    CHECK((journal.entries().empty() && journal.damage().records == 3 && journal.damage().worlds == 38 && !journal.was_cut()));
+    journal.append({0, 50}, worlds({0, 50}));
+  }
+  {
+    const Journal journal = Journal::open(folder.file());
+    REQUIRE(journal.entries().size() == 1);
+    CHECK(journal.read(journal.entries().front()) == worlds({0, 50}));
+    CHECK(journal.damage().records == 0);  // they were computed again
+  }
+  // Part of a record that could not be removed, for example on a full disk, between good ones.
+  const std::string whole = momentree::io::read_text_file(folder.file());
+  const std::string last = whole.substr(damaged.size());
+  overwrite(folder.file(), damaged.substr(0, starts[0]) + damaged.substr(starts[0], 60) + last);
+  const Journal journal = Journal::open(folder.file());
+  REQUIRE(journal.entries().size() == 1);
+  CHECK(journal.read(journal.entries().front()) == worlds({0, 50}));
+}
+
+TEST_CASE("a journal remembers what it belonged to") {
+  const Folder folder;
+  JournalIdentity other = identity;
+  other.version = "1.2.4", other.hash = "another hash";
+  {
+    Journal journal = Journal::create(folder.file(), identity);
+    journal.append({0, 10}, worlds({0, 10}));
+    journal.accept(other);
+    journal.append({10, 10}, worlds({10, 10}));
+  }
+  const Journal journal = Journal::open(folder.file());
+  CHECK(journal.identity() == other);
+  CHECK(journal.former() == std::vector<FormerIdentity>{{identity.version, identity.hash}});
+  CHECK(journal.entries().size() == 2);
 }
 
 TEST_CASE("overlapping chunks are refused") {

@@ -6,6 +6,7 @@
 
 #include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
+#include <momentree/io/convert/toml_writer.hpp>
 #include <momentree/io/hash.hpp>
 #include <momentree/io/input_file.hpp>
 #include <momentree/io/text_file.hpp>
@@ -79,7 +80,8 @@ std::shared_ptr<const io::Scenario> read_scenario_of(const Value& value, SweepRe
   return std::make_shared<const io::Scenario>(std::move(*read.scenario));
 }
 
-std::string hash_of(const Sweep& sweep) {
+// `tried`: of try_parameters().
+std::string hash_of(const Sweep& sweep, const std::string& tried) {
   io::Hash hash;
   hash.add(sweep.text);
   hash.add("\n--scenario ");
@@ -88,6 +90,8 @@ std::string hash_of(const Sweep& sweep) {
     hash.add("\n--state ");
     hash.add(io::read_text_file(file.file));
   }
+  hash.add("\n--tried ");
+  hash.add(tried);
   return hash.digits();
 }
 
@@ -97,6 +101,7 @@ void make_plan(const Value& vary, std::optional<std::int64_t> worlds, std::vecto
   if (!worlds && std::all_of(reading.variables.begin(), reading.variables.end(), is_drawn))
     return reading.out.error(vary.place, "[vary]: every value is drawn at random, but the number of worlds is not given",
                              "worlds = 1000");
+  reading.sweep.correlations = correlations;
   try {
     reading.sweep.plan = std::make_shared<const Plan>(reading.variables,
                                                       worlds ? std::optional(static_cast<std::uint64_t>(*worlds)) : std::nullopt,
@@ -107,6 +112,16 @@ void make_plan(const Value& vary, std::optional<std::int64_t> worlds, std::vecto
       if (error.problem.find(parameter.key) != std::string::npos) place = parameter.place;
     reading.out.error(place, error.problem, error.hint);
   }
+}
+
+// The same for the same values of all worlds, however they are written.
+std::string plan_hash_of(const Value& vary, const Value* correlated, const Sweep& sweep) {
+  io::Hash hash;
+  hash.add(io::toml_value_text(vary));
+  hash.add("\n--correlated ");
+  if (correlated != nullptr) hash.add(io::toml_value_text(*correlated));
+  hash.add("\n--seed " + std::to_string(sweep.seed) + " --worlds " + std::to_string(sweep.worlds()));
+  return hash.digits();
 }
 
 void read_document(const Value& document, SweepReading& reading, std::vector<io::Diagnostic>& of_scenario) {
@@ -136,9 +151,9 @@ void read_document(const Value& document, SweepReading& reading, std::vector<io:
   if (correlated != nullptr) correlations = read_correlations(*correlated, reading);
   if (scenario != nullptr) sweep.scenario = read_scenario_of(*scenario, reading, of_scenario);
   if (vary != nullptr && out.errors() == 0) make_plan(*vary, worlds, std::move(correlations), reading);
+  if (sweep.plan) sweep.plan_hash = plan_hash_of(*vary, correlated, sweep);
   if (!sweep.scenario) return;
   try {
-    sweep.hash = hash_of(sweep);
     io::Session session(sweep.scenario);
     const std::vector<io::Diagnostic> warnings = session.schedule();
     sweep.joints = session.joints();
@@ -148,7 +163,13 @@ void read_document(const Value& document, SweepReading& reading, std::vector<io:
     out.error(scenario->place, "scenario: " + error.problem, error.hint);
     return;
   }
-  if (reading.variables.size() == sweep.parameters.size() && !out.full()) try_parameters(reading);
+  if (vary == nullptr || out.full()) return;
+  reading.vary = vary->place;
+  try {
+    sweep.hash = hash_of(sweep, try_parameters(reading));
+  } catch (const Error& error) {
+    out.error(vary->place, "[vary]: " + error.problem, error.hint);
+  }
 }
 
 ReadSweep refused(const std::string& path, std::string what, std::string hint) {

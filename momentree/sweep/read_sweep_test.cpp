@@ -138,6 +138,37 @@ TEST_CASE("values are written into the scenario with their units") {
   CHECK((overrides[1] == "integrate.method=\"rk4\"" || overrides[1] == "integrate.method=\"midpoint\""));
 }
 
+TEST_CASE("the contents of files that entries of lists name belong to the sweep") {
+  const Folder folder;
+  const auto model = [](double mass) {
+    return "<robot name=\"r\"><link name=\"base\"/><link name=\"arm\"><inertial><mass value=\"" + std::to_string(mass) +
+           "\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link><joint name=\"j\" "
+           "type=\"continuous\"><parent link=\"base\"/><child link=\"arm\"/><axis xyz=\"0 1 0\"/></joint></robot>";
+  };
+  const auto write = [&](const char* name, double mass) { momentree::io::write_text_file(folder / name, model(mass)); };
+  write("a.urdf", 1);
+  write("b.urdf", 2);
+  momentree::io::write_text_file(folder / "ball.toml",
+                                 "format = 1\n[[mechanism]]\nname = \"m\"\nmodel = \"a.urdf\"\n[integrate]\nstep = 0.01\nuntil = 1\n");
+  const auto hash = [&](const std::string& list) {
+    const ReadSweep read = read_sweep_text(
+        sweep_text("\"mechanism.m.model\" = " + list, "x = { final = \"m/j.q0\" }", ""), folder.sweep());
+    CAPTURE(said(read));
+    REQUIRE(read.sweep);
+    return read.sweep->hash;
+  };
+  std::string many = "[";
+  for (int i = 0; i < 150; ++i) many += i == 120 ? "\"b.urdf\", " : "\"a.urdf\", ";
+  many += "\"a.urdf\"]";
+  for (const std::string& list : {std::string("[\"a.urdf\", \"b.urdf\"]"), many}) {
+    write("b.urdf", 2);
+    const std::string before = hash(list);
+    CHECK(hash(list) == before);
+    write("b.urdf", 3);
+    CHECK(hash(list) != before);
+  }
+}
+
 TEST_CASE("mistakes in a sweep name their line and how to mend them") {
   const Folder folder;
   const std::string vary = "\"event.kick.at\" = { uniform = [0.1, 0.4] }", measure = "x = { final = \"m/ball.x\" }";
@@ -160,6 +191,18 @@ TEST_CASE("mistakes in a sweep name their line and how to mend them") {
         "s.toml:6:31: error: uniform: expected a list of 2 entries; for example uniform = [0.2, 0.4]");
   check(sweep_text("\"mechanism.m.body.ball.mass\" = { uniform = [-0.5, 1.5] }", measure),
         "s.toml:6:1: error: mechanism.m.body.ball.mass = -0.499999998: mass: must not be negative");
+  // An error that no single value has is not blamed on one of them.
+  check(sweep_text("\"event.kick.at\" = { uniform = [0.1, 0.4] }\n\"event.kick.when.below\" = [1]", measure),
+        "s.toml:7:1: error: event.kick.when.below = 1: when: names no quantity; one of: distance height kinetic_energy position "
+        "reaction reaction_force reaction_impulse reaction_torque speed");
+  std::string triangle = ball;
+  momentree::io::write_text_file(folder / "ball.toml", triangle.replace(triangle.find("inertia = 1"), 11, "inertia = [1, 1, 1]"));
+  check(sweep_text("\"mechanism.m.body.ball.inertia.0\" = [1.9]\n\"mechanism.m.body.ball.inertia.1\" = [0.5]", measure, ""),
+        "s.toml:3:1: error: [vary]: with the typical values of all parameters: inertia: the largest principal moment is more than "
+        "the sum of the others, which no body has (" +
+            folder / "ball.toml" +
+            ", line 11); it is meant about the centre of mass, and products of inertia as elements of the matrix (xy = −Σ m x y)");
+  momentree::io::write_text_file(folder / "ball.toml", ball);
   check(
       sweep_text(vary, "x = { final = \"m/ball.w\" }"),
       "s.toml:8:15: error: there is no column 'm/ball.w'; 'm/ball' has x y z qw qx qy qz, and its joint q0 q1 q2 q3 q4 q5 q6 v0 "

@@ -1,6 +1,7 @@
 #include <momentree/sweep/sample.hpp>
 
 #include <algorithm>
+#include <numeric>
 
 #include <momentree/base/check.hpp>
 #include <momentree/sweep/random.hpp>
@@ -47,6 +48,19 @@ std::vector<std::uint64_t> Sample::worlds() const {
   std::vector<std::uint64_t> worlds;
   for (const Entry& entry : in_order()) worlds.push_back(entry.world);
   return worlds;
+}
+
+std::vector<std::size_t> Sample::smallest(std::size_t count) const {
+  const std::vector<Entry> entries = in_order();
+  std::vector<std::size_t> places(entries.size());
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  if (count < places.size()) {
+    const auto end = places.begin() + static_cast<std::ptrdiff_t>(count);
+    std::nth_element(places.begin(), end, places.end(), [&](std::size_t a, std::size_t b) { return entries[a] < entries[b]; });
+    places.erase(end, places.end());
+    std::sort(places.begin(), places.end());
+  }
+  return places;
 }
 
 std::vector<double> Sample::column(std::size_t column) const {

@@ -23,6 +23,8 @@ class Sample {
   /// The kept worlds in ascending order, and a column of their values in the same order.
   std::vector<std::uint64_t> worlds() const;
   std::vector<double> column(std::size_t column) const;
+  /// A smaller uniform sample: the places in worlds() of the worlds with the smallest hashes, at most `count`, ascending.
+  std::vector<std::size_t> smallest(std::size_t count) const;
 
  private:
   struct Entry {

@@ -19,8 +19,6 @@ constexpr std::size_t most_shown = 20'000;
 constexpr std::size_t most_worst = 10;
 constexpr double listed_shares[] = {0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99};
 
-std::size_t stride_of(std::size_t size) { return std::max<std::size_t>((size + most_shown - 1) / most_shown, 1); }
-
 io::JsonWriter& member_count(io::JsonWriter& json, std::string_view name, std::uint64_t count) {
   return json.key(name).value(static_cast<long>(count));
 }
@@ -111,29 +109,39 @@ void SweepSummary::write_sensitivities(io::JsonWriter& json, const std::vector<s
     else
       json.null();
   };
-  for (std::size_t m = columns_.size(); m < sample.size(); ++m)
+  for (std::size_t m = columns_.size(); m < sample.size(); ++m) {
+    const bool conditional = statistics_.summary(m).missing > 0;
     for (std::size_t v = 0; v < columns_.size(); ++v) {
       if (columns_[v].is_text) continue;
+      const auto of = [c = columns_[v].component](const Correlation& each) {
+        return each.coefficient != 0 && (each.a == c || each.b == c);
+      };
+      std::uint64_t pairs = 0;
+      for (std::size_t i = 0; i < sample[m].size(); ++i) pairs += std::isfinite(sample[v][i]) && std::isfinite(sample[m][i]);
       json.begin_object().member("measure", name(m)).member("vary", name(v));
       write("correlation", rank_correlation(sample[v], sample[m]));
       write("first_order", sobol_index(sample[v], sample[m]));
+      member_count(json, "pairs", pairs);
+      json.member("conditional", conditional);
+      json.member("correlated", std::any_of(sweep_.correlations.begin(), sweep_.correlations.end(), of));
       json.end_object();
     }
+  }
   json.end_array();
 }
 
 void SweepSummary::write_values(io::JsonWriter& json, const std::vector<std::vector<double>>& sample) const {
   const std::vector<std::uint64_t> worlds = statistics_.sample().worlds();
-  const std::size_t stride = stride_of(worlds.size());
+  const std::vector<std::size_t> shown = statistics_.sample().smallest(most_shown);
   json.key("values").begin_object().key("world").begin_array();
-  for (std::size_t i = 0; i < worlds.size(); i += stride) json.value(static_cast<long>(worlds[i]));
+  for (const std::size_t i : shown) json.value(static_cast<long>(worlds[i]));
   json.end_array();
   std::vector<double> values(sweep_.plan->size());
   for (std::size_t c = 0; c < sample.size(); ++c) {
     const bool text = c < columns_.size() && columns_[c].is_text;
     const bool flag = c >= columns_.size() && sweep_.measures[c - columns_.size()].is_flag();
     json.key(name(c)).begin_array();
-    for (std::size_t i = 0; i < worlds.size(); i += stride) {
+    for (const std::size_t i : shown) {
       if (text) {
         sweep_.plan->values(worlds[i], values);
         json.value(parameter_text(columns_[c], values));
@@ -174,14 +182,18 @@ std::string SweepSummary::document(bool with_values, const std::vector<std::uint
   json.member("version", MOMENTREE_VERSION).end_object();
   json.member("title", sweep_.title.empty() ? sweep_.name : sweep_.title).member("sweep", sweep_.path);
   json.member("scenario", sweep_.scenario->path).member("hash", sweep_.hash);
+  if (!former_.empty()) {
+    json.key("accepted_changes").begin_array();
+    for (const FormerIdentity& each : former_) json.begin_object().member("version", each.version).member("hash", each.hash).end_object();
+    json.end_array();
+  }
   member_count(json, "seed", sweep_.seed);
   member_count(json, "worlds", sweep_.worlds());
   member_count(json, "done", done_);
   member_count(json, "failed", failed_);
   std::vector<std::vector<double>> sample;
   for (std::size_t c = 0; c < statistics_.columns(); ++c) sample.push_back(statistics_.sample().column(c));
-  const std::size_t kept = statistics_.sample().size(), stride = stride_of(kept);
-  if (with_values) member_count(json, "shown", (kept + stride - 1) / stride);
+  if (with_values) member_count(json, "shown", std::min(statistics_.sample().size(), most_shown));
   json.key("columns").begin_array();
   for (std::size_t c = 0; c < sample.size(); ++c) write_column(json, c, sample[c]);
   json.end_array();

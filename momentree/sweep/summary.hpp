@@ -25,6 +25,8 @@ class SweepSummary {
   /// The sweep must outlive this object.
   explicit SweepSummary(const Sweep& sweep);
 
+  /// What finished worlds were computed by before changes were accepted: listed in the documents.
+  void set_former(std::vector<FormerIdentity> former) { former_ = std::move(former); }
   /// Adds a world. Each is added once.
   void add(const Row& row);
   std::uint64_t done() const { return done_; }
@@ -33,7 +35,7 @@ class SweepSummary {
   std::vector<Worst> worst(std::size_t count) const;
   /// The text of sweep.json: the same for the same results, whatever computed them.
   std::string json() const;
-  /// The document of the report page: the above with the values of at most 20,000 worlds. `animated`: the worlds that have a page
+  /// The document of the report page: the above with the values of at most 20,000 worlds, a uniform sample. `animated`: the worlds that have a page
   /// of their own: page_of_world().
   std::string report(const std::vector<std::uint64_t>& animated) const;
   /// A line for each measure, for the terminal: name and text.
@@ -54,6 +56,7 @@ class SweepSummary {
   const Sweep& sweep_;
   std::vector<ParameterColumn> columns_;
   Statistics statistics_;
+  std::vector<FormerIdentity> former_;
   std::uint64_t done_ = 0, failed_ = 0;
   std::vector<Failure> failures_;  ///< the first ones
 };

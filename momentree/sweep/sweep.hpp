@@ -38,11 +38,13 @@ struct Sweep {
   std::string title;  ///< may be empty
   std::string text;   ///< as read
   std::string hash;   ///< of the sweep, the scenario and the files that they name
+  std::string plan_hash;  ///< of what determines the varied values: [vary], [[correlated]], the seed, the number of worlds
   std::shared_ptr<const io::Scenario> scenario;
   std::vector<io::JointKinds> joints;  ///< joints of the scenario's run
   std::uint64_t seed = 0;
   std::vector<Parameter> parameters;
   std::shared_ptr<const Plan> plan;
+  std::vector<Correlation> correlations;  ///< in the plan
   std::vector<Measure> measures;
   StopRule stop;
   std::string output;       ///< a folder, or a file that ends in .h5; empty: not given

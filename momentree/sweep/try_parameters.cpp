@@ -1,7 +1,12 @@
 // Tries values of the parameters before anything runs.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 
+#include <momentree/io/hash.hpp>
+#include <momentree/io/text_file.hpp>
+#include <momentree/io/toml.hpp>
 #include <momentree/sweep/sweep_reading.hpp>
 
 namespace momentree::sweep {
@@ -40,42 +45,129 @@ std::vector<std::vector<double>> trials(const Variable& variable) {
   return all;
 }
 
-}  // namespace
+// Whether a value has a string that is the name of a file.
+bool names_file(const Value& value, const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (const std::string* text = value.string())
+    return !text->empty() && text->find('\0') == std::string::npos && std::filesystem::is_regular_file(folder / *text, ignored);
+  if (const Value::Array* entries = value.array())
+    return std::any_of(entries->begin(), entries->end(), [&](const Value& each) { return names_file(each, folder); });
+  if (const Value::Table* entries = value.table())
+    return std::any_of(entries->begin(), entries->end(), [&](const auto& each) { return names_file(each.value, folder); });
+  return false;
+}
 
-void try_parameters(SweepReading& reading) {
-  Sweep& sweep = reading.sweep;
-  std::vector<std::vector<std::vector<double>>> all;
-  std::vector<std::string> usual;
-  for (std::size_t p = 0; p < sweep.parameters.size(); ++p) {
-    all.push_back(trials(reading.variables[p]));
-    usual.push_back(override_text(sweep.parameters[p], all.back().front()));
+class Trials {
+ public:
+  explicit Trials(SweepReading& reading) : reading_(reading), sweep_(reading.sweep), reported_(sweep_.parameters.size()) {
+    for (std::size_t p = 0; p < sweep_.parameters.size(); ++p) {
+      all_.push_back(trials(reading.variables[p]));
+      add_files(p);
+      usual_.push_back(override_text(sweep_.parameters[p], all_.back().front()));
+    }
   }
-  std::vector<bool> reported(sweep.parameters.size());
-  // True if the scenario can be read with these values. `which`: the parameter that was changed last.
-  const auto check = [&](const std::vector<std::string>& overrides, std::size_t which) {
-    const io::ReadResult read = io::read_scenario_again(*sweep.scenario, overrides);
-    if (read.scenario) return true;
-    for (const io::Diagnostic& each : read.diagnostics) {
-      if (each.severity != io::Severity::error) continue;
-      std::size_t of = which;
-      for (std::size_t p = 0; p < overrides.size(); ++p)
-        if (each.file == "--set " + overrides[p]) of = p;
-      if (reported[of]) continue;
-      reported[of] = true;
-      const std::string value = overrides[of].substr(sweep.parameters[of].key.size() + 1);
-      std::string where = each.line > 0 ? " (" + each.file + ", line " + std::to_string(each.line) + ")" : "";
-      reading.out.error(sweep.parameters[of].place, sweep.parameters[of].key + " = " + value + ": " + each.what + where,
-                        each.hint);
+
+  std::string run() {
+    if (!usual()) return hash_.digits();
+    for (std::size_t p = 0; p < all_.size() && !reading_.out.full(); ++p)
+      for (std::size_t i = 1; i < all_[p].size() && !reported_[p]; ++i) {
+        std::vector<std::string> overrides = usual_;
+        overrides[p] = override_text(sweep_.parameters[p], all_[p][i]);
+        const io::ReadResult read = io::read_scenario_again(*sweep_.scenario, overrides);
+        if (read.scenario)
+          note(*read.scenario);
+        else
+          blame(read.diagnostics, overrides, p);
+      }
+    return hash_.digits();
+  }
+
+ private:
+  // Of long lists also the entries that name files: these belong to the sweep.
+  void add_files(std::size_t p) {
+    const std::vector<std::string>& choices = sweep_.parameters[p].choices;
+    const std::filesystem::path folder = std::filesystem::path(sweep_.scenario->path).parent_path();
+    for (std::size_t i = most_choices_tried; i + 1 < choices.size(); ++i) {
+      if (choices[i].find_first_of("\"'") == std::string::npos) continue;
+      const std::optional<Value> value = io::parse_toml_value(choices[i], {});
+      if (value && names_file(*value, folder)) all_[p].push_back({static_cast<double>(i)});
+    }
+  }
+
+  // All parameters at their usual values. An error that is not of an override is of the parameter that gives it alone.
+  bool usual() {
+    const io::ReadResult read = io::read_scenario_again(*sweep_.scenario, usual_);
+    if (read.scenario) {
+      note(*read.scenario);
+      return true;
+    }
+    std::vector<io::Diagnostic> rest = blame(read.diagnostics, usual_, std::nullopt);
+    if (rest.empty()) return false;
+    bool found = false;
+    for (std::size_t p = 0; p < usual_.size(); ++p) {
+      const std::vector<std::string> alone = {usual_[p]};
+      const io::ReadResult one = io::read_scenario_again(*sweep_.scenario, alone);
+      if (one.scenario) continue;
+      found = true;
+      for (const io::Diagnostic& each : one.diagnostics) report(each, p, usual_[p]);
+    }
+    if (!found) {
+      const io::Diagnostic& first = rest.front();
+      reading_.out.error(reading_.vary, "[vary]: with the typical values of all parameters: " + first.what + place_of(first),
+                         first.hint);
     }
     return false;
-  };
-  const bool good = check(usual, 0);
-  for (std::size_t p = 0; p < all.size() && !reading.out.full(); ++p)
-    for (std::size_t i = 1; i < all[p].size() && !reported[p] && good; ++i) {
-      std::vector<std::string> overrides = usual;
-      overrides[p] = override_text(sweep.parameters[p], all[p][i]);
-      check(overrides, p);
+  }
+
+  // Reports errors at the overrides that they name, the others at `otherwise`; without it, returns them.
+  std::vector<io::Diagnostic> blame(const std::vector<io::Diagnostic>& diagnostics, const std::vector<std::string>& overrides,
+                                    std::optional<std::size_t> otherwise) {
+    std::vector<io::Diagnostic> rest;
+    for (const io::Diagnostic& each : diagnostics) {
+      if (each.severity != io::Severity::error) continue;
+      std::optional<std::size_t> of = otherwise;
+      for (std::size_t p = 0; p < overrides.size(); ++p)
+        if (each.file == "--set " + overrides[p]) of = p;
+      if (of)
+        report(each, *of, overrides[*of]);
+      else
+        rest.push_back(each);
     }
-}
+    return rest;
+  }
+
+  void report(const io::Diagnostic& each, std::size_t of, const std::string& override) {
+    if (each.severity != io::Severity::error || reported_[of]) return;
+    reported_[of] = true;
+    const Parameter& parameter = sweep_.parameters[of];
+    const std::string value = override.substr(parameter.key.size() + 1);
+    reading_.out.error(parameter.place, parameter.key + " = " + value + ": " + each.what + place_of(each), each.hint);
+  }
+
+  static std::string place_of(const io::Diagnostic& each) {
+    return each.line > 0 ? " (" + each.file + ", line " + std::to_string(each.line) + ")" : "";
+  }
+
+  // The values and the contents of the files that they name.
+  void note(const io::Scenario& scenario) {
+    hash_.add("\n--tried ");
+    hash_.add(scenario.hash);
+    for (const io::StateFile& file : scenario.state_files) {
+      hash_.add("\n--state ");
+      hash_.add(io::read_text_file(file.file));
+    }
+  }
+
+  SweepReading& reading_;
+  Sweep& sweep_;
+  std::vector<std::vector<std::vector<double>>> all_;
+  std::vector<std::string> usual_;
+  std::vector<bool> reported_;
+  io::Hash hash_;
+};
+
+}  // namespace
+
+std::string try_parameters(SweepReading& reading) { return Trials(reading).run(); }
 
 }  // namespace momentree::sweep

@@ -23,7 +23,7 @@ from momentree.joints import *
 from momentree.model import Model
 from momentree.run import BodyRows, JointRows, Run
 from momentree.simulation import Scheduled, Simulation, load, loads
-from momentree.sweeps import Sweep, SweepResults
+from momentree.sweeps import Share, Sweep, SweepResults
 
 __all__: list[str] = [
     "Action",
@@ -54,6 +54,7 @@ __all__: list[str] = [
     "Run",
     "RunError",
     "Scheduled",
+    "Share",
     "Simulation",
     "Snapshot",
     "StateView",

@@ -6,7 +6,7 @@ import itertools
 import math
 import os
 from collections.abc import Callable, Generator, Mapping, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any, Union, cast
 
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from momentree._arguments import called
 from momentree._core import _draw
 from momentree._errors import Error
+from momentree._records import Array
 from momentree.distributions import Distribution
 from momentree.sweeps import Column, SweepResults, _index
 
@@ -36,8 +37,9 @@ def sweep(
 ) -> SweepResults:
     """Call a Python function for each world of a sweep: ``function(**values)`` returns a number or a dictionary of numbers.
 
-    An exception of the function is the status of its world. A key that a world does not return is NaN, or False if it is a flag;
-    a single number is the measure ``value``.
+    An exception of the function is the status of its world. A key that a world does not return is NaN; a flag is 1 or 0; a
+    single number is the measure ``value``. If the executor breaks, because one of its processes died, its unfinished worlds fail.
+    An exception that ends the sweep, such as KeyboardInterrupt, has the finished worlds as its attribute ``results``.
 
     Args:
         function: What computes a world. With processes it must be importable: a function of a module.
@@ -54,23 +56,31 @@ def sweep(
         The results in the order of the worlds, whatever computed them.
 
     Raises:
-        Error: The parameters are no such values, or two worlds return different kinds of values under one name.
+        Error: The parameters are no such values, or the function returns a number under the name of a parameter.
     """
     called(function, "sweep")
     count = _index(jobs, "jobs")
     if count < 0:
         raise Error(f"jobs: expected the number of threads, found {count}", hint="0: one for each processor")
     rows = _worlds(parameters, _index(seed, "seed"), None if worlds is None else _index(worlds, "worlds"), sampling)
-    with _pool(executor, count) as pool:
-        outcomes = _map(pool, function, rows)
-    failures = {k: why for k, (why, _) in enumerate(outcomes) if why}
-    values = {name: _parameter([each.get(name) for each in rows]) for name in _names(rows)}
-    found = [returned for _, returned in outcomes]
-    measures = {name: _measure(name, [each.get(name) for each in found]) for name in _names(found)}
-    for name in measures:
-        if name in values:
-            raise Error(f"the function returns {name!r}, which is a parameter", hint="rename one of them")
-    return SweepResults(np.arange(len(rows), dtype=np.int64), values, measures, failures)
+    outcomes: list[Outcome | None] = [None] * len(rows)
+    try:
+        with _pool(executor, count) as pool:
+            _map(pool, function, rows, outcomes)
+    except BaseException as error:
+        vars(error)["results"] = _results(rows, outcomes)
+        raise
+    return _results(rows, outcomes)
+
+
+def _results(rows: list[dict[str, Any]], outcomes: list[Outcome | None]) -> SweepResults:
+    """Of the worlds that have an outcome."""
+    done = [(k, outcome) for k, outcome in enumerate(outcomes) if outcome is not None]
+    failures = {i: why for i, (_, (why, _)) in enumerate(done) if why}
+    values = {name: _parameter([rows[k].get(name) for k, _ in done]) for name in _names(rows)}
+    found = [returned for _, (_, returned) in done]
+    measures: dict[str, Column] = {name: _measure([each.get(name) for each in found]) for name in _names(found)}
+    return SweepResults(np.array([k for k, _ in done], dtype=np.int64), values, measures, failures)
 
 
 def _worlds(parameters: Parameters, seed: int, count: int | None, sampling: str) -> list[dict[str, Any]]:
@@ -147,26 +157,16 @@ def _names(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     return list(dict.fromkeys(name for row in rows for name in row))
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+def _measure(column: list[Any]) -> Array:
+    return np.array([math.nan if value is None else value for value in column], dtype=np.float64)
 
 
 def _parameter(column: list[Any]) -> Column:
-    if all(value is None or _is_number(value) for value in column):
-        return np.array([math.nan if value is None else value for value in column], dtype=np.float64)
-    if all(isinstance(value, bool) for value in column):
+    if column and all(isinstance(value, bool) for value in column):
         return np.array(column, dtype=np.bool_)
+    if all(value is None or isinstance(value, (int, float)) for value in column):
+        return _measure(column)
     return np.array(["" if value is None else str(value) for value in column])
-
-
-def _measure(name: str, column: list[Any]) -> Column:
-    there = [value for value in column if value is not None]
-    flags = sum(isinstance(value, bool) for value in there)
-    if there and flags == len(there):
-        return np.array([bool(value) for value in column], dtype=np.bool_)
-    if flags:
-        raise Error(f"the function returns {name!r} as a number in some worlds and as True or False in others")
-    return np.array([math.nan if value is None else value for value in column], dtype=np.float64)
 
 
 def _outcome(returned: Any) -> dict[str, Any]:
@@ -178,10 +178,10 @@ def _outcome(returned: Any) -> dict[str, Any]:
         value: Any = given
         if isinstance(given, (np.generic, np.ndarray)) and given.size == 1:
             value = cast("Any", given).item()
-        if value is not None and not isinstance(value, bool):
-            if not _is_number(value):
+        if value is not None:
+            if not isinstance(value, (int, float)):
                 raise TypeError(f"the function returned {given!r:.40} as {key!r}, which is no number")
-            value = float(value)
+            value = float(value)  # flags, too
         measures[_name(key)] = value
     return measures
 
@@ -192,8 +192,12 @@ def _call(function: Callable[..., Any], worlds: Sequence[Mapping[str, Any]]) -> 
         try:
             outcomes.append(("", _outcome(function(**values))))
         except Exception as error:  # noqa: BLE001
-            outcomes.append((f"{type(error).__name__}: {error}" if str(error) else type(error).__name__, {}))
+            outcomes.append((_reason(error), {}))
     return outcomes
+
+
+def _reason(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
 
 
 @contextmanager
@@ -208,15 +212,49 @@ def _pool(executor: Executor | None, jobs: int) -> Generator[Executor | None, No
         pool.shutdown(cancel_futures=True)
 
 
-def _map(pool: Executor | None, function: Callable[..., Any], worlds: list[dict[str, Any]]) -> list[Outcome]:
+def _map(
+    pool: Executor | None, function: Callable[..., Any], worlds: list[dict[str, Any]], outcomes: list[Outcome | None]
+) -> None:
+    """Fills `outcomes` as far as it gets."""
+    parameters = set(_names(worlds))
+    first = True
+
+    def take(start: int, found: list[Outcome]) -> None:
+        nonlocal first
+        for k, (why, returned) in enumerate(found, start):
+            clash = next((name for name in returned if name in parameters), None)
+            if clash is not None and first:
+                raise Error(f"the function returns {clash!r}, which is a parameter", hint="rename one of them")
+            first = first and bool(why)
+            outcomes[k] = (why, returned) if clash is None else (f"the function returned {clash!r}, which is a parameter", {})
+
     if pool is None:
-        return _call(function, worlds)
+        for k, values in enumerate(worlds):
+            take(k, _call(function, [values]))
+        return
     size = max(1, len(worlds) // 1000)
-    futures: list[Future[list[Outcome]]] = []
+    futures: dict[int, Future[list[Outcome]]] = {}
+    broken = ""
     try:
-        for first in range(0, len(worlds), size):
-            futures.append(pool.submit(_call, function, worlds[first : first + size]))
-        return [outcome for future in futures for outcome in future.result()]
+        try:
+            for start in range(0, len(worlds), size):
+                futures[start] = pool.submit(_call, function, worlds[start : start + size])
+        except BrokenExecutor as error:
+            broken = _reason(error)
+        for start, future in futures.items():
+            try:
+                take(start, future.result())
+            except (BrokenExecutor, CancelledError) as error:
+                broken = broken or _reason(error)
+        if broken and all(outcome is None for outcome in outcomes):
+            raise Error(f"the executor computed no world: {broken}")
+        for k, outcome in enumerate(outcomes):
+            outcomes[k] = outcome or (broken, {})
+    except BaseException:
+        for start, future in futures.items():
+            if future.done() and not future.cancelled() and future.exception() is None and outcomes[start] is None:
+                outcomes[start : start + size] = future.result()
+        raise
     finally:
-        for future in futures:
+        for future in futures.values():
             future.cancel()

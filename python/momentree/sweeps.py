@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Union, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Union, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,9 +91,8 @@ class Sweep(_core.SweepBase):
         world = np.arange(self.worlds, dtype=np.int64) if chosen is None else np.array(chosen, dtype=np.int64)
         values = {name: np.array(c) if isinstance(c, list) else c for name, c in self._columns(chosen).items()}
         measures: dict[str, Column] = {}
-        for k, (name, is_flag) in enumerate(zip(self.measures, self._flags, strict=True)):
-            column = numbers[:, k]
-            measures[name] = (column == 1) if is_flag else column.copy()
+        for k, name in enumerate(self.measures):
+            measures[name] = numbers[:, k].copy()
         return SweepResults(world, values, measures, failures, self)
 
     def __reduce__(self) -> tuple[type[Sweep], tuple[str]]:
@@ -108,11 +108,25 @@ def _index(value: Any, what: str = "world") -> int:
     raise Error(f"{what}: expected an integer, found {value!r:.40}")
 
 
+class Share(NamedTuple):
+    """How often a flag is true."""
+
+    value: float
+    """A number from 0 to 1: of the worlds that have the flag, how many have it true. NaN if none has it."""
+    lowest: float
+    """Lower end of Wilson's interval at the 95 % level, a number from 0 to 1."""
+    highest: float
+    """Upper end of it, a number from 0 to 1."""
+    worlds: int
+    """Worlds that have the flag: failed ones do not."""
+
+
 class SweepResults:
     """What a sweep computed, as columns: ``results["name"]`` is an array with a value for each of ``results.world``.
 
-    Names are those of the varied values and of the measures. Numbers are doubles, NaN where there is none; flags are False in
-    worlds that failed.
+    Names are those of the varied values and of the measures. Measures are doubles, NaN where there is none: in worlds that failed,
+    for example. Flags are 1 or 0: ``results["holds"] == 1`` are the worlds in which it is true, ``np.nanmean(results["holds"])`` is
+    its share, and :meth:`share` adds an interval.
     """
 
     def __init__(
@@ -156,6 +170,28 @@ class SweepResults:
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self._columns)
+
+    def share(self, name: str) -> Share:
+        """In which share of the worlds a flag is true, with its confidence interval. Failed worlds do not count.
+
+        Args:
+            name: The flag: a column of 1, 0 and NaN, or of booleans.
+
+        Raises:
+            Error: There is no such column, or it is no flag.
+        """
+        column = self[name]
+        known = column[~np.isnan(column)] if column.dtype == np.float64 else column
+        if column.dtype.kind not in "bf" or not np.isin(known, (0, 1)).all():
+            raise Error(f"{name!r} is no flag", hint="a flag is true or false in each world")
+        count, true = len(known), int(np.count_nonzero(known))
+        if count == 0:
+            return Share(math.nan, 0.0, 1.0, 0)
+        value, squared = true / count, 1.959963984540054**2
+        middle = (true + squared / 2) / (count + squared)
+        half = math.sqrt(squared * (value * (1 - value) / count + squared / (4 * count**2))) / (1 + squared / count)
+        lowest, highest = 0.0 if true == 0 else middle - half, 1.0 if true == count else middle + half
+        return Share(value, lowest, highest, count)
 
     def to_pandas(self) -> pd.DataFrame:
         """The results as a DataFrame indexed by world: varied values, measures and ``status``.

@@ -149,12 +149,19 @@ def test_flags_and_absent_numbers(tmp_path: Path) -> None:
     (tmp_path / "rope.toml").write_text(re.sub(r"(?m)^worlds *=.*", "worlds = 16", text))
     rows = rows_of_command(tmp_path / "rope.toml", tmp_path / "out")
     results = mt.Sweep(tmp_path / "rope.toml").run(jobs=2)
-    assert results["parted"].dtype == bool
-    assert list(results["parted"]) == [row["parted"] == "true" for row in rows]
-    assert 0 < results["parted"].sum() < len(results) == 16
-    assert (np.isnan(results["when"]) == ~results["parted"]).all()
+    assert results["parted"].dtype == float
+    parted = results["parted"] == 1
+    assert list(parted) == [row["parted"] == "true" for row in rows]
+    assert 0 < parted.sum() < len(results) == 16
+    assert (np.isnan(results["when"]) == ~parted).all()
     when = [float(row["when"]) for row in rows if row["when"]]
-    assert list(results["when"][results["parted"]]) == when
+    assert list(results["when"][parted]) == when
+    share = results.share("parted")
+    column = next(each for each in results.summary()["columns"] if each["name"] == "parted")
+    assert share.worlds == 16 and share.value == column["share"] == np.nanmean(results["parted"])
+    assert (share.lowest, share.highest) == pytest.approx(column["interval"], rel=1e-12)
+    with pytest.raises(mt.Error, match="'when' is no flag"):
+        results.share("when")
     assert results.summary() == json.loads((tmp_path / "out" / "sweep.json").read_text())
 
 
@@ -272,7 +279,10 @@ def test_an_exception_is_the_status_of_its_world(jobs: int) -> None:
     results = mt.sweep(fails_above_two, [{"x": k % 4} for k in range(2500)], jobs=jobs)
     assert results.status[:4] == ["done", "done", "done", "failed: ZeroDivisionError: too much"]
     assert list(results.failed) == [k % 4 == 3 for k in range(2500)]
-    assert results["big"].dtype == bool and list(results["big"][:4]) == [False, False, True, False]
+    assert list(results["big"][:3]) == [0, 0, 1] and math.isnan(results["big"][3])
+    share = results.share("big")
+    assert share.worlds == 1875 and share.value == np.nanmean(results["big"]) == 1 / 3
+    assert 0.31 < share.lowest < 1 / 3 < share.highest < 0.36
     assert list(results["x2"][:3]) == [0, 1, 4] and math.isnan(results["x2"][3])
     assert results["even"][0] == 1 and math.isnan(results["even"][1])
     with pytest.raises(mt.Error, match="summary"):
@@ -335,8 +345,54 @@ def test_wrong_parameters_and_results() -> None:
         mt.sweep(double_of, 1, jobs=-1)
     with pytest.raises(mt.Error, match="which is a parameter"):
         mt.sweep(lambda seed: {"seed": 1}, 2)
-    with pytest.raises(mt.Error, match="as a number in some worlds"):
-        mt.sweep(lambda x: x, {"x": [True, 1.0]})
+    assert list(mt.sweep(lambda x: x, {"x": [True, 2.0, False]})["value"]) == [1, 2, 0]
     results = mt.sweep(lambda x: x, {"x": ["a", "b"]})
     assert results.status[1] == "failed: TypeError: the function returned 'b' as 'value', which is no number"
     assert list(results["x"]) == ["a", "b"]
+
+
+def test_a_name_that_clashes_is_found_in_the_first_world() -> None:
+    called: list[int] = []
+
+    def function(x: int) -> dict[str, int]:
+        called.append(x)
+        return {"x": 1}
+
+    with pytest.raises(mt.Error, match="which is a parameter"):
+        mt.sweep(function, {"x": range(100)})
+    assert called == [0]
+    late = mt.sweep(lambda x: {"y" if x < 3 else "x": x}, {"x": [1, 2, 3]})
+    assert late.status == ["done", "done", "failed: the function returned 'x', which is a parameter"]
+    assert list(late["y"][:2]) == [1, 2]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_what_is_finished_is_kept_when_a_sweep_is_interrupted(jobs: int) -> None:
+    later = threading.Event()
+
+    def function(x: int) -> int:
+        if x == 5:
+            later.wait(0.2)
+            raise KeyboardInterrupt
+        return 2 * x
+
+    with pytest.raises(KeyboardInterrupt) as ended:
+        mt.sweep(function, {"x": range(100)}, jobs=jobs)
+    results = ended.value.results  # type: ignore[attr-defined]
+    assert set(range(5)) <= set(results.world) and 5 not in results.world
+    assert list(results["value"]) == list(2 * results["x"]) == [2 * k for k in results.world]
+    assert not results.failed.any()
+
+
+def dies_in_world_7(x: int) -> int:
+    if x == 7:
+        os._exit(1)
+    return 2 * x
+
+
+def test_worlds_of_a_broken_executor_fail_and_the_others_are_kept() -> None:
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as processes:
+        results = mt.sweep(dies_in_world_7, {"x": range(20)}, executor=processes)
+    assert len(results) == 20 and list(results["value"][:5]) == [0, 2, 4, 6, 8]
+    assert results.status[7].startswith("failed: BrokenProcessPool: ")
+    assert list(results["value"][~results.failed]) == list(2 * results["x"][~results.failed])

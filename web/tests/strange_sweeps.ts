@@ -32,6 +32,17 @@ function allFailed(): SweepDocument {
   return { ...data, failures: data.failures!.slice(0, 100), failures_listed: 100, worst: [] };
 }
 
+function limited(): SweepDocument {
+  const data = pendulumSweep();
+  const limits = data.sensitivities!.map((each) => ({
+    ...each,
+    pairs: 451,
+    conditional: each.measure === "lands",
+    correlated: true,
+  }));
+  return { ...data, accepted_changes: [{ version: "0.1.0", hash: "0123456789abcdef" }], sensitivities: limits };
+}
+
 export const strangeSweeps: Record<string, { readonly data: SweepDocument; readonly says: readonly string[] }> = {
   nothing: { data: { format: 1, columns: [], values: {} }, says: ["This sweep has no worlds."] },
   no_worlds: {
@@ -59,6 +70,14 @@ export const strangeSweeps: Record<string, { readonly data: SweepDocument; reado
     },
     says: ["1.25e9 in all worlds", "0 N in all worlds", "100 %", "No world has a value."],
   },
+  limited: {
+    data: limited(),
+    says: [
+      "Changes were accepted:",
+      "These numbers are of the 451 worlds in which lands has a value.",
+      "* correlated with another parameter",
+    ],
+  },
   many_columns: { data: manyColumns(), says: ["20 parameters"] },
   incomplete: {
     data: { ...pendulumSweep(), worlds: 1000, shown: 600 },
@@ -66,6 +85,6 @@ export const strangeSweeps: Record<string, { readonly data: SweepDocument; reado
   },
   sample: {
     data: { ...pendulumSweep(), worlds: 1_000_000, done: 999_998 },
-    says: ["have an even sample of 600 worlds"],
+    says: ["have a random sample of 600 worlds"],
   },
 };

@@ -9,7 +9,9 @@ export interface SweepDocument {
   readonly sweep?: string;
   readonly scenario?: string;
   readonly seed?: number;
-  /** Numbers of worlds: planned, finished, failed, and in `values`, which is an even sample of the worlds if these are many. */
+  /** By what some worlds were computed before changes of the sweep were accepted. */
+  readonly accepted_changes?: readonly { readonly version: string; readonly hash: string }[];
+  /** Numbers of worlds: planned, finished, failed, and in `values`, which is a random sample of the worlds if these are many. */
   readonly worlds?: number;
   readonly done?: number;
   readonly failed?: number;
@@ -65,6 +67,11 @@ export interface Sensitivity {
   readonly correlation: number | null;
   /** First-order Sobol index. */
   readonly first_order: number | null;
+  /** Worlds that have both values; null if unknown. */
+  readonly pairs?: number | null;
+  /** Why the numbers have a limited meaning. */
+  readonly conditional?: boolean;
+  readonly correlated?: boolean;
 }
 
 export interface Failure {
@@ -118,6 +125,8 @@ export interface Sweep {
   readonly file: string;
   readonly scenario: string;
   readonly seed: number | null;
+  /** The versions of momentree that computed worlds before changes were accepted. */
+  readonly accepted: readonly string[];
   readonly worlds: number;
   readonly done: number;
   readonly failed: number;

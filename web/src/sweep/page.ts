@@ -31,19 +31,25 @@ function header(sweep: Sweep): HTMLElement {
 }
 
 /** What the reader must know about the numbers. */
-function statusOf({ worlds, done, failed, world }: Sweep): HTMLElement[] {
+function statusOf({ worlds, done, failed, world, accepted }: Sweep): HTMLElement[] {
   const notes: HTMLElement[] = [];
   const left = worlds - done - failed;
   const say = (strong: string, text: string, role: string) =>
     notes.push(h("p", { class: "status", role }, h("strong", {}, strong), text));
   if (worlds > 0 && failed >= worlds) say("All worlds failed. ", "The reasons are below.", "alert");
   if (left > 0) say("This sweep is not complete: ", `${worldsText(left)} ${left === 1 ? "is" : "are"} left to run.`, "alert");
+  if (accepted.length > 0)
+    say(
+      "Changes were accepted: ",
+      "some worlds were computed before the sweep, its files or momentree changed (--accept-changes).",
+      "alert",
+    );
   if (world.length > 0 && world.length < done)
     notes.push(
       h(
         "p",
         { class: "status" },
-        `The plot, the table and marks have an even sample of ${worldsText(world.length)}; ` +
+        `The plot, the table and marks have a random sample of ${worldsText(world.length)}; ` +
           "counts, means and extremes are of all.",
       ),
     );

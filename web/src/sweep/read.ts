@@ -26,6 +26,9 @@ const sensitivityOf = (value: Json, where: string): Sensitivity => ({
   vary: textOr(value, "vary", where, ""),
   correlation: optionalNumber(value, "correlation", where),
   first_order: optionalNumber(value, "first_order", where),
+  pairs: optionalNumber(value, "pairs", where),
+  conditional: value.conditional === true,
+  correlated: value.correlated === true,
 });
 
 /** A file beside the page or below it; null for any other address. */
@@ -88,6 +91,7 @@ export function sweepOf(document: unknown): Sweep {
     file: textOr(sweep, "sweep", where, ""),
     scenario: textOr(sweep, "scenario", where, ""),
     seed: optionalNumber(sweep, "seed", where),
+    accepted: items(sweep.accepted_changes ?? [], "accepted_changes", (each, at) => textOr(each, "version", at, "")),
     worlds: numberOr(sweep, "worlds", where, world.length),
     done: numberOr(sweep, "done", where, Math.max(world.length - failed, 0)),
     failed,

@@ -3,13 +3,13 @@ import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
 import type { Column, Sensitivity } from "./document";
 import type { Explorer } from "./explorer";
-import { breakable } from "./words";
+import { breakable, worldsText } from "./words";
 
 const most = 5;
 
 const size = ({ correlation, first_order }: Sensitivity) => Math.max(Math.abs(correlation ?? 0), first_order ?? 0);
 
-function rowOf(explorer: Explorer, measure: Column, { vary, correlation, first_order }: Sensitivity): HTMLElement {
+function rowOf(explorer: Explorer, measure: Column, { vary, correlation, first_order, correlated }: Sensitivity): HTMLElement {
   const x = explorer.column(vary);
   const name = x
     ? h(
@@ -29,11 +29,24 @@ function rowOf(explorer: Explorer, measure: Column, { vary, correlation, first_o
   return h(
     "tr",
     {},
-    h("th", { scope: "row" }, name),
+    h("th", { scope: "row" }, name, correlated ? " *" : ""),
     h("td", { "aria-hidden": "true" }, bar),
     h("td", {}, correlation === null ? "–" : digits(correlation, 2)),
     h("td", {}, first_order === null ? "–" : digits(first_order, 2)),
   );
+}
+
+/** What limits the meaning of the numbers. */
+function notesOf(measure: Column, all: readonly Sensitivity[]): HTMLElement[] {
+  const texts: string[] = [];
+  const some = all.find(({ conditional }) => conditional);
+  if (some) {
+    const which = typeof some.pairs === "number" ? `the ${worldsText(some.pairs)}` : "worlds";
+    texts.push(`These numbers are of ${which} in which ${measure.name} has a value.`);
+  }
+  if (all.some(({ correlated }) => correlated))
+    texts.push("* correlated with another parameter, whose effect the numbers include.");
+  return texts.map((text) => h("p", { class: "note" }, text));
 }
 
 /** Null if nothing is known about the measure. The greatest come first; the others are folded. */
@@ -70,5 +83,6 @@ export function sensitivities(explorer: Explorer, measure: Column): HTMLElement 
       body,
     ),
     sorted.length > most && more,
+    ...notesOf(measure, all),
   );
 }
