@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <momentree/base/error.hpp>
+#include <momentree/io/input_cache.hpp>
 #include <momentree/io/joint_tables.hpp>
 #include <momentree/io/number_text.hpp>
 
@@ -26,6 +27,8 @@ const Import* model_of(const Value& file, Reading& reading) {
     return nullptr;
   }
   if (const Import* known = reading.model_named(*name)) return known;
+  if (InputCache* const inputs = reading.scenario.inputs.get())
+    if (std::shared_ptr<Import> kept = inputs->model(*name)) return reading.models.emplace_back(*name, kept).second.get();
   if (!reading.looks_at_files) {
     reading.out.error(file.place, "model: a scenario read from text cannot name files", "read it from its file");
     return nullptr;

@@ -31,10 +31,7 @@ std::string energy_unit(std::string_view name) {
   return name.starts_with("angular.") ? "N m s" : "J";
 }
 
-std::string unit_of_dof(const World& world, const std::string& joint, char group, std::size_t place) {
-  const int number = world.find_joint(joint);
-  if (number < 0) return "";
-  const KindInfo& kind = info(world.joint(JointId{number}).kind);
+std::string_view unit_of_dof(const KindInfo& kind, char group, std::size_t place) {
   const std::string_view letters = group == 'q' ? kind.q_units : kind.v_units;
   if (place >= letters.size() || letters[place] == 'n') return "";
   const bool turns = letters[place] == 'r';
@@ -62,6 +59,7 @@ std::optional<ResultColumn> ResultColumn::find(std::string_view name, const Worl
   if (is_body) {
     if (const auto found = std::find(pose_names.begin(), pose_names.end(), last); found != pose_names.end()) {
       column.of_ = Of::body;
+      column.owner_ = owner;
       column.body_ = model.body(owner);
       column.place_ = static_cast<std::size_t>(found - pose_names.begin());
       column.unit_ = column.place_ < 3 ? "m" : "";
@@ -70,7 +68,7 @@ std::optional<ResultColumn> ResultColumn::find(std::string_view name, const Worl
   }
   if (joint != joints.end() && !last.empty()) {
     column.of_ = Of::joint;
-    column.joint_ = owner;
+    column.owner_ = owner;
     column.group_ = last.front();
     if (last.size() == 2 && (last[0] == 'f' || last[0] == 'm') && axis_names.find(last[1]) != std::string_view::npos) {
       column.place_ = axis_names.find(last[1]);
@@ -81,7 +79,8 @@ std::optional<ResultColumn> ResultColumn::find(std::string_view name, const Worl
     const int count = last.front() == 'q' ? joint->nq : last.front() == 'v' || last.front() == 'p' ? joint->nv : 0;
     if (number >= 0 && number < count) {
       column.place_ = static_cast<std::size_t>(number);
-      column.unit_ = unit_of_dof(world, owner, column.group_, column.place_);
+      if (const int of_world = world.find_joint(owner); of_world >= 0)
+        column.unit_ = unit_of_dof(info(world.joint(JointId{of_world}).kind), column.group_, column.place_);
       return column;
     }
   }
@@ -118,15 +117,22 @@ double ResultColumn::value(const Simulation& simulation) const {
     case Of::time: return world.time();
     case Of::energy: return energy_numbers(world, simulation.energy())[place_];
     case Of::body: {
-      if (!world.alive(body_)) return NAN;
-      const Pose& pose = world.motions()[static_cast<std::size_t>(body_.index)].pose;
+      // Another world may have another model.
+      const Model& model = world.model();
+      BodyId body = body_;
+      if (body.index >= model.size() || model[body].name != owner_) {
+        if (!model.has_body(owner_)) return NAN;
+        body = model.body(owner_);
+      }
+      if (!world.alive(body)) return NAN;
+      const Pose& pose = world.motions()[static_cast<std::size_t>(body.index)].pose;
       const Quat turn = with_positive_w(pose.rotation);
       const double all[] = {pose.position.x, pose.position.y, pose.position.z, turn.w, turn.x, turn.y, turn.z};
       return all[place_];
     }
     case Of::joint: break;
   }
-  const int number = world.find_joint(joint_);
+  const int number = world.find_joint(owner_);
   if (number < 0) return NAN;
   if (group_ == 'f' || group_ == 'm') {
     const auto [force, torque] = world.joint_forces(JointId{number}).reaction;
@@ -136,6 +142,7 @@ double ResultColumn::value(const Simulation& simulation) const {
   const JointView joint = world.joint(JointId{number});
   const Numbers& numbers = group_ == 'q' ? joint.q : group_ == 'v' ? joint.v : joint.p;
   if (place_ >= numbers.size()) return NAN;
+  if (!unit_.empty() && unit_of_dof(info(joint.kind), group_, place_) != unit_) return NAN;  // it has become another kind
   const std::size_t at = std::string_view(info(joint.kind).q_units).find('n');
   const bool turned = group_ == 'q' && at != std::string_view::npos && place_ >= at && place_ < at + 4 && joint.q[at] < 0;
   return turned ? -numbers[place_] : numbers[place_];

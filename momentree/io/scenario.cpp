@@ -6,6 +6,7 @@
 
 #include <momentree/base/characters.hpp>
 #include <momentree/io/hash.hpp>
+#include <momentree/io/input_cache.hpp>
 #include <momentree/io/known_scenario.hpp>
 #include <momentree/io/override.hpp>
 #include <momentree/io/scenario_parts.hpp>
@@ -162,7 +163,7 @@ struct Origin {
 
 // `parsed`: the document of the text, if it is known.
 ReadResult read_text(std::string text, const Origin& origin, const std::vector<std::string>& overrides,
-                     const Value* parsed = nullptr) {
+                     const Value* parsed = nullptr, std::shared_ptr<InputCache> inputs = nullptr) {
   namespace fs = std::filesystem;
   const std::string& path = origin.path;
   ReadResult result;
@@ -170,6 +171,7 @@ ReadResult read_text(std::string text, const Origin& origin, const std::vector<s
   scenario.path = path;
   scenario.name = origin.name;
   scenario.text = std::move(text);
+  scenario.inputs = std::move(inputs);
   Hash hash;
   hash.add(scenario.text);
   for (const std::string& each : overrides) {
@@ -185,7 +187,9 @@ ReadResult read_text(std::string text, const Origin& origin, const std::vector<s
   const bool is_parsed = parsed != nullptr && !reading.direct;
   if (reading.direct) {
     const std::string file = fs::path(path).filename().string(), folder = reading.folder.empty() ? "." : reading.folder;
-    reading.models.emplace_back(file, read_model_text(path, scenario.text, origin.looks_at_files ? folder : ""));
+    std::shared_ptr<Import> kept = scenario.inputs ? scenario.inputs->model(file) : nullptr;
+    if (!kept) kept = read_model_text(path, scenario.text, origin.looks_at_files ? folder : "");
+    reading.models.emplace_back(file, std::move(kept));
     const Import& import = *reading.models.back().second;
     if (import.errors() == 0) document = document_of(mechanism_name(scenario.name), file, import.model);
   } else if (is_parsed) {
@@ -209,12 +213,15 @@ ReadResult read_text(std::string text, const Origin& origin, const std::vector<s
   const bool good = out.errors() + reading.model_errors() == 0;
   result.diagnostics = out.take();
   for (const auto& [name, import] : reading.models) {
+    const bool is_kept = scenario.inputs && scenario.inputs->model(name) == import;
     for (const auto& file : import->files()) {
       const bool known = reading.direct && file == import->files().front();
       if (!known) hash.add("\n--model "), hash.add(file->text());
       result.model_files.push_back(file->path());
+      if (is_kept) continue;  // its warnings have been given
       for (Diagnostic& each : file->take()) result.diagnostics.push_back(std::move(each));
     }
+    if (scenario.inputs && !is_kept && import->errors() == 0) scenario.inputs->keep(name, import);
   }
   scenario.hash = hash.digits();
   if (good) result.scenario = std::move(scenario);
@@ -242,7 +249,7 @@ ReadResult read_scenario(const std::string& path, const std::vector<std::string>
 ReadResult read_scenario_again(const Scenario& scenario, const std::vector<std::string>& overrides) {
   Origin origin(scenario.path);
   origin.name = scenario.name;
-  return read_text(scenario.text, origin, overrides, scenario.document.get());
+  return read_text(scenario.text, origin, overrides, scenario.document.get(), scenario.inputs);
 }
 
 ReadResult read_scenario_from(std::string text, const std::string& path, const std::string& name, const std::string& folder,

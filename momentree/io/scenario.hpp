@@ -41,6 +41,8 @@ struct StateFile {
   Place place;
 };
 
+class InputCache;
+
 struct Scenario {
   std::string path;  ///< as given
   std::string name;  ///< the file's name without folder and extension
@@ -57,6 +59,7 @@ struct Scenario {
   std::vector<ScenarioEvent> events;     ///< in the order of the file
   std::vector<StateFile> state_files;    ///< the document of the whole world first
   std::vector<Shape> shapes;             ///< by body number
+  std::shared_ptr<InputCache> inputs{};  ///< files that further readings need not read again; null: they read them
 };
 
 struct ReadResult {
@@ -70,7 +73,7 @@ struct ReadResult {
 ReadResult read_scenario(const std::string& path, const std::vector<std::string>& overrides = {});
 
 /// Reads a scenario again with other overrides, without reading and parsing its text: for many variations. `scenario` was read
-/// without overrides; model files are read again.
+/// without overrides. Model files are read again, unless they are in its InputCache.
 ReadResult read_scenario_again(const Scenario& scenario, const std::vector<std::string>& overrides);
 
 /// Like read_scenario, from a text that is not in a file, such as standard input. `path`: how messages name it; `name`: the

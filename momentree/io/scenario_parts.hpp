@@ -29,7 +29,7 @@ struct Reading {
   bool direct = false;  ///< a model without a scenario
 
   /// Model files by the names that mechanisms use, and the places of their joints.
-  std::vector<std::pair<std::string, std::unique_ptr<Import>>> models{};
+  std::vector<std::pair<std::string, std::shared_ptr<Import>>> models{};
   std::unordered_map<std::string, BodySpots> from_model{};
 
   /// First places of complete names ("mechanism/joint"), for reporting duplicates and for finding the targets of events.

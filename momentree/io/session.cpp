@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <momentree/base/check.hpp>
+#include <momentree/io/input_cache.hpp>
 #include <momentree/io/number_text.hpp>
 #include <momentree/io/text_file.hpp>
 
@@ -37,7 +38,8 @@ Session::Session(std::shared_ptr<const Scenario> scenario, std::vector<RestoredS
 
   if (documents.empty())
     for (const StateFile& file : shared_->state_files)
-      documents.push_back(read_state(read_text_file(file.file), file.file, shared_->model, file.mechanism));
+      documents.push_back(read_state(shared_->inputs ? shared_->inputs->text(file.file) : read_text_file(file.file), file.file,
+                                     shared_->model, file.mechanism));
   if (!documents.empty()) {
     from_document_ = true;
     restore(simulation_, documents);

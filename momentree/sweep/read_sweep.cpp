@@ -8,6 +8,7 @@
 #include <momentree/base/error.hpp>
 #include <momentree/io/convert/toml_writer.hpp>
 #include <momentree/io/hash.hpp>
+#include <momentree/io/input_cache.hpp>
 #include <momentree/io/input_file.hpp>
 #include <momentree/io/text_file.hpp>
 #include <momentree/io/toml.hpp>
@@ -77,6 +78,7 @@ std::shared_ptr<const io::Scenario> read_scenario_of(const Value& value, SweepRe
     of_scenario = std::move(read.diagnostics);
     return nullptr;
   }
+  read.scenario->inputs = std::make_shared<io::InputCache>();  // all worlds have the models that are there now
   return std::make_shared<const io::Scenario>(std::move(*read.scenario));
 }
 
@@ -88,7 +90,7 @@ std::string hash_of(const Sweep& sweep, const std::string& tried) {
   hash.add(sweep.scenario->hash);
   for (const io::StateFile& file : sweep.scenario->state_files) {
     hash.add("\n--state ");
-    hash.add(io::read_text_file(file.file));
+    hash.add(sweep.scenario->inputs->text(file.file));
   }
   hash.add("\n--tried ");
   hash.add(tried);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include <momentree/io/hash.hpp>
+#include <momentree/io/input_cache.hpp>
 #include <momentree/io/text_file.hpp>
 #include <momentree/io/toml.hpp>
 #include <momentree/sweep/sweep_reading.hpp>
@@ -154,7 +155,7 @@ class Trials {
     hash_.add(scenario.hash);
     for (const io::StateFile& file : scenario.state_files) {
       hash_.add("\n--state ");
-      hash_.add(io::read_text_file(file.file));
+      hash_.add(sweep_.scenario->inputs->text(file.file));
     }
   }
 
