@@ -43,10 +43,10 @@ void watch_run(Simulation& simulation, io::Recorder& recorder, double every, Pro
   });
 }
 
-std::string status_text(Status status, const Simulation& simulation) {
-  if (status == Status::ok) return "done";
-  if (status == Status::interrupted) return format("interrupted at t = %.9g s", simulation.time());
-  return simulation.result().reason;
+std::string status_text(const RunResult& ended, const Simulation& simulation) {
+  if (ended) return "done";
+  if (ended == Status::interrupted) return format("interrupted at t = %.9g s", simulation.time());
+  return ended.reason;
 }
 
 Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose purpose,
@@ -67,13 +67,13 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose
        .lasting = false});
   Progress progress(start, scenario.until, errors_on_terminal());
   watch_run(simulation, recorder, scenario.output_every, progress);
-  const Status status = run_to_end ? run_to_end(simulation, scenario.until) : simulation.run_until(scenario.until);
+  const RunResult ended = run_to_end ? run_to_end(simulation, scenario.until) : simulation.run_until(scenario.until);
   progress.clear();
-  const std::string says = status_text(status, simulation);
+  const std::string says = status_text(ended, simulation);
   recorder.finish(says, session.armed());
   if (recorder.error()) throw_error(*recorder.error());
-  if (status != Status::ok && status != Status::interrupted) show(stderr, printable(scenario.path) + ": error: " + says + '\n');
-  return {recorder.directory(), status == Status::ok ? done : status == Status::interrupted ? interrupted : failed};
+  if (!ended && ended != Status::interrupted) show(stderr, printable(scenario.path) + ": error: " + says + '\n');
+  return {recorder.directory(), ended ? done : ended == Status::interrupted ? interrupted : failed};
 }
 
 }  // namespace momentree::cli

@@ -35,7 +35,7 @@ enum class Purpose { picture, report };
 /// `checkpoints`: the wall-clock time between checkpoints (s), of which the last is written at an interrupt; 0: none.
 void watch_run(Simulation& simulation, io::Recorder& recorder, double every, Progress& progress, double checkpoints = 0);
 /// How a run ended, as in summary.json.
-std::string status_text(Status status, const Simulation& simulation);
+std::string status_text(const RunResult& ended, const Simulation& simulation);
 
 /// Runs a scenario into a folder. `run_to_end`: how the simulation is run to its end (s); empty: run_until.
 Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose purpose,

@@ -103,7 +103,7 @@ int run(const RunOptions& options) {
   }
   std::optional<KernelCache> kernels;
   if (options.generate) simulation.use_generated(kernels.emplace().provider());
-  Status ended = Status::refused;
+  RunResult ended{Status::refused};
   try {
     ended = options.run_to_end ? options.run_to_end(simulation, scenario->until) : simulation.run_until(scenario->until);
   } catch (const std::bad_alloc&) {  // during a step or an event

@@ -162,10 +162,11 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
     show(stderr, printable(output.working()) + ": continues after " +
                      count_text(static_cast<long>(output.found()), "world", "worlds") + '\n');
   if (const sweep::Journal::Damage& damage = output.journal().damage(); damage.records > 0)
-    show(stderr, printable(output.working()) + "/sweep.journal: warning: " +
-                     count_text(static_cast<long>(damage.records), "damaged record is", "damaged records are") + " skipped; " +
-                     (damage.worlds > 0 ? count_text(static_cast<long>(damage.worlds), "world is", "worlds are") : "their worlds are") +
-                     " computed again\n");
+    show(stderr,
+         printable(output.working()) + "/sweep.journal: warning: " +
+             count_text(static_cast<long>(damage.records), "damaged record is", "damaged records are") + " skipped; " +
+             (damage.worlds > 0 ? count_text(static_cast<long>(damage.worlds), "world is", "worlds are") : "their worlds are") +
+             " computed again\n");
   std::atomic<bool> cancel = false, stop = false;
   const sweep::ScenarioWorlds worlds(sweep, lanes, &cancel);
   const int threads = threads_of(options, ranks);

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using sweep::Journal;
 
-constexpr const char* journal_name = "sweep.journal";
+constexpr const char* journal_name = io::journal_file;
 constexpr std::size_t animated_ends = 3;  // worlds with a page of their own, at each end of each measure
 
 sweep::JournalIdentity identity_of(const sweep::Sweep& sweep, sweep::Lanes lanes) {
@@ -38,7 +38,8 @@ std::string difference(const sweep::JournalIdentity& found, const sweep::Journal
     return "this folder has the unfinished results of another sweep, with " + std::to_string(found.worlds) + " worlds and " +
            std::to_string(found.measures) + " measures";
   if (found.plan != wanted.plan)
-    return "the values of worlds have changed since these unfinished results: [vary], [[correlated]], the seed or the number of worlds";
+    return "the values of worlds have changed since these unfinished results: [vary], [[correlated]], the seed or the number of "
+           "worlds";
   if (found.hash != wanted.hash)
     return "this folder has the unfinished results of another sweep, or of one that has been changed";
   return "this folder has unfinished results of version " + found.version + ", and this is version " + wanted.version;
@@ -116,6 +117,9 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, sweep::Lanes lanes, const Sw
       throw_error({"this folder has the complete results of another sweep, or of one that has been changed", out_,
                    "leave out --resume to replace them, or name another folder with --out"});
   }
+  if (folder_->has(io::checkpoint_file) && !options.restart)
+    throw_error({"this folder has the unfinished results of a run", folder_->working().string(),
+                 "continue it with momentree run --resume, name another folder with --out, or discard it with --restart"});
   try_table();
   folder_->clear();
   journal_.emplace(Journal::create(folder_->file(journal_name), wanted));
@@ -199,9 +203,9 @@ std::string SweepOutput::page_of(std::uint64_t world) const {
   if (!read.scenario) return "";
   const TemporaryFolder scratch;
   sweep::Observation observation(sweep_.measures);
-  const Recorded recorded =
-      record(*read.scenario, scratch.result(), Purpose::report,
-             [&](Simulation& simulation, double until) { return run_world(simulation, until, sweep_.stop, observation); });
+  const Recorded recorded = record(*read.scenario, scratch.result(), Purpose::report, [&](Simulation& simulation, double until) {
+    return run_world(simulation, until, sweep_.stop, observation);
+  });
   return recorded.code == done ? io::report_page(report_html(), io::report_data(recorded.folder)) : "";
 }
 

@@ -103,6 +103,28 @@ void apply(Value& document, const Assignment& assignment, Place place, Diagnosti
 
 }  // namespace
 
+std::vector<std::string> place_of_key(const Value& document, const std::string& key) {
+  const std::optional<Assignment> assignment = parsed(key + "=");
+  if (!assignment) return {};
+  std::vector<std::string> place;
+  Diagnostics unheard("", "");
+  const Value* at = &document;
+  for (const std::string& part : assignment->path) {
+    if (at != nullptr && at->array() != nullptr) {
+      // Only found, not changed.
+      const Value* const entry = entry_of(const_cast<Value&>(*at), part, {}, unheard);  // NOLINT
+      if (entry == nullptr) return {};
+      place.push_back(std::to_string(entry - at->array()->data()));
+      at = entry;
+    } else {
+      place.push_back(part);
+      const Value::Entry* const entry = at != nullptr && at->table() != nullptr ? at->find(part) : nullptr;
+      at = entry != nullptr ? &entry->value : nullptr;
+    }
+  }
+  return place;
+}
+
 void apply_overrides(Value& document, const std::vector<std::string>& overrides, Diagnostics& out) {
   int option = 0;
   for (const std::string& text : overrides) {

@@ -19,8 +19,8 @@ class ResultColumn {
   const std::string& name() const { return name_; }
   /// Its SI unit: "m", "rad/s"; empty for numbers without one.
   const std::string& unit() const { return unit_; }
-  /// The number in the present state, also of a simulation of another model; NaN if the body or the joint, or its coordinate, does
-  /// not exist or has another unit. Quaternions have the sign with w >= 0.
+  /// The number in the present state, also of a simulation of another model; NaN if the body or the joint, or its coordinate,
+  /// does not exist or has another unit. Quaternions have the sign with w >= 0.
   double value(const Simulation& simulation) const;
   /// Whether it is a number of the energy ledger: energy dissipated, work of forces, error of the balance.
   bool of_ledger() const;
@@ -31,9 +31,9 @@ class ResultColumn {
 
   std::string name_, unit_;
   Of of_ = Of::time;
-  BodyId body_{-1};  ///< where it was found
+  BodyId body_{-1};    ///< where it was found
   std::string owner_;  ///< the name of the body or the joint
-  char group_ = 0;  ///< of a joint: q, v, p, f or m
+  char group_ = 0;     ///< of a joint: q, v, p, f or m
   std::size_t place_ = 0;
 };
 

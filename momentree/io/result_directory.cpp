@@ -91,7 +91,11 @@ void ResultDirectory::begin() {
   bring_back_former();
   check_destination();
   check_names();
-  if (earlier_ == Earlier::removed) clear();
+  if (earlier_ == Earlier::kept) return;
+  if (has(journal_file))
+    throw_error({"this folder has the unfinished results of a sweep", working_.string(),
+                 "continue it with momentree sweep, name another folder with --out, or delete this one"});
+  clear();
 }
 
 void ResultDirectory::remove_all() noexcept {

@@ -14,6 +14,10 @@
 
 namespace momentree::io {
 
+/// Files with which unfinished results can be continued: of a sweep, and of a run.
+inline constexpr const char* journal_file = "sweep.journal";
+inline constexpr const char* checkpoint_file = "checkpoint";
+
 /// Files are written in `DESTINATION.partial`; `publish` moves that folder to `DESTINATION`. At every instant, even if the
 /// process is killed, a complete result exists: the earlier one or the new one. Both folders are locked until the end. Only
 /// files that the folders' markers name, and that momentree therefore wrote, are ever removed.
@@ -23,9 +27,10 @@ class ResultDirectory {
   enum class Earlier { removed, kept };
 
   /// Makes `DESTINATION.partial` and its parent folders, and removes the files of an earlier run from it, unless they are kept
-  /// so that the run can be continued. `files`: names that will be written. `lasting`: the published result is flushed to disk,
-  /// so that it survives a power failure. Throws Error, and leaves everything as it was, if the folder cannot be made, if another
-  /// run is using it, or if it would have to replace something that momentree did not write.
+  /// so that the run can be continued. The journal of a sweep is not removed: that is an error. `files`: names that will be
+  /// written. `lasting`: the published result is flushed to disk, so that it survives a power failure. Throws Error, and leaves
+  /// everything as it was, if the folder cannot be made, if another run is using it, or if it would have to replace something
+  /// that momentree did not write.
   explicit ResultDirectory(const std::string& destination, std::vector<std::string> files = {}, bool lasting = true,
                            Earlier earlier = Earlier::removed);
   /// Takes up `DESTINATION.partial` of a run that ended before its result was complete, if the folder has the file `needed`;

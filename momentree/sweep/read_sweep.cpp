@@ -10,6 +10,7 @@
 #include <momentree/io/hash.hpp>
 #include <momentree/io/input_cache.hpp>
 #include <momentree/io/input_file.hpp>
+#include <momentree/io/override.hpp>
 #include <momentree/io/text_file.hpp>
 #include <momentree/io/toml.hpp>
 #include <momentree/sweep/sweep_keys.hpp>
@@ -80,6 +81,24 @@ std::shared_ptr<const io::Scenario> read_scenario_of(const Value& value, SweepRe
   }
   read.scenario->inputs = std::make_shared<io::InputCache>();  // all worlds have the models that are there now
   return std::make_shared<const io::Scenario>(std::move(*read.scenario));
+}
+
+// Two parameters must not set the same value: the last one would win, and the others be shown without having an effect.
+void check_overlaps(SweepReading& reading) {
+  std::vector<std::pair<std::vector<std::string>, const Parameter*>> places;
+  for (const Parameter& parameter : reading.sweep.parameters) {
+    std::vector<std::string> place = io::place_of_key(*reading.sweep.scenario->document, parameter.key);
+    if (!place.empty()) places.emplace_back(std::move(place), &parameter);
+  }
+  // In this order, what begins with a place follows it.
+  std::stable_sort(places.begin(), places.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    const auto& [outer, first] = places[i - 1];
+    const auto& [inner, second] = places[i];
+    if (outer.size() > inner.size() || !std::equal(outer.begin(), outer.end(), inner.begin())) continue;
+    reading.out.error(second->place, io::in_quotes(second->key) + " and " + io::in_quotes(first->key) + " vary the same value",
+                      "keep one of them");
+  }
 }
 
 // `tried`: of try_parameters().
@@ -166,6 +185,7 @@ void read_document(const Value& document, SweepReading& reading, std::vector<io:
     return;
   }
   if (vary == nullptr || out.full()) return;
+  check_overlaps(reading);
   reading.vary = vary->place;
   try {
     sweep.hash = hash_of(sweep, try_parameters(reading));

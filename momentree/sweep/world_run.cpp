@@ -39,7 +39,8 @@ void WorldRun::reached(const RunResult& result) {
   last_ = result;
   const std::vector<double>& instants = observation_.instants();
   if (instant_ < instants.size() && instants[instant_] <= until_) {
-    if (last_) observation_.instant(simulation_, instants[instant_]);
+    // An end by the rule at this very instant is no earlier than it.
+    if (last_ || (stopped_ && simulation_.time() == instants[instant_])) observation_.instant(simulation_, instants[instant_]);
     ++instant_;
   } else {
     over_ = true;

@@ -14,9 +14,6 @@
 
 namespace momentree::io {
 
-/// The name of the checkpoint in the folder of a run in progress.
-inline constexpr const char* checkpoint_file = "checkpoint";
-
 /// What a checkpoint belongs to: it is refused for anything else.
 struct RunInput {
   std::string version;     ///< of the program
