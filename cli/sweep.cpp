@@ -239,7 +239,8 @@ int sweep(const SweepOptions& options) {
   const sweep::Sweep& all = *read.sweep;
   if (options.world) return run_one_world(all, options);
   if (!first) return work_for_others(all, *ranks, options);
-  if (options.resume && !options.restart && is_complete_sweep(all, sweep_destination(all, options)))
+  const std::string out = sweep_destination(all, options);
+  if (options.resume && !options.restart && is_complete_sweep(all, out) && !needs_report(out, options))
     return conclude_complete(all, ranks.get(), options);
   return run_sweep(all, ranks.get(), options);
 }
