@@ -81,9 +81,8 @@ int run(const RunOptions& options) {
   const double start = simulation.time();
   const int dofs = simulation.world().tree().nv();
   const InterruptGuard guard;  // before there is a folder that would be left behind
-  const io::RunOrigin origin{scenario->name, scenario->title, scenario->path,  scenario->hash,
-                             overrides,      start,           scenario->until, scenario->integration,
-                             options.reactions};
+  const io::RunOrigin origin{scenario->name, scenario->title, scenario->path,        scenario->hash,   overrides,
+                             start,          scenario->until, scenario->integration, options.reactions};
   const io::RecordOptions record{.directory = out,
                                  .joints = session.joints(),
                                  .every = scenario->output_every,

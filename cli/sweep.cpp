@@ -125,7 +125,8 @@ class NoWork final : public sweep::WorkSource {
 };
 
 // What the first rank does alone, while the others wait for its end.
-int conclude_alone(const sweep::Sweep& sweep, sweep::Communicator& ranks, sweep::Lanes lanes, const std::function<int()>& action) {
+int conclude_alone(const sweep::Sweep& sweep, sweep::Communicator& ranks, sweep::Lanes lanes,
+                   const std::function<int()>& action) {
   NoWork none;
   sweep::DistributeOptions how;
   how.version = sweep::program_text(lanes), how.work = sweep.hash;
@@ -172,10 +173,11 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
     show(stderr, printable(output.working()) + ": continues after " +
                      count_text(static_cast<long>(output.found()), "world", "worlds") + '\n');
   if (const sweep::Journal::Damage& damage = output.journal().damage(); damage.records > 0)
-    show(stderr, printable(output.working()) + "/sweep.journal: warning: " +
-                     count_text(static_cast<long>(damage.records), "damaged record is", "damaged records are") + " skipped; " +
-                     (damage.worlds > 0 ? count_text(static_cast<long>(damage.worlds), "world is", "worlds are") : "their worlds are") +
-                     " computed again\n");
+    show(stderr,
+         printable(output.working()) + "/sweep.journal: warning: " +
+             count_text(static_cast<long>(damage.records), "damaged record is", "damaged records are") + " skipped; " +
+             (damage.worlds > 0 ? count_text(static_cast<long>(damage.worlds), "world is", "worlds are") : "their worlds are") +
+             " computed again\n");
   std::atomic<bool> cancel = false, stop = false;
   const sweep::ScenarioWorlds worlds(sweep, lanes, &cancel);
   const int threads = threads_of(options, ranks);

@@ -95,7 +95,8 @@ void require_replaceable(const std::string& path) {
   const std::filesystem::file_status status = std::filesystem::symlink_status(path, error);
   if (status.type() == std::filesystem::file_type::not_found) return;
   if (std::filesystem::is_regular_file(status) && !summary_in(path).empty()) return;
-  throw_error({"this is not the result of a sweep, and would be replaced", path, "move it elsewhere, or name another file with --out"});
+  throw_error(
+      {"this is not the result of a sweep, and would be replaced", path, "move it elsewhere, or name another file with --out"});
 }
 
 }  // namespace momentree::cli

@@ -39,7 +39,8 @@ std::string difference(const sweep::JournalIdentity& found, const sweep::Journal
     return "this folder has the unfinished results of another sweep, with " + std::to_string(found.worlds) + " worlds and " +
            std::to_string(found.measures) + " measures";
   if (found.plan != wanted.plan)
-    return "the values of worlds have changed since these unfinished results: [vary], [[correlated]], the seed or the number of worlds";
+    return "the values of worlds have changed since these unfinished results: [vary], [[correlated]], the seed or the number of "
+           "worlds";
   if (found.hash != wanted.hash)
     return "this folder has the unfinished results of another sweep, or of one that has been changed";
   return "this folder has unfinished results of version " + found.version + ", and this is version " + wanted.version;
@@ -150,8 +151,9 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, sweep::Lanes lanes, const Sw
 void SweepOutput::restore(const sweep::JournalIdentity& wanted) {
   const std::string table = (fs::path(out_) / "worlds.csv").string(), summary = complete_summary(out_);
   const auto refuse = [&table] {
-    throw_error({"this table has been changed, or the version of momentree that wrote it was another one: no report can be made of it",
-                 table, "leave out --resume to compute all worlds again"});
+    throw_error(
+        {"this table has been changed, or the version of momentree that wrote it was another one: no report can be made of it",
+         table, "leave out --resume to compute all worlds again"});
   };
   std::vector<sweep::JournalIdentity> identities;
   for (const sweep::FormerIdentity& each : former_of(summary)) {
@@ -263,9 +265,9 @@ std::string SweepOutput::page_of(std::uint64_t world) const {
   if (!read.scenario) return "";
   const TemporaryFolder scratch;
   sweep::Observation observation(sweep_.measures);
-  const Recorded recorded =
-      record(*read.scenario, scratch.result(), Purpose::report,
-             [&](Simulation& simulation, double until) { return run_world(simulation, until, sweep_.stop, observation); });
+  const Recorded recorded = record(*read.scenario, scratch.result(), Purpose::report, [&](Simulation& simulation, double until) {
+    return run_world(simulation, until, sweep_.stop, observation);
+  });
   return recorded.code == done ? io::report_page(report_html(), io::report_data(recorded.folder)) : "";
 }
 

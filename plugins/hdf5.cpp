@@ -256,7 +256,7 @@ const char* library_version() {
 
 extern "C" __attribute__((visibility("default"))) const void* momentree_plugin_hdf5() {
   [[maybe_unused]] static const herr_t no_exit_handler = H5dont_atexit();
-  static const MomentreeHdf5 table = {hdf5_interface, library_version(), create,    group, dataset,
-                                      append,         attribute,         texts, close, file_text};
+  static const MomentreeHdf5 table = {hdf5_interface, library_version(), create, group, dataset,
+                                      append,         attribute,         texts,  close, file_text};
   return &table;
 }

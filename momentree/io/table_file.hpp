@@ -61,8 +61,8 @@ class TableFile {
 /// Throws Error if momentree-hdf5.so is missing or unusable.
 void require_hdf5();
 
-/// An attribute of a whole HDF5 file, as file_attribute() writes texts; nothing if there is no such file or attribute. Throws Error
-/// if momentree-hdf5.so is missing.
+/// An attribute of a whole HDF5 file, as file_attribute() writes texts; nothing if there is no such file or attribute. Throws
+/// Error if momentree-hdf5.so is missing.
 [[nodiscard]] std::optional<std::string> hdf5_text(const std::string& path, const std::string& name);
 
 /// The paths of columns within their group: see make_hdf5_file().

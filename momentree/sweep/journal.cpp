@@ -271,7 +271,8 @@ void Journal::flush() {
 std::string Journal::read(const Entry& entry) const {
   std::string bytes = bytes_at(file_, entry.offset, entry.size, path_);
   if (bytes.size() != entry.size || crc32c(bytes) != entry.crc)
-    throw_error({"this file was changed or damaged during the sweep", path_, "the same command computes the damaged worlds again"});
+    throw_error(
+        {"this file was changed or damaged during the sweep", path_, "the same command computes the damaged worlds again"});
   return bytes;
 }
 

@@ -44,8 +44,8 @@ class Journal {
 
   /// Makes a new journal. Throws Error.
   static Journal create(const std::string& path, const JournalIdentity& identity);
-  /// Opens a journal for continuing it, drops a last record that is incomplete, and skips damaged ones. Throws Error if it cannot be read, or if it is
-  /// not a journal.
+  /// Opens a journal for continuing it, drops a last record that is incomplete, and skips damaged ones. Throws Error if it cannot
+  /// be read, or if it is not a journal.
   static Journal open(const std::string& path);
 
   const JournalIdentity& identity() const { return identity_; }

@@ -148,11 +148,11 @@ TEST_CASE("the contents of files that entries of lists name belong to the sweep"
   const auto write = [&](const char* name, double mass) { momentree::io::write_text_file(folder / name, model(mass)); };
   write("a.urdf", 1);
   write("b.urdf", 2);
-  momentree::io::write_text_file(folder / "ball.toml",
-                                 "format = 1\n[[mechanism]]\nname = \"m\"\nmodel = \"a.urdf\"\n[integrate]\nstep = 0.01\nuntil = 1\n");
+  momentree::io::write_text_file(
+      folder / "ball.toml", "format = 1\n[[mechanism]]\nname = \"m\"\nmodel = \"a.urdf\"\n[integrate]\nstep = 0.01\nuntil = 1\n");
   const auto hash = [&](const std::string& list) {
-    const ReadSweep read = read_sweep_text(
-        sweep_text("\"mechanism.m.model\" = " + list, "x = { final = \"m/j.q0\" }", ""), folder.sweep());
+    const ReadSweep read =
+        read_sweep_text(sweep_text("\"mechanism.m.model\" = " + list, "x = { final = \"m/j.q0\" }", ""), folder.sweep());
     CAPTURE(said(read));
     REQUIRE(read.sweep);
     return read.sweep->hash;
@@ -172,7 +172,8 @@ TEST_CASE("the contents of files that entries of lists name belong to the sweep"
 TEST_CASE("quantities in one unit are numbers, other strings are text") {
   const Folder folder;
   const auto column = [&](const std::string& key, const std::string& list) {
-    const ReadSweep read = read_sweep_text(sweep_text('"' + key + "\" = " + list, "x = { final = \"m/ball.x\" }", ""), folder.sweep());
+    const ReadSweep read =
+        read_sweep_text(sweep_text('"' + key + "\" = " + list, "x = { final = \"m/ball.x\" }", ""), folder.sweep());
     CAPTURE(said(read));
     REQUIRE(read.sweep);
     const Sweep& sweep = *read.sweep;
@@ -236,11 +237,12 @@ TEST_CASE("mistakes in a sweep name their line and how to mend them") {
         "reaction reaction_force reaction_impulse reaction_torque speed");
   std::string triangle = ball;
   momentree::io::write_text_file(folder / "ball.toml", triangle.replace(triangle.find("inertia = 1"), 11, "inertia = [1, 1, 1]"));
-  check(sweep_text("\"mechanism.m.body.ball.inertia.0\" = [1.9]\n\"mechanism.m.body.ball.inertia.1\" = [0.5]", measure, ""),
-        "s.toml:3:1: error: [vary]: with the typical values of all parameters: inertia: the largest principal moment is more than "
-        "the sum of the others, which no body has (" +
-            folder / "ball.toml" +
-            ", line 11); it is meant about the centre of mass, and products of inertia as elements of the matrix (xy = −Σ m x y)");
+  check(
+      sweep_text("\"mechanism.m.body.ball.inertia.0\" = [1.9]\n\"mechanism.m.body.ball.inertia.1\" = [0.5]", measure, ""),
+      "s.toml:3:1: error: [vary]: with the typical values of all parameters: inertia: the largest principal moment is more than "
+      "the sum of the others, which no body has (" +
+          folder / "ball.toml" +
+          ", line 11); it is meant about the centre of mass, and products of inertia as elements of the matrix (xy = −Σ m x y)");
   momentree::io::write_text_file(folder / "ball.toml", ball);
   check(
       sweep_text(vary, "x = { final = \"m/ball.w\" }"),

@@ -184,7 +184,8 @@ std::string SweepSummary::document(bool with_values, const std::vector<std::uint
   json.member("scenario", sweep_.scenario->path).member("hash", sweep_.hash);
   if (!former_.empty()) {
     json.key("accepted_changes").begin_array();
-    for (const FormerIdentity& each : former_) json.begin_object().member("version", each.version).member("hash", each.hash).end_object();
+    for (const FormerIdentity& each : former_)
+      json.begin_object().member("version", each.version).member("hash", each.hash).end_object();
     json.end_array();
   }
   member_count(json, "seed", sweep_.seed);

@@ -35,8 +35,8 @@ class SweepSummary {
   std::vector<Worst> worst(std::size_t count) const;
   /// The text of sweep.json: the same for the same results, whatever computed them.
   std::string json() const;
-  /// The document of the report page: the above with the values of at most 20,000 worlds, a uniform sample. `animated`: the worlds that have a page
-  /// of their own: page_of_world().
+  /// The document of the report page: the above with the values of at most 20,000 worlds, a uniform sample. `animated`: the
+  /// worlds that have a page of their own: page_of_world().
   std::string report(const std::vector<std::uint64_t>& animated) const;
   /// A line for each measure, for the terminal: name and text.
   std::vector<std::vector<std::string>> table() const;

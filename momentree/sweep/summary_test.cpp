@@ -99,8 +99,8 @@ TEST_CASE("the points of a report are a uniform sample of many worlds") {
   const Folder folder;
   const std::string mass = "mechanism.m.body.ball.mass";
   const Sweep drawn = sweep_of(folder, "worlds = 40000\n", '"' + mass + "\" = { sobol = [1, 2] }");
-  const Sweep combined = sweep_of(
-      folder, "", "\"mechanism.m.body.ball.inertia\" = { range = [1, 2, 15000] }\n\"" + mass + "\" = [1, 2]");
+  const Sweep combined =
+      sweep_of(folder, "", "\"mechanism.m.body.ball.inertia\" = { range = [1, 2, 15000] }\n\"" + mass + "\" = [1, 2]");
   for (const Sweep* const sweep : {&drawn, &combined}) {
     const SweepSummary summary = summary_of(*sweep);
     const std::vector<double> masses = shown(summary, mass), worlds = shown(summary, "world");

@@ -33,11 +33,11 @@ struct StopRule {
 };
 
 struct Sweep {
-  std::string path;   ///< as given
-  std::string name;   ///< the file's name without folder and extension
-  std::string title;  ///< may be empty
-  std::string text;   ///< as read
-  std::string hash;   ///< of the sweep, the scenario and the files that they name
+  std::string path;       ///< as given
+  std::string name;       ///< the file's name without folder and extension
+  std::string title;      ///< may be empty
+  std::string text;       ///< as read
+  std::string hash;       ///< of the sweep, the scenario and the files that they name
   std::string plan_hash;  ///< of what determines the varied values: [vary], [[correlated]], the seed, the number of worlds
   std::shared_ptr<const io::Scenario> scenario;
   std::vector<io::JointKinds> joints;  ///< joints of the scenario's run
