@@ -44,6 +44,14 @@ TEST_CASE("where there is nothing to resume, the run begins; where it is complet
   CHECK(here.call("run s.toml --out r --resume").code == 0);
   CHECK_FALSE(here.has("r/checkpoint"));
   CHECK(here.call("run s.toml --out r --resume --json").output == summary);
+  const Outcome bare = here.call("run s.toml --out r --resume --reactions");
+  CHECK((bare.code == 2 && bare.says("complete, but have no reactions")));
+  const Outcome plain = here.call("run s.toml --out r --resume --report");
+  CHECK((plain.code == 2 && plain.says("complete, but have no report")));
+  CHECK(here.text("r/summary.json") == summary);
+  CHECK(here.call("run s.toml --quiet --out full --reactions --report").code == 0);
+  CHECK(here.call("run s.toml --out full --resume --reactions --report").output ==
+        "The run is complete already. Results: full\n");
   CHECK(here.call("run s.toml --quiet --out r --resume --until 0.2").code == 0);  // another run
   CHECK(here.text("r/summary.json") != summary);
 }

@@ -68,7 +68,12 @@ int run(const RunOptions& options) {
   if (saves) input = io::run_input(*scenario, options.reactions);
   std::optional<io::Interrupted> former;
   if (options.resume) former = io::find_checkpoint(out, *input);
-  if (options.resume && !former && io::is_complete(out, *input)) return say_complete(out, options);
+  if (options.resume && !former && io::is_complete(out, *input)) {
+    if (options.report && !std::filesystem::exists(std::filesystem::path(out) / "report.html"))
+      throw_error({"these results are complete, but have no report", out,
+                   "`momentree view` shows them; without --resume the run starts again, with a report"});
+    return say_complete(out, options);
+  }
 
   io::Session session(scenario);
   show(stderr, io::rendered(session.schedule()));
@@ -76,8 +81,8 @@ int run(const RunOptions& options) {
   const double start = simulation.time();
   const int dofs = simulation.world().tree().nv();
   const InterruptGuard guard;  // before there is a folder that would be left behind
-  const io::RunOrigin origin{scenario->name, scenario->title, scenario->path,  scenario->hash,
-                             overrides,      start,           scenario->until, scenario->integration};
+  const io::RunOrigin origin{scenario->name, scenario->title, scenario->path,        scenario->hash,   overrides,
+                             start,          scenario->until, scenario->integration, options.reactions};
   const io::RecordOptions record{.directory = out,
                                  .joints = session.joints(),
                                  .every = scenario->output_every,

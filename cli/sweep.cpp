@@ -87,8 +87,7 @@ int run_one_world(const sweep::Sweep& sweep, const SweepOptions& options) {
   run_options.overrides = sweep.overrides(*options.world);
   run_options.out = options.out.empty() ? "results/" + sweep.name + "-world-" + std::to_string(*options.world) : options.out;
   run_options.report = options.report, run_options.quiet = options.quiet, run_options.json = options.json;
-  if (!options.quiet && !options.json)
-    for (const std::string& each : run_options.overrides) show(stderr, printable(each) + '\n');
+  if (!options.quiet && !options.json) show(stderr, printable(run_command(sweep, *options.world)) + '\n');
   sweep::Observation observation(sweep.measures);
   run_options.run_to_end = [&](Simulation& simulation, double until) {
     return run_world(simulation, until, sweep.stop, observation);
@@ -104,44 +103,6 @@ int say_complete(const std::string& out, const SweepOptions& options) {
   return done;
 }
 
-// A complete sweep has nothing to give to other ranks.
-class NoWork final : public sweep::WorkSource {
- public:
-  std::optional<sweep::Chunk> next() override { return std::nullopt; }
-  void finished(sweep::Chunk, std::string) override {}
-  bool complete() const override { return true; }
-  void give_again(sweep::Chunk) override {}
-};
-
-int conclude_complete(const sweep::Sweep& sweep, sweep::Communicator* ranks, const SweepOptions& options) {
-  const std::string out = sweep_destination(sweep, options);
-  if (ranks == nullptr) return say_complete(out, options);
-  NoWork none;
-  sweep::DistributeOptions how;
-  how.version = MOMENTREE_VERSION, how.work = sweep.hash;
-  how.conclude = [&](sweep::Ending, const std::exception_ptr&) { return say_complete(out, options); };
-  return distribute(
-      ranks, &none, [](sweep::Chunk) { return std::string(); }, how);
-}
-
-int threads_of(const SweepOptions& options, const sweep::Communicator* ranks) {
-  if (options.jobs > 0) return options.jobs;
-  return ranks != nullptr ? 1 : static_cast<int>(std::max(std::thread::hardware_concurrency(), 1u));
-}
-
-// Another rank: computes what the first one gives it.
-int work_for_others(const sweep::Sweep& sweep, sweep::Communicator& ranks, const SweepOptions& options) {
-  std::atomic<bool> cancel = false;
-  const sweep::Lanes lanes = lanes_for(sweep, sweep::lanes_of(options.lanes));
-  const sweep::ScenarioWorlds worlds(sweep, lanes, &cancel);
-  sweep::DistributeOptions how;
-  how.threads = threads_of(options, &ranks);
-  how.version = sweep::program_text(lanes), how.work = sweep.hash;
-  how.cancel = &cancel;
-  return distribute(
-      &ranks, nullptr, [&worlds](sweep::Chunk chunk) { return worlds.run(chunk); }, how);
-}
-
 void report_failure(const std::exception_ptr& failure) {
   try {
     std::rethrow_exception(failure);
@@ -152,6 +113,56 @@ void report_failure(const std::exception_ptr& failure) {
   } catch (const std::exception& error) {
     show(stderr, "momentree: error: " + printable(error.what()) + '\n');
   }
+}
+
+// Nothing is given to other ranks.
+class NoWork final : public sweep::WorkSource {
+ public:
+  std::optional<sweep::Chunk> next() override { return std::nullopt; }
+  void finished(sweep::Chunk, std::string) override {}
+  bool complete() const override { return true; }
+  void give_again(sweep::Chunk) override {}
+};
+
+// What the first rank does alone, while the others wait for its end.
+int conclude_alone(const sweep::Sweep& sweep, sweep::Communicator& ranks, sweep::Lanes lanes,
+                   const std::function<int()>& action) {
+  NoWork none;
+  sweep::DistributeOptions how;
+  how.version = sweep::program_text(lanes), how.work = sweep.hash;
+  how.conclude = [&](sweep::Ending ending, const std::exception_ptr& failure) {
+    try {
+      if (failure) std::rethrow_exception(failure);
+      return ending == sweep::Ending::interrupted ? static_cast<int>(interrupted) : action();
+    } catch (...) {
+      report_failure(std::current_exception());
+      return static_cast<int>(failed);
+    }
+  };
+  return distribute(
+      &ranks, &none, [](sweep::Chunk) { return std::string(); }, how);
+}
+
+int threads_of(const SweepOptions& options, const sweep::Communicator* ranks) {
+  if (options.jobs > 0) return options.jobs;
+  return ranks != nullptr ? 1 : static_cast<int>(std::max(std::thread::hardware_concurrency(), 1u));
+}
+
+// Another rank: computes what the first one gives it.
+int work_for_others(const sweep::Sweep& sweep, sweep::Communicator& ranks, const SweepOptions& options) {
+  const InterruptGuard guard;
+  std::atomic<bool> cancel = false, stop = false;
+  const sweep::Lanes lanes = lanes_for(sweep, sweep::lanes_of(options.lanes));
+  const sweep::ScenarioWorlds worlds(sweep, lanes, &cancel);
+  sweep::DistributeOptions how;
+  how.threads = threads_of(options, &ranks);
+  how.version = sweep::program_text(lanes), how.work = sweep.hash;
+  how.stop = &stop, how.cancel = &cancel;
+  how.progress = [&] {
+    if (InterruptGuard::interrupted()) stop = true;
+  };
+  return distribute(
+      &ranks, nullptr, [&worlds](sweep::Chunk chunk) { return worlds.run(chunk); }, how);
 }
 
 int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const SweepOptions& options) {
@@ -232,16 +243,21 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
 }  // namespace
 
 int sweep(const SweepOptions& options) {
-  const std::unique_ptr<sweep::Communicator> ranks = options.world ? nullptr : sweep::launch();
+  const std::unique_ptr<sweep::Communicator> ranks = sweep::launch();
   const bool first = !ranks || ranks->rank() == 0;
   const sweep::ReadSweep read = sweep::read_sweep(options.file);
   if (first) show(stderr, io::rendered(read.diagnostics));
   if (!read.sweep) return bad_input;
   const sweep::Sweep& all = *read.sweep;
-  if (options.world) return run_one_world(all, options);
   if (!first) return work_for_others(all, *ranks, options);
-  if (options.resume && !options.restart && is_complete_sweep(all, sweep_destination(all, options)))
-    return conclude_complete(all, ranks.get(), options);
+  const auto alone = [&](const std::function<int()>& action) {
+    if (!ranks) return action();
+    return conclude_alone(all, *ranks, lanes_for(all, sweep::lanes_of(options.lanes)), action);
+  };
+  if (options.world) return alone([&] { return run_one_world(all, options); });
+  const std::string out = sweep_destination(all, options);
+  if (options.resume && !options.restart && is_complete_sweep(all, out) && !needs_report(out, options))
+    return alone([&] { return say_complete(out, options); });
   return run_sweep(all, ranks.get(), options);
 }
 

@@ -15,6 +15,7 @@
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
 #include <momentree/io/text_file.hpp>
+#include <momentree/sweep/read_results.hpp>
 #include <momentree/sweep/scenario_worlds.hpp>
 
 namespace momentree::cli {
@@ -43,6 +44,20 @@ std::string difference(const sweep::JournalIdentity& found, const sweep::Journal
   if (found.hash != wanted.hash)
     return "this folder has the unfinished results of another sweep, or of one that has been changed";
   return "this folder has unfinished results of version " + found.version + ", and this is version " + wanted.version;
+}
+
+// `accepted_changes` of sweep.json.
+std::vector<sweep::FormerIdentity> former_of(const std::string& summary) {
+  const Value document = io::parse_json(summary, "sweep.json");
+  const Value::Entry* const entries = document.find("accepted_changes");
+  std::vector<sweep::FormerIdentity> all;
+  if (entries == nullptr || entries->value.array() == nullptr) return all;
+  for (const Value& each : *entries->value.array()) {
+    const Value::Entry *const version = each.find("version"), *const hash = each.find("hash");
+    if (version != nullptr && version->value.string() && hash != nullptr && hash->value.string())
+      all.push_back({*version->value.string(), *hash->value.string()});
+  }
+  return all;
 }
 
 std::vector<std::string> files_of(const sweep::Sweep& sweep, const SweepOptions& options) {
@@ -83,6 +98,11 @@ bool is_complete_sweep(const sweep::Sweep& sweep, const std::string& out) {
   }
 }
 
+bool needs_report(const std::string& out, const SweepOptions& options) {
+  std::error_code ignored;
+  return options.report && !fs::exists(fs::path(out) / "report.html", ignored);
+}
+
 SweepOutput::SweepOutput(const sweep::Sweep& sweep, sweep::Lanes lanes, const SweepOptions& options)
     : sweep_(sweep), out_(sweep_destination(sweep, options)) {
   std::error_code ignored;
@@ -113,6 +133,10 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, sweep::Lanes lanes, const Sw
     if (in_one_file() && fs::exists(out_, ignored))
       throw_error({"this file has the complete results of another sweep, or of one that has been changed", out_,
                    "leave out --resume to replace it, or name another file with --out"});
+    if (!in_one_file() && is_complete_sweep(sweep_, out_)) {
+      restore(wanted);
+      return;
+    }
     if (fs::exists(fs::path(out_) / "sweep.json", ignored))
       throw_error({"this folder has the complete results of another sweep, or of one that has been changed", out_,
                    "leave out --resume to replace them, or name another folder with --out"});
@@ -123,6 +147,47 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, sweep::Lanes lanes, const Sw
   try_table();
   folder_->clear();
   journal_.emplace(Journal::create(folder_->file(journal_name), wanted));
+  folder_->keep();
+}
+
+// Makes the journal of a complete sweep again from its table, so that the sweep can be published with a report.
+void SweepOutput::restore(const sweep::JournalIdentity& wanted) {
+  const std::string table = (fs::path(out_) / "worlds.csv").string(), summary = complete_summary(out_);
+  const auto refuse = [&table] {
+    throw_error(
+        {"this table has been changed, or the version of momentree that wrote it was another one: no report can be made of it",
+         table, "leave out --resume to compute all worlds again"});
+  };
+  std::vector<sweep::JournalIdentity> identities;
+  for (const sweep::FormerIdentity& each : former_of(summary)) {
+    identities.push_back(wanted);
+    identities.back().version = each.version, identities.back().hash = each.hash;
+  }
+  identities.push_back(wanted);
+  folder_->clear();
+  journal_.emplace(Journal::create(folder_->file(journal_name), identities.front()));
+  for (std::size_t i = 1; i < identities.size(); ++i) journal_->accept(identities[i]);
+  sweep::Chunk chunk;
+  std::string encoded;
+  const auto append = [&] {
+    if (chunk.count > 0) journal_->append(chunk, encoded);
+    chunk = {chunk.first + chunk.count, 0};
+    encoded.clear();
+  };
+  const auto take = [&](const sweep::WorldResult& result) {
+    encode(result, encoded);
+    if (++chunk.count == 4096) append();
+  };
+  if (!read_csv(sweep_, io::read_text_file(table), take)) refuse();
+  append();
+  sweep::SweepSummary again(sweep_);
+  again.set_former(journal_->former());
+  for_each_row(sweep_, *journal_, [&](const sweep::Row& row) {
+    again.add(row);
+    return true;
+  });
+  if (again.json() != summary) refuse();
+  found_ = sweep_.worlds();
   folder_->keep();
 }
 

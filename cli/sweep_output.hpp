@@ -40,6 +40,7 @@ class SweepOutput {
  private:
   bool in_one_file() const { return is_one_file(out_); }
   void try_table();
+  void restore(const sweep::JournalIdentity& wanted);
   void write_tables();
   void write_hdf5();
   bool write_report(std::vector<std::string>& warnings);
@@ -53,6 +54,8 @@ class SweepOutput {
   std::uint64_t found_ = 0;
 };
 
+/// Whether a report is wanted that complete results do not have.
+bool needs_report(const std::string& out, const SweepOptions& options);
 /// The destination of a sweep: --out, the sweep's own, or results/ and its name.
 std::string sweep_destination(const sweep::Sweep& sweep, const SweepOptions& options);
 /// Whether the folder or file holds the complete result of this sweep, computed by this version.

@@ -112,6 +112,8 @@ class Parser {
 
   bool number(double& value, QuantityProblem& problem);
   bool unit_product(Dimension& dimension, double& factor, int& decade, bool& any, QuantityProblem& problem);
+  /// What has not been read.
+  std::string_view rest() const { return rest_; }
 
  private:
   void skip_space() {
@@ -303,6 +305,22 @@ std::string example_of(const Dimension& d) {
   for (const NamedDimension& n : named_dimensions)
     if (n.dimension == d) return *n.with_unit == '\0' ? n.plain : std::string(n.plain) + ", or \"" + n.with_unit + "\"";
   return "2, in SI units";
+}
+
+std::optional<WrittenQuantity> split_quantity(std::string_view text) {
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  if (text.size() > 200) return std::nullopt;
+  Parser parser(text);
+  WrittenQuantity found;
+  Dimension dimension;
+  QuantityProblem problem;
+  double factor = 1;
+  int decade = 0;
+  bool any = false;
+  if (!parser.number(found.number, problem)) return std::nullopt;
+  found.unit = parser.rest();
+  if (!parser.unit_product(dimension, factor, decade, any, problem) || !any) return std::nullopt;
+  return found;
 }
 
 std::optional<double> parse_quantity(std::string_view text, const Dimension& expected, QuantityProblem& problem) {

@@ -40,4 +40,11 @@ struct QuantityProblem {
 /// 0.05. Independent of the locale.
 std::optional<double> parse_quantity(std::string_view text, const Dimension& expected, QuantityProblem& problem);
 
+struct WrittenQuantity {
+  double number = 0;
+  std::string unit;  ///< as written, without spaces around it
+};
+/// The parts of a number with a known unit: "0.5 ms" has 0.5 and "ms". Nothing for any other text.
+std::optional<WrittenQuantity> split_quantity(std::string_view text);
+
 }  // namespace momentree

@@ -121,3 +121,13 @@ TEST_CASE("numbers read the same in a locale with a decimal comma") {
   }
   std::setlocale(LC_ALL, keep.c_str());
 }
+
+TEST_CASE("the number and the unit of a quantity as written") {
+  const auto parts = [](const char* text) {
+    const auto found = split_quantity(text);
+    return found ? std::to_string(found->number) + '|' + found->unit : "none";
+  };
+  CHECK(parts("0.5 ms") == "0.500000|ms");
+  CHECK(parts("-2  N m ") == "-2.000000|N m");
+  for (const char* text : {"", "rk4", "2", "2 apples", "2ms", "a 2 ms", "1,5 ms"}) CHECK(parts(text) == "none");
+}

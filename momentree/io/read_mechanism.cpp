@@ -291,7 +291,10 @@ void read_mechanism(const Value& table, Reading& reading) {
     out.error(
         second->place,
         model ? "a mechanism is a model, a chain or bodies, and only one of them" : "a mechanism is a chain or bodies, not both",
-        model ? "give each its own [[mechanism]]" : "give the chain its own [[mechanism]]");
+        !model ? "give the chain its own [[mechanism]]"
+        : bodies && second->place.option > 0
+            ? "the bodies of a model file cannot be changed; `momentree convert` writes a scenario in which they can"
+            : "give each its own [[mechanism]]");
   }
   if (ways == 0)
     out.error(fields.place(), "mechanism " + in_quotes(name) + " has no bodies",

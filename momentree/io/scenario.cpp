@@ -82,6 +82,8 @@ void check_whole(Reading& reading) {
 
 void read_document(const Value& document, Reading& reading) {
   Diagnostics& out = reading.out;
+  if (const Value::Entry* vary = document.find("vary"); vary != nullptr && document.find("mechanism") == nullptr)
+    return out.error(vary->place, "this is a sweep, not a scenario of one world", "`momentree sweep` runs it");
   Fields fields(document, scenario_table, out);
   read_format(fields, out);
   read_title(fields, reading);

@@ -38,6 +38,7 @@ void write_origin(JsonWriter& json, const RunOrigin& origin, const std::string& 
     json.member("rtol", origin.integration.rtol).member("atol", origin.integration.atol);
     json.member("max_step", origin.integration.max_step);
   }
+  if (origin.reactions) json.member("reactions", true);
 }
 
 // For readers that do not parse the texts of actions.

@@ -15,6 +15,7 @@ struct RunOrigin {
   std::vector<std::string> overrides;  ///< "integrate.step=1e-4"
   double start = 0, until = 0;         ///< s
   Integration integration;
+  bool reactions = false;  ///< joints.csv has them
 };
 
 /// `summary.json`: `status` is "done", or why the run ended early.

@@ -23,7 +23,7 @@ struct DistributeOptions {
   /// All ranks must have the same; otherwise the work fails with an Error that says which rank differs.
   std::string version;  ///< of the program
   std::string work;     ///< identifies what is to be computed: a hash of the input
-  /// Rank 0: called about 20 times per second and at the end, by the calling thread.
+  /// Called at least 10 times per second, by the calling thread; on rank 0 also at the end. May set `*stop`.
   std::function<void()> progress;
   /// Rank 0: called once, when the work has ended and no more results arrive, before the other ranks are waited for: publishes
   /// the results or reports the error (`failure`, null unless the ending is `failed`), and returns the exit code. Must not throw.

@@ -183,21 +183,19 @@ TEST_CASE("a chunk that takes long on one rank is given to another, and the run 
   std::atomic<bool> cancelled = false, slow_started = false;
   DistributeOptions slow = options;
   slow.cancel = &cancelled;
+  const auto after_slow = [&](Chunk chunk) {
+    while (!slow_started) std::this_thread::sleep_for(1ms);
+    return squares(chunk);
+  };
   {
-    const std::jthread fast = worker(network, 1, options);
+    const std::jthread fast = worker(network, 1, options, after_slow);
     const std::jthread slower = worker(network, 2, slow, [&](Chunk chunk) {  // ends only when it is no longer needed
       slow_started = true;
       while (!cancelled) std::this_thread::sleep_for(1ms);
       return squares(chunk);
     });
     Network::Rank own(network, 0);
-    CHECK(distribute(
-              &own, &source,
-              [&](Chunk chunk) {
-                while (!slow_started) std::this_thread::sleep_for(1ms);
-                return squares(chunk);
-              },
-              options) == 0);
+    CHECK(distribute(&own, &source, after_slow, options) == 0);
   }
   CHECK(source.items_done == 12);
   CHECK(source.given_again >= 1);

@@ -169,6 +169,46 @@ TEST_CASE("the contents of files that entries of lists name belong to the sweep"
   }
 }
 
+TEST_CASE("quantities in one unit are numbers, other strings are text") {
+  const Folder folder;
+  const auto column = [&](const std::string& key, const std::string& list) {
+    const ReadSweep read =
+        read_sweep_text(sweep_text('"' + key + "\" = " + list, "x = { final = \"m/ball.x\" }", ""), folder.sweep());
+    CAPTURE(said(read));
+    REQUIRE(read.sweep);
+    const Sweep& sweep = *read.sweep;
+    std::string all = sweep.parameters[0].unit + ':';
+    for (std::uint64_t w = 0; w < sweep.worlds(); ++w) {
+      std::vector<double> values(1);
+      sweep.plan->values(w, values);
+      const ParameterColumn each = parameter_columns(sweep)[0];
+      CHECK(std::isnan(parameter_number(each, values)) == each.is_text);
+      all += ' ' + parameter_text(each, values) + '=' + sweep.overrides(w)[0].substr(key.size() + 1);
+    }
+    return all;
+  };
+  CHECK(column("integrate.step", "[\"0.5 ms\", \"20 ms\"]") == "ms: 0.5=\"0.5 ms\" 20=\"20 ms\"");
+  CHECK(column("event.kick.at", "[0, \"1e2 ms\"]") == "ms: 0=0 100=\"1e2 ms\"");
+  CHECK(column("integrate.step", "[\"1 ms\", \"0.01 s\"]") == ": 1 ms=\"1 ms\" 0.01 s=\"0.01 s\"");
+  CHECK(column("integrate.step", "[\"1 ms\", 0.01]") == ": 1 ms=\"1 ms\" 0.01=0.01");
+  CHECK(column("integrate.method", "[\"rk4\", \"midpoint\"]") == ": rk4=\"rk4\" midpoint=\"midpoint\"");
+}
+
+TEST_CASE("a world that fails names the value that is impossible") {
+  const Folder folder;
+  const ReadSweep read = read_sweep_text(
+      sweep_text("\"mechanism.m.body.ball.mass\" = { normal = [1, 1000] }", "x = { final = \"m/ball.x\" }"), folder.sweep());
+  REQUIRE(read.sweep);
+  std::size_t failed = 0;
+  for (std::uint64_t w = 0; w < 8; ++w) {
+    const WorldResult result = ScenarioWorlds(*read.sweep, std::nullopt).run(w);
+    if (result.done()) continue;
+    ++failed;
+    CHECK(result.failure == read.sweep->overrides(w)[0] + ": mass: must not be negative");
+  }
+  CHECK(failed > 0);
+}
+
 TEST_CASE("mistakes in a sweep name their line and how to mend them") {
   const Folder folder;
   const std::string vary = "\"event.kick.at\" = { uniform = [0.1, 0.4] }", measure = "x = { final = \"m/ball.x\" }";

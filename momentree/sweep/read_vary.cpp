@@ -5,6 +5,7 @@
 #include <optional>
 
 #include <momentree/base/error.hpp>
+#include <momentree/base/units.hpp>
 #include <momentree/io/convert/toml_writer.hpp>
 #include <momentree/io/number_text.hpp>
 #include <momentree/sweep/sweep_keys.hpp>
@@ -235,6 +236,18 @@ class Vary {
   }
 
  private:
+  // The unit of all entries; a plain 0 goes with any. Empty: there is no common one.
+  static std::string unit_of(const Value::Array& values) {
+    std::string unit;
+    for (const Value& value : values) {
+      if (value.number() == 0.0) continue;
+      const std::optional<WrittenQuantity> quantity = value.string() ? split_quantity(*value.string()) : std::nullopt;
+      if (!quantity || (!unit.empty() && quantity->unit != unit)) return "";
+      unit = quantity->unit;
+    }
+    return unit;
+  }
+
   std::optional<Sampling> read_sampling(const std::optional<std::string>& word, Place place) {
     if (!word || *word == "random") return Sampling::random;
     if (*word == "latin") return Sampling::latin;
@@ -252,10 +265,15 @@ class Vary {
       out_.error(place, entry_.key + ": a list of more than " + std::to_string(most_values) + " values", "use range");
       return false;
     }
+<<<<<<< HEAD
     for (const Value& value : values) {
       std::string& text = parameter_.choices.emplace_back(io::toml_value_text(value));
       std::replace(text.begin(), text.end(), '\n', ' ');  // long values have several lines; within strings they are escaped
     }
+=======
+    for (const Value& value : values) parameter_.choices.push_back(io::toml_value_text(value));
+    parameter_.unit = unit_of(values);
+>>>>>>> 5bdb3c351db7d0b1aea56f699c59966d5a33602c
     parameter_.about = std::to_string(values.size()) + (values.size() == 1 ? " value" : " values");
     return true;
   }

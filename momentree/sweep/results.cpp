@@ -51,6 +51,12 @@ std::string replay_command(const Sweep& sweep, std::uint64_t world) {
   return "momentree sweep " + shell_word(sweep.path) + " --world " + std::to_string(world);
 }
 
+std::string run_command(const Sweep& sweep, std::uint64_t world) {
+  std::string command = "momentree run " + shell_word(sweep.scenario->path);
+  for (const std::string& each : sweep.overrides(world)) command += " --set " + shell_word(each);
+  return command;
+}
+
 std::string status_of(const WorldResult& result) { return result.done() ? "done" : "failed: " + result.failure; }
 
 void RowWriter::csv_header(std::string& text) const {

@@ -25,6 +25,8 @@ void for_each_row(const Sweep& sweep, const Journal& journal, const std::functio
 
 /// The command that runs one world again: `momentree sweep p.toml --world 3`.
 std::string replay_command(const Sweep& sweep, std::uint64_t world);
+/// The scenario of a world alone, until its own end: `momentree run s.toml --set 'a.b="2 kg"'`.
+std::string run_command(const Sweep& sweep, std::uint64_t world);
 /// "done" or "failed: why".
 std::string status_of(const WorldResult& result);
 

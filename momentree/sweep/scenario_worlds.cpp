@@ -1,6 +1,8 @@
 #include <momentree/sweep/scenario_worlds.hpp>
 
 #include <algorithm>
+#include <exception>
+#include <new>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -30,7 +32,11 @@ io::Scenario scenario_of(const Sweep& sweep, std::uint64_t world) {
   io::ReadResult read = io::read_scenario_again(*sweep.scenario, sweep.overrides(world));
   if (read.scenario) return std::move(*read.scenario);
   for (const io::Diagnostic& each : read.diagnostics)
-    if (each.severity == io::Severity::error) throw_error({each.what, "", each.hint});
+    if (each.severity == io::Severity::error) {
+      constexpr std::string_view set = "--set ";  // the value that is wrong
+      const std::string value = each.file.starts_with(set) ? each.file.substr(set.size()) + ": " : "";
+      throw_error({value + each.what, "", each.hint});
+    }
   throw_error({"the scenario cannot be read", "", ""});
 }
 
@@ -143,6 +149,10 @@ bool ScenarioWorlds::run(std::span<const std::uint64_t> worlds, const Take& take
       }
     } catch (const Error& error) {
       take(place, failed(error));
+    } catch (const std::bad_alloc&) {
+      throw_error({"out of memory", "world " + std::to_string(worlds[place]), "use fewer threads (--jobs), or smaller worlds"});
+    } catch (const std::exception& error) {
+      take(place, failed(error.what()));
     }
     if (together && together->full() && !together->run()) return false;
   }

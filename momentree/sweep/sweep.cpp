@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <momentree/base/units.hpp>
 #include <momentree/io/number_text.hpp>
 #include <momentree/io/toml.hpp>
 
@@ -53,7 +54,9 @@ std::vector<ParameterColumn> parameter_columns(const Sweep& sweep) {
       if (parameter.vector) column.name += '.' + std::to_string(c);
       for (const std::string& choice : parameter.choices) {
         const std::optional<Value> value = io::parse_toml_value(choice, {});
-        const std::optional<double> number = value ? value->number() : std::nullopt;
+        std::optional<double> number = value ? value->number() : std::nullopt;
+        if (value && value->string() && !parameter.unit.empty())
+          if (const std::optional<WrittenQuantity> quantity = split_quantity(*value->string())) number = quantity->number;
         column.is_text = column.is_text || !number;
         column.numbers.push_back(number.value_or(std::numeric_limits<double>::quiet_NaN()));
         column.texts.push_back(value && value->string() ? *value->string() : choice);

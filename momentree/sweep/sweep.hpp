@@ -60,7 +60,7 @@ struct ParameterColumn {
   std::string name;                  ///< the key, and ".0" … for the components of a vector
   std::size_t parameter = 0;         ///< its place in Sweep::parameters
   std::size_t component = 0;         ///< its place in the values of the plan
-  bool is_text = false;              ///< a list with entries that are not numbers
+  bool is_text = false;              ///< a list with entries that are not numbers, nor quantities in one unit
   std::vector<double> numbers{};     ///< of the entries of a list; NaN for entries that are not numbers
   std::vector<std::string> texts{};  ///< of the entries of a list, strings without quotes
 };

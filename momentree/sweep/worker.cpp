@@ -107,6 +107,7 @@ void Worker::compute() {
 
 void Worker::serve() {
   for (bool told = false;;) {
+    if (options_.progress) options_.progress();
     if (interrupted() && !std::exchange(told, true)) communicator_.send(0, encode({MessageKind::interrupted}));
     const std::optional<Communicator::Message> message = communicator_.receive(100ms);
     if (!message) continue;

@@ -70,7 +70,7 @@ struct Interrupted {
 std::optional<Interrupted> find_checkpoint(const std::string& destination, const RunInput& input);
 
 /// True if `destination` has the complete result of that input by this program. A checkpoint is removed from it: that of a run
-/// that was killed after it published its result. Throws Error.
+/// that was killed after it published its result. Throws Error, also if it lacks the reactions that the input asks for.
 bool is_complete(const std::string& destination, const RunInput& input);
 
 }  // namespace momentree::io

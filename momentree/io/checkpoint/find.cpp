@@ -68,6 +68,9 @@ bool is_complete(const std::string& destination, const RunInput& input) {
   if (text(summary, "status") != "done" || text(summary, "version") != input.version || scenario == summary.end() ||
       !scenario->is_object() || text(*scenario, "hash") != input.scenario)
     return false;
+  if (input.reactions && summary.value("reactions", false) == false)
+    throw_error({"these results are complete, but have no reactions", destination,
+                 "leave out --resume to run again, or name another folder with --out"});
   if (is_there(std::filesystem::path(destination) / checkpoint_file))
     if (const auto marker = ResultMarker::lock(destination); marker && marker->owns(destination, checkpoint_file))
       std::filesystem::remove(std::filesystem::path(destination) / checkpoint_file);
