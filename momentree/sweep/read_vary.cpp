@@ -265,15 +265,11 @@ class Vary {
       out_.error(place, entry_.key + ": a list of more than " + std::to_string(most_values) + " values", "use range");
       return false;
     }
-<<<<<<< HEAD
     for (const Value& value : values) {
       std::string& text = parameter_.choices.emplace_back(io::toml_value_text(value));
       std::replace(text.begin(), text.end(), '\n', ' ');  // long values have several lines; within strings they are escaped
     }
-=======
-    for (const Value& value : values) parameter_.choices.push_back(io::toml_value_text(value));
     parameter_.unit = unit_of(values);
->>>>>>> 5bdb3c351db7d0b1aea56f699c59966d5a33602c
     parameter_.about = std::to_string(values.size()) + (values.size() == 1 ? " value" : " values");
     return true;
   }

@@ -78,6 +78,19 @@ class ScenarioWorlds::Running {
   bool ended_ = false;
 };
 
+// Its result. What is thrown is its failure, except for a lack of memory.
+WorldResult ScenarioWorlds::result_of(Running& world) {
+  try {
+    return world.result();
+  } catch (const Error& error) {
+    return failed(error);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    return failed(error.what());
+  }
+}
+
 // Worlds that run in lanes.
 class ScenarioWorlds::Together {
  public:
@@ -99,7 +112,7 @@ class ScenarioWorlds::Together {
     }
     const bool ended = std::any_of(worlds_.begin(), worlds_.end(), [](const Member& member) { return member.world->ended(); });
     for (const Member& member : worlds_)
-      if (!ended) take_(member.place, member.world->result());
+      if (!ended) take_(member.place, result_of(*member.world));
     worlds_.clear();
     return !ended;
   }

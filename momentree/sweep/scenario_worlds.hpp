@@ -38,6 +38,7 @@ class ScenarioWorlds {
   class Running;
   class Together;
   std::unique_ptr<Running> start(std::uint64_t world) const;
+  static WorldResult result_of(Running& world);
 
   const Sweep& sweep_;
   Lanes lanes_;

@@ -1,6 +1,8 @@
 #include <momentree/sweep/world_run.hpp>
 
 #include <algorithm>
+#include <exception>
+#include <new>
 #include <utility>
 
 #include <momentree/base/error.hpp>
@@ -20,6 +22,11 @@ bool WorldRun::sample() {
     if (observation_.samples()) observation_.sample(simulation_);
   } catch (const Error& error) {
     problem_ = error.problem;
+    return false;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    problem_ = error.what();
     return false;
   }
   const std::vector<Event>& events = simulation_.events();
