@@ -6,8 +6,8 @@
 // outboard bodies are heavy and fast. Tr itself obeys the same recursion: Tr = Mb Ω̇ + W, with the bias wrench W = Ω × P of the
 // body plus the contributions of its children, and Ω̇ less gravity. No digits are lost that way.
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/revolute_dispatch.hpp>
 #include <momentree/dynamics/sweep_buffers.hpp>
+#include <momentree/dynamics/wrench_inboard.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -60,14 +60,7 @@ struct RateSweep {
         K::joint_acceleration(record, bias, udot);  // the part of (47) that does not depend on the outward pass
       else
         put(bias, workspace.inboard_accelerations[body]);
-      if constexpr (requires { typename K::Steps; })  // (45)
-        dispatch_link<K::Steps::has_armature>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-          K::Steps::template cross_inboard<shape()>(link, joint.c[0], joint.s[0], W);
-        });
-      else if (K::rotates_about_z && (flags & node::aligned) != 0)
-        K::template cached_transform<true, T>(link, joint, record).inboard(W);
-      else
-        K::template cached_transform<false, T>(link, joint, record).inboard(W);
+      wrench_inboard<K>(link, joint, record, flags, W);  // (45)
       buffers.add_to_parent(b, flags, W);
     }
     buffers.suspend_inward(run, W);

@@ -126,6 +126,23 @@ void mass_matrix(const Tree& tree, const State& state, Workspace<double>& worksp
   }
 }
 
+void solve_mass(const Tree& tree, const State& state, Workspace<double>& workspace, const double* r, double* u) noexcept {
+  forward_dynamics(tree, state, workspace);
+  if (u != r) std::copy_n(r, tree.nv(), u);
+  solve_with_factors<double>(tree, state.q().data(), workspace, u);
+}
+
+void inverse_mass_matrix(const Tree& tree, const State& state, Workspace<double>& workspace, double* inverse) noexcept {
+  forward_dynamics(tree, state, workspace);
+  const auto n = static_cast<std::size_t>(tree.nv());
+  std::fill_n(inverse, n * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    inverse[i * (n + 1)] = 1;
+    solve_with_factors<double>(tree, state.q().data(), workspace, inverse + i * n);
+    for (std::size_t k = 0; k < i; ++k) inverse[i * n + k] = inverse[k * n + i];  // equal to round-off
+  }
+}
+
 void bias(const Tree& tree, const State& state, Workspace<double>& workspace, double* c) noexcept {
   forward_dynamics(tree, state, workspace);
   newton_euler(tree, state, workspace, nullptr, c);

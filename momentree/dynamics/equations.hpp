@@ -21,6 +21,15 @@ namespace momentree {
 /// prescribed motion is its rate instead. O(nv²) for the zeros, and O(depth) for each DoF.
 void mass_matrix(const Tree& tree, const State& state, Workspace<double>& workspace, double* M) noexcept;
 
+/// u = M⁻¹ r, nv numbers each: the accelerations that efforts r cause beside all others, or the velocities that momenta r have.
+/// DoFs that are locked or have a prescribed motion get zero, whatever r is there: they are held. O(n), with the factors of the
+/// first recursion and without M; about half of the time of an evaluation. `r` and `u` may be the same array.
+void solve_mass(const Tree& tree, const State& state, Workspace<double>& workspace, const double* r, double* u) noexcept;
+
+/// M⁻¹, nv × nv, row-major, symmetric: solve_mass() for each unit vector, O(nv n). Rows and columns of DoFs that are locked or
+/// have a prescribed motion are zero; the rest is the inverse of the rest of M.
+void inverse_mass_matrix(const Tree& tree, const State& state, Workspace<double>& workspace, double* inverse) noexcept;
+
 /// c(q, v), nv numbers: M v̇ + c = τ. It contains centrifugal, Coriolis and gyroscopic forces, gravity, and the forces on bodies
 /// (BodyForce and functions), all as effort that balances them: at rest under gravity, c is the effort that holds the mechanism,
 /// and a force that pushes a joint forwards makes c smaller. It contains no joint effort: no drive, spring, damper, friction or

@@ -60,6 +60,11 @@ inline Force<double> as_force(const Wrench& wrench) { return {wrench.force, wren
 template <class T>
 void evaluate_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace) noexcept;
 
+/// M⁻¹ r at coordinates q, for one more right-hand side, in place: `u` holds r, packed as p. DoFs that are locked or have a
+/// prescribed motion get zero. Requires evaluate_motions at q. Overwrites the scratch of the second recursion.
+template <class T>
+void solve_with_factors(const Tree& tree, const T* q, Workspace<T>& workspace, T* u) noexcept;
+
 /// Ω̇ of body b less gravity, in its kernel frame (39). Requires accelerate or evaluate_accelerations.
 Motion<double> felt_acceleration(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept;
 
@@ -87,5 +92,6 @@ inline DenseTransform<double> joint_transform_of(const Tree& tree, const State& 
 extern template void evaluate_rates<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 extern template void evaluate_motions<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 extern template void evaluate_accelerations<double>(const Tree&, const double*, Workspace<double>&) noexcept;
+extern template void solve_with_factors<double>(const Tree&, const double*, Workspace<double>&, double*) noexcept;
 
 }  // namespace momentree

@@ -138,6 +138,8 @@ class World {
   /// The equations of motion M v̇ + c = τ in the present state: see dynamics/equations.hpp. M has nv·nv numbers, J 6·nv, the
   /// others nv.
   void mass_matrix(double* M) const;
+  void solve_mass(const double* r, double* u) const;
+  void inverse_mass_matrix(double* inverse) const;
   void bias(double* c) const;
   void efforts(double* tau) const;
   void inverse_dynamics(const double* a, double* effort) const;

@@ -33,6 +33,8 @@ Numbers World::a() const {
 }
 
 void World::mass_matrix(double* M) const { momentree::mass_matrix(tree_, state_, workspace_, M); }
+void World::solve_mass(const double* r, double* u) const { momentree::solve_mass(tree_, state_, workspace_, r, u); }
+void World::inverse_mass_matrix(double* inverse) const { momentree::inverse_mass_matrix(tree_, state_, workspace_, inverse); }
 void World::bias(double* c) const { momentree::bias(tree_, state_, workspace_, c); }
 void World::efforts(double* tau) const { momentree::efforts(tree_, state_, workspace_, tau); }
 void World::inverse_dynamics(const double* a, double* effort) const {

@@ -27,12 +27,24 @@ nb::object accelerations(const SimulationPtr& self) {
   return copy_of(self->simulation().world().a());
 }
 
-nb::object mass_matrix(const SimulationPtr& self) {
+template <class Compute>
+auto matrix_of(Compute compute) {
+  return [compute](const SimulationPtr& self) {
+    const Use use(*self, Access::read);
+    const World& world = self->simulation().world();
+    NewArray matrix = new_array(nv_of(world), nv_of(world));
+    compute(world, matrix.data);
+    return std::move(matrix.object);
+  };
+}
+
+nb::object solve_mass(const SimulationPtr& self, nb::handle r) {
   const Use use(*self, Access::read);
   const World& world = self->simulation().world();
-  NewArray matrix = new_array(nv_of(world), nv_of(world));
-  world.mass_matrix(matrix.data);
-  return std::move(matrix.object);
+  const std::vector<double> given = numbers_of(r, nv_of(world), 0, "r");
+  NewArray array = new_array(nv_of(world));
+  world.solve_mass(given.data(), array.data);
+  return std::move(array.object);
 }
 
 template <class Compute>
@@ -84,10 +96,20 @@ void register_equations(SimulationClass& simulation) {
       .def("accelerations", &accelerations,
            "Time derivatives of v (rad/s², m/s²), shape (nv,), packed by joint number, a copy. Equations (30) to (51) of the "
            "paper.")
-      .def("mass_matrix", &mass_matrix,
+      .def("mass_matrix", matrix_of([](const World& world, double* out) { world.mass_matrix(out); }),
            "Joint-space mass matrix M(q), symmetric, armatures included, shape (nv, nv), a copy. The canonical momenta (19) are "
            "p = M v.\n\nIn kg m² for angles, kg for displacements and kg m between them. It costs O(n²); `evaluate` and "
            "`accelerations` do\nwithout it.")
+      .def(
+          "solve_mass", &solve_mass, "r"_a,
+          "M⁻¹ r, shape (nv,), a copy: the velocities that momenta r have, or the accelerations that further efforts r cause.\n\n"
+          "Degrees of freedom that are locked or have a prescribed motion get zero. O(n), without M.\n\n"
+          "Args:\n    r: Momenta, or efforts (N m, N), shape (nv,).\n\n"
+          "Raises:\n    Error: The shape is wrong, or a number is not finite.")
+      .def("inverse_mass_matrix", matrix_of([](const World& world, double* out) { world.inverse_mass_matrix(out); }),
+           "Inverse of the joint-space mass matrix, symmetric, shape (nv, nv), a copy, in the inverse units of `mass_matrix`: "
+           "1/(kg m²), 1/kg.\n\nRows and columns of degrees of freedom that are locked or have a prescribed motion are zero. "
+           "O(n²).")
       .def("bias", vector_of([](const World& world, double* out) { world.bias(out); }),
            "Bias c(q, v) of the equations of motion M dv/dt + c = efforts (N m, N), shape (nv,), a copy.\n\n"
            "It contains gravity, Coriolis and centrifugal terms and forces on bodies, but no efforts of joints.")

@@ -156,7 +156,7 @@ def test_names_in_any_script(name: str, tmp_path: pathlib.Path) -> None:
         lambda s: s.apply(mt.set_parameters("c/0", damping=-1)), lambda s: s.force("c/0", "down"), lambda s: s.restore(5),
         lambda s: s.restore(chain().snapshot()),
         lambda s: s.undo(), lambda s: s.restore_state("{"), lambda s: s.set_gravity((1, 2)), lambda s: s.set_gravity((0, 0,
-        INF)), lambda s: s.inverse_dynamics([1]),
+        INF)), lambda s: s.inverse_dynamics([1]), lambda s: s.solve_mass([1]),
         lambda s: s.jacobian("c/0", (1, 2)), lambda s: s.add("c/0", mass=1, inertia=1), lambda s: s.run(0.1).save(""),
         lambda s: s.run(0.1).joints["c/0"].reaction,
         lambda s: mt.Model(gravity="down"), lambda s: mt.Model(gravity=(1, 2)), lambda s: mt.Simulation(s.model, step=0),

@@ -50,6 +50,10 @@ def test_accelerations_solve_the_equations_of_motion(seed: int, bodies: int) -> 
     assert close(sim.inverse_dynamics(a), sim.efforts(), 1e-8)
     other = np.random.default_rng(seed).normal(size=len(sim.v))
     assert close(sim.inverse_dynamics(other), sim.mass_matrix() @ other + sim.bias())
+    inverse = sim.inverse_mass_matrix()
+    assert close(inverse @ other, sim.solve_mass(other))
+    free = inverse.diagonal() > 0  # the others are locked, or their motion is prescribed
+    assert close(sim.mass_matrix()[np.ix_(free, free)] @ inverse[np.ix_(free, free)], np.eye(int(free.sum())), 1e-8)
 
 
 @given(seeds, sizes)

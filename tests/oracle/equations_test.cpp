@@ -207,6 +207,56 @@ TEST_CASE("M v are the momenta and M a + c the efforts in any topology; locked D
   CHECK(loaded > 200);
 }
 
+TEST_CASE("M^-1 in any topology: of further right-hand sides, and as a matrix") {
+  double residual = 0, identity = 0, momentum_error = 0;
+  int held = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    CAPTURE(seed);
+    Prng random(seed + 31);
+    Machine m = rearranged(seed, random);
+    const int n = m.tree.nv();
+    if (n == 0) continue;
+    const Equations e = equations(m);
+    const auto is_held = [&](int b, int i) { return locked(m.tree, b, i) || driven(m.tree, b); };
+    Vector r = some(random, n), u = Vector::Constant(n, NAN);
+    Matrix inverse = Matrix::Constant(n, n, NAN);
+    solve_mass(m.tree, m.state, m.workspace, r.data(), u.data());
+    inverse_mass_matrix(m.tree, m.state, m.workspace, inverse.data());
+    const Vector Mu = e.M * u;
+    const Matrix product = e.M * inverse;
+    const double size = std::max(largest(r), largest(e.M.cwiseAbs() * u.cwiseAbs()));
+    each_dof(m.tree, [&](int b, int i, int k) {
+      if (is_held(b, i)) {
+        ++held;
+        CHECK((u[k] == 0 && inverse.row(k) == Vector::Zero(n).transpose() && inverse.col(k) == Vector::Zero(n)));
+        return;
+      }
+      residual = std::max(residual, std::fabs(Mu[k] - r[k]) / size);
+      each_dof(m.tree, [&](int b2, int i2, int k2) {
+        if (is_held(b2, i2)) return;
+        const double scale = e.M.row(k).cwiseAbs().dot(inverse.col(k2).cwiseAbs());
+        identity = std::max(identity, std::fabs(product(k, k2) - (k == k2 ? 1 : 0)) / std::max(scale, 1.0));
+      });
+    });
+    // Velocities of the momenta, where no motion is prescribed.
+    if (m.tree.driven_joints().empty()) {
+      const Vector p = Eigen::Map<const Vector>(m.state.p().data(), n);
+      solve_mass(m.tree, m.state, m.workspace, p.data(), u.data());
+      momentum_error = std::max(momentum_error, largest(u - e.v) / std::max(1.0, largest(e.v)));
+    }
+    // In place, with the same bits.
+    solve_mass(m.tree, m.state, m.workspace, r.data(), u.data());
+    solve_mass(m.tree, m.state, m.workspace, r.data(), r.data());
+    CHECK(r == u);
+    CHECK(evaluated_on(m.tree, m.state, m.workspace));
+  }
+  MESSAGE("largest errors: residual ", residual, ", M M^-1 ", identity, ", velocities ", momentum_error, "; ", held, " held");
+  CHECK(residual < 1e-11);
+  CHECK(identity < 1e-10);
+  CHECK(momentum_error < 1e-7);
+  CHECK(held > 500);
+}
+
 TEST_CASE("columns of M are the momenta of single velocities, and of J the motions; J transposed makes forces of wrenches") {
   double mass_error = 0, motion_error = 0, force_error = 0, rate_error = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
