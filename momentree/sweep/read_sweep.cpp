@@ -13,6 +13,7 @@
 #include <momentree/io/override.hpp>
 #include <momentree/io/text_file.hpp>
 #include <momentree/io/toml.hpp>
+#include <momentree/sweep/shared_inputs.hpp>
 #include <momentree/sweep/sweep_keys.hpp>
 #include <momentree/sweep/sweep_reading.hpp>
 
@@ -79,7 +80,7 @@ std::shared_ptr<const io::Scenario> read_scenario_of(const Value& value, SweepRe
     of_scenario = std::move(read.diagnostics);
     return nullptr;
   }
-  read.scenario->inputs = std::make_shared<io::InputCache>();  // all worlds have the models that are there now
+  read.scenario->inputs = std::make_shared<SharedInputs>();  // all worlds have the models that are there now
   return std::make_shared<const io::Scenario>(std::move(*read.scenario));
 }
 
