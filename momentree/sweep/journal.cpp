@@ -127,7 +127,7 @@ void Journal::scan() {
   }
   size_ = head_size + length;
   scan_records();
-  if (cut_ && !io::cut(file_, size_)) io::fail_with_reason("cannot truncate this file", path_, io::last_error());
+  has_rest_ = cut_;
   if (::lseek(file_.number(), static_cast<off_t>(size_), SEEK_SET) < 0)
     io::fail_with_reason("cannot read this file", path_, io::last_error());
   std::vector<Chunk> sorted;
@@ -252,6 +252,8 @@ void Journal::write(std::string_view mark, Chunk chunk, std::string_view bytes) 
   append_integer(record, crc32c(record), 4);
   append_integer(record, crc32c(bytes), 4);
   record += bytes;
+  if (has_rest_ && !io::cut(file_, size_)) io::fail_with_reason("cannot truncate this file", path_, io::last_error());
+  has_rest_ = false;
   std::size_t written = 0;
   if (const std::error_code error = io::write_all(file_, record, written)) {
     io::cut(file_, size_);  // if this fails, the incomplete record is recognised by its checksum

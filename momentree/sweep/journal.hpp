@@ -44,8 +44,8 @@ class Journal {
 
   /// Makes a new journal. Throws Error.
   static Journal create(const std::string& path, const JournalIdentity& identity);
-  /// Opens a journal for continuing it, drops a last record that is incomplete, and skips damaged ones. Throws Error if it cannot
-  /// be read, or if it is not a journal.
+  /// Opens a journal for continuing it, and skips damaged and incomplete records. The file changes at the next write only. Throws
+  /// Error if it cannot be read, or if it is not a journal.
   static Journal open(const std::string& path);
 
   const JournalIdentity& identity() const { return identity_; }
@@ -87,6 +87,7 @@ class Journal {
   std::uint64_t size_ = 0;  ///< of the complete records
   std::int64_t flushed_at_ = 0;
   bool cut_ = false, unflushed_ = false;
+  bool has_rest_ = false;  ///< the file ends with an incomplete record, which the next write removes
 };
 
 }  // namespace momentree::sweep
