@@ -23,7 +23,7 @@ void mass_matrix(const Tree& tree, const State& state, Workspace<double>& worksp
 
 /// u = M⁻¹ r, nv numbers each: the accelerations that efforts r cause beside all others, or the velocities that momenta r have.
 /// DoFs that are locked or have a prescribed motion get zero, whatever r is there: they are held. O(n), with the factors of the
-/// first recursion and without M; about half of the time of an evaluation. `r` and `u` may be the same array.
+/// first recursion and without M; about 0.6 of the time of an evaluation in space. `r` and `u` may be the same array.
 void solve_mass(const Tree& tree, const State& state, Workspace<double>& workspace, const double* r, double* u) noexcept;
 
 /// M⁻¹, nv × nv, row-major, symmetric: solve_mass() for each unit vector, O(nv n). Rows and columns of DoFs that are locked or
