@@ -66,11 +66,10 @@ void call_functions(const Tree& tree, double t, const double* q, Workspace<doubl
 
 }  // namespace
 
-void add_body_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
+void find_loads(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
   const auto loaded = tree.loaded_bodies();
   if (loaded.empty()) return;
   move_loaded_bodies(tree, q, workspace);
-  Force<double>* const gathered = workspace.reduced_bias_wrenches.get();  // Tb; the array is stale until the next `accelerate`
   for (const int b : loaded) workspace.loads[static_cast<std::size_t>(b)] = {};
   for (const BodyForce& force : tree.body_forces()) {
     const int b = force.body.index;
@@ -79,6 +78,13 @@ void add_body_forces(const Tree& tree, double t, const double* q, Workspace<doub
     workspace.loads[i] += wrench_of(force, tree.frame(b), workspace.bodies[i], t, workspace.power);
   }
   if (!tree.body_functions().empty()) call_functions(tree, t, q, workspace);
+}
+
+void add_body_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
+  const auto loaded = tree.loaded_bodies();
+  if (loaded.empty()) return;
+  find_loads(tree, t, q, workspace);
+  Force<double>* const gathered = workspace.reduced_bias_wrenches.get();  // Tb; the array is stale until the next `accelerate`
   for (const int b : loaded) gathered[b] = workspace.loads[static_cast<std::size_t>(b)];
   for (std::size_t k = loaded.size(); k-- > 0;) {
     const int b = loaded[k], outer = tree.parent(b);

@@ -11,6 +11,9 @@ namespace momentree {
 /// evaluate_motions at q, and after add_joint_forces. Neither allocates nor throws; does nothing if there are no forces.
 void add_body_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept;
 
+/// Stores T of each loaded body in workspace.loads and adds the power, for the velocities in workspace.v.
+void find_loads(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept;
+
 /// Zeroes workspace.loads of the bodies without forces, in a tree with forces, as the second recursion needs.
 void clear_other_loads(const Tree& tree, Workspace<double>& workspace) noexcept;
 

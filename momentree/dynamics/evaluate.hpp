@@ -36,6 +36,10 @@ void add_joint_forces(const Tree& tree, double t, const double* q, Workspace<dou
 
 /// The same forces τ (nv numbers), for the velocities in workspace.v; zero for locked DoFs, s̈ for driven ones.
 void joint_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, double* tau) noexcept;
+/// In addition returns their power, except that of prescribed motions, and writes the forces on driven DoFs other than the
+/// motion's own effort to `passive`, by body.
+Power joint_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, double* tau,
+                   double* passive) noexcept;
 
 /// Forces of springs and drives on the DoFs of b's joint (nv numbers) as if none were locked: the load on a stop.
 void unlocked_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, int b, double* force) noexcept;

@@ -7,6 +7,7 @@
 #include <momentree/dynamics/forces/elements.hpp>
 #include <momentree/dynamics/forces/linear_spring.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/velocity.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -62,15 +63,11 @@ Power add_forces(const Tree& tree, double t, const double* q, Workspace<double>&
 
 // With prescribed motion the accelerations are computed in the same evaluation, for the power of the drives.
 void add_forces_and_motions(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
-  std::fill_n(workspace.a.get(), tree.nv(), 0.0);
-  workspace.power = add_forces(tree, t, q, workspace, workspace.a.get());
-  for (const int b : tree.driven_joints())
-    workspace.passive[static_cast<std::size_t>(b)] = workspace.a[static_cast<std::size_t>(tree.first_p(b))];
+  workspace.power = joint_forces(tree, t, q, workspace, workspace.a.get(), workspace.passive.get());
   for (int i = 0; i < tree.nv(); ++i) workspace.pdot[static_cast<std::size_t>(i)] += workspace.a[static_cast<std::size_t>(i)];
   add_body_forces(tree, t, q, workspace);
   clear_other_loads(tree, workspace);
   put_accelerations(tree, t, workspace.pdot.get());
-  put_accelerations(tree, t, workspace.a.get());
   evaluate_accelerations<double>(tree, q, workspace);
   for (const int b : tree.driven_joints())
     workspace.power.work += motion_effort(tree, q, workspace, b) * workspace.v[static_cast<std::size_t>(tree.first_p(b))];
@@ -114,6 +111,15 @@ void joint_forces(const Tree& tree, double t, const double* q, Workspace<double>
   std::fill_n(tau, tree.nv(), 0.0);
   add_forces(tree, t, q, workspace, tau);
   put_accelerations(tree, t, tau);
+}
+
+Power joint_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, double* tau,
+                   double* passive) noexcept {
+  std::fill_n(tau, tree.nv(), 0.0);
+  const Power power = add_forces(tree, t, q, workspace, tau);
+  for (const int b : tree.driven_joints()) passive[b] = tau[tree.first_p(b)];
+  put_accelerations(tree, t, tau);
+  return power;
 }
 
 void unlocked_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, int b, double* force) noexcept {
@@ -173,6 +179,7 @@ void forward_dynamics(const Tree& tree, const State& state, Workspace<double>& w
   MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
   MT_REQUIRE(!workspace.in_function, inside_function);
   if (workspace.evaluated == state.stamp()) return;
+  if (state.variables() == Variables::velocities) return evaluate_velocity_state(tree, state, workspace);
   evaluate_motions<double>(tree, state.q().data(), state.p().data(), workspace);
   if (tree.driven_joints().empty()) {
     add_joint_forces(tree, state.time(), state.q().data(), workspace);

@@ -10,6 +10,10 @@ class Tree;
 /// without joint forces), packed and in the units of State and Workspace. The arrays must not overlap.
 using RatesFunction = void (*)(const double* q, const double* p, double* v, double* qdot, double* pdot) noexcept;
 
+/// Code for one topology with the results of the passes in velocities: reads q (nq numbers), u and joint forces tau (nv), writes q̇
+/// (nq) and u̇ (nv). The arrays must not overlap.
+using VelocityRatesFunction = void (*)(const double* q, const double* u, const double* tau, double* qdot, double* udot) noexcept;
+
 /// Returns the code for the tree's present topology, or null to run the kernels. Called between steps, after every change; may
 /// allocate and take time, must not throw.
 using RatesProvider = std::function<RatesFunction(const Tree&)>;

@@ -29,6 +29,8 @@ template <class T>
 struct InPlaneOutboard;
 template <class T>
 struct BodySweep;
+template <class T>
+struct BodyBias;
 struct PairWorkspace;
 
 /// Power at an instant (W): dissipated by dampers and absorbed by soft stops (including what they store), and work of efforts.
@@ -54,6 +56,8 @@ struct WorkspaceStamps {
   Stamp located;
   /// State and topology of `a`, `inboard_accelerations` and `reduced_bias_wrenches`.
   Stamp accelerated;
+  /// State and topology of `pdot` of a state in velocities.
+  Stamp rated;
   /// Largest number of bodies.
   int capacity() const { return capacity_; }
   /// True while an evaluation calls a user function: the workspace is then in the middle of that evaluation.
@@ -67,6 +71,7 @@ struct WorkspaceStamps {
     evaluated = std::exchange(other.evaluated, {});
     located = std::exchange(other.located, {});
     accelerated = std::exchange(other.accelerated, {});
+    rated = std::exchange(other.rated, {});
     capacity_ = std::exchange(other.capacity_, 0);
     return *this;
   }
@@ -95,6 +100,7 @@ class Workspace : public WorkspaceStamps {
   using Array = detail::Untouched<T>;
   Array cos, sin;          ///< of the joint angles including θ0; for a plane mechanism in a stage, of the absolute body angles
   Array v, qdot, pdot, a;  ///< packed as p, q, p, p; a = v̇
+  Array p;                 ///< momenta of a state in velocities
   Array impulse;           ///< scratch of impacts, packed as p
   Array passive;           ///< by body: forces on its driven joint other than the motion's own effort
   Array records;
@@ -110,6 +116,8 @@ class Workspace : public WorkspaceStamps {
   detail::Untouched<Force<T>>
       reduced_bias_wrenches;          ///< Ŵ of Tr = M̂ a′ + Ŵ, the wrench of the inboard joint on the body; kernel frame
   detail::Untouched<Force<T>> loads;  ///< T: external wrench on each of the tree's loaded bodies, kernel frame
+  detail::Untouched<BodyBias<T>> biases;  ///< of a state, or stage, in velocities
+  detail::Untouched<Force<T>> carried;    ///< momenta of bodies during a change of a state in velocities
   detail::Untouched<int> path;        ///< scratch of topology changes that walk from a root to a body
   detail::Untouched<Kinematics<T>> bodies;
   std::unique_ptr<PairWorkspace, void (*)(PairWorkspace*)> pairs{nullptr, nullptr};  ///< only for double

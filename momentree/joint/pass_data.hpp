@@ -32,6 +32,25 @@ struct Outboard {
   Vector3<T> gravity;
 };
 
+/// What the velocities of a body contribute to the equations of accelerations, in its kernel frame: its gyroscopic wrench less
+/// the external one, and the acceleration of the body that no acceleration of a joint causes, Ω × E u + Ė u (39).
+template <class T>
+struct BodyBias {
+  Force<T> wrench;
+  Motion<T> acceleration;
+};
+/// In its place in the equations of momenta, which have no such terms.
+struct NoBias {
+  struct None {};
+  struct Vector {
+    None x, y, z;
+  };
+  struct Wrench {
+    Vector l, h;
+  };
+  Wrench wrench;
+};
+
 /// Spatial velocity and articulated momentum of a body, in its kernel frame.
 template <class T>
 struct BodySweep {
@@ -65,6 +84,15 @@ struct InPlaneRecord {
 struct InPlaneKernels {
   template <class T>
   using Record = InPlaneRecord<T>;
+};
+/// The same in the equations of accelerations. `ax`, `ay`: bias; `w`: absolute angular velocity.
+template <class T>
+struct InPlaneRateRecord {
+  T gx, gy, u0, rx, ry, ax, ay, w;
+};
+struct InPlaneRateKernels {
+  template <class T>
+  using Record = InPlaneRateRecord<T>;
 };
 
 }  // namespace momentree

@@ -43,32 +43,35 @@ struct RevoluteStepsOf {
 
   /// Inward step of one body. In: the contributions of its children, in the body's frame, `in` of the first and `others` the sum
   /// of the rest. Out: its own contribution, in the parent's frame; `out` may alias `in`. `Root`: the parent is the ground, so no
-  /// output is produced. `mass`: of the subtree (kg). `armature`: of the joint (kg m²), if it has any.
-  template <PlacementShape S, bool Gravity, bool Keep, Children N, bool Root, class L, class T>
+  /// output is produced. `mass`: of the subtree (kg). `armature`: of the joint (kg m²), if it has any. With a `bias`, this is the
+  /// step of the equations of accelerations: joint forces in place of momenta, wrenches in place of remainders.
+  template <PlacementShape S, bool Gravity, bool Keep, Children N, bool Root, class L, class T, class B = NoBias>
   MOMENTREE_INLINE static void inboard(const L& k, const detail::ConstantOf<L>& mass,
                                        [[maybe_unused]] const detail::ConstantOf<L>& armature, const T& cosine, const T& sine,
                                        const T& momentum, const Inboard<T>& in, const Inboard<T>& others, Record<T>& w,
-                                       Inboard<T>& out) {
+                                       Inboard<T>& out, const B& bias = {}) {
     constexpr bool rotates_first = rotate_then_reduce<T, Keep>, crosses_z = rotates_first || !Root, shifts = Has<S>::d;
+    constexpr bool biased = !std::is_same_v<B, NoBias>;
     const T c = cosine, s = sine, p = momentum;
     const auto& b = k.body;
     const T Jzz = with<N>(in.M.J.zz, others.M.J.zz, b.J.zz);
     T Mj = Jzz;  // (24)
     if constexpr (Armature) Mj = Mj + armature;
     const T inverse = T(1) / Mj;
-    if constexpr (Root && !Keep) return inboard_root<Gravity, N>(k, c, s, inverse, p, in, others, w);
+    if constexpr (Root && !Keep && !biased) return inboard_root<Gravity, N>(k, c, s, inverse, p, in, others, w);
     detail::RevoluteColumn<T> e{with<N>(in.M.B.xz, others.M.B.xz, -b.mc.y), with<N>(in.M.B.yz, others.M.B.yz, b.mc.x),
                                 alone<N>(in.M.B.zz, others.M.B.zz), with<N>(in.M.J.xz, others.M.J.xz, b.J.xz),
                                 with<N>(in.M.J.yz, others.M.J.yz, b.J.yz)};
     if constexpr (rotates_first) detail::cross_z<shifts>(e, c, s, k.d);
     constexpr bool leaf = N == Children::none;  // known zeros are not computed
+    constexpr bool nothing_outboard = leaf && !biased;
     const detail::RevoluteColumn<T> g{inverse * e.lx, inverse * e.ly, leaf ? T(0) : inverse * e.lz, inverse * e.hx,
                                       inverse * e.hy};
     w.gl.x = g.lx, w.gl.y = g.ly, w.gl.z = g.lz, w.ghx = g.hx, w.ghy = g.hy;
     if constexpr (Keep) w.inverse_mass = inverse;
     if constexpr (Armature) w.armature = T(armature), w.ghz = inverse * Jzz;
     T u = p;
-    if constexpr (!leaf) u = p - alone<N>(in.D.h.z, others.D.h.z);
+    if constexpr (!nothing_outboard) u = p - remainder<N>(in.D.h.z, others.D.h.z, bias.wrench.h.z);
     if constexpr (!rotates_first) w.u0 = inverse * u;  // frees a register here; compilers do not find this order
 
     detail::ReducedMass<T> m;
@@ -87,9 +90,10 @@ struct RevoluteStepsOf {
 
     if constexpr (rotates_first) w.u0 = inverse * u;
     T hz = p;  // D̂·E
-    if constexpr (Armature) w.hz = hz = alone<N>(in.D.h.z, others.D.h.z) + u * w.ghz;
-    Force<T> D{{alone<N>(in.D.l.x, others.D.l.x), alone<N>(in.D.l.y, others.D.l.y), alone<N>(in.D.l.z, others.D.l.z)},
-               {alone<N>(in.D.h.x, others.D.h.x), alone<N>(in.D.h.y, others.D.h.y), hz}};
+    if constexpr (Armature) w.hz = hz = remainder<N>(in.D.h.z, others.D.h.z, bias.wrench.h.z) + u * w.ghz;
+    Force<T> D{{remainder<N>(in.D.l.x, others.D.l.x, bias.wrench.l.x), remainder<N>(in.D.l.y, others.D.l.y, bias.wrench.l.y),
+                remainder<N>(in.D.l.z, others.D.l.z, bias.wrench.l.z)},
+               {remainder<N>(in.D.h.x, others.D.h.x, bias.wrench.h.x), remainder<N>(in.D.h.y, others.D.h.y, bias.wrench.h.y), hz}};
     Vector3<T> mc;
     if constexpr (Gravity)
       mc.x = with<N>(in.mc.x, others.mc.x, b.mc.x), mc.y = with<N>(in.mc.y, others.mc.y, b.mc.y),
@@ -98,11 +102,11 @@ struct RevoluteStepsOf {
       detail::cross_z<shifts>(D, c, s, k.d);
       if constexpr (Gravity) rotate_z(mc, c, s);
     };
-    if constexpr (rotates_first && leaf)
+    if constexpr (rotates_first && nothing_outboard)
       mc.x = e.ly, mc.y = -e.lx;  // already rotated there
     else if constexpr (rotates_first)
       rotate();
-    if constexpr (leaf)  // (26)
+    if constexpr (nothing_outboard)  // (26)
       D = {{u * g.lx, u * g.ly, T(0)}, {u * g.hx, u * g.hy, hz}};
     else
       D.l.x += u * g.lx, D.l.y += u * g.ly, D.l.z += u * g.lz, D.h.x += u * g.hx, D.h.y += u * g.hy;
@@ -110,6 +114,7 @@ struct RevoluteStepsOf {
     if constexpr (Keep) w.l.z = D.l.z;
     if constexpr (Gravity) w.mc.x = mc.x, w.mc.y = mc.y;
     if constexpr (Root) return;
+    if constexpr (biased) add_reduced_bias(w, bias.acceleration, D);
     if constexpr (!rotates_first) rotate();
     momentum_inboard<S, Gravity>(k, mass, D, mc);
     out.D.l.x = D.l.x, out.D.l.y = D.l.y, out.D.l.z = D.l.z, out.D.h.x = D.h.x, out.D.h.y = D.h.y, out.D.h.z = D.h.z;
@@ -123,17 +128,12 @@ struct RevoluteStepsOf {
                                         Outboard<T>& out, T& u, T& pdot, BodySweep<T>* kept) {
     Vector3<T>&v = out.velocity.v, &o = out.velocity.w, &g = out.gravity;
     // (17): into the joint's frame
-    if constexpr (Has<S>::any_offset) shift_outboard(out.velocity, k.r);
-    if constexpr (Has<S>::a) v.y = v.y + k.r.x * o.z, v.z = v.z - k.r.x * o.y;
+    cross_placement<S>(k, out.velocity);
+    if constexpr (Gravity) rotate_placement<S>(k, g);
     const auto each = [&](auto turned) MOMENTREE_INLINE_LAMBDA {
       turned(v), turned(o);
       if constexpr (Gravity) turned(g);
     };
-    if constexpr (Has<S>::beta) each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { rotate_z(x, k.cos_b, -k.sin_b); });
-    if constexpr (Has<S>::right)
-      each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { x = {x.x, x.z, -x.y}; });
-    else if constexpr (!Has<S>::parallel)
-      each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { rotate_x(x, k.cos_a, -k.sin_a); });
     const auto cross_joint = [&]() MOMENTREE_INLINE_LAMBDA {
       if constexpr (Has<S>::d) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
       each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { rotate_z(x, c, -s); });
@@ -197,6 +197,52 @@ struct RevoluteStepsOf {
     }
   }
 
+  // Velocities as the state: the two outward passes. The inward pass is the step above, with a bias.
+
+  /// (17), and the acceleration of the bias Ω × E u, which is the same on both sides of the rotation. In: the parent's velocity.
+  /// Out: that of the body.
+  template <PlacementShape S, bool Keep, class L, class T>
+  MOMENTREE_INLINE static void velocity_outboard(const L& k, const T& c, const T& s, const T& u, Motion<T>& a, T& vx, T& vy, T& wx,
+                                                 T& wy) {
+    cross_placement<S>(k, a);
+    if constexpr (!rotate_then_reduce<T, Keep>) cross_joint_outboard<S>(k, c, s, a);
+    vx = u * a.v.y, vy = -(u * a.v.x), wx = u * a.w.y, wy = -(u * a.w.x);
+    if constexpr (rotate_then_reduce<T, Keep>) cross_joint_outboard<S>(k, c, s, a);
+    a.w.z = a.w.z + u;
+  }
+  /// (39), (47), with `r` as the inward step left it. In: the parent's acceleration. Out: that of the body in `a`, u̇ in `udot`.
+  /// With Keep, a′ goes to `approach`.
+  template <PlacementShape S, bool Keep, class L, class T, class R>
+  MOMENTREE_INLINE static void acceleration_outboard(const L& k, const T& c, const T& s, const R& r, Motion<T>& a, T& udot,
+                                                     Motion<T>* approach) {
+    Vector3<T>&v = a.v, &o = a.w;
+    cross_placement<S>(k, a);
+    if constexpr (!rotate_then_reduce<T, Keep>) cross_joint_outboard<S>(k, c, s, a);
+    v.x = v.x + r.vx, v.y = v.y + r.vy, o.x = o.x + r.wx, o.y = o.y + r.wy;
+    if constexpr (Keep) *approach = a;
+    const T along = (r.gl.x * v.x + r.ghx * o.x) + (r.gl.y * v.y + r.ghy * o.y) + r.gl.z * v.z;
+    T total;
+    if constexpr (Armature)
+      udot = r.u0 - (along + r.ghz * o.z), total = udot + o.z;
+    else
+      total = r.u0 - along, udot = total - o.z;
+    o.z = total;
+    if constexpr (rotate_then_reduce<T, Keep>) cross_joint_outboard<S>(k, c, s, a);
+  }
+
+  /// F += M̂ a for an acceleration without z components.
+  template <class T>
+  MOMENTREE_INLINE static void add_reduced_bias(const Record<T>& w, const Motion<T>& bias, Force<T>& F) {
+    const Vector3<T>&v = bias.v, &o = bias.w;
+    F.l.x = F.l.x + ((w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y));
+    F.l.y = F.l.y + ((w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y));
+    F.l.z = F.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y));
+    F.h.x = F.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y));
+    F.h.y = F.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y));
+    if constexpr (Armature)
+      F.h.z = F.h.z + w.armature * ((w.gl.x * v.x + w.ghx * o.x) + (w.gl.y * v.y + w.ghy * o.y));
+  }
+
   // Second recursion.
 
   /// (45): a wrench, to the parent's frame.
@@ -227,20 +273,7 @@ struct RevoluteStepsOf {
                                              const Motion<T>& velocity, const T& u, T& udot, Motion<T>& a, Motion<T>& approach) {
     constexpr bool rotates_first = one_world_at_a_time<T>, shifts = Has<S>::d;
     Vector3<T>&v = a.v, &o = a.w;
-    if constexpr (Has<S>::any_offset)
-      shift_outboard(a, k.r);
-    else if constexpr (Has<S>::a)
-      v.y = v.y + k.r.x * o.z, v.z = v.z - k.r.x * o.y;
-    if constexpr (Has<S>::beta) {
-      rotate_z(v, k.cos_b, -k.sin_b);
-      rotate_z(o, k.cos_b, -k.sin_b);
-    }
-    if constexpr (Has<S>::right) {
-      a = {{v.x, v.z, -v.y}, {o.x, o.z, -o.y}};
-    } else if constexpr (!Has<S>::parallel) {
-      rotate_x(v, k.cos_a, -k.sin_a);
-      rotate_x(o, k.cos_a, -k.sin_a);
-    }
+    cross_placement<S>(k, a);
     const auto cross_joint = [&]() MOMENTREE_INLINE_LAMBDA {
       if constexpr (shifts) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
       rotate_z(v, c, -s);
@@ -279,6 +312,39 @@ struct RevoluteStepsOf {
       if constexpr (rotate_then_reduce<T, false>) rotate(x, y, c, s);
       w.mc.x = x, w.mc.y = y;
     }
+  }
+
+  // (17), from the parent's frame to the axes before the joint's own rotation.
+  template <PlacementShape S, class L, class T>
+  MOMENTREE_INLINE static void rotate_placement(const L& k, Vector3<T>& x) {
+    if constexpr (Has<S>::beta) rotate_z(x, k.cos_b, -k.sin_b);
+    if constexpr (Has<S>::right)
+      x = {x.x, x.z, -x.y};
+    else if constexpr (!Has<S>::parallel)
+      rotate_x(x, k.cos_a, -k.sin_a);
+  }
+  template <PlacementShape S, class L, class T>
+  MOMENTREE_INLINE static void cross_placement(const L& k, Motion<T>& a) {
+    if constexpr (Has<S>::any_offset) shift_outboard(a, k.r);
+    if constexpr (Has<S>::a) a.v.y = a.v.y + k.r.x * a.w.z, a.v.z = a.v.z - k.r.x * a.w.y;
+    rotate_placement<S>(k, a.v), rotate_placement<S>(k, a.w);
+  }
+  // (17), the shift along z and the rotation about it.
+  template <PlacementShape S, class L, class T>
+  MOMENTREE_INLINE static void cross_joint_outboard(const L& k, const T& c, const T& s, Motion<T>& a) {
+    if constexpr (Has<S>::d) a.v.x = a.v.x + k.d * a.w.y, a.v.y = a.v.y - k.d * a.w.x;
+    rotate_z(a.v, c, -s);
+    rotate_z(a.w, c, -s);
+  }
+
+  // (23): the children's contributions and, in the equations of accelerations, the body's own.
+  template <Children N, class T>
+  MOMENTREE_INLINE static T remainder(const T& first, const T& others, NoBias::None) {
+    return alone<N>(first, others);
+  }
+  template <Children N, class T>
+  MOMENTREE_INLINE static T remainder(const T& first, const T& others, const T& own) {
+    return with<N>(first, others, own);
   }
 
   // (22), (23): the children's contributions plus the body's own; for a leaf the latter alone.

@@ -10,12 +10,13 @@ namespace momentree {
 
 State::State() : number_(detail::unique_number()) {}
 
-State::State(const Tree& tree) : number_(detail::unique_number()), topology_(tree.revision()) {
+State::State(const Tree& tree, Variables variables)
+    : variables_(variables), number_(detail::unique_number()), topology_(tree.revision()) {
   const auto n = static_cast<std::size_t>(tree.bodies());
   q_.reserve(7 * n);
-  p_.reserve(6 * n);
+  y_.reserve(6 * n);
   q_.resize(static_cast<std::size_t>(tree.nq()));
-  p_.resize(static_cast<std::size_t>(tree.nv()));
+  y_.resize(static_cast<std::size_t>(tree.nv()));
   for (int b : tree.order())
     dispatch(tree.kind(b), [&](auto tag) { decltype(tag)::type::Kernels::zero(q_.data() + tree.first_q(b)); });
 }
@@ -32,9 +33,10 @@ State& State::operator=(const State& other) {
   changed();  // first, because the copy may run out of memory
   time_ = other.time_;
   q_.reserve(other.q_.capacity());  // so that a copy can change its topology without allocating, too
-  p_.reserve(other.p_.capacity());
+  y_.reserve(other.y_.capacity());
   q_ = other.q_;
-  p_ = other.p_;
+  y_ = other.y_;
+  variables_ = other.variables_;
   topology_ = other.topology_;
   return *this;
 }
@@ -45,22 +47,31 @@ State& State::operator=(State&& other) noexcept {
   other.require_no_edit();
   std::swap(time_, other.time_);
   q_.swap(other.q_);
-  p_.swap(other.p_);
+  y_.swap(other.y_);
+  std::swap(variables_, other.variables_);
   std::swap(number_, other.number_);
   std::swap(serial_, other.serial_);
   std::swap(topology_, other.topology_);
   return *this;
 }
 
-void State::assign(double time, std::span<const double> q, std::span<const double> p, const Tree& tree) {
+void State::assign(double time, std::span<const double> q, std::span<const double> y, const Tree& tree) {
   require_no_edit();
-  MT_REQUIRE(static_cast<int>(q.size()) == tree.nq() && static_cast<int>(p.size()) == tree.nv(),
+  MT_REQUIRE(static_cast<int>(q.size()) == tree.nq() && static_cast<int>(y.size()) == tree.nv(),
              "as many coordinates and momenta as the tree has");
   changed();
   time_ = time;
   q_.assign(q.begin(), q.end());
-  p_.assign(p.begin(), p.end());
+  y_.assign(y.begin(), y.end());
   topology_ = tree.revision();
+}
+
+void State::change_variables(Variables variables, std::span<const double> y) {
+  require_no_edit();
+  MT_REQUIRE(y.size() == y_.size(), "as many numbers as the state has momenta or velocities");
+  changed();
+  variables_ = variables;
+  std::copy(y.begin(), y.end(), y_.begin());
 }
 
 namespace {
@@ -87,14 +98,14 @@ bool fits(const std::vector<double>& all, int first, int count, std::size_t more
 }
 }  // namespace
 
-void State::replace(int first_q, int nq, std::span<const double> q, int first_p, int nv, std::span<const double> p,
+void State::replace(int first_q, int nq, std::span<const double> q, int first_p, int nv, std::span<const double> y,
                     const Tree& tree) {
   require_no_edit();
-  MT_REQUIRE(fits(q_, first_q, nq, q.size(), tree.nq()) && fits(p_, first_p, nv, p.size(), tree.nv()),
+  MT_REQUIRE(fits(q_, first_q, nq, q.size(), tree.nq()) && fits(y_, first_p, nv, y.size(), tree.nv()),
              "as many coordinates and momenta as the tree will have");
   changed();
   replace_range(q_, first_q, nq, q);
-  replace_range(p_, first_p, nv, p);
+  replace_range(y_, first_p, nv, y);
   topology_ = tree.revision();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The state of motion: time, coordinates, canonical momenta, packed in the order of joint numbers.
+// The state of motion: time, coordinates, and canonical momenta or velocities, packed in the order of joint numbers.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,12 +16,19 @@ struct Stamp {
   friend bool operator==(const Stamp&, const Stamp&) = default;
 };
 
+/// What a state holds beside the coordinates. Momenta are exact where the topology changes; velocities are the better conditioned
+/// choice between changes, above all in long chains. See docs/theory.md.
+enum class Variables : unsigned char {
+  momenta,    ///< canonical momenta p; the rate of a prescribed motion in the place of a driven DoF
+  velocities  ///< joint velocities u
+};
+
 class State {
  public:
   State();
   /// All joints at zero and at rest, at time 0. Reserves capacity for every later topology. For the start values of a model see
   /// `start_state` (dynamics/momentum.hpp).
-  explicit State(const Tree& tree);
+  explicit State(const Tree& tree, Variables variables = Variables::momenta);
   /// A copy is a separate state: evaluations of the original are not valid for it. A moved state keeps its stamp.
   State(const State& other);
   State(State&& other) noexcept;
@@ -31,7 +38,19 @@ class State {
 
   double time() const { return time_; }
   Numbers q() const { return q_; }
-  Numbers p() const { return p_; }
+  Variables variables() const { return variables_; }
+  /// The momenta of a state in momenta.
+  Numbers p() const {
+    MT_REQUIRE(variables_ == Variables::momenta, "a state in momenta: momenta() gives those of a state in velocities");
+    return y_;
+  }
+  /// The velocities of a state in velocities.
+  Numbers u() const {
+    MT_REQUIRE(variables_ == Variables::velocities, "a state in velocities: an evaluation gives those of a state in momenta");
+    return y_;
+  }
+  /// p or u, for code that treats both alike.
+  Numbers y() const { return y_; }
   /// Tree::revision() of the tree to which the state belongs.
   std::uint64_t topology() const { return topology_; }
   /// While the state is being edited each call returns a new stamp, because anything may have been written in between.
@@ -54,18 +73,22 @@ class State {
   /// Earlier evaluations of the state become stale, and when the edit ends, so do those made during it.
   [[nodiscard]] Edit edit();
 
-  /// Adapts the state to another topology of the tree: replaces `nq` and `nv` numbers of a body by new ones. Does not allocate
-  /// unless bodies were added to the tree for which the state was made.
-  void replace(int first_q, int nq, std::span<const double> q, int first_p, int nv, std::span<const double> p, const Tree& tree);
-  /// Sets the whole state, of that tree. Does not allocate if the reserved capacity, that of the tree, suffices.
-  void assign(double time, std::span<const double> q, std::span<const double> p, const Tree& tree);
+  /// Adapts the state to another topology of the tree: replaces `nq` and `nv` numbers of a body by new ones, of q and y. Does not
+  /// allocate unless bodies were added to the tree for which the state was made.
+  void replace(int first_q, int nq, std::span<const double> q, int first_p, int nv, std::span<const double> y, const Tree& tree);
+  /// Sets the whole state, of that tree, in its present variables. Does not allocate if the reserved capacity, that of the tree,
+  /// suffices.
+  void assign(double time, std::span<const double> q, std::span<const double> y, const Tree& tree);
+  /// From now on y are velocities u, or momenta p, with these values.
+  void change_variables(Variables variables, std::span<const double> y);
 
  private:
   void changed() { ++serial_; }
   void require_no_edit() const;
 
   double time_ = 0;
-  std::vector<double> q_, p_;
+  std::vector<double> q_, y_;
+  Variables variables_ = Variables::momenta;
   std::uint64_t number_, topology_ = 0;
   mutable std::uint64_t serial_ = 0;
   int edits_ = 0;
@@ -102,9 +125,17 @@ class [[nodiscard]] State::Edit {
   };
 
   double& time;
-  Writable q, p;
+  Writable q;
+  Writable y;     ///< p or u
+  Writable p, u;  ///< the one that the state does not hold is empty
 
-  explicit Edit(State& state) : state_(state), time(state.time_), q(state.q_), p(state.p_) {
+  explicit Edit(State& state)
+      : state_(state),
+        time(state.time_),
+        q(state.q_),
+        y(state.y_),
+        p(state.variables_ == Variables::momenta ? std::span<double>(state.y_) : std::span<double>()),
+        u(state.variables_ == Variables::velocities ? std::span<double>(state.y_) : std::span<double>()) {
     ++state_.edits_;
     state_.changed();
   }

@@ -85,13 +85,7 @@ struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Armature>> 
   }
   template <class T>
   MOMENTREE_INLINE static void add_reduced_bias(const Record<T>& w, const Motion<T>& bias, Force<T>& F) {
-    const Vector3<T>&v = bias.v, &o = bias.w;
-    F.l.x = F.l.x + ((w.A.xx * v.x + w.Bxx * o.x) + (w.A.xy * v.y + w.Bxy * o.y));
-    F.l.y = F.l.y + ((w.A.xy * v.x + w.Byx * o.x) + (w.A.yy * v.y + w.Byy * o.y));
-    F.l.z = F.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y));
-    F.h.x = F.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y));
-    F.h.y = F.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y));
-    if constexpr (Armature) F.h.z = F.h.z + w.armature * along(w, bias);
+    Steps::add_reduced_bias(w, bias, F);
   }
   /// (47)
   template <class T>

@@ -1,0 +1,154 @@
+#include <momentree/dynamics/velocity.hpp>
+
+#include <algorithm>
+
+#include <momentree/dynamics/body_forces.hpp>
+#include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/wrench_inboard.hpp>
+
+namespace momentree {
+
+namespace {
+
+Motion<double> accelerating_ground(const Tree& tree) { return {-tree.gravity(), {}}; }
+
+// Forces that read poses or motions, and the power of prescribed motions, need what a stage does not store.
+bool stage_keeps(const Tree& tree) {
+  return !tree.loaded_bodies().empty() || tree.has_functions() || !tree.driven_joints().empty();
+}
+
+// After sweep_velocities: all forces, as joint forces in workspace.a and wrenches in workspace.biases.
+template <bool Keep>
+void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
+  double* const tau = workspace.a.get();
+  workspace.power = joint_forces(tree, t, q, workspace, tau, workspace.passive.get());
+  if constexpr (Keep) {
+    find_loads(tree, t, q, workspace);
+    for (const int b : tree.loaded_bodies()) {
+      Force<double>& wrench = workspace.biases[static_cast<std::size_t>(b)].wrench;
+      wrench = wrench - workspace.loads[static_cast<std::size_t>(b)];
+    }
+  }
+}
+
+void evaluate_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace) noexcept {
+  sweep_velocities<double, true>(tree, q, u, workspace);
+  apply_forces<true>(tree, t, q, workspace);
+  solve_accelerations<double, true>(tree, q, workspace, accelerating_ground(tree));
+  for (const int b : tree.driven_joints())
+    workspace.power.work += motion_effort(tree, q, workspace, b) * workspace.v[static_cast<std::size_t>(tree.first_p(b))];
+}
+
+// Calls f(b, its flags, tag of its joint's kernels) for all bodies, outboard before inboard.
+template <class F>
+void inward(const Tree& tree, F&& f) {
+  const auto order = tree.order();
+  for (std::size_t k = order.size(); k-- > 0;) {
+    const int b = order[k];
+    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) { f(b, tree.node_flags()[k], tag); });
+  }
+}
+
+}  // namespace
+
+void evaluate_velocity_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
+                             VelocityRatesFunction generated) noexcept {
+  if (stage_keeps(tree)) return evaluate_keeping(tree, t, q, u, workspace);
+  if (generated != nullptr) {
+    workspace.evaluated = workspace.located = workspace.accelerated = {};
+    std::copy_n(u, tree.nv(), workspace.v.get());
+    apply_forces<false>(tree, t, q, workspace);
+    std::copy_n(workspace.a.get(), tree.nv(), workspace.pdot.get());
+    generated(q, u, workspace.pdot.get(), workspace.qdot.get(), workspace.a.get());
+    return;
+  }
+  sweep_velocities<double, false>(tree, q, u, workspace);
+  apply_forces<false>(tree, t, q, workspace);
+  solve_accelerations<double, false>(tree, q, workspace, accelerating_ground(tree));
+}
+
+void sum_momenta(const Tree& tree, const double* q, Workspace<double>& workspace, double* p) noexcept {
+  const UncheckedTree all(tree);
+  for (const int b : all.order()) {
+    BodySweep<double>& body = workspace.motions[static_cast<std::size_t>(b)];
+    body.articulated = momentum(all.link(b).body, body.velocity);  // (4)
+  }
+  inward(tree, [&](int b, unsigned flags, auto tag) {
+    using K = typename decltype(tag)::type;
+    Force<double> P = workspace.motions[static_cast<std::size_t>(b)].articulated;
+    const LinkConstants& link = all.link(b);
+    const JointState<double> joint = joint_state(all, q, workspace, b);
+    const auto E = K::template columns<double>(link, joint);
+    const int at = all.first_p(b);
+    for (std::size_t i = 0; i < E.size(); ++i) {  // (19)
+      const auto f = static_cast<std::size_t>(at) + i;
+      p[f] = (link.locked >> i & 1u) == 0 ? dot(E[i], P) + all.armature()[f] * workspace.v[f] : workspace.v[f];
+    }
+    const int outer = all.parent(b);
+    if (outer < 0) return;
+    if constexpr (!K::rigid) wrench_inboard<K>(link, joint, workspace.record<K>(all, b), flags, P);  // (16)
+    workspace.motions[static_cast<std::size_t>(outer)].articulated += P;  // (14)
+  });
+}
+
+void evaluate_velocity_state(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
+  const double* const q = state.q().data();
+  evaluate_keeping(tree, state.time(), q, state.u().data(), workspace);
+  sum_momenta(tree, q, workspace, workspace.p.get());
+  workspace.evaluated = workspace.accelerated = state.stamp();
+}
+
+// ṗ = τ + Eᵀ (Tb − Ω × Pb) + Ėᵀ Pb (20), where Tb is the weight of the bodies outboard and the forces on them.
+void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
+  locate_bodies(tree, state, workspace);
+  if (workspace.rated == state.stamp()) return;
+  const UncheckedTree all(tree);
+  const double* const q = state.q().data();
+  double* const pdot = workspace.pdot.get();
+  Force<double>* const Tb = workspace.child_wrenches.get();
+  joint_forces(tree, state.time(), q, workspace, pdot);
+  for (const int b : all.order()) {
+    const Vec3 g = transpose_times(workspace.bodies[static_cast<std::size_t>(b)].R, tree.gravity());
+    Tb[b] = {all.link(b).body.m * g, cross(all.link(b).body.mc, g)};
+  }
+  for (const int b : tree.loaded_bodies()) Tb[b] += workspace.loads[static_cast<std::size_t>(b)];
+  inward(tree, [&](int b, unsigned flags, auto tag) {
+    using K = typename decltype(tag)::type;
+    const LinkConstants& link = all.link(b);
+    const JointState<double> joint = joint_state(all, q, workspace, b);
+    const BodySweep<double>& body = workspace.motions[static_cast<std::size_t>(b)];
+    const int at = all.first_p(b), outer = all.parent(b);
+    if constexpr (!K::rigid) {
+      double rate[6] = {};
+      K::template momentum_rate<double>(link, joint, workspace.v.get() + at, body.articulated,
+                                        Tb[b] - cross(body.velocity, body.articulated), rate);
+      for (int i = 0; i < info(tree.kind(b)).nv; ++i)
+        if ((link.locked >> i & 1u) == 0) pdot[at + i] += rate[i];
+      if (outer >= 0) wrench_inboard<K>(link, joint, workspace.record<K>(all, b), flags, Tb[b]);
+    }
+    if (outer >= 0) Tb[outer] += Tb[b];
+  });
+  workspace.rated = state.stamp();
+}
+
+// The passes of accelerations with other quantities in the same places: −M Ω for the bias wrenches, rotor momenta for the joint
+// forces, no bias, a ground at rest.
+void project_velocities(const Tree& tree, const double* q, double* u, Workspace<double>& workspace) noexcept {
+  sweep_velocities<double, true>(tree, q, u, workspace);  // for the joint transforms
+  for (const int b : tree.order()) {
+    const auto i = static_cast<std::size_t>(b);
+    workspace.biases[i] = {-1.0 * workspace.carried[i], {}};
+    const LinkConstants& link = tree.link(b);
+    for (int k = 0; k < info(tree.kind(b)).nv; ++k) {
+      const auto f = static_cast<std::size_t>(tree.first_p(b) + k);
+      if ((link.locked >> k & 1u) == 0)
+        workspace.a[f] = tree.armature()[f] * u[f];
+      else
+        workspace.a[f] = (link.driven >> k & 1u) != 0 ? u[f] : 0.0;
+    }
+  }
+  solve_accelerations<double, true>(tree, q, workspace, {});
+  std::copy_n(workspace.a.get(), tree.nv(), u);
+}
+
+}  // namespace momentree
