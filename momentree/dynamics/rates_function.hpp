@@ -14,9 +14,18 @@ using RatesFunction = void (*)(const double* q, const double* p, double* v, doub
 /// (nq) and u̇ (nv). The arrays must not overlap.
 using VelocityRatesFunction = void (*)(const double* q, const double* u, const double* tau, double* qdot, double* udot) noexcept;
 
+/// Code for one topology, for either variables of a state; null: the kernels run.
+struct GeneratedRates {
+  RatesFunction momenta = nullptr;
+  VelocityRatesFunction velocities = nullptr;
+  GeneratedRates() = default;
+  GeneratedRates(RatesFunction of_momenta, VelocityRatesFunction of_velocities = nullptr)  // NOLINT(google-explicit-constructor)
+      : momenta(of_momenta), velocities(of_velocities) {}
+};
+
 /// Returns the code for the tree's present topology, or null to run the kernels. Called between steps, after every change; may
 /// allocate and take time, must not throw.
-using RatesProvider = std::function<RatesFunction(const Tree&)>;
+using RatesProvider = std::function<GeneratedRates(const Tree&)>;
 
 /// True if stages of steps use evaluate_rates. With forces on bodies, user functions or prescribed motions they need more results
 /// than the rates, and generated code is not used.

@@ -1,8 +1,8 @@
 #pragma once
 // Explicit Runge–Kutta methods with embedded error estimates and step size control. Each tableau is one file in kinds/.
 //
-// The error is measured in coordinates and velocities. The estimated error of momenta, Δp, is converted to velocities by one
-// solve, Δu = H⁻¹ Δp: an evaluation in a separate workspace, linear in Δp, so that nothing cancels.
+// The error is measured in coordinates and velocities. For a state in momenta the estimated error of these, Δp, is converted to
+// velocities by one solve, Δu = H⁻¹ Δp: an evaluation in a separate workspace, linear in Δp, so that nothing cancels.
 //
 // The last stage is the first of the next step: it is evaluated on the new state itself, and the caller's workspace then carries
 // that state's stamp. If an event or a stop changes the state afterwards, the stamp is stale and the caller evaluates again.
@@ -28,12 +28,12 @@ class Embedded : public Integrator {
         nq_max_(7L * tree.bodies()),
         nv_max_(6L * tree.bodies()),
         q0_(scratch(nq_max_)),
-        p0_(scratch(nv_max_)),
+        y0_(scratch(nv_max_)),
         u0_(scratch(nv_max_)),
         q_(scratch(nq_max_)),
-        p_(scratch(nv_max_)),
+        y_(scratch(nv_max_)),
         kq_(scratch((Tableau::stages + dense_stages()) * nq_max_)),
-        kp_(scratch((Tableau::stages + dense_stages()) * nv_max_)),
+        ky_(scratch((Tableau::stages + dense_stages()) * nv_max_)),
         solver_(tree) {
     proposal_ = std::min(control.step, control.max_step);
   }
@@ -43,10 +43,10 @@ class Embedded : public Integrator {
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept final {
     begin(evaluate, state, h);
     stages(evaluate, state.time(), h);
-    if (!sound(evaluate.tree(), q0_.get(), q_.get(), p_.get())) return false;
+    if (!sound(evaluate.tree(), q0_.get(), q_.get(), y_.get())) return false;
     accept(evaluate.tree(), state, ledger, h);
     evaluate(state);
-    keep(Tableau::stages - 1, evaluate.workspace());
+    keep(Tableau::stages - 1, evaluate);
     return true;
   }
 
@@ -64,11 +64,11 @@ class Embedded : public Integrator {
       if (rejected && !(h > shortest * std::max(std::fabs(start), control_.step))) break;
       stages(evaluate, state.time(), h);
       double error = HUGE_VAL;
-      const bool fine = sound(evaluate.tree(), q0_.get(), q_.get(), p_.get());
+      const bool fine = sound(evaluate.tree(), q0_.get(), q_.get(), y_.get());
       if (fine) {
         accept(evaluate.tree(), state, ledger, h);
         evaluate(state);
-        keep(Tableau::stages - 1, evaluate.workspace());
+        keep(Tableau::stages - 1, evaluate);
         error = estimate(evaluate, ledger.work, h);
       }
       const double wanted = safety * std::pow(error, -1.0 / (Tableau::lower + 1));  // NaN if the error is NaN
@@ -84,7 +84,7 @@ class Embedded : public Integrator {
         ledger = before;
         const State::Edit edit = state.edit();
         std::copy_n(q0_.get(), nq_, edit.q.begin());
-        std::copy_n(p0_.get(), nv_, edit.p.begin());
+        std::copy_n(y0_.get(), nv_, edit.y.begin());
         edit.time = start;
       }
       rejected = true;
@@ -97,13 +97,13 @@ class Embedded : public Integrator {
   bool dense() const final {
     return requires { Tableau::dense(0.5); };
   }
-  bool interpolate(Evaluator& evaluate, double theta, double* q, double* p) noexcept final {
+  bool interpolate(Evaluator& evaluate, double theta, double* q, double* y) noexcept final {
     if constexpr (requires { Tableau::dense(theta); }) {
       if (last_ == 0 || evaluate.tree().nq() != nq_ || evaluate.tree().nv() != nv_) return false;
       extend(evaluate);
       const auto weights = Tableau::dense(theta);
       combine(nq_, q0_.get(), weights.data(), static_cast<int>(weights.size()), last_, kq_.get(), nq_max_, q);
-      combine(nv_, p0_.get(), weights.data(), static_cast<int>(weights.size()), last_, kp_.get(), nv_max_, p);
+      combine(nv_, y0_.get(), weights.data(), static_cast<int>(weights.size()), last_, ky_.get(), nv_max_, y);
       normalise(evaluate.tree(), q);
       return true;
     } else {
@@ -121,12 +121,12 @@ class Embedded : public Integrator {
   }
 
   double* kq(int j) const { return kq_.get() + j * nq_max_; }
-  double* kp(int j) const { return kp_.get() + j * nv_max_; }
+  double* ky(int j) const { return ky_.get() + j * nv_max_; }
 
-  void keep(int stage, const Workspace<double>& workspace) noexcept {
-    std::copy_n(workspace.qdot.get(), nq_, kq(stage));
-    std::copy_n(workspace.pdot.get(), nv_, kp(stage));
-    if (stage < Tableau::stages) power_[stage] = workspace.power;
+  void keep(int stage, const Evaluator& evaluated) noexcept {
+    std::copy_n(evaluated.workspace().qdot.get(), nq_, kq(stage));
+    std::copy_n(evaluated.ydot(), nv_, ky(stage));
+    if (stage < Tableau::stages) power_[stage] = evaluated.workspace().power;
   }
 
   void begin(const Evaluator& evaluate, const State& state, double h) noexcept {
@@ -134,11 +134,11 @@ class Embedded : public Integrator {
     nq_ = evaluate.tree().nq();
     nv_ = evaluate.tree().nv();
     std::copy_n(state.q().data(), nq_, q0_.get());
-    std::copy_n(state.p().data(), nv_, p0_.get());
+    std::copy_n(state.y().data(), nv_, y0_.get());
     std::copy_n(evaluate.workspace().v.get(), nv_, u0_.get());
     start_ = state.time();
     last_ = 0;
-    keep(0, evaluate.workspace());
+    keep(0, evaluate);
   }
 
   // out = start + h Σ weights[j] k[j]
@@ -152,25 +152,25 @@ class Embedded : public Integrator {
     }
   }
 
-  // Evaluates all stages but the last; the result is in q_, p_.
+  // Evaluates all stages but the last; the result is in q_, y_.
   void stages(Evaluator& evaluate, double t, double h) noexcept {
     constexpr int inner = Tableau::stages - 1;
     for (int s = 1; s <= inner; ++s) {
       const double* weights = s < inner ? Tableau::a[s] : Tableau::b;
       combine(nq_, q0_.get(), weights, s, h, kq_.get(), nq_max_, q_.get());
-      combine(nv_, p0_.get(), weights, s, h, kp_.get(), nv_max_, p_.get());
+      combine(nv_, y0_.get(), weights, s, h, ky_.get(), nv_max_, y_.get());
       if (s == inner) break;
-      evaluate(t + Tableau::c[s] * h, q_.get(), p_.get());
-      keep(s, evaluate.workspace());
+      evaluate(t + Tableau::c[s] * h, q_.get(), y_.get());
+      keep(s, evaluate);
     }
-    end_step(evaluate.tree(), t + h, q_.get(), p_.get());
+    end_step(evaluate.tree(), t + h, q_.get(), y_.get());
   }
 
   void accept(const Tree& tree, State& state, EnergyLedger& ledger, double h) noexcept {
     take_stored(tree, q0_.get(), q_.get(), ledger);
     const State::Edit edit = state.edit();
     std::copy_n(q_.get(), nq_, edit.q.begin());
-    std::copy_n(p_.get(), nv_, edit.p.begin());
+    std::copy_n(y_.get(), nv_, edit.y.begin());
     edit.time += h;
     for (int j = 0; j < Tableau::stages - 1; ++j) {
       ledger.dissipated += h * Tableau::b[j] * power_[j].dissipated;
@@ -185,13 +185,13 @@ class Embedded : public Integrator {
     if constexpr (dense_stages() > 0) {
       if (extended_) return;
       extended_ = true;
-      Evaluator other(evaluate.tree(), solver_);
+      Evaluator other = evaluate.in(solver_);
       for (int s = 0; s < dense_stages(); ++s) {
         const double* weights = Tableau::dense_a[s];
         combine(nq_, q0_.get(), weights, Tableau::stages + s, last_, kq_.get(), nq_max_, q_.get());
-        combine(nv_, p0_.get(), weights, Tableau::stages + s, last_, kp_.get(), nv_max_, p_.get());
-        other(start_ + Tableau::dense_c[s] * last_, q_.get(), p_.get());
-        keep(Tableau::stages + s, solver_);
+        combine(nv_, y0_.get(), weights, Tableau::stages + s, last_, ky_.get(), nv_max_, y_.get());
+        other(start_ + Tableau::dense_c[s] * last_, q_.get(), y_.get());
+        keep(Tableau::stages + s, other);
       }
       evaluate.count += other.count;
       evaluate.seconds += other.seconds;
@@ -223,27 +223,31 @@ class Embedded : public Integrator {
         }
         measure(h * off, work, h * most);
       }
-      double* dp = solver_.impulse.get();
+      double* dy = solver_.impulse.get();
       for (int i = 0; i < nv_; ++i) {
         double off = 0;
-        for (int j = 0; j < Tableau::stages; ++j) off += weights[j] * kp(j)[i];
-        dp[i] = h * off;
+        for (int j = 0; j < Tableau::stages; ++j) off += weights[j] * ky(j)[i];
+        dy[i] = h * off;
       }
-      clear_driven(evaluate.tree(), dp);
-      evaluate.solve(q_.get(), dp, solver_);
-      for (int i = 0; i < nv_; ++i) measure(solver_.v[static_cast<std::size_t>(i)], u0_[static_cast<std::size_t>(i)], u1[i]);
+      clear_driven(evaluate.tree(), dy);
+      const double* du = dy;
+      if (evaluate.variables() == Variables::momenta) {
+        evaluate.solve(q_.get(), dy, solver_);
+        du = solver_.v.get();
+      }
+      for (int i = 0; i < nv_; ++i) measure(du[i], u0_[static_cast<std::size_t>(i)], u1[i]);
     }
     return Tableau::combine(found);
   }
 
   long nq_max_, nv_max_;
   int nq_ = 0, nv_ = 0;
-  std::unique_ptr<double[]> q0_, p0_, u0_;  // start of the step
-  std::unique_ptr<double[]> q_, p_;         // stage, then result
-  std::unique_ptr<double[]> kq_, kp_;       // rates of the stages
+  std::unique_ptr<double[]> q0_, y0_, u0_;  // start of the step
+  std::unique_ptr<double[]> q_, y_;         // stage, then result
+  std::unique_ptr<double[]> kq_, ky_;       // rates of the stages
   Power power_[Tableau::stages]{};
   Workspace<double> solver_;
-  double start_ = 0, last_ = 0;  // start and length (s) of the step to which kq_, kp_ belong
+  double start_ = 0, last_ = 0;  // start and length (s) of the step to which kq_, ky_ belong
   bool extended_ = false;        // including the stages of dense output
 };
 

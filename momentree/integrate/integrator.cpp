@@ -7,6 +7,7 @@
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/velocity.hpp>
 #include <momentree/integrate/method_list.hpp>
 #include <momentree/integrate/methods.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -27,10 +28,14 @@ class Stopwatch {
 };
 }  // namespace
 
-void Evaluator::operator()(double t, const double* q, const double* p) noexcept {
+void Evaluator::operator()(double t, const double* q, const double* y) noexcept {
   const Stopwatch watch(seconds);
   ++count;
-  evaluate_stage(*tree_, t, q, p, *workspace_, generated_of_ == tree_->revision() ? generated_ : nullptr);
+  const GeneratedRates generated = generated_of_ == tree_->revision() ? generated_ : GeneratedRates();
+  if (variables_ == Variables::momenta)
+    evaluate_stage(*tree_, t, q, y, *workspace_, generated.momenta);
+  else
+    evaluate_velocity_stage(*tree_, t, q, y, *workspace_, generated.velocities);
 }
 
 void Evaluator::without_resistance(const Tree& other, double t, const double* q, const double* p) noexcept {
@@ -42,6 +47,7 @@ void Evaluator::without_resistance(const Tree& other, double t, const double* q,
 }
 
 void Evaluator::operator()(const State& state) noexcept {
+  variables_ = state.variables();
   if (workspace_->evaluated == state.stamp()) return;
   const Stopwatch watch(seconds);
   ++count;
@@ -109,9 +115,9 @@ void take_stored(const Tree& tree, const double* q0, const double* q1, EnergyLed
   if (!tree.forced_joints().empty()) ledger.dissipated -= forces::stored(tree, q1) - forces::stored(tree, q0);
 }
 
-void end_step(const Tree& tree, double t, double* q, double* p) noexcept {
+void end_step(const Tree& tree, double t, double* q, double* y) noexcept {
   normalise(tree, q);
-  follow_motions(tree, t, q, p);
+  follow_motions(tree, t, q, y);
 }
 
 void normalise(const Tree& tree, double* q) noexcept {
@@ -119,9 +125,9 @@ void normalise(const Tree& tree, double* q) noexcept {
     dispatch(tree.kind(b), [&](auto tag) { decltype(tag)::type::Kernels::normalise(q + tree.first_q(b)); });
 }
 
-bool Integrator::sound(const Tree& tree, const double* q0, const double* q, const double* p) noexcept {
+bool Integrator::sound(const Tree& tree, const double* q0, const double* q, const double* y) noexcept {
   runaway_.reset();
-  if (plausible(tree, q0, q, p)) return true;
+  if (plausible(tree, q0, q, y)) return true;
   Runaway worst{-1, 0};
   for (int i = 0; i < tree.nq(); ++i) {
     const double moved = std::fabs(q[i] - q0[i]);
@@ -130,16 +136,16 @@ bool Integrator::sound(const Tree& tree, const double* q0, const double* q, cons
   }
   for (const int b : tree.order())
     for (int i = 0; i < info(tree.kind(b)).nv && worst.moved <= runaway; ++i)
-      if (!std::isfinite(p[tree.first_p(b) + i])) worst = {tree.first_q(b), NAN};
+      if (!std::isfinite(y[tree.first_p(b) + i])) worst = {tree.first_q(b), NAN};
   runaway_ = worst;
   return false;
 }
 
-bool plausible(const Tree& tree, const double* q0, const double* q, const double* p) noexcept {
+bool plausible(const Tree& tree, const double* q0, const double* q, const double* y) noexcept {
   bool fine = true;
   for (int i = 0; i < tree.nq(); ++i) fine &= std::fabs(q[i] - q0[i]) <= runaway;  // false for NaN
   double sum = 0;                                                                  // 0·x is NaN if x is not finite
-  for (int i = 0; i < tree.nv(); ++i) sum += 0.0 * p[i];
+  for (int i = 0; i < tree.nv(); ++i) sum += 0.0 * y[i];
   return fine && sum == 0;
 }
 

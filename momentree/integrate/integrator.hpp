@@ -20,16 +20,26 @@ class Evaluator {
 
   const Tree& tree() const { return *tree_; }
   Workspace<double>& workspace() const { return *workspace_; }
-  /// Rates at (q, p) and time t (s) in workspace().qdot and pdot, their power in workspace().power: a stage, which belongs to no
+  /// What y is: the variables of the state that was evaluated last.
+  Variables variables() const { return variables_; }
+  /// Rates at (q, y) and time t (s) in workspace().qdot and ydot(), their power in workspace().power: a stage, which belongs to no
   /// state.
-  void operator()(double t, const double* q, const double* p) noexcept;
+  void operator()(double t, const double* q, const double* y) noexcept;
+  /// Of the last evaluation: ṗ, or u̇ for a state in velocities.
+  const double* ydot() const { return (variables_ == Variables::momenta ? workspace_->pdot : workspace_->a).get(); }
   /// The same without the forces of resistance.hpp, at the velocities that p has with the mass matrix of `other`, which equals
   /// tree() except for the values of its armatures.
   void without_resistance(const Tree& other, double t, const double* q, const double* p) noexcept;
   /// The same for a state; does nothing if the workspace already holds its evaluation.
   void operator()(const State& state) noexcept;
   /// Code for the present topology, which stages run until the tree next changes; null: none.
-  void use(RatesFunction generated) noexcept { generated_ = generated, generated_of_ = tree_->revision(); }
+  void use(GeneratedRates generated) noexcept { generated_ = generated, generated_of_ = tree_->revision(); }
+  /// The same evaluation in another workspace, not counted here.
+  Evaluator in(Workspace<double>& other) const {
+    Evaluator copy(*tree_, other);
+    copy.variables_ = variables_;
+    return copy;
+  }
   /// Writes the velocities H⁻¹ p at q to other.v; the rates there are meaningless. Counts as an evaluation.
   void solve(const double* q, const double* p, Workspace<double>& other) noexcept;
 
@@ -39,7 +49,8 @@ class Evaluator {
  private:
   const Tree* tree_;
   Workspace<double>* workspace_;
-  RatesFunction generated_ = nullptr;
+  Variables variables_ = Variables::momenta;
+  GeneratedRates generated_;
   std::uint64_t generated_of_ = 0;  // the tree's revision for which it is valid
 };
 
@@ -80,6 +91,8 @@ class Integrator {
   virtual bool adaptive() const { return false; }
   /// Whether the steps of lanes (batch/stepper.hpp) are those of this method.
   virtual bool is_that_of_lanes() const { return false; }
+  /// False for a method that solves for momenta.
+  virtual bool takes_velocities() const { return true; }
 
   /// The step to try if `left` seconds remain to an instant that must be hit: the method's proposal, or `left` if that is not
   /// longer; adaptive methods halve what would leave a sliver.
@@ -91,8 +104,8 @@ class Integrator {
   double proposal() const { return proposal_; }
   void set_proposal(double seconds) { proposal_ = seconds; }
 
-  /// The index in q at which the last failed step diverged, and how far it would have moved (rad, m; NaN: a momentum of that
-  /// coordinate's joint became NaN). Empty if no step was short enough.
+  /// The index in q at which the last failed step diverged, and how far it would have moved (rad, m; NaN: a momentum or
+  /// velocity of that coordinate's joint became NaN). Empty if no step was short enough.
   struct Runaway {
     int coordinate = 0;
     double moved = 0;
@@ -105,7 +118,7 @@ class Integrator {
   /// more stages at the first call after a step, and leaves evaluate.workspace() unchanged. Returns false if the method has no
   /// dense output for that step. Changes after the step are not included.
   virtual bool interpolate([[maybe_unused]] Evaluator& evaluate, [[maybe_unused]] double theta, [[maybe_unused]] double* q,
-                           [[maybe_unused]] double* p) noexcept {
+                           [[maybe_unused]] double* y) noexcept {
     return false;
   }
 
@@ -115,7 +128,7 @@ class Integrator {
   static constexpr double sliver = 1e-4;
 
   /// Calls `plausible` and, if it returns false, records the coordinate that diverged.
-  bool sound(const Tree& tree, const double* q0, const double* q, const double* p) noexcept;
+  bool sound(const Tree& tree, const double* q0, const double* q, const double* y) noexcept;
 
   /// Requirements at the start of each step: the evaluator's workspace belongs to this state, and the step is possible.
   void require_ready(const Evaluator& evaluate, const State& state, double h) const noexcept;
@@ -130,7 +143,7 @@ class Integrator {
 
 /// Creates a method by name for trees of at most this size; null if there is no such method.
 std::unique_ptr<Integrator> make_integrator(std::string_view method, const Tree& tree, const StepControl& control = {});
-/// The accuracy of velocities at coordinates q, given that momenta are stored: converts velocities of one to momenta and back,
+/// The accuracy of velocities at coordinates q if momenta are stored: converts velocities of one to momenta and back,
 /// and returns the largest error. About 1e-16 for a single body; long chains of light links lose digits with the fourth power of
 /// their number. A smaller relative tolerance cannot be met. Set-up only: allocates.
 double velocity_resolution(const Tree& tree, std::span<const double> q);
@@ -140,13 +153,13 @@ bool is_adaptive(std::string_view method);
 std::vector<std::string> integration_methods();
 
 /// Completes a step ending at time t (s): normalises quaternions, sets prescribed motions to their curves.
-void end_step(const Tree& tree, double t, double* q, double* p) noexcept;
+void end_step(const Tree& tree, double t, double* q, double* y) noexcept;
 /// Normalises quaternions: once per step, not inside stages.
 void normalise(const Tree& tree, double* q) noexcept;
 /// Largest plausible motion of a coordinate in one step (rad, m): a larger one means divergence, long before numbers overflow.
 inline constexpr double runaway = 1e6;
-/// True if a step from coordinates q0 to (q, p) did not diverge: finite, and within `runaway`.
-bool plausible(const Tree& tree, const double* q0, const double* q, const double* p) noexcept;
+/// True if a step from coordinates q0 to (q, y) did not diverge: finite, and within `runaway`.
+bool plausible(const Tree& tree, const double* q0, const double* q, const double* y) noexcept;
 
 /// Uninitialised scratch of a method: memory pages that no topology needs cost nothing.
 inline std::unique_ptr<double[]> scratch(long n) {

@@ -3,7 +3,7 @@
 
 namespace momentree {
 
-/// Coordinates or momenta during a step: at its start, their rates at the latest stage, and the next stage, at the end the
+/// Coordinates, or momenta or velocities, during a step: at its start, their rates at the latest stage, and the next stage, at the end the
 /// result. `sum`: scratch.
 template <class T>
 struct Rk4Variables {
@@ -25,16 +25,16 @@ struct Rk4Variables {
   }
 };
 
-/// evaluate(node, weight, q, p): evaluates the rates at t + node·h, which have this weight in the sum.
+/// evaluate(node, weight, q, y): evaluates the rates at t + node·h, which have this weight in the sum.
 template <class T, class Evaluate>
-void rk4_stages(const T& h, const Rk4Variables<T>& q, const Rk4Variables<T>& p, const Evaluate& evaluate) {
+void rk4_stages(const T& h, const Rk4Variables<T>& q, const Rk4Variables<T>& y, const Evaluate& evaluate) {
   constexpr double weights[4] = {1, 2, 2, 1}, nodes[5] = {0, 0.5, 0.5, 1, 0};
-  q.begin(), p.begin();
+  q.begin(), y.begin();
   for (int stage = 0; stage < 4; ++stage) {
-    evaluate(nodes[stage], weights[stage], stage > 0 ? q.stage : q.start, stage > 0 ? p.stage : p.start);
-    q.advance(weights[stage], nodes[stage + 1] * h), p.advance(weights[stage], nodes[stage + 1] * h);
+    evaluate(nodes[stage], weights[stage], stage > 0 ? q.stage : q.start, stage > 0 ? y.stage : y.start);
+    q.advance(weights[stage], nodes[stage + 1] * h), y.advance(weights[stage], nodes[stage + 1] * h);
   }
-  q.end(h / 6.0), p.end(h / 6.0);
+  q.end(h / 6.0), y.end(h / 6.0);
 }
 
 }  // namespace momentree

@@ -17,17 +17,17 @@ Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>
   }
   {
     const State::Edit edit = state.edit();
-    double *q = edit.q.data(), *p = edit.p.data();
-    for (int j = 0; j < tree.bodies(); ++j) {  // compacts q and p, in the order of joints
+    double *q = edit.q.data(), *y = edit.y.data();
+    for (int j = 0; j < tree.bodies(); ++j) {  // compacts q and y, in the order of joints
       const int x = tree.carrier(j);
       if (x < 0 || workspace.path[static_cast<std::size_t>(x)] != 0) continue;
       const KindInfo& kind = info(tree.kind(x));
       q = std::copy_n(edit.q.data() + tree.first_q(x), kind.nq, q);
-      p = std::copy_n(edit.p.data() + tree.first_p(x), kind.nv, p);
+      y = std::copy_n(edit.y.data() + tree.first_p(x), kind.nv, y);
     }
   }
   tree.remove(b);
-  const int gone_q = static_cast<int>(state.q().size()) - tree.nq(), gone_p = static_cast<int>(state.p().size()) - tree.nv();
+  const int gone_q = static_cast<int>(state.q().size()) - tree.nq(), gone_p = static_cast<int>(state.y().size()) - tree.nv();
   state.replace(tree.nq(), gone_q, {}, tree.nv(), gone_p, {}, tree);
   return {};
 }
@@ -59,6 +59,10 @@ BodyId apply(const Add& change, Tree& tree, State& state, const Workspace<double
     motion = {transpose_times(frame.R, motion.v + cross(motion.w, frame.r)), transpose_times(frame.R, motion.w)};
   }
   const State::Edit edit = state.edit();
+  if (state.variables() == Variables::velocities) {
+    for (int i = 0; i < kind.nv; ++i) edit.u[static_cast<std::size_t>(nv + i)] = spec.v[i];
+    return {b};
+  }
   add_momentum(tree, edit.q.data(), b, motion, spec.v.begin(), edit.p.data());
   return {b};
 }

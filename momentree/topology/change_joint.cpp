@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <momentree/dynamics/momentum.hpp>
@@ -6,6 +7,7 @@
 #include <momentree/math/unit.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/new_joint.hpp>
+#include <momentree/topology/velocities.hpp>
 
 namespace momentree {
 
@@ -13,11 +15,18 @@ namespace {
 
 double armature_of(const Tree& tree, int b, int i) { return tree.armature()[tree.first_p(b) + i]; }
 
-// Sets a driven joint to its motion's position; its place in p holds the rate.
-void follow_motion(const Tree& tree, int b, double t, double* q, double* p) {
+// Sets a driven joint to its motion's position; its place in y holds the rate.
+void follow_motion(const Tree& tree, int b, double t, double* q, double* y) {
   if (tree.link(b).driven == 0) return;
   const Curve::Point s = tree.motion(b).at(t);
-  q[0] = s.value, p[0] = s.rate;
+  q[0] = s.value, y[0] = s.rate;
+}
+
+// Replaces the numbers of b's joint, whose kind had `old`.
+void put_joint(const Tree& tree, State& state, int b, const KindInfo& old, const double* q, const double* y) {
+  const KindInfo& now = info(tree.joint(b).kind);
+  state.replace(tree.first_q(b), old.nq, {q, static_cast<std::size_t>(now.nq)}, tree.first_p(b), old.nv,
+                {y, static_cast<std::size_t>(now.nv)}, tree);
 }
 
 }  // namespace
@@ -72,19 +81,34 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
       change.to.kind == tree.joint(b).kind && change.to.parameters == tree.joint(b).parameters && reversed == tree.reversed(b);
   double u[6] = {};
   Released released;
+  const bool velocities = in_velocities(state);
+  Motion<double> own{}, outer{};
   if (evaluated_on(tree, state, workspace)) {
     for (int i = 0; i < old.nv; ++i) u[i] = workspace.v[static_cast<std::size_t>(first_p + i)];
     if (!keeps) released.energy = joint_energy(tree, state, workspace, b);
+    own = user_velocity(tree, workspace, b), outer = user_velocity(tree, workspace, tree.parent(b));
+    if (velocities) carry_momenta(tree, workspace);
   }
   tree.set_joint(b, change.to, reversed);
+  if (velocities) {
+    double y[6] = {};
+    Values at = change.q;
+    if (now.kind == Kind::free)
+      joint_velocities(tree, b, at.begin(), own, outer, y);
+    else if (keeps)
+      std::copy_n(u, now.nv, y);
+    follow_motion(tree, b, state.time(), at.data(), y);
+    put_joint(tree, state, b, old, at.begin(), y);
+    if (now.kind != Kind::free) settle_velocities(tree, state, workspace, b);
+    return released;
+  }
   double p[6] = {};
   new_joint_momenta(tree, b, change.q.begin(), Pb, p);
   for (int i = 0; i < now.nv && keeps; ++i)
     if ((tree.link(b).locked >> i & 1u) == 0) p[i] += armature_of(tree, b, i) * u[i];
   Values q = change.q;
   follow_motion(tree, b, state.time(), q.data(), p);
-  state.replace(first_q, old.nq, {q.begin(), static_cast<std::size_t>(now.nq)}, first_p, old.nv,
-                {p, static_cast<std::size_t>(now.nv)}, tree);
+  put_joint(tree, state, b, old, q.begin(), p);
   return released;
 }
 
@@ -99,19 +123,20 @@ Released apply(const Lock& change, Tree& tree, State& state, Workspace<double>& 
   const unsigned newly = change.dofs & all_dofs(tree, b) & ~joint.locked;
   joint.locked |= newly;
   const int first_p = tree.first_p(b), nv = info(joint.kind).nv;
-  double p[6] = {};
+  double y[6] = {};
   Released released;  // the armature of a locked DoF stops with it
   for (int i = 0; i < nv; ++i) {
     const double u = workspace.v[static_cast<std::size_t>(first_p + i)];
     if ((newly >> i & 1u) != 0) released.energy += 0.5 * armature_of(tree, b, i) * u * u;
-    if ((joint.locked >> i & 1u) == 0) p[i] = state.p()[static_cast<std::size_t>(first_p + i)];
+    if ((joint.locked >> i & 1u) == 0) y[i] = state.y()[static_cast<std::size_t>(first_p + i)];
   }
+  if (in_velocities(state)) carry_momenta(tree, workspace);
   tree.set_joint(b, joint);
   const double* q = state.q().data() + tree.first_q(b);
   double keep[7];
   for (int i = 0; i < info(joint.kind).nq; ++i) keep[i] = q[i];
-  state.replace(tree.first_q(b), info(joint.kind).nq, {keep, static_cast<std::size_t>(info(joint.kind).nq)}, first_p, nv,
-                {p, static_cast<std::size_t>(nv)}, tree);
+  put_joint(tree, state, b, info(joint.kind), keep, y);
+  if (in_velocities(state)) settle_velocities(tree, state, workspace, b);
   return released;
 }
 
@@ -119,20 +144,24 @@ Released apply(const Unlock& change, Tree& tree, State& state, Workspace<double>
   const int b = tree.carrier(change.joint).index;
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   const Force<double> Pb = articulated_momentum(tree, state, workspace, b);
-  double all[6] = {}, p[6] = {};
-  project(tree, b, joint_state(tree, state, workspace, b), Pb, all);
+  double all[6] = {}, y[6] = {};
+  const bool velocities = in_velocities(state);
+  if (velocities)
+    carry_momenta(tree, workspace);  // the joint's velocities are zero, and stay
+  else
+    project(tree, b, joint_state(tree, state, workspace, b), Pb, all);
   Joint joint = tree.joint(b);
   const unsigned freed = change.dofs & joint.locked;
   joint.locked &= ~freed;
   const KindInfo& kind = info(joint.kind);
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
-  for (int i = 0; i < kind.nv; ++i) p[i] = (freed >> i & 1u) != 0 ? all[i] : state.p()[static_cast<std::size_t>(first_p + i)];
+  for (int i = 0; i < kind.nv; ++i) y[i] = (freed >> i & 1u) != 0 ? all[i] : state.y()[static_cast<std::size_t>(first_p + i)];
   double keep[7];
   for (int i = 0; i < kind.nq; ++i) keep[i] = state.q()[static_cast<std::size_t>(first_q + i)];
   tree.set_joint(b, joint);
-  follow_motion(tree, b, state.time(), keep, p);
-  state.replace(first_q, kind.nq, {keep, static_cast<std::size_t>(kind.nq)}, first_p, kind.nv,
-                {p, static_cast<std::size_t>(kind.nv)}, tree);
+  follow_motion(tree, b, state.time(), keep, y);
+  put_joint(tree, state, b, kind, keep, y);
+  if (velocities && tree.link(b).driven != 0) settle_velocities(tree, state, workspace, b);
   return {};
 }
 
@@ -145,6 +174,16 @@ Released apply(const Impulse& change, Tree& tree, State& state, Workspace<double
   const KernelFrame& frame = tree.frame(b);
   Force<double> W{transpose_times(body.R, change.force), transpose_times(body.R, change.torque)};
   shift(W, transpose_times(frame.R, change.point - frame.r));
+  if (in_velocities(state)) {  // the change of velocities that this momentum alone would cause
+    for (const int x : tree.order()) workspace.carried[static_cast<std::size_t>(x)] = {};
+    workspace.carried[static_cast<std::size_t>(b)] = W;
+    double* const du = workspace.impulse.get();
+    std::fill_n(du, tree.nv(), 0.0);
+    project_velocities(tree, state.q().data(), du, workspace);
+    const State::Edit edit = state.edit();
+    for (std::size_t i = 0; i < edit.u.size(); ++i) edit.u[i] += du[i];
+    return {};
+  }
   const State::Edit edit = state.edit();
   absorb(tree, b, joint_state(tree, state, workspace, b), W, +1, edit.p.data());
   shed_momentum(tree, state, workspace, b, W, +1, edit.p.data());
@@ -162,6 +201,16 @@ Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<
   }
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
   double q[7], p[6], all[6] = {};
+  if (in_velocities(state)) {  // they stay, unless a motion begins
+    carry_momenta(tree, workspace);
+    std::copy_n(state.q().data() + first_q, kind.nq, q);
+    std::copy_n(state.u().data() + first_p, kind.nv, p);
+    tree.set_parameters(b, change.parameters);
+    follow_motion(tree, b, state.time(), q, p);
+    put_joint(tree, state, b, kind, q, p);
+    if (tree.link(b).driven != 0) settle_velocities(tree, state, workspace, b);
+    return {};
+  }
   const unsigned was_driven = tree.link(b).driven;
   if (was_driven != 0)
     project(tree, b, joint_state(tree, state, workspace, b), articulated_momentum(tree, state, workspace, b), all);
@@ -174,8 +223,7 @@ Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<
   tree.set_parameters(b, change.parameters);
   for (int i = 0; i < kind.nv; ++i) p[i] += armature_of(tree, b, i) * workspace.v[static_cast<std::size_t>(first_p + i)];
   follow_motion(tree, b, state.time(), q, p);
-  state.replace(first_q, kind.nq, {q, static_cast<std::size_t>(kind.nq)}, first_p, kind.nv,
-                {p, static_cast<std::size_t>(kind.nv)}, tree);
+  put_joint(tree, state, b, kind, q, p);
   return {};
 }
 

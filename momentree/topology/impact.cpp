@@ -15,6 +15,16 @@ double apply(const Impact& change, const Tree& tree, State& state, Workspace<dou
   MT_REQUIRE(change.restitution >= 0 && change.restitution <= 1, "a restitution from 0 to 1");
   const auto i = static_cast<std::size_t>(tree.first_p(b) + change.dof);
   const double u = workspace.v[i];
+  if (state.variables() == Variables::velocities) {  // the factors are those of the evaluation
+    double* const y = workspace.impulse.get();
+    std::fill_n(y, tree.nv(), 0.0);
+    y[i] = 1;
+    solve_with_factors<double>(tree, state.q().data(), workspace, y);
+    const double impulse = -(1 + change.restitution) * u / y[i];
+    const State::Edit edit = state.edit();
+    for (std::size_t k = 0; k < edit.u.size(); ++k) edit.u[k] += impulse * y[k];
+    return impulse;
+  }
   std::fill_n(workspace.impulse.get(), tree.nv(), 0.0);
   workspace.impulse[i] = 1;
   evaluate_rates<double>(tree, state.q().data(), workspace.impulse.get(), workspace);

@@ -3,6 +3,7 @@
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/new_joint.hpp>
 #include <momentree/topology/reverse_path.hpp>
+#include <momentree/topology/velocities.hpp>
 
 namespace momentree {
 
@@ -21,7 +22,11 @@ void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordi
   if (to >= 0) relative = inverse(user_pose(tree, locate_body(tree, state, workspace, to), to)) * relative;
   const int root = root_of(tree, {b}).index, first_q = tree.first_q(root), first_p = tree.first_p(root);
   Force<double> Pb;
-  {
+  const bool velocities = in_velocities(state);
+  const Motion<double> own = user_velocity(tree, workspace, b), outer = user_velocity(tree, workspace, to);
+  if (velocities) {
+    carry_momenta(tree, workspace);
+  } else {
     const State::Edit edit = state.edit();
     double* p = edit.p.data();
     Pb = reverse_momenta(tree, state, workspace, b, p);
@@ -36,11 +41,15 @@ void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordi
   }
   tree.attach(b, to, joint, reversed);
   const KindInfo& kind = info(joint.kind);
-  double q[7], momenta[6];
+  double q[7], y[6] = {};
   coordinates(relative, q);
-  new_joint_momenta(tree, b, q, Pb, momenta);
-  state.replace(first_q, 7, {q, static_cast<std::size_t>(kind.nq)}, first_p, 6, {momenta, static_cast<std::size_t>(kind.nv)},
-                tree);
+  const bool free = joint.kind == Kind::free;
+  if (!velocities)
+    new_joint_momenta(tree, b, q, Pb, y);
+  else if (free)
+    joint_velocities(tree, b, q, own, outer, y);
+  state.replace(first_q, 7, {q, static_cast<std::size_t>(kind.nq)}, first_p, 6, {y, static_cast<std::size_t>(kind.nv)}, tree);
+  if (velocities && !free) settle_velocities(tree, state, workspace, b);
 }
 
 }  // namespace

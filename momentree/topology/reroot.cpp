@@ -2,6 +2,7 @@
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/reverse_path.hpp>
+#include <momentree/topology/velocities.hpp>
 
 namespace momentree {
 
@@ -41,15 +42,19 @@ Released apply(const Reroot& change, Tree& tree, State& state, Workspace<double>
   MT_REQUIRE(floats(tree, {b}), floating);
   const Pose pose = user_pose(tree, locate_body(tree, state, workspace, b), b);
   const int root = root_of(tree, {b}).index, first_q = tree.first_q(root), first_p = tree.first_p(root);
-  const Force<double> P = [&] {
+  const Motion<double> velocity = user_velocity(tree, workspace, b);
+  const bool velocities = in_velocities(state);  // those of the joints on the way stay
+  Force<double> P{};
+  if (!velocities) {
     const State::Edit edit = state.edit();
-    return reverse_momenta(tree, state, workspace, b, edit.p.data());
-  }();
+    P = reverse_momenta(tree, state, workspace, b, edit.p.data());
+  }
   tree.reroot(b);
   double q[7];
   free_coordinates(pose, q);
-  const double momenta[6] = {P.l.x, P.l.y, P.l.z, P.h.x, P.h.y, P.h.z};
-  state.replace(first_q, 7, q, first_p, 6, momenta, tree);
+  double y[6] = {P.l.x, P.l.y, P.l.z, P.h.x, P.h.y, P.h.z};
+  if (velocities) joint_velocities(tree, b, q, velocity, {}, y);
+  state.replace(first_q, 7, q, first_p, 6, y, tree);
   return {};
 }
 

@@ -7,14 +7,15 @@ namespace momentree {
 
 Snapshot take_snapshot(const Tree& tree, const State& state) {
   MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
-  return {tree.topology(), state.time(), {state.q().begin(), state.q().end()}, {state.p().begin(), state.p().end()}};
+  return {tree.topology(), state.time(), {state.q().begin(), state.q().end()}, {state.y().begin(), state.y().end()}, state.variables()};
 }
 
 void restore(const Snapshot& snapshot, Tree& tree, State& state) {
   tree.restore(snapshot.topology);
-  MT_REQUIRE(static_cast<int>(snapshot.q.size()) == tree.nq() && static_cast<int>(snapshot.p.size()) == tree.nv(),
-             "the coordinates and momenta are of this topology");
-  state.assign(snapshot.time, snapshot.q, snapshot.p, tree);
+  MT_REQUIRE(static_cast<int>(snapshot.q.size()) == tree.nq() && static_cast<int>(snapshot.y.size()) == tree.nv(),
+             "the coordinates and momenta or velocities are of this topology");
+  state.assign(snapshot.time, snapshot.q, snapshot.y, tree);
+  if (state.variables() != snapshot.variables) state.change_variables(snapshot.variables, snapshot.y);
 }
 
 }  // namespace momentree

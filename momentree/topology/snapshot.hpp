@@ -7,12 +7,13 @@
 
 namespace momentree {
 
-/// Topology, time, coordinates, momenta. A world restored from it continues bit for bit as the original would: across any number
+/// Topology, time, coordinates, momenta or velocities. A world restored from it continues bit for bit as the original would: across any number
 /// of changes, also in another tree compiled from the same model.
 struct Snapshot {
   Topology topology;
   double time = 0;
-  std::vector<double> q, p;  ///< packed, as in the state
+  std::vector<double> q, y;  ///< packed, as in the state
+  Variables variables = Variables::momenta;
 };
 
 [[nodiscard]] Snapshot take_snapshot(const Tree& tree, const State& state);

@@ -24,6 +24,7 @@ class Damped final : public Integrator {
   static constexpr double implicit_share = 0.5;  ///< γ
   Damped(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept override;
+  bool takes_velocities() const override { return false; }
 
  private:
   static constexpr int stages = 5;

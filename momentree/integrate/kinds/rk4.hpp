@@ -18,36 +18,36 @@ class Rk4 final : public Integrator {
   bool is_that_of_lanes() const override { return true; }
 
  private:
-  std::unique_ptr<double[]> q_, p_;          // stage, then result
-  std::unique_ptr<double[]> q_sum_, p_sum_;  // weighted rates
+  std::unique_ptr<double[]> q_, y_;          // stage, then result
+  std::unique_ptr<double[]> q_sum_, y_sum_;  // weighted rates
 };
 
 inline Rk4::Rk4(const Tree& tree, const StepControl& control)
     : Integrator(tree, control),
       q_(scratch(7 * tree.bodies())),
-      p_(scratch(6 * tree.bodies())),
+      y_(scratch(6 * tree.bodies())),
       q_sum_(scratch(7 * tree.bodies())),
-      p_sum_(scratch(6 * tree.bodies())) {}
+      y_sum_(scratch(6 * tree.bodies())) {}
 
 inline bool Rk4::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
   const Workspace<double>& workspace = evaluate.workspace();
   require_ready(evaluate, state, h);
   const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
-  const double *q = state.q().data(), *p = state.p().data(), t = state.time();
+  const double *q = state.q().data(), *y = state.y().data(), t = state.time();
   Power sum{};
   rk4_stages<double>(h, {nq, q, workspace.qdot.get(), q_.get(), q_sum_.get()},
-                     {nv, p, workspace.pdot.get(), p_.get(), p_sum_.get()},
-                     [&](double node, double weight, const double* stage_q, const double* stage_p) {
-                       if (node > 0) evaluate(t + node * h, stage_q, stage_p);  // the start is already evaluated
+                     {nv, y, evaluate.ydot(), y_.get(), y_sum_.get()},
+                     [&](double node, double weight, const double* stage_q, const double* stage_y) {
+                       if (node > 0) evaluate(t + node * h, stage_q, stage_y);  // the start is already evaluated
                        sum.dissipated += weight * workspace.power.dissipated;
                        sum.work += weight * workspace.power.work;
                      });
-  end_step(evaluate.tree(), t + h, q_.get(), p_.get());
-  if (!sound(evaluate.tree(), q, q_.get(), p_.get())) return false;
+  end_step(evaluate.tree(), t + h, q_.get(), y_.get());
+  if (!sound(evaluate.tree(), q, q_.get(), y_.get())) return false;
   take_stored(evaluate.tree(), q, q_.get(), ledger);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());
-  std::copy_n(p_.get(), nv, edit.p.begin());
+  std::copy_n(y_.get(), nv, edit.y.begin());
   edit.time += h;
   ledger.dissipated += h / 6 * sum.dissipated;
   ledger.work += h / 6 * sum.work;
