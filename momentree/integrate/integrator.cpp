@@ -103,6 +103,29 @@ bool is_adaptive(std::string_view method) {
   return false;
 }
 
+Variables default_variables(std::string_view method) {
+#define MOMENTREE_METHOD(name, Type) \
+  if (method == #name) return Type::default_variables;
+  MOMENTREE_METHODS(MOMENTREE_METHOD)
+#undef MOMENTREE_METHOD
+  return Variables::momenta;
+}
+bool takes_velocities(std::string_view method) {
+#define MOMENTREE_METHOD(name, Type) \
+  if (method == #name) return Type::takes_velocities;
+  MOMENTREE_METHODS(MOMENTREE_METHOD)
+#undef MOMENTREE_METHOD
+  return false;
+}
+
+const char* name_of(Variables variables) { return variables == Variables::momenta ? "momenta" : "velocities"; }
+std::optional<Variables> variables_of(std::string_view name) {
+  for (const Variables one : {Variables::momenta, Variables::velocities})
+    if (name == name_of(one)) return one;
+  return std::nullopt;
+}
+std::vector<std::string> variable_names() { return {name_of(Variables::momenta), name_of(Variables::velocities)}; }
+
 std::vector<std::string> integration_methods() {
   return {
 #define MOMENTREE_METHOD(name, Type) #name,

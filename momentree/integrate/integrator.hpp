@@ -91,8 +91,6 @@ class Integrator {
   virtual bool adaptive() const { return false; }
   /// Whether the steps of lanes (batch/stepper.hpp) are those of this method.
   virtual bool is_that_of_lanes() const { return false; }
-  /// False for a method that solves for momenta.
-  virtual bool takes_velocities() const { return true; }
 
   /// The step to try if `left` seconds remain to an instant that must be hit: the method's proposal, or `left` if that is not
   /// longer; adaptive methods halve what would leave a sliver.
@@ -149,6 +147,13 @@ std::unique_ptr<Integrator> make_integrator(std::string_view method, const Tree&
 double velocity_resolution(const Tree& tree, std::span<const double> q);
 /// True for a method that chooses its steps.
 bool is_adaptive(std::string_view method);
+/// The variables that a method integrates by default, and false for a method that solves for momenta.
+Variables default_variables(std::string_view method);
+bool takes_velocities(std::string_view method);
+/// "momenta" or "velocities"; and the variables of that name, if there are any.
+const char* name_of(Variables variables);
+std::optional<Variables> variables_of(std::string_view name);
+std::vector<std::string> variable_names();
 /// Names of all methods.
 std::vector<std::string> integration_methods();
 

@@ -19,6 +19,7 @@ constexpr Key world_entries[] = {{"gravity", vector(dimension::acceleration), "G
 
 constexpr Key integrate_entries[] = {
     {"method", choice(&integration_methods), "Integration method", R"("rk4")"},
+    {"variables", choice(&variable_names), "What the state holds between events; default: what suits the method", R"("velocities")"},
     {"step", number(dimension::time, Range::positive), "Step; for adaptive methods the first one", "0.001"},
     {"event_tolerance", number(dimension::time, Range::positive), "Accuracy of located instants", "1e-10"},
     {"until", number(dimension::time, Range::not_negative), "End of the run", "10"},
@@ -81,6 +82,14 @@ void read_integrate(const Value& table, Reading& reading) {
       out.error(fields.place_of("method"), "unknown method " + in_quotes(*method), hint.empty() ? all : hint);
     }
   }
+  if (const auto name = fields.string("variables")) {
+    integration.variables = variables_of(*name);
+    if (!integration.variables)
+      out.error(fields.place_of("variables"), "unknown variables " + in_quotes(*name), did_you_mean(*name, variable_names()));
+    else if (*integration.variables == Variables::velocities && !takes_velocities(integration.method))
+      out.error(fields.place_of("variables"), "method " + in_quotes(integration.method) + " integrates momenta",
+                "leave out variables, or use another method");
+  }
   fields.later({"simultaneous", "resolve"}, "there is no contact: bodies pass through each other");
   integration.step = fields.number("step").value_or(integration.step);
   integration.event_tolerance = fields.number("event_tolerance").value_or(integration.event_tolerance);
@@ -105,7 +114,7 @@ void read_integrate(const Value& table, Reading& reading) {
 
 void check_tolerance(Reading& reading) {
   const Integration& integration = reading.scenario.integration;
-  if (!is_adaptive(integration.method)) return;
+  if (!is_adaptive(integration.method) || integration.state_variables() == Variables::velocities) return;
   const Tree tree(reading.scenario.model);
   const double resolved = velocity_resolution(tree, start_state(reading.scenario.model, tree).q());
   if (integration.rtol >= 10 * resolved) return;

@@ -43,7 +43,7 @@ void RunRecord::begin_epoch(const Simulation& simulation) {
   const Tree& tree = world.tree();
   if (world.model().size() != model_.size()) model_ = world.model();
   Epoch epoch{times_.size(), tree.revision(), world.snapshot(), {}, tree.nq(), tree.nv()};
-  epoch.world.engine.q.clear(), epoch.world.engine.p.clear();
+  epoch.world.engine.q.clear(), epoch.world.engine.y.clear();
   for (int j = 0; j < tree.bodies(); ++j) {
     Layout layout;
     if (const int body = tree.carrier(j); body >= 0) {
@@ -79,7 +79,7 @@ void RunRecord::observe(const Simulation& simulation) {
     const auto add = [&](std::span<const double> some) { numbers_.insert(numbers_.end(), some.begin(), some.end()); };
     add(world.state().q());
     add(world.v());
-    add(world.state().p());
+    add(world.p());
     if (reactions_) {
       add(world.a());
       for (std::size_t j = 0; j < epoch.joints.size(); ++j) {
@@ -174,7 +174,8 @@ WorldSnapshot RunRecord::state(std::size_t row) const {
   const double* const numbers = numbers_.data() + offsets_[row];
   snapshot.engine.time = times_[row];
   snapshot.engine.q.assign(numbers, numbers + epoch.nq);
-  snapshot.engine.p.assign(numbers + epoch.nq + epoch.nv, numbers + epoch.nq + std::ptrdiff_t{2} * epoch.nv);
+  const double* const y = numbers + epoch.nq + (snapshot.engine.variables == Variables::momenta ? epoch.nv : 0);
+  snapshot.engine.y.assign(y, y + epoch.nv);
   return snapshot;
 }
 

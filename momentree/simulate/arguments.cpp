@@ -22,6 +22,8 @@ const Integration& checked(const Integration& how) {
   const std::vector<std::string> methods = integration_methods();
   if (std::find(methods.begin(), methods.end(), how.method) == methods.end())
     throw_error({"unknown integration method '" + how.method + "'", "", did_you_mean(how.method, methods)});
+  if (how.variables == Variables::velocities && !takes_velocities(how.method))
+    throw_error({"the method '" + how.method + "' integrates momenta", "", "leave out variables = \"velocities\""});
   const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
   if (!positive(how.step)) throw_error({"the step must be a positive time, not " + text(how.step), "", ""});
   if (!positive(how.rtol) || !positive(how.atol) || !(how.max_step > 0))
@@ -30,6 +32,8 @@ const Integration& checked(const Integration& how) {
     throw_error({"the event tolerance must be a positive time, not " + text(how.event_tolerance), "", ""});
   return how;
 }
+
+Variables Integration::state_variables() const { return variables.value_or(default_variables(method)); }
 
 std::optional<Error> wrong_period(double period, double clock, const char* what) {
   if (!(period > 0) || !std::isfinite(period))

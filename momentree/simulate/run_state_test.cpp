@@ -75,7 +75,7 @@ class Run {
   void finish(const RunResult& result) {
     const WorldSnapshot last = simulation_->world().snapshot();
     append(end_.state, last.engine.time);
-    for (const auto* numbers : {&last.engine.q, &last.engine.p})
+    for (const auto* numbers : {&last.engine.q, &last.engine.y})
       for (const double x : *numbers) append(end_.state, x);
     for (int j = 0; j < simulation_->world().tree().bodies(); ++j) end_.state += simulation_->world().joint_name({j});
     for (const Event& event : simulation_->events()) {
@@ -231,7 +231,7 @@ TEST_CASE("a state outside of a run continues as the simulation itself does") {
   REQUIRE(one.run_until(0.3) == Status::ok);
   REQUIRE(other.run_until(0.3) == Status::ok);
   CHECK(one.world().snapshot().engine.q == other.world().snapshot().engine.q);
-  CHECK(one.world().snapshot().engine.p == other.world().snapshot().engine.p);
+  CHECK(one.world().snapshot().engine.y == other.world().snapshot().engine.y);
   CHECK(one.statistics().evaluations[1] == other.statistics().evaluations[1]);
   CHECK(one.events().size() == other.events().size());
 }

@@ -316,19 +316,19 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
   impl_->begin();
 }
 
-void Simulation::set_state(double time, std::span<const double> q, std::span<const double> p) {
+void Simulation::set_state(double time, std::span<const double> q, std::span<const double> y, Variables given) {
   Impl& impl = changing();
   const double before = impl.world.time();
-  impl.world.set_values(time, q, p);  // may throw
+  impl.world.set_values(time, q, y, given);  // may throw
   impl.queue.restart(before, time);
   impl.method = impl.new_method();
   impl.begin();
 }
 
-void Simulation::adjust(std::span<const double> q, std::span<const double> p) {
+void Simulation::adjust(std::span<const double> q, std::span<const double> y, Variables given) {
   Impl& impl = changing();
   const std::optional<double> before = impl.unadjusted ? impl.unadjusted : impl.total_energy();
-  impl.world.set_values(impl.world.time(), q, p);  // may throw
+  impl.world.set_values(impl.world.time(), q, y, given);  // may throw
   impl.unadjusted = before;
   impl.queue.forget_looks();
   impl.recover();

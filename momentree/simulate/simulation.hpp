@@ -21,12 +21,17 @@ namespace momentree {
 /// Time integration. `method`: "rk4", "midpoint" and "damped" have fixed steps; "dopri5" and "dop853" are adaptive.
 struct Integration {
   std::string method = "rk4";
+  /// What the state holds between events; by default what suits the method best (docs/howto/choose-a-method.md).
+  std::optional<Variables> variables{};
   double step = 1e-3;              ///< s; the first step of adaptive methods
   double event_tolerance = 1e-10;  ///< s
   // For adaptive methods: see StepControl.
   double rtol = 1e-8;
   double atol = 1e-10;         ///< in the unit of each coordinate and velocity
   double max_step = HUGE_VAL;  ///< s
+
+  /// The variables that a run uses.
+  Variables state_variables() const;
 };
 
 /// How a run ended. `refused`: an action was impossible; the world is as it was before that instant. `stalled`: hundreds of
@@ -238,11 +243,17 @@ class Simulation {
   /// rests on a stop is released unless its coordinate is the present one and its momentum 0. Quaternions are normalised. Throws
   /// Error, with nothing changed, for lists of other lengths, numbers that are not finite, a quaternion that differs from unit
   /// length by more than 1e-6, a coordinate beyond a hard stop, and a negative time.
-  void set_state(double time, std::span<const double> q, std::span<const double> p);
+  void set_state(double time, std::span<const double> q, std::span<const double> p) {
+    set_state(time, q, p, Variables::momenta);
+  }
+  /// The same from momenta or from velocities.
+  void set_state(double time, std::span<const double> q, std::span<const double> y, Variables given);
 
   /// Moves the present state to these coordinates and momenta (see set_state()), and the run goes on: events and history stay,
   /// and the energy that this adds counts as work.
-  void adjust(std::span<const double> q, std::span<const double> p);
+  void adjust(std::span<const double> q, std::span<const double> p) { adjust(q, p, Variables::momenta); }
+  /// The same to momenta or to velocities.
+  void adjust(std::span<const double> q, std::span<const double> y, Variables given);
 
   /// Adds a body to any body of the world or to the ground, with the coordinates and velocities of its spec; the velocities of
   /// other bodies do not change, so that a joint at rest takes no energy. The body and its joint get the next number. Throws

@@ -41,7 +41,7 @@ struct Simulation::Impl {
   using Clock = detail::Clock;
   Impl(const Model& model, const Integration& how)
       : integration(checked(how)),
-        world(model),
+        world(model, integration.state_variables()),
         evaluate(world.tree_, world.workspace_),
         method(new_method()),
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
@@ -217,7 +217,7 @@ struct Simulation::Impl {
   void note_kinetic_energy() {
     double kinetic = 0;
     if (world.tree_.driven_joints().empty()) {
-      const auto p = world.state_.p();
+      const auto p = world.p();
       for (std::size_t i = 0; i < p.size(); ++i) kinetic += p[i] * world.workspace_.v[i];
       kinetic *= 0.5;
     } else {  // driven DoFs have no momentum

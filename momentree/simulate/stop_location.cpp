@@ -96,7 +96,7 @@ struct Stops::Trial {
     if (!method.dense() || s > reach) return go(s);
     {
       const State::Edit edit = world.state_.edit();
-      method.interpolate(evaluate, s / reach, edit.q.data(), edit.p.data());
+      method.interpolate(evaluate, s / reach, edit.q.data(), edit.y.data());
       edit.time = start.time() + s;
     }
     at = NAN;

@@ -1,5 +1,7 @@
 #include <momentree/simulate/world.hpp>
 
+#include <algorithm>
+
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/momentum.hpp>
@@ -8,7 +10,7 @@
 
 namespace momentree {
 
-World::World(const Model& model) : model_(model), first_bodies_(model.size()) {
+World::World(const Model& model, Variables variables) : model_(model), variables_(variables), first_bodies_(model.size()) {
   const std::vector<SingularJoint> singular = singular_joints(model_);
   if (!singular.empty()) {
     const BodySpec& body = model_[singular.front().body];
@@ -38,7 +40,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   }
   for (const Topology::Loaded& load : loads)
     if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
-  State state(tree_);
+  State state(tree_, variables_);
   workspace_ = Workspace<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
   motions_of_ = accelerations_of_ = {};
@@ -76,12 +78,28 @@ void World::put_values(double time, const Forest& forest, std::span<const JointS
     put(j.v, first_p(j.joint.index), v);
   }
   follow_motions(tree_, time, edit.q.data(), v.data());
-  project_momentum(tree_, state.q().data(), v.data(), edit.p.data());
-  for (const JointStart& j : joints) put(j.p, first_p(j.joint.index), edit.p);
-  for (const int b : tree_.order())  // a locked DoF has no momentum of its own
+  const bool by_velocities =
+      state.variables() == Variables::velocities &&
+      std::all_of(joints.begin(), joints.end(), [](const JointStart& j) { return j.p.empty() || !j.v.empty(); });
+  std::vector<double> y(v.size());
+  if (by_velocities) {
+    y = v;
+  } else {
+    project_momentum(tree_, state.q().data(), v.data(), y.data());
+    for (const JointStart& j : joints) put(j.p, first_p(j.joint.index), y);
+  }
+  for (const int b : tree_.order())  // a locked DoF has no momentum or velocity of its own
     for (int i = 0; i < info(tree_.joint(b).kind).nv; ++i)
-      if ((tree_.joint(b).locked >> i & 1u) != 0) edit.p[static_cast<std::size_t>(tree_.first_p(b) + i)] = 0;
-  follow_motions(tree_, time, edit.q.data(), edit.p.data());
+      if ((tree_.joint(b).locked >> i & 1u) != 0) y[static_cast<std::size_t>(tree_.first_p(b) + i)] = 0;
+  follow_motions(tree_, time, edit.q.data(), y.data());
+  if (state.variables() == Variables::velocities && !by_velocities) {
+    State momenta(tree_);
+    momenta.assign(time, edit.q, y, tree_);
+    Workspace<double> workspace(tree_);
+    forward_dynamics(tree_, momenta, workspace);
+    std::copy_n(workspace.v.get(), y.size(), y.begin());
+  }
+  std::copy(y.begin(), y.end(), edit.y.begin());
 }
 
 // Topology and names of a newly compiled tree.
@@ -197,8 +215,8 @@ JointView World::joint(JointId number) const {
           tree_.parameters(b),
           state_.q().subspan(static_cast<std::size_t>(tree_.first_q(b)), nq),
           {workspace_.v.get() + tree_.first_p(b), nv},
-          driven ? std::span(none, nv) : state_.p().subspan(static_cast<std::size_t>(tree_.first_p(b)), nv),
-          {driven ? none : workspace_.pdot.get() + tree_.first_p(b), nv}};
+          driven ? std::span(none, nv) : p().subspan(static_cast<std::size_t>(tree_.first_p(b)), nv),
+          driven ? std::span(none, nv) : pdot().subspan(static_cast<std::size_t>(tree_.first_p(b)), nv)};
 }
 
 Model World::first_model() const {
@@ -246,7 +264,7 @@ void World::load(int body, BodyFunction function) {
 void World::set_time(double time) {
   const State::Edit edit = state_.edit();
   edit.time = time;
-  follow_motions(tree_, time, edit.q.data(), edit.p.data());
+  follow_motions(tree_, time, edit.q.data(), edit.y.data());
 }
 
 void World::set_gravity(Vec3 gravity) {

@@ -84,7 +84,8 @@ struct Forest {
   std::vector<ActiveLimit> active_limits;
 };
 
-/// The state of one joint in a state document: empty lists keep the start value. If p is given, it is used instead of v.
+/// The state of one joint in a state document: empty lists keep the start value. If p is given, it is used instead of v; in a
+/// world in velocities v is used if both are given.
 struct JointStart {
   JointId joint;
   Values q, v, p;
@@ -93,8 +94,8 @@ struct JointStart {
 /// Evaluates its state lazily, when a result is requested: a world may be used by one thread at a time, even for reading.
 class World {
  public:
-  /// Compiles the model. Throws Error if a joint-space mass is singular.
-  explicit World(const Model& model);
+  /// Compiles the model; the state is in these variables. Throws Error if a joint-space mass is singular.
+  explicit World(const Model& model, Variables variables = Variables::momenta);
 
   const Model& model() const { return model_; }
   /// The model without the bodies that were added to the world.
@@ -122,10 +123,11 @@ class World {
   Stamp stamp() const { return state_.stamp(); }
   Totals totals() const;
 
-  /// All joints at once, packed in the order of joint numbers, like state().q() and state().p(): velocities v (nv numbers, rad/s,
-  /// m/s), q̇ (nq), ṗ (nv) and v̇ (nv, at the cost of accelerations()). They point into the world and are valid until it next
+  /// All joints at once, packed in the order of joint numbers, like state().q(): velocities v (nv numbers, rad/s, m/s), q̇ (nq),
+  /// momenta p (nv), ṗ (nv) and v̇ (nv, at the cost of accelerations()). They point into the world and are valid until it next
   /// changes. For a prescribed motion p is the rate, and ṗ its derivative.
   Numbers v() const;
+  Numbers p() const;
   Numbers qdot() const;
   Numbers pdot() const;
   Numbers a() const;
@@ -176,7 +178,8 @@ class World {
   friend class TopologyEditor;
   friend class Stops;
   void put_together(const Forest& forest);
-  void set_values(double time, std::span<const double> q, std::span<const double> p);
+  void set_values(double time, std::span<const double> q, std::span<const double> y, Variables given);
+  void assign(double time, std::span<const double> q, std::span<const double> y, Variables given);
   bool stays_resting(const ActiveLimit& limit, std::span<const double> q, std::span<const double> rates) const;
   void put_values(double time, const Forest& forest, std::span<const JointStart> joints, State& state) const;
   void evaluate() const;
@@ -193,6 +196,7 @@ class World {
   void forget_active_limits();
 
   Model model_;
+  Variables variables_ = Variables::momenta;
   int first_bodies_ = 0;    // number of bodies that the world was made with
   Names declared_, names_;  // as in the model, and now
   std::vector<ActiveLimit> active_limits_;

@@ -5,6 +5,7 @@
 #include <momentree/dynamics/equations.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/velocity.hpp>
 #include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/world.hpp>
 #include <momentree/tree/packed.hpp>
@@ -23,8 +24,14 @@ Numbers World::qdot() const {
   evaluate();
   return {workspace_.qdot.get(), count(tree_.nq())};
 }
+Numbers World::p() const {
+  evaluate();
+  if (state_.variables() == Variables::momenta) return state_.p();
+  return {workspace_.p.get(), count(tree_.nv())};
+}
 Numbers World::pdot() const {
   evaluate();
+  if (state_.variables() == Variables::velocities) find_momentum_rates(tree_, state_, workspace_);
   return {workspace_.pdot.get(), count(tree_.nv())};
 }
 Numbers World::a() const {
@@ -76,26 +83,44 @@ std::vector<double> World::momenta_of(std::span<const double> q, std::span<const
 }
 
 // Throws Error before anything has changed.
-void World::set_values(double time, std::span<const double> q, std::span<const double> p) {
+void World::set_values(double time, std::span<const double> q, std::span<const double> y, Variables given) {
   const JointNamer name = [this](int joint) { return names_.joint(joint); };
   if (!(time >= 0) || !std::isfinite(time))
     throw_error({"the time can't be " + detail::text(time) + " s", "", "give a finite time that is not negative"});
   check_packed(tree_, "coordinates", true, q, name);
-  check_packed(tree_, "momenta", false, p, name);
+  check_packed(tree_, given == Variables::momenta ? "momenta" : "velocities", false, y, name);
   check_limits(tree_, q, name);
-  std::vector<double> coordinates(q.begin(), q.end()), momenta(p.begin(), p.end());
+  std::vector<double> coordinates(q.begin(), q.end()), rates(y.begin(), y.end());
   normalise_quaternions(tree_, coordinates, name);
   std::erase_if(active_limits_, [&](const ActiveLimit& h) {
-    if (stays_resting(h, coordinates, momenta)) return false;
+    if (stays_resting(h, coordinates, rates)) return false;
     const int b = tree_.carrier(h.joint);
     Joint joint = tree_.joint(b);
     joint.locked &= ~(1u << h.dof);
     tree_.set_joint(b, joint);
     return true;
   });
-  clear_locked(tree_, momenta.data());
-  follow_motions(tree_, time, coordinates.data(), momenta.data());
-  state_.assign(time, coordinates, momenta, tree_);
+  clear_locked(tree_, rates.data());
+  follow_motions(tree_, time, coordinates.data(), rates.data());
+  assign(time, coordinates, rates, given);
+}
+
+// Sets the state, which keeps its variables, from momenta or velocities.
+void World::assign(double time, std::span<const double> q, std::span<const double> y, Variables given) {
+  const Variables own = state_.variables();
+  if (given == own) return state_.assign(time, q, y, tree_);
+  std::vector<double> other(y.size());
+  if (own == Variables::momenta) {
+    project_momentum(tree_, q.data(), y.data(), other.data());
+    clear_locked(tree_, other.data());
+    for (const int b : tree_.driven_joints()) other[count(tree_.first_p(b))] = y[count(tree_.first_p(b))];
+  } else {
+    State momenta(tree_);
+    momenta.assign(time, q, y, tree_);
+    forward_dynamics(tree_, momenta, workspace_);
+    std::copy_n(workspace_.v.get(), other.size(), other.begin());
+  }
+  state_.assign(time, q, other, tree_);
 }
 
 }  // namespace momentree

@@ -73,7 +73,7 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
   const KindInfo& old = info(tree.joint(b).kind);
   const KindInfo& now = info(change.to.kind);
   require_joint(change.to, change.q);
-  const int first_q = tree.first_q(b), first_p = tree.first_p(b);
+  const int first_p = tree.first_p(b);
   using Direction = ChangeJoint::Direction;
   const bool reversed = change.direction == Direction::keep ? tree.reversed(b) : change.direction == Direction::reversed;
   // The same kind with the same parameters keeps its spring and armature; otherwise these leave with the joint.
@@ -82,6 +82,7 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
   double u[6] = {};
   Released released;
   const bool velocities = in_velocities(state);
+  MT_REQUIRE(!velocities || evaluated_on(tree, state, workspace), stale_workspace(state));
   Motion<double> own{}, outer{};
   if (evaluated_on(tree, state, workspace)) {
     for (int i = 0; i < old.nv; ++i) u[i] = workspace.v[static_cast<std::size_t>(first_p + i)];

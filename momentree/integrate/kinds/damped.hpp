@@ -18,13 +18,13 @@ namespace momentree {
 
 class Damped final : public Integrator {
  public:
-  static constexpr bool chooses_steps = false;
+  static constexpr bool chooses_steps = false, takes_velocities = false;
+  static constexpr Variables default_variables = Variables::momenta;
   // Dampers at any step; springs as in its explicit part.
   static constexpr double damper_limit = HUGE_VAL, spring_limit = 1.57;
   static constexpr double implicit_share = 0.5;  ///< γ
   Damped(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept override;
-  bool takes_velocities() const override { return false; }
 
  private:
   static constexpr int stages = 5;

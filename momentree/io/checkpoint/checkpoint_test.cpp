@@ -89,7 +89,7 @@ TEST_CASE("a checkpoint reads back to the same bytes, and the run continues from
   io::continue_run(continued, read);
   REQUIRE(continued.run_until(0.06) == Status::ok);
   CHECK(continued.world().snapshot().engine.q == whole.world().snapshot().engine.q);
-  CHECK(continued.world().snapshot().engine.p == whole.world().snapshot().engine.p);
+  CHECK(continued.world().snapshot().engine.y == whole.world().snapshot().engine.y);
   CHECK(continued.events().size() == 2);
 }
 
@@ -128,7 +128,7 @@ TEST_CASE("a checkpoint of another model or of other events is refused") {
     CHECK(refusal(same, changed).find("damaged") != std::string::npos);
   };
   damaged([](RunState& run) { run.world.engine.q.pop_back(); });
-  damaged([](RunState& run) { run.world.engine.p[0] = NAN; });
+  damaged([](RunState& run) { run.world.engine.y[0] = NAN; });
   damaged([](RunState& run) { run.world.engine.topology.places[1].parent = 1; });
   damaged([](RunState& run) { run.world.engine.topology.places[0].parent = 2, run.world.engine.topology.places[2].parent = 0; });
   damaged([](RunState& run) { run.world.engine.topology.places[0].joint = run.world.engine.topology.places[1].joint; });

@@ -90,9 +90,10 @@ class Fit {
       const KindInfo& kind = info(kinds_[at(j)]);
       nq += at(kind.nq), nv += at(kind.nv);
     }
-    require(engine.q.size() == nq && engine.p.size() == nv && std::isfinite(engine.time), whole);
-    for (const auto* numbers : {&engine.q, &engine.p})
+    require(engine.q.size() == nq && engine.y.size() == nv && std::isfinite(engine.time), whole);
+    for (const auto* numbers : {&engine.q, &engine.y})
       require(std::all_of(numbers->begin(), numbers->end(), [](double x) { return std::isfinite(x); }), whole);
+    require(engine.variables == now_.world.engine.variables, "a run in other variables");
     require(std::isfinite(run_.proposal) && run_.proposal > 0, whole);
     for (const ActiveLimit& limit : run_.world.active_limits)
       require(joint(limit.joint) && limit.dof >= 0 && limit.dof < info(kinds_[at(limit.joint)]).nv, whole);

@@ -133,7 +133,7 @@ void fields(Archive& archive, Part<Archive, Topology>& t) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Snapshot>& s) {
-  archive(s.topology, s.time, s.q, s.p);
+  archive(s.topology, s.time, s.q, s.y, s.variables);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, ActiveLimit>& l) {
