@@ -59,8 +59,8 @@ Event Batch::apply(int world, std::span<const Action> actions, std::string name)
   Snapshot& engine = start.world.engine;
   engine.topology = group.topology();
   engine.time = group.time(seat.slot);
-  engine.q.resize(static_cast<std::size_t>(group.tree().nq())), engine.p.resize(static_cast<std::size_t>(group.tree().nv()));
-  group.get_values(seat.slot, engine.q.data(), engine.p.data());
+  engine.q.resize(static_cast<std::size_t>(group.tree().nq())), engine.y.resize(static_cast<std::size_t>(group.tree().nv()));
+  group.get_values(seat.slot, engine.q.data(), engine.y.data());
   start.world.joint_names = names.joints, start.world.mechanism_names = names.mechanisms;
 
   if (impl.scratch == nullptr) impl.scratch = std::make_unique<Simulation>(impl.model);

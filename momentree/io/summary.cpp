@@ -33,7 +33,8 @@ void write_origin(JsonWriter& json, const RunOrigin& origin, const std::string& 
   json.key("overrides").begin_array();
   for (const std::string& set : origin.overrides) json.value(set);
   json.end_array().end_object();
-  json.member("method", origin.integration.method).member("step", origin.integration.step);
+  json.member("method", origin.integration.method);
+  json.member("variables", name_of(origin.integration.state_variables())).member("step", origin.integration.step);
   if (is_adaptive(origin.integration.method)) {  // no bound: null
     json.member("rtol", origin.integration.rtol).member("atol", origin.integration.atol);
     json.member("max_step", origin.integration.max_step);

@@ -133,7 +133,9 @@ void fields(Archive& archive, Part<Archive, Topology>& t) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Snapshot>& s) {
-  archive(s.topology, s.time, s.q, s.y, s.variables);
+  bool velocities = s.variables == Variables::velocities;
+  archive(s.topology, s.time, s.q, s.y, velocities);
+  if constexpr (!Archive::writes) s.variables = velocities ? Variables::velocities : Variables::momenta;
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, ActiveLimit>& l) {
