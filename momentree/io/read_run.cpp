@@ -114,9 +114,12 @@ void read_integrate(const Value& table, Reading& reading) {
 
 void check_tolerance(Reading& reading) {
   const Integration& integration = reading.scenario.integration;
-  if (!is_adaptive(integration.method) || integration.state_variables() == Variables::velocities) return;
-  const Tree tree(reading.scenario.model);
-  const double resolved = velocity_resolution(tree, start_state(reading.scenario.model, tree).q());
+  if (!is_adaptive(integration.method)) return;
+  double resolved = 0x1p-53;
+  if (integration.state_variables() == Variables::momenta) {
+    const Tree tree(reading.scenario.model);
+    resolved = velocity_resolution(tree, start_state(reading.scenario.model, tree).q());
+  }
   if (integration.rtol >= 10 * resolved) return;
   char text[64], mend[64];
   std::snprintf(text, sizeof text, "rtol = %.3g is below", integration.rtol);

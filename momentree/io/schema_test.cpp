@@ -155,6 +155,8 @@ const std::map<std::string, std::function<std::string(const std::string&)>>& enu
        [](const std::string& kind) {
          return event_of_two("at = 1\nattach = { body = \"f/c\", to = \"m/b\", " + geometry(kind) + " }");
        }},
+      {"/properties/integrate/properties/variables",
+       [](const std::string& name) { return pinned + "[integrate]\nvariables = " + quoted(name) + "\n"; }},
       {"/properties/integrate/properties/method",
        [](const std::string& method) { return pinned + "[integrate]\nmethod = " + quoted(method) + "\n"; }},
       {d + "mechanism/properties/root",

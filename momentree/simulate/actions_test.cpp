@@ -50,7 +50,7 @@ std::string refused(Simulation& sim, const std::vector<Action>& actions) {
 std::vector<double> bits(const World& world) {
   std::vector<double> all{world.time()};
   for (double x : world.state().q()) all.push_back(x);
-  for (double x : world.state().p()) all.push_back(x);
+  for (double x : world.p()) all.push_back(x);
   for (const BodyMotion& m : world.motions())
     for (double x : {m.pose.position.x, m.pose.rotation.w, m.linear.x, m.linear.y, m.angular.z}) all.push_back(x);
   return all;

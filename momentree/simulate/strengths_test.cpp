@@ -51,7 +51,7 @@ TEST_CASE("strengths break joints as explicit events do, bit for bit") {
         if (e.mechanisms_after.size() > e.mechanisms_before.size())
           broken[sim == &told].push_back(std::to_string(e.time) + e.actions[0].text());
     CHECK(broken[0] == broken[1]);
-    const auto p = borne.world().state().p(), other = told.world().state().p();
+    const auto p = borne.world().p(), other = told.world().p();
     const auto q = borne.world().state().q(), other_q = told.world().state().q();
     CHECK(std::vector<double>(p.begin(), p.end()) == std::vector<double>(other.begin(), other.end()));
     CHECK(std::vector<double>(q.begin(), q.end()) == std::vector<double>(other_q.begin(), other_q.end()));

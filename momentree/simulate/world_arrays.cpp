@@ -84,6 +84,8 @@ std::vector<double> World::momenta_of(std::span<const double> q, std::span<const
 
 // Throws Error before anything has changed.
 void World::set_values(double time, std::span<const double> q, std::span<const double> y, Variables given) {
+  if (given == Variables::velocities && state_.variables() == Variables::momenta)
+    return set_values(time, q, momenta_of(q, y, std::isfinite(time) && time >= 0 ? time : this->time()), Variables::momenta);
   const JointNamer name = [this](int joint) { return names_.joint(joint); };
   if (!(time >= 0) || !std::isfinite(time))
     throw_error({"the time can't be " + detail::text(time) + " s", "", "give a finite time that is not negative"});
@@ -105,22 +107,13 @@ void World::set_values(double time, std::span<const double> q, std::span<const d
   assign(time, coordinates, rates, given);
 }
 
-// Sets the state, which keeps its variables, from momenta or velocities.
+// Sets a state in velocities, or one in momenta from momenta.
 void World::assign(double time, std::span<const double> q, std::span<const double> y, Variables given) {
-  const Variables own = state_.variables();
-  if (given == own) return state_.assign(time, q, y, tree_);
-  std::vector<double> other(y.size());
-  if (own == Variables::momenta) {
-    project_momentum(tree_, q.data(), y.data(), other.data());
-    clear_locked(tree_, other.data());
-    for (const int b : tree_.driven_joints()) other[count(tree_.first_p(b))] = y[count(tree_.first_p(b))];
-  } else {
-    State momenta(tree_);
-    momenta.assign(time, q, y, tree_);
-    forward_dynamics(tree_, momenta, workspace_);
-    std::copy_n(workspace_.v.get(), other.size(), other.begin());
-  }
-  state_.assign(time, q, other, tree_);
+  if (given == state_.variables()) return state_.assign(time, q, y, tree_);
+  State momenta(tree_);
+  momenta.assign(time, q, y, tree_);
+  forward_dynamics(tree_, momenta, workspace_);
+  state_.assign(time, q, {workspace_.v.get(), y.size()}, tree_);
 }
 
 }  // namespace momentree

@@ -41,12 +41,12 @@ class State {
   Variables variables() const { return variables_; }
   /// The momenta of a state in momenta.
   Numbers p() const {
-    MT_REQUIRE(variables_ == Variables::momenta, "a state in momenta: momenta() gives those of a state in velocities");
+    MT_REQUIRE(variables_ == Variables::momenta, "a state in momenta: World::p() gives the momenta of any world");
     return y_;
   }
   /// The velocities of a state in velocities.
   Numbers u() const {
-    MT_REQUIRE(variables_ == Variables::velocities, "a state in velocities: an evaluation gives those of a state in momenta");
+    MT_REQUIRE(variables_ == Variables::velocities, "a state in velocities: World::v() gives the velocities of any world");
     return y_;
   }
   /// p or u, for code that treats both alike.

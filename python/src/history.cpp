@@ -89,8 +89,8 @@ void resume(const SimulationPtr& self, const std::string& text, const std::vecto
   if (all.size() > sim.snapshot().armed.size() || coordinates.size() != now.q().size())
     refuse("the pickled state is not one of this simulation");
   // The document has quaternions with w >= 0, and the simulation may have their negatives.
-  const std::vector<double> momenta(now.p().begin(), now.p().end());
-  if (!std::equal(coordinates.begin(), coordinates.end(), now.q().begin())) sim.adjust(coordinates, momenta);
+  const std::vector<double> y(now.y().begin(), now.y().end());
+  if (!std::equal(coordinates.begin(), coordinates.end(), now.q().begin())) sim.adjust(coordinates, y, now.variables());
   sim.resume(all, state.memory);
 }
 

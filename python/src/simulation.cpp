@@ -85,15 +85,14 @@ void set_state(const SimulationPtr& self, nb::handle q, nb::handle v, nb::handle
     refuse("set_state: both v and p are given", "momenta follow from velocities: give one of them");
   const auto listed = [](Numbers numbers) { return std::vector<double>(numbers.begin(), numbers.end()); };
   const std::vector<double> coordinates = q.is_none() ? listed(world.state().q()) : numbers_of(q, nq, 0, "q");
-  std::vector<double> momenta;
-  if (!p.is_none())
-    momenta = numbers_of(p, nv, 0, "p");
-  else
-    momenta = world.momenta_of(coordinates, v.is_none() ? listed(world.v()) : numbers_of(v, nv, 0, "v"), time);
+  const Variables given = p.is_none() ? Variables::velocities : Variables::momenta;
+  const std::vector<double> y = !p.is_none()  ? numbers_of(p, nv, 0, "p")
+                                : v.is_none() ? listed(world.v())
+                                              : numbers_of(v, nv, 0, "v");
   if (time)
-    sim.set_state(*time, coordinates, momenta);
+    sim.set_state(*time, coordinates, y, given);
   else
-    sim.adjust(coordinates, momenta);
+    sim.adjust(coordinates, y, given);
 }
 
 void make_step(const SimulationPtr& self, std::optional<double> dt) {

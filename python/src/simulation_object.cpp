@@ -158,7 +158,7 @@ void SimulationObject::pull() {
     std::memcpy(to.last.data(), from.data(), from.size_bytes());
   };
   copy(world.state().q(), arrays_->q);
-  copy(world.state().p(), arrays_->p);
+  copy(world.p(), arrays_->p);
   if (arrays_->with_v) copy(world.v(), arrays_->v);
 }
 
@@ -186,13 +186,12 @@ void SimulationObject::push() {
     if (p && v) refuse("both sim.v and sim.p were written", "momenta follow from velocities: write one of them");
     // Writing q keeps the velocities: they are what a user thinks of as the motion. Momenta that are written are taken as they
     // are.
-    std::vector<double> momenta = arrays_->p.now;
-    if (!p) {
+    std::vector<double> y = p ? arrays_->p.now : arrays_->v.now;
+    if (!p && !v) {
       const Numbers now = sim.world().v();
-      const std::vector<double> rates = v ? arrays_->v.now : std::vector<double>(now.begin(), now.end());
-      momenta = sim.world().momenta_of(arrays_->q.now, rates);
+      y.assign(now.begin(), now.end());
     }
-    sim.adjust(arrays_->q.now, momenta);
+    sim.adjust(arrays_->q.now, y, p ? Variables::momenta : Variables::velocities);
   } catch (...) {
     pull();
     throw;
