@@ -8,6 +8,7 @@
 #include <momentree/dynamics/pair_sweep.hpp>
 #include <momentree/dynamics/revolute_dispatch.hpp>
 #include <momentree/dynamics/sweep_buffers.hpp>
+#include <momentree/joint/all_derived.hpp>  // generated: includes every file of derived/
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/pack.hpp>
 
@@ -107,6 +108,69 @@ struct Sweep {
       buffers.store_for_children(b, flags, a);
     }
     buffers.suspend_outward(run, a);
+  }
+
+  // The same for kinds with derived steps, in a stage.
+
+  template <class K>
+  void inboard_derived(const KernelRun& run) const {
+    const auto order = tree.order();
+    const auto node_flags = tree.node_flags();
+    auto* const records = workspace.template records_of<K>(tree, run);
+    Inboard<T> a;
+    buffers.resume_inward(run, a);
+    for (int i = run.end - 1; i >= run.begin; --i) {
+      const int b = order[static_cast<std::size_t>(i)];
+      const unsigned flags = node_flags[static_cast<std::size_t>(i)];
+      with_derived_steps<K>(flags, [&](auto tag) MOMENTREE_INLINE_LAMBDA {
+        using Steps = typename decltype(tag)::type;
+        if ((flags & node::leaf) == 0) buffers.gather_children(b, flags, a);
+        Steps::template inboard<T>(tree.link(b), tree.subtree_mass(b), has_gravity, (flags & node::root) != 0, joint_state(b),
+                                   p + tree.first_p(b), a, derived_record<Steps>(records[i - run.begin]));
+      });
+      buffers.add_to_parent(b, flags, a);
+    }
+    buffers.suspend_inward(run, a);
+  }
+
+  template <class K>
+  void outboard_derived(const KernelRun& run, const Outboard<T>& base) const {
+    const auto order = tree.order();
+    const auto node_flags = tree.node_flags();
+    auto* const records = workspace.template records_of<K>(tree, run);
+    Outboard<T> a;
+    buffers.resume_outward(run, a);
+    for (int i = run.begin; i < run.end; ++i) {
+      const int b = order[static_cast<std::size_t>(i)];
+      const unsigned flags = node_flags[static_cast<std::size_t>(i)];
+      const int at = tree.first_p(b);
+      buffers.load_parent(b, flags, base, a);
+      with_derived_steps<K>(flags, [&](auto tag) MOMENTREE_INLINE_LAMBDA {
+        using Steps = typename decltype(tag)::type;
+        Steps::template outboard<T>(tree.link(b), tree.subtree_mass(b), joint_state(b), p + at,
+                                    derived_record<Steps>(records[i - run.begin]), a, workspace.v.get() + at,
+                                    workspace.pdot.get() + at, workspace.qdot.get() + tree.first_q(b));
+      });
+      buffers.store_for_children(b, flags, a);
+    }
+    buffers.suspend_outward(run, a);
+  }
+
+  /// Calls f with the derived steps for a body with these node flags.
+  template <class K, class F>
+  MOMENTREE_INLINE static void with_derived_steps(unsigned flags, F&& f) {
+    const bool leaf = (flags & node::leaf) != 0;
+    if constexpr (K::rotates_about_z)
+      if ((flags & node::aligned) != 0)
+        return leaf ? f(std::type_identity<DerivedSteps<K, true, true>>{}) : f(std::type_identity<DerivedSteps<K, true, false>>{});
+    leaf ? f(std::type_identity<DerivedSteps<K, false, true>>{}) : f(std::type_identity<DerivedSteps<K, false, false>>{});
+  }
+  /// The record of derived steps, in the memory of the kind's own.
+  template <class Steps, class Own>
+  MOMENTREE_INLINE static auto& derived_record(Own& own) {
+    using Record = typename Steps::template Record<T>;
+    static_assert(sizeof(Record) <= sizeof(Own) && alignof(Record) <= alignof(T) && std::is_trivially_copyable_v<Record>);
+    return reinterpret_cast<Record&>(own);
   }
 
   // The same for kinds with whole steps by the shape of a link.
@@ -248,6 +312,8 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
         else
           sweep.template inboard_steps<K, false, Keep>(s);
       } else {
+        if constexpr (!Keep && has_derived_steps<K>)
+          if (s.variant == Variant::plain) return sweep.template inboard_derived<K>(s);
         sweep.template inboard<K, Keep && K::rigid>(s);  // only rigid kernels store anything in the inward pass
       }
     });
@@ -271,6 +337,8 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
         else
           sweep.template outboard_steps<K, false, Keep>(s, base);
       } else {
+        if constexpr (!Keep && has_derived_steps<K>)
+          if (s.variant == Variant::plain) return sweep.template outboard_derived<K>(s, base);
         sweep.template outboard<K, Keep>(s, base);
       }
     });

@@ -1,0 +1,90 @@
+#pragma once
+// The expressions of one step: its inputs by name, its outputs in sections, and comments where a part begins.
+#include <string>
+#include <vector>
+
+#include <momentree/generate/symbolic.hpp>
+#include <momentree/joint/kernels.hpp>
+
+namespace momentree::derive {
+
+using T = Symbolic<false>;
+
+/// A number that a step writes: `to = prefix value;`.
+struct Store {
+  std::string to;
+  int node = 0;
+  std::string guard;  ///< a condition without which zero is stored
+};
+struct Comment {
+  int before = 0;  ///< the first node of the part
+  std::string text;
+};
+
+/// One function: what it stores at once, and what it stores at the end, because the same memory holds inputs.
+struct Function {
+  std::vector<Store> stores, last;
+  std::vector<Comment> comments;
+};
+
+/// Records expressions while it exists.
+class Recorder {
+ public:
+  Recorder() { T::graph() = &expressions; }
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+  ~Recorder() { T::graph() = nullptr; }
+
+  /// A number of the state, or handed over from another body.
+  T number(const std::string& name) { return input(Operation::q, name, numbers); }
+  /// A constant of the link.
+  T constant(const std::string& name) { return input(Operation::p, name, constants); }
+  Vector3<T> numbers_of(const std::string& name) { return {number(name + ".x"), number(name + ".y"), number(name + ".z")}; }
+  Vector3<T> constants_of(const std::string& name) {
+    return {constant(name + ".x"), constant(name + ".y"), constant(name + ".z")};
+  }
+  /// Gives a product of constants that the link stores a name.
+  void known(T value, const std::string& name) { names.emplace_back(value.node(), name); }
+  int size() const { return static_cast<int>(expressions.nodes().size()); }
+
+  Expressions expressions;
+  std::vector<std::string> numbers, constants;
+  std::vector<std::pair<int, std::string>> names;
+
+ private:
+  T input(Operation array, const std::string& name, std::vector<std::string>& all) {
+    all.push_back(name);
+    return T::of_node(expressions.input(array, static_cast<int>(all.size()) - 1));
+  }
+};
+
+/// The constants of a link as symbols.
+struct Link {
+  struct Body {
+    T m;
+    Vector3<T> mc;
+    Symmetric3<T> J;
+  };
+  T cos_a, sin_a, cos_b, sin_b, cos_0, sin_0;
+  Vector3<T> r;
+  Body body;
+  T geometry[2];
+
+  Link(Recorder& in, bool aligned)
+      : cos_a(in.constant("k.cos_a")),
+        sin_a(in.constant("k.sin_a")),
+        cos_b(aligned ? T(1) : in.constant("k.cos_b")),
+        sin_b(aligned ? T(0) : in.constant("k.sin_b")),
+        cos_0(in.constant("k.cos_0")),
+        sin_0(in.constant("k.sin_0")),
+        r(in.constants_of("k.r")),
+        body{in.constant("k.body.m"),
+             in.constants_of("k.body.mc"),
+             {in.constant("k.body.J.xx"), in.constant("k.body.J.yy"), in.constant("k.body.J.zz"), in.constant("k.body.J.xy"),
+              in.constant("k.body.J.xz"), in.constant("k.body.J.yz")}},
+        geometry{in.constant("k.geometry[0]"), in.constant("k.geometry[1]")} {
+    in.known(cos_a * sin_a, "k.cs_a"), in.known(sin_a * sin_a, "k.ss_a");
+  }
+};
+
+}  // namespace momentree::derive

@@ -1,0 +1,268 @@
+#pragma once
+// The steps of both passes across a joint of any kind, as a text that runs on symbols: (22)–(26) and (16) inboard, (17), (27), (21)
+// and (20) outboard.
+//
+// Both steps work in the frame F in which E is constant: that of the child or, if the last rotation of the joint, about z, is the
+// reason why E changes in the child's axes, the frame before that rotation. There (20) has no term Ė; instead, Ω × Pb contains
+// the velocity of F.
+#include <algorithm>
+#include <string>
+
+#include <tools/derive/elimination.hpp>
+
+namespace momentree::derive {
+
+/// What the derivation needs to know of a kind besides its functions.
+struct Traits {
+  std::string name, kernels;
+  int angle = -1;  ///< the angle of the last rotation if F is the frame before it
+  int dof = -1;    ///< and its DoF
+};
+
+struct Derived {
+  Function inboard, outboard;
+  std::vector<int> record;  ///< the nodes that the inward step stores for the outward step
+};
+
+template <class K, std::size_t NQ, std::size_t NV>
+struct Text {
+  const Traits& kind;
+  bool aligned, leaf;
+  Recorder& in;
+  Link k{in, aligned};
+  T mass = in.constant("mass");
+  std::array<T, NQ> q = inputs<NQ>("j.q");
+  std::array<T, K::angles.size()> c = inputs<K::angles.size()>("j.c"), s = inputs<K::angles.size()>("j.s");
+  std::array<T, NV> p = inputs<NV>("p");
+  Derived out{};
+
+  Text(const Traits& of, bool is_aligned, bool is_leaf, Recorder& recorder)
+      : kind(of), aligned(is_aligned), leaf(is_leaf), in(recorder) {}
+
+  Derived run() {
+    c_F = c, s_F = s;
+    for (std::size_t i = 0; i < c.size(); ++i)
+      if (static_cast<int>(i) == kind.angle) c_F[i] = T(1), s_F[i] = T(0);
+    const auto columns = K::template columns<T>(k, JointState<T>{q.data(), c_F.data(), s_F.data()});
+    for (const Motion<T>& e : columns) E.push_back(six(e));
+    basis = unit_basis(E);
+    for (std::size_t i = 0; i < NV; ++i) {
+      T x(0);
+      for (std::size_t j = 0; j < NV; ++j) x = x + basis.Q[i][j] * p[j];
+      p_basis.push_back(x);
+    }
+    inboard();
+    const int own = in.size();
+    outboard();
+    out.record = nodes_before(own);
+    return out;
+  }
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  template <std::size_t N>
+  std::array<T, N> inputs(const std::string& name) {
+    std::array<T, N> all;
+    for (std::size_t i = 0; i < N; ++i) all[i] = in.number(name + '[' + std::to_string(i) + ']');
+    return all;
+  }
+  static void begin(Function& f, Recorder& in, const std::string& text) { f.comments.push_back({in.size(), text}); }
+  static void store(std::vector<Store>& to, const std::string& name, const Vector3<T>& a) {
+    to.push_back({name + ".x", a.x.node(), {}}), to.push_back({name + ".y", a.y.node(), {}});
+    to.push_back({name + ".z", a.z.node(), {}});
+  }
+
+  void inboard() {
+    Function& f = out.inboard;
+    begin(f, in, "(22), (23): the body and its children");
+    SpatialMass<T> M{zero_symmetric(), zero_matrix(), zero_symmetric()};
+    Force<T> D{zero(), zero()};
+    Vector3<T> mc = zero();
+    if (!leaf) {
+      M = {symmetric("a.M.A"), matrix("a.M.B"), symmetric("a.M.J")};
+      D = {in.numbers_of("a.D.l"), in.numbers_of("a.D.h")};
+      mc = in.numbers_of("a.mc");
+    }
+    add_rigid_mass(M, k.body);
+    mc += k.body.mc;
+    if (kind.angle >= 0) {
+      begin(f, in, "before the last rotation, where E is constant");
+      const T &cos = c[at(kind.angle)], &sin = s[at(kind.angle)];
+      rotate_z(M, cos, sin), rotate_z(D.l, cos, sin), rotate_z(D.h, cos, sin), rotate_z(mc, cos, sin);
+    }
+    begin(f, in, "(24), (25), (26), column by column");
+    eliminated = reduce(basis, p_basis, M, D);
+    M_hat = M, D_hat = D;
+    const char* const axes[] = {"x", "y", "z"};
+    const T moments[] = {mc.x, mc.y, mc.z};
+    for (std::size_t i = 0; i < 3; ++i)
+      f.stores.push_back({"w.mc." + std::string(axes[i]), moments[i].node(), "gravity"});
+
+    begin(f, in, "(16)");
+    if constexpr (K::rotates_about_z) {
+      const Screw<T> m = K::template screw<T>(k, JointState<T>{q.data(), c.data(), s.data()});
+      rotate_z(M, m.c, m.s), rotate_z(D.l, m.c, m.s), rotate_z(D.h, m.c, m.s), rotate_z(mc, m.c, m.s);
+      const Vector3<T> along{T(0), T(0), m.d};
+      shift(M, along), shift(D, along);
+      mc.z = mc.z + mass * m.d;
+      // E is the same on both sides of the joint.
+      for (std::size_t i = 0; i < NV; ++i) impose(M, basis.columns[i], basis.pivots[i]);
+      placement_inboard<false>(k, M), placement_inboard<false>(k, D);
+      rotate_x(mc, k.cos_a, k.sin_a), rotate_z(mc, k.cos_b, k.sin_b);
+      mc += mass * k.r;
+    } else {
+      x = across();
+      rotate(M, x.R);
+      shift(M, x.r);
+      x.inboard(D);
+      mc = x.R * mc + mass * x.r;
+    }
+    store_mass("a.M", M);
+    store(f.last, "a.D.l", D.l), store(f.last, "a.D.h", D.h), store(f.last, "a.mc", mc);
+  }
+
+  void outboard() {
+    Function& f = out.outboard;
+    begin(f, in, "(17): into the joint's frame");
+    Motion<T> velocity{in.numbers_of("out.velocity.v"), in.numbers_of("out.velocity.w")};
+    Vector3<T> gravity = in.numbers_of("out.gravity");
+    if constexpr (K::rotates_about_z) {
+      const Screw<T> m = K::template screw<T>(k, JointState<T>{q.data(), c.data(), s.data()});
+      placement_outboard<false>(k, velocity), placement_outboard<false>(k, gravity);
+      shift_outboard(velocity, Vector3<T>{T(0), T(0), m.d});
+      rotate_z(velocity.v, m.c, -m.s), rotate_z(velocity.w, m.c, -m.s), rotate_z(gravity, m.c, -m.s);
+    } else {
+      x.outboard(velocity), x.outboard(gravity);
+    }
+    begin(f, in, "(27)");
+    const Six before = six(velocity);
+    Six now = before;
+    std::vector<T> u_basis(NV);
+    for (std::size_t i = NV; i-- > 0;) {
+      const Six& e = basis.columns[i];
+      const std::size_t pivot = basis.pivots[i];
+      const T turning = now[pivot];
+      T total = eliminated[i].u0;
+      for (std::size_t j = 0; j < 6; ++j)
+        if (j != pivot) total = total - eliminated[i].g[j] * (now[j] - e[j] * turning);
+      u_basis[i] = total - turning;
+      for (std::size_t j = 0; j < 6; ++j)
+        if (j != pivot) now[j] = now[j] + e[j] * u_basis[i];
+      now[pivot] = total;
+    }
+    std::array<T, NV> u;
+    for (std::size_t i = 0; i < NV; ++i) {
+      u[i] = T(0);
+      for (std::size_t j = 0; j < NV; ++j) u[i] = u[i] + basis.Q[j][i] * u_basis[j];
+    }
+    begin(f, in, "(21)");
+    Six rest = before;  // less the part along the columns, on which the reduced mass does not act
+    for (std::size_t i = 0; i < NV; ++i) {
+      const T along = before[basis.pivots[i]];
+      for (std::size_t j = 0; j < 6; ++j) rest[j] = j == basis.pivots[i] ? T(0) : rest[j] - basis.columns[i][j] * along;
+    }
+    Six Pb = six(D_hat);
+    const auto is_pivot = [&](std::size_t j) { return std::count(basis.pivots.begin(), basis.pivots.end(), j) > 0; };
+    for (std::size_t j = 0; j < 6; ++j)
+      for (std::size_t l = 0; l < 6 && !is_pivot(j); ++l) Pb[j] = Pb[j] + element(M_hat, j, l) * rest[l];
+    for (std::size_t i = 0; i < NV; ++i) {
+      const std::size_t pivot = basis.pivots[i];
+      Pb[pivot] = p_basis[i];
+      for (std::size_t j = 0; j < 6; ++j)
+        if (j != pivot) Pb[pivot] = Pb[pivot] - basis.columns[i][j] * Pb[j];
+    }
+    begin(f, in, "(15), (20)");
+    Six frame = now;  // the velocity of F
+    if (kind.dof >= 0) {
+      const Six& last = E[at(kind.dof)];
+      for (std::size_t j = 0; j < 6; ++j) {
+        if (is_zero(last[j])) continue;
+        frame[j] = before[j];
+        for (std::size_t i = 0; i < NV; ++i)
+          if (static_cast<int>(i) != kind.dof) frame[j] = frame[j] + E[i][j] * u[i];
+      }
+    }
+    const Vector3<T> mc = in.numbers_of("w.mc");
+    const Six wrench = six(Force<T>{mass * gravity, cross(mc, gravity)} - cross(motion(frame), force(Pb)));
+    for (std::size_t i = 0; i < NV; ++i) {
+      T rate(0);
+      for (std::size_t j = 0; j < 6; ++j) rate = rate + E[i][j] * wrench[j];
+      const std::string place = '[' + std::to_string(i) + ']';
+      f.stores.push_back({"u" + place, u[i].node(), {}});
+      f.stores.push_back({"pdot" + place, rate.node(), {}});
+    }
+    begin(f, in, "rates of the coordinates");
+    std::array<T, NQ> qdot;
+    K::template coordinate_rate<T>(q.data(), u.data(), qdot.data());
+    for (std::size_t i = 0; i < NQ; ++i) f.stores.push_back({"qdot[" + std::to_string(i) + ']', qdot[i].node(), {}});
+    if (leaf) return;  // nothing reads its velocity
+    begin(f, in, "(17): the body's own velocity");
+    velocity = motion(now);
+    if (kind.angle >= 0) {
+      const T &cos = c[at(kind.angle)], &sin = s[at(kind.angle)];
+      rotate_z(velocity.v, cos, -sin), rotate_z(velocity.w, cos, -sin), rotate_z(gravity, cos, -sin);
+    }
+    store(f.last, "out.velocity.v", velocity.v), store(f.last, "out.velocity.w", velocity.w), store(f.last, "out.gravity", gravity);
+  }
+
+  /// The transform from F to the parent, (16), (17).
+  DenseTransform<T> across() {
+    Matrix3<T> R{T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)}, own;
+    rotate_z(R, k.cos_0, k.sin_0), rotate_x(R, k.cos_a, k.sin_a), rotate_z(R, k.cos_b, k.sin_b);
+    Vector3<T> r;
+    K::template pose<T>(k, JointState<T>{q.data(), c_F.data(), s_F.data()}, own, r);
+    return {R * own, k.r + R * r};
+  }
+
+  static Vector3<T> zero() { return {T(0), T(0), T(0)}; }
+  static Symmetric3<T> zero_symmetric() { return {T(0), T(0), T(0), T(0), T(0), T(0)}; }
+  static Matrix3<T> zero_matrix() { return {T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0), T(0)}; }
+  Symmetric3<T> symmetric(const std::string& m) {
+    return {in.number(m + ".xx"), in.number(m + ".yy"), in.number(m + ".zz"),
+            in.number(m + ".xy"), in.number(m + ".xz"), in.number(m + ".yz")};
+  }
+  Matrix3<T> matrix(const std::string& m) {
+    return {in.number(m + ".xx"), in.number(m + ".xy"), in.number(m + ".xz"), in.number(m + ".yx"), in.number(m + ".yy"),
+            in.number(m + ".yz"), in.number(m + ".zx"), in.number(m + ".zy"), in.number(m + ".zz")};
+  }
+  void store_mass(const std::string& name, const SpatialMass<T>& M) {
+    std::vector<Store>& to = out.inboard.last;
+    const auto put = [&](const char* element, const T& x) { to.push_back({name + element, x.node(), {}}); };
+    put(".A.xx", M.A.xx), put(".A.yy", M.A.yy), put(".A.zz", M.A.zz), put(".A.xy", M.A.xy), put(".A.xz", M.A.xz);
+    put(".A.yz", M.A.yz), put(".B.xx", M.B.xx), put(".B.xy", M.B.xy), put(".B.xz", M.B.xz), put(".B.yx", M.B.yx);
+    put(".B.yy", M.B.yy), put(".B.yz", M.B.yz), put(".B.zx", M.B.zx), put(".B.zy", M.B.zy), put(".B.zz", M.B.zz);
+    put(".J.xx", M.J.xx), put(".J.yy", M.J.yy), put(".J.zz", M.J.zz), put(".J.xy", M.J.xy), put(".J.xz", M.J.xz);
+    put(".J.yz", M.J.yz);
+  }
+
+  /// The operations below `own` that the outward step needs: it reads them from the record.
+  std::vector<int> nodes_before(int own) const {
+    const auto& nodes = in.expressions.nodes();
+    std::vector<bool> needed(nodes.size(), false);
+    for (const auto* list : {&out.outboard.stores, &out.outboard.last})
+      for (const Store& one : *list) needed[at(one.node)] = true;
+    std::vector<int> found;
+    for (std::size_t i = nodes.size(); i-- > 0;) {
+      if (!needed[i]) continue;
+      const auto& node = nodes[i];
+      if (binary(node.operation) && static_cast<int>(i) < own) {
+        found.push_back(static_cast<int>(i));
+        continue;
+      }
+      if (unary(node.operation) || binary(node.operation)) needed[at(node.a)] = true;
+      if (binary(node.operation)) needed[at(node.b)] = true;
+    }
+    return {found.rbegin(), found.rend()};
+  }
+
+  std::array<T, K::angles.size()> c_F, s_F;
+  std::vector<Six> E;
+  Basis basis;
+  std::vector<T> p_basis;
+  std::vector<Eliminated> eliminated;
+  SpatialMass<T> M_hat;
+  Force<T> D_hat;
+  DenseTransform<T> x;
+};
+
+}  // namespace momentree::derive
