@@ -76,7 +76,7 @@ int main(int arguments, char** words) {
     std::ifstream in(file, std::ios::binary);
     const std::string now{std::istreambuf_iterator<char>(in), {}};
     if (now != text)
-      ++differ, std::fprintf(stderr, "%s:1:1: error: differs from what is derived now: run momentree-derive\n", file.c_str());
+      ++differ, std::fprintf(stderr, "%s:1:1: error: is not what tools/derive writes: run ./dev derive\n", file.c_str());
   }
   return differ == 0 ? 0 : 1;
 }

@@ -111,11 +111,11 @@ struct Text {
       rotate_x(mc, k.cos_a, k.sin_a), rotate_z(mc, k.cos_b, k.sin_b);
       mc += mass * k.r;
     } else {
-      x = across();
-      rotate(M, x.R);
-      shift(M, x.r);
-      x.inboard(D);
-      mc = x.R * mc + mass * x.r;
+      across_joint = across();
+      rotate(M, across_joint.R);
+      shift(M, across_joint.r);
+      across_joint.inboard(D);
+      mc = across_joint.R * mc + mass * across_joint.r;
     }
     store_mass("a.M", M);
     store(f.last, "a.D.l", D.l), store(f.last, "a.D.h", D.h), store(f.last, "a.mc", mc);
@@ -132,7 +132,7 @@ struct Text {
       shift_outboard(velocity, Vector3<T>{T(0), T(0), m.d});
       rotate_z(velocity.v, m.c, -m.s), rotate_z(velocity.w, m.c, -m.s), rotate_z(gravity, m.c, -m.s);
     } else {
-      x.outboard(velocity), x.outboard(gravity);
+      across_joint.outboard(velocity), across_joint.outboard(gravity);
     }
     begin(f, in, "(27)");
     const Six before = six(velocity);
@@ -262,7 +262,7 @@ struct Text {
   std::vector<Eliminated> eliminated;
   SpatialMass<T> M_hat;
   Force<T> D_hat;
-  DenseTransform<T> x;
+  DenseTransform<T> across_joint;
 };
 
 }  // namespace momentree::derive
