@@ -122,13 +122,22 @@ struct Sweep {
     for (int i = run.end - 1; i >= run.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flags = node_flags[static_cast<std::size_t>(i)];
-      with_derived_steps<K>(flags, [&](auto tag) MOMENTREE_INLINE_LAMBDA {
+      const LinkConstants& link = tree.link(b);
+      if ((flags & node::leaf) == 0) buffers.gather_children(b, flags, a);
+      // Contributions of all but the first child go to the sum of the parent in memory.
+      Inboard<T>& to = (flags & (node::first_child | node::root)) != 0 ? a : buffers.child_sums[tree.parent(b)];
+      const bool add = (flags & (node::first_child | node::root | node::last_child)) == 0;
+      with_derived_steps<K>(link.rotation, place(flags), [&](auto tag) MOMENTREE_INLINE_LAMBDA {
         using Steps = typename decltype(tag)::type;
-        if ((flags & node::leaf) == 0) buffers.gather_children(b, flags, a);
-        Steps::template inboard<T>(tree.link(b), tree.subtree_mass(b), has_gravity, (flags & node::root) != 0, joint_state(b),
-                                   p + tree.first_p(b), a, derived_record<Steps>(records[i - run.begin]));
+        const auto step = [&](auto adds) MOMENTREE_INLINE_LAMBDA {
+          Steps::template inboard<adds(), T>(link, tree.subtree_mass(b), has_gravity, joint_state(b), p + tree.first_p(b), a,
+                                             derived_record<Steps>(records[i - run.begin]), to);
+        };
+        if (add)
+          step(std::true_type{});
+        else
+          step(std::false_type{});
       });
-      buffers.add_to_parent(b, flags, a);
     }
     buffers.suspend_inward(run, a);
   }
@@ -143,11 +152,12 @@ struct Sweep {
     for (int i = run.begin; i < run.end; ++i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flags = node_flags[static_cast<std::size_t>(i)];
+      const LinkConstants& link = tree.link(b);
       const int at = tree.first_p(b);
       buffers.load_parent(b, flags, base, a);
-      with_derived_steps<K>(flags, [&](auto tag) MOMENTREE_INLINE_LAMBDA {
+      with_derived_steps<K>(link.rotation, place(flags), [&](auto tag) MOMENTREE_INLINE_LAMBDA {
         using Steps = typename decltype(tag)::type;
-        Steps::template outboard<T>(tree.link(b), tree.subtree_mass(b), joint_state(b), p + at,
+        Steps::template outboard<T>(link, tree.subtree_mass(b), joint_state(b), p + at,
                                     derived_record<Steps>(records[i - run.begin]), a, workspace.v.get() + at,
                                     workspace.pdot.get() + at, workspace.qdot.get() + tree.first_q(b));
       });
@@ -155,16 +165,11 @@ struct Sweep {
     }
     buffers.suspend_outward(run, a);
   }
-
-  /// Calls f with the derived steps for a body with these node flags.
-  template <class K, class F>
-  MOMENTREE_INLINE static void with_derived_steps(unsigned flags, F&& f) {
-    const bool leaf = (flags & node::leaf) != 0;
-    if constexpr (K::rotates_about_z)
-      if ((flags & node::aligned) != 0)
-        return leaf ? f(std::type_identity<DerivedSteps<K, true, true>>{}) : f(std::type_identity<DerivedSteps<K, true, false>>{});
-    leaf ? f(std::type_identity<DerivedSteps<K, false, true>>{}) : f(std::type_identity<DerivedSteps<K, false, false>>{});
+  MOMENTREE_INLINE static Place place(unsigned flags) {
+    const bool root = (flags & node::root) != 0;
+    return (flags & node::leaf) != 0 ? root ? Place::single : Place::leaf : root ? Place::root : Place::inner;
   }
+
   /// The record of derived steps, in the memory of the kind's own.
   template <class Steps, class Own>
   MOMENTREE_INLINE static auto& derived_record(Own& own) {

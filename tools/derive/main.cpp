@@ -15,39 +15,69 @@ namespace {
 using namespace momentree;
 using namespace momentree::derive;
 
+struct Written {
+  std::string record, inboard, outboard;
+  int operations = 0;
+};
+
 template <class Kind>
-std::string step(const Traits& traits, bool aligned, bool leaf) {
-  using K = typename Kind::Kernels;
+Written write(const Traits& traits, LinkRotation rotation, Place place, const Order& order) {
   Recorder in;
-  const Derived steps = Text<K, Kind::info.nq, Kind::info.nv>(traits, aligned, leaf, in).run();
+  const Derived steps = Text<typename Kind::Kernels, Kind::info.nq, Kind::info.nv>(traits, rotation, place, order, in).run();
   Writer writer(in, steps);
-  const auto word = [](bool yes) { return yes ? "true" : "false"; };
-  std::string s = std::string("/// ") + (K::rotates_about_z && aligned ? "Link with β = 0, " : "") +
-                  (leaf ? "body without children.\n" : "body with children.\n");
-  s += "template <>\nstruct DerivedSteps<" + traits.kernels + ", " + word(aligned) + ", " + word(leaf) + "> {\n";
-  s += "  template <class T>\n  using Record = DerivedRecord<T, " + std::to_string(steps.record.size()) + ">;\n";
-  s += "  template <class T>\n  MOMENTREE_INLINE static void inboard([[maybe_unused]] const LinkConstants& k,\n"
-       "                                       [[maybe_unused]] double mass, bool gravity, bool root,\n"
-       "                                       [[maybe_unused]] const JointState<T>& j,\n"
-       "                                       const T* p, Inboard<T>& a, Record<T>& w) {\n";
-  s += writer.inboard() + "  }\n";
+  Written written{std::to_string(steps.record.size()), writer.inboard(), writer.outboard(), 0};
+  written.operations = writer.operations();
+  return written;
+}
+
+/// In the order with the fewest operations.
+template <class Kind>
+Written best(const Traits& traits, LinkRotation rotation, Place place) {
+  Written least = write<Kind>(traits, rotation, place, {});
+  if (!Kind::Kernels::rotates_about_z) return least;
+  for (const Order::Frame frame : {Order::child, Order::before_rotation, Order::before_displacement})
+    for (const bool one_shift : {false, true})
+      if (!one_shift || frame != Order::before_displacement) {
+        Written other = write<Kind>(traits, rotation, place, {frame, one_shift});
+        if (other.operations < least.operations) least = std::move(other);
+      }
+  return least;
+}
+
+template <class Kind>
+std::string step(const Traits& traits, LinkRotation rotation, Place place) {
+  static const char* const rotations[] = {"any", "tilted", "about_z", "none"};
+  static const char* const places[] = {"inner", "leaf", "root", "single"};
+  const Written written = best<Kind>(traits, rotation, place);
+  std::string s = "/// " + std::to_string(written.operations) + " operations.\ntemplate <>\nstruct DerivedSteps<" + traits.kernels +
+                  ", LinkRotation::" + rotations[static_cast<int>(rotation)] + ", Place::" + places[static_cast<int>(place)] +
+                  "> {\n";
+  s += "  template <class T>\n  using Record = DerivedRecord<T, " + written.record + ">;\n";
+  s += "  template <bool Add, class T>\n  MOMENTREE_INLINE static void inboard([[maybe_unused]] const LinkConstants& k,\n"
+       "                                       [[maybe_unused]] double mass, bool gravity,\n"
+       "                                       [[maybe_unused]] const JointState<T>& j, const T* p,\n"
+       "                                       [[maybe_unused]] const Inboard<T>& a, Record<T>& w,\n"
+       "                                       [[maybe_unused]] Inboard<T>& to) {\n";
+  s += written.inboard + "  }\n";
   s += "  template <class T>\n  MOMENTREE_INLINE static void outboard([[maybe_unused]] const LinkConstants& k, [[maybe_unused]] double mass,\n"
        "                                        [[maybe_unused]] const JointState<T>& j,\n"
        "                                        [[maybe_unused]] const T* p, const Record<T>& w, Outboard<T>& out, T* u,\n"
        "                                        T* pdot, T* qdot) {\n";
-  return s + writer.outboard() + "  }\n};\n";
+  return s + written.outboard + "  }\n};\n";
 }
 
 template <class Kind>
 std::string header(const Traits& traits) {
+  unsigned bits = 0;
+  for (const LinkRotation rotation : traits.rotations) bits |= 1u << static_cast<unsigned>(rotation);
   std::string s =
       "#pragma once\n// Steps of a " + traits.name +
-      " joint. Written by momentree-derive from the functions of the kind: do not edit, write it again.\n"
+      " joint. Written by momentree-derive from the functions of the kind: do not edit, run ./dev derive.\n"
       "// clang-format off\n#include <momentree/joint/derived_steps.hpp>\n\nnamespace momentree {\n\nstruct " + traits.kernels +
-      ";\ntemplate <>\ninline constexpr bool has_derived_steps<" + traits.kernels + "> = true;\n\n";
-  for (const bool aligned : {false, true})
-    for (const bool leaf : {false, true})
-      if (!aligned || Kind::Kernels::rotates_about_z) s += step<Kind>(traits, aligned, leaf) + '\n';
+      ";\ntemplate <>\ninline constexpr unsigned derived_rotations<" + traits.kernels + "> = " + std::to_string(bits) + ";\n\n";
+  for (const LinkRotation rotation : traits.rotations)
+    for (const Place place : {Place::inner, Place::leaf}) s += step<Kind>(traits, rotation, place) + '\n';
+  for (const Place place : {Place::root, Place::single}) s += step<Kind>(traits, LinkRotation::any, place) + '\n';
   return s + "}  // namespace momentree\n";
 }
 
@@ -57,14 +87,16 @@ int main(int arguments, char** words) {
   if (arguments < 2 || (arguments == 3 && std::string(words[2]) != "--check") || arguments > 3)
     return std::fprintf(stderr, "usage: %s FOLDER [--check]\n", words[0]), 2;
   const std::filesystem::path folder = words[1];
-  // The list of the kinds with derived steps.
+  using enum LinkRotation;
+  // The list of the kinds with derived steps, and of the rotations of links that have their own.
   const std::pair<std::string, std::string> files[] = {
-      {"ball", header<Ball>({"ball", "BallKernels"})},
-      {"cylindrical", header<Cylindrical>({"cylindrical", "CylindricalKernels"})},
-      {"free", header<Free>({"free", "FreeKernels"})},
-      {"helical", header<Helical>({"helical", "HelicalKernels"})},
-      {"planar", header<Planar>({"planar", "PlanarKernels", 0, 2})},
-      {"universal", header<Universal>({"universal", "UniversalKernels", 1, 1})},
+      {"ball", header<Ball>({"ball", "BallKernels", {any, none}})},
+      {"cylindrical", header<Cylindrical>({"cylindrical", "CylindricalKernels", {any, tilted, about_z}})},
+      {"free", header<Free>({"free", "FreeKernels", {any, none}})},
+      {"helical", header<Helical>({"helical", "HelicalKernels", {any, tilted, about_z}})},
+      {"planar", header<Planar>({"planar", "PlanarKernels", {any, about_z}, 0, 2})},
+      {"prismatic", header<Prismatic>({"prismatic", "PrismaticKernels", {any, tilted, about_z}})},
+      {"universal", header<Universal>({"universal", "UniversalKernels", {any, none}, 1, 1})},
   };
   int differ = 0;
   for (const auto& [name, text] : files) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <momentree/generate/symbolic.hpp>
-#include <momentree/joint/kernels.hpp>
+#include <momentree/joint/derived_steps.hpp>
 
 namespace momentree::derive {
 
@@ -66,24 +66,34 @@ struct Link {
     Symmetric3<T> J;
   };
   T cos_a, sin_a, cos_b, sin_b, cos_0, sin_0;
+  Matrix3<T> R0;
   Vector3<T> r;
   Body body;
   T geometry[2];
 
-  Link(Recorder& in, bool aligned)
-      : cos_a(in.constant("k.cos_a")),
-        sin_a(in.constant("k.sin_a")),
-        cos_b(aligned ? T(1) : in.constant("k.cos_b")),
-        sin_b(aligned ? T(0) : in.constant("k.sin_b")),
+  Link(Recorder& in, LinkRotation rotation)
+      : cos_a(rotation > LinkRotation::tilted ? T(1) : in.constant("k.cos_a")),
+        sin_a(rotation > LinkRotation::tilted ? T(0) : in.constant("k.sin_a")),
+        cos_b(rotation > LinkRotation::any ? T(1) : in.constant("k.cos_b")),
+        sin_b(rotation > LinkRotation::any ? T(0) : in.constant("k.sin_b")),
         cos_0(in.constant("k.cos_0")),
         sin_0(in.constant("k.sin_0")),
+        R0{T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)},
         r(in.constants_of("k.r")),
         body{in.constant("k.body.m"),
              in.constants_of("k.body.mc"),
              {in.constant("k.body.J.xx"), in.constant("k.body.J.yy"), in.constant("k.body.J.zz"), in.constant("k.body.J.xy"),
               in.constant("k.body.J.xz"), in.constant("k.body.J.yz")}},
         geometry{in.constant("k.geometry[0]"), in.constant("k.geometry[1]")} {
-    in.known(cos_a * sin_a, "k.cs_a"), in.known(sin_a * sin_a, "k.ss_a");
+    if (rotation <= LinkRotation::tilted) in.known(cos_a * sin_a, "k.cs_a"), in.known(sin_a * sin_a, "k.ss_a");
+    if (rotation == LinkRotation::none) return;
+    if (rotation == LinkRotation::about_z) {
+      R0.xx = R0.yy = cos_0, R0.xy = -sin_0, R0.yx = sin_0;
+      return;
+    }
+    R0 = {in.constant("k.R0.xx"), in.constant("k.R0.xy"), in.constant("k.R0.xz"),
+          in.constant("k.R0.yx"), in.constant("k.R0.yy"), in.constant("k.R0.yz"),
+          in.constant("k.R0.zx"), in.constant("k.R0.zy"), in.constant("k.R0.zz")};
   }
 };
 

@@ -2,11 +2,12 @@
 // The steps of both passes across a joint of any kind, as a text that runs on symbols: (22)–(26) and (16) inboard, (17), (27), (21)
 // and (20) outboard.
 //
-// Both steps work in the frame F in which E is constant: that of the child or, if the last rotation of the joint, about z, is the
-// reason why E changes in the child's axes, the frame before that rotation. There (20) has no term Ė; instead, Ω × Pb contains
-// the velocity of F.
+// Both steps work in a frame F in which E is constant: that of the child, the frame before the joint's last rotation, about z, or, if
+// the joint is a screw, the frame before its displacement, too. There (20) has no term Ė; instead, Ω × Pb contains the velocity of
+// F. If E is constant in several of them, `Order` says which is used: the orders of reduction and transform are one text.
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include <tools/derive/elimination.hpp>
 
@@ -15,8 +16,15 @@ namespace momentree::derive {
 /// What the derivation needs to know of a kind besides its functions.
 struct Traits {
   std::string name, kernels;
+  std::vector<LinkRotation> rotations;
   int angle = -1;  ///< the angle of the last rotation if F is the frame before it
   int dof = -1;    ///< and its DoF
+};
+
+/// Choices that change the operations but not the results.
+struct Order {
+  enum Frame { child, before_rotation, before_displacement } frame = child;
+  bool one_shift = false;  ///< the displacement of a screw and the placement's offset as one shift
 };
 
 struct Derived {
@@ -27,17 +35,24 @@ struct Derived {
 template <class K, std::size_t NQ, std::size_t NV>
 struct Text {
   const Traits& kind;
-  bool aligned, leaf;
+  LinkRotation rotation;
+  bool leaf, root;
+  Order order;
   Recorder& in;
-  Link k{in, aligned};
+  Link k{in, rotation};
   T mass = in.constant("mass");
   std::array<T, NQ> q = inputs<NQ>("j.q");
   std::array<T, K::angles.size()> c = inputs<K::angles.size()>("j.c"), s = inputs<K::angles.size()>("j.s");
   std::array<T, NV> p = inputs<NV>("p");
   Derived out{};
 
-  Text(const Traits& of, bool is_aligned, bool is_leaf, Recorder& recorder)
-      : kind(of), aligned(is_aligned), leaf(is_leaf), in(recorder) {}
+  Text(const Traits& of, LinkRotation by, Place place, const Order& by_order, Recorder& recorder)
+      : kind(of),
+        rotation(by),
+        leaf(place == Place::leaf || place == Place::single),
+        root(place == Place::root || place == Place::single),
+        order(by_order),
+        in(recorder) {}
 
   Derived run() {
     c_F = c, s_F = s;
@@ -90,6 +105,11 @@ struct Text {
       const T &cos = c[at(kind.angle)], &sin = s[at(kind.angle)];
       rotate_z(M, cos, sin), rotate_z(D.l, cos, sin), rotate_z(D.h, cos, sin), rotate_z(mc, cos, sin);
     }
+    if constexpr (K::rotates_about_z) {
+      screw = K::template screw<T>(k, JointState<T>{q.data(), c.data(), s.data()});
+      if (order.frame != Order::child) rotate_own(M, D, mc);
+      if (order.frame == Order::before_displacement) displace(M, D, mc);
+    }
     begin(f, in, "(24), (25), (26), column by column");
     eliminated = reduce(basis, p_basis, M, D);
     M_hat = M, D_hat = D;
@@ -97,19 +117,24 @@ struct Text {
     const T moments[] = {mc.x, mc.y, mc.z};
     for (std::size_t i = 0; i < 3; ++i)
       f.stores.push_back({"w.mc." + std::string(axes[i]), moments[i].node(), "gravity"});
+    if (root) {
+      if constexpr (!K::rotates_about_z) across_joint = across();
+      return;
+    }
 
     begin(f, in, "(16)");
     if constexpr (K::rotates_about_z) {
-      const Screw<T> m = K::template screw<T>(k, JointState<T>{q.data(), c.data(), s.data()});
-      rotate_z(M, m.c, m.s), rotate_z(D.l, m.c, m.s), rotate_z(D.h, m.c, m.s), rotate_z(mc, m.c, m.s);
-      const Vector3<T> along{T(0), T(0), m.d};
-      shift(M, along), shift(D, along);
-      mc.z = mc.z + mass * m.d;
+      if (order.frame == Order::child) rotate_own(M, D, mc);
+      if (order.frame != Order::before_displacement && !order.one_shift) displace(M, D, mc);
       // E is the same on both sides of the joint.
       for (std::size_t i = 0; i < NV; ++i) impose(M, basis.columns[i], basis.pivots[i]);
-      placement_inboard<false>(k, M), placement_inboard<false>(k, D);
+      const Vector3<T> r = offset();
+      rotate_x(M, k.cos_a, k.sin_a), rotate_z(M, k.cos_b, k.sin_b);
+      rotate_x(D.l, k.cos_a, k.sin_a), rotate_x(D.h, k.cos_a, k.sin_a);
+      rotate_z(D.l, k.cos_b, k.sin_b), rotate_z(D.h, k.cos_b, k.sin_b);
       rotate_x(mc, k.cos_a, k.sin_a), rotate_z(mc, k.cos_b, k.sin_b);
-      mc += mass * k.r;
+      shift(M, r), shift(D, r);
+      mc += mass * r;
     } else {
       across_joint = across();
       rotate(M, across_joint.R);
@@ -117,20 +142,39 @@ struct Text {
       across_joint.inboard(D);
       mc = across_joint.R * mc + mass * across_joint.r;
     }
-    store_mass("a.M", M);
-    store(f.last, "a.D.l", D.l), store(f.last, "a.D.h", D.h), store(f.last, "a.mc", mc);
+    store_mass("to.M", M);
+    store(f.last, "to.D.l", D.l), store(f.last, "to.D.h", D.h), store(f.last, "to.mc", mc);
+  }
+
+  // The parts of a screw's transform.
+  void rotate_own(SpatialMass<T>& M, Force<T>& D, Vector3<T>& mc) {
+    rotate_z(M, screw.c, screw.s), rotate_z(D.l, screw.c, screw.s), rotate_z(D.h, screw.c, screw.s);
+    rotate_z(mc, screw.c, screw.s);
+  }
+  void displace(SpatialMass<T>& M, Force<T>& D, Vector3<T>& mc) {
+    const Vector3<T> along{T(0), T(0), screw.d};
+    shift(M, along), shift(D, along);
+    mc.z = mc.z + mass * screw.d;
+  }
+  /// The placement's offset, with the displacement of the joint if both are one shift.
+  Vector3<T> offset() {
+    Vector3<T> r{T(0), T(0), order.one_shift ? screw.d : T(0)};
+    rotate_x(r, k.cos_a, k.sin_a), rotate_z(r, k.cos_b, k.sin_b);
+    return k.r + r;
   }
 
   void outboard() {
     Function& f = out.outboard;
     begin(f, in, "(17): into the joint's frame");
-    Motion<T> velocity{in.numbers_of("out.velocity.v"), in.numbers_of("out.velocity.w")};
+    Motion<T> velocity{zero(), zero()};  // the ground rests
+    if (!root) velocity = {in.numbers_of("out.velocity.v"), in.numbers_of("out.velocity.w")};
     Vector3<T> gravity = in.numbers_of("out.gravity");
     if constexpr (K::rotates_about_z) {
-      const Screw<T> m = K::template screw<T>(k, JointState<T>{q.data(), c.data(), s.data()});
-      placement_outboard<false>(k, velocity), placement_outboard<false>(k, gravity);
-      shift_outboard(velocity, Vector3<T>{T(0), T(0), m.d});
-      rotate_z(velocity.v, m.c, -m.s), rotate_z(velocity.w, m.c, -m.s), rotate_z(gravity, m.c, -m.s);
+      shift_outboard(velocity, offset());
+      placement_outboard<false>(k, velocity.v), placement_outboard<false>(k, velocity.w), placement_outboard<false>(k, gravity);
+      if (!order.one_shift && order.frame != Order::before_displacement)
+        shift_outboard(velocity, Vector3<T>{T(0), T(0), screw.d});
+      if (order.frame == Order::child) rotate_out(velocity, gravity, screw.c, screw.s);
     } else {
       across_joint.outboard(velocity), across_joint.outboard(gravity);
     }
@@ -173,6 +217,7 @@ struct Text {
     }
     begin(f, in, "(15), (20)");
     Six frame = now;  // the velocity of F
+    if (K::rotates_about_z && order.frame != Order::child) frame = before;  // and what is along z has no effect on a screw
     if (kind.dof >= 0) {
       const Six& last = E[at(kind.dof)];
       for (std::size_t j = 0; j < 6; ++j) {
@@ -200,18 +245,24 @@ struct Text {
     velocity = motion(now);
     if (kind.angle >= 0) {
       const T &cos = c[at(kind.angle)], &sin = s[at(kind.angle)];
-      rotate_z(velocity.v, cos, -sin), rotate_z(velocity.w, cos, -sin), rotate_z(gravity, cos, -sin);
+      rotate_out(velocity, gravity, cos, sin);
+    }
+    if constexpr (K::rotates_about_z) {
+      if (order.frame == Order::before_displacement) shift_outboard(velocity, Vector3<T>{T(0), T(0), screw.d});
+      if (order.frame != Order::child) rotate_out(velocity, gravity, screw.c, screw.s);
     }
     store(f.last, "out.velocity.v", velocity.v), store(f.last, "out.velocity.w", velocity.w), store(f.last, "out.gravity", gravity);
   }
 
+  static void rotate_out(Motion<T>& velocity, Vector3<T>& gravity, const T& cos, const T& sin) {
+    rotate_z(velocity.v, cos, -sin), rotate_z(velocity.w, cos, -sin), rotate_z(gravity, cos, -sin);
+  }
   /// The transform from F to the parent, (16), (17).
   DenseTransform<T> across() {
-    Matrix3<T> R{T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)}, own;
-    rotate_z(R, k.cos_0, k.sin_0), rotate_x(R, k.cos_a, k.sin_a), rotate_z(R, k.cos_b, k.sin_b);
+    Matrix3<T> own;
     Vector3<T> r;
     K::template pose<T>(k, JointState<T>{q.data(), c_F.data(), s_F.data()}, own, r);
-    return {R * own, k.r + R * r};
+    return {k.R0 * own, k.r + k.R0 * r};
   }
 
   static Vector3<T> zero() { return {T(0), T(0), T(0)}; }
@@ -263,6 +314,7 @@ struct Text {
   SpatialMass<T> M_hat;
   Force<T> D_hat;
   DenseTransform<T> across_joint;
+  Screw<T> screw;
 };
 
 }  // namespace momentree::derive
