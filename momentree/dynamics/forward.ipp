@@ -1,5 +1,6 @@
 #pragma once
-// Definitions of the two recursions; included only by instantiate/*.cpp, each for one scalar.
+// Definitions of the two recursions; included only by instantiate/*.cpp, each for one scalar, which also include derived_sweep.ipp
+// or are compiled beside an instantiation of it.
 //
 // The passes run along the tree's order with their sums in local variables. The first child of a body follows it directly, so
 // sums pass through memory only for later children. Kernel runs, consecutive bodies with the same kernels, are one loop.
@@ -8,11 +9,17 @@
 #include <momentree/dynamics/pair_sweep.hpp>
 #include <momentree/dynamics/revolute_dispatch.hpp>
 #include <momentree/dynamics/sweep_buffers.hpp>
-#include <momentree/joint/all_derived.hpp>  // generated: includes every file of derived/
+#include <momentree/joint/derived_list.hpp>  // generated: the kinds with derived steps
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/pack.hpp>
 
 namespace momentree {
+
+/// True for kernels with derived steps: whether there are any can be known without their text.
+#define MOMENTREE_IS_DERIVED(name, Type) std::is_same_v<K, typename Type::Kernels> ||
+template <class K>
+inline constexpr bool is_derived = MOMENTREE_DERIVED(MOMENTREE_IS_DERIVED) false;
+#undef MOMENTREE_IS_DERIVED
 
 template <class T>
 struct Sweep {
@@ -110,73 +117,12 @@ struct Sweep {
     buffers.suspend_outward(run, a);
   }
 
-  // The same for kinds with derived steps, in a stage.
+  // The same for kinds with derived steps, in a stage: derived_sweep.ipp.
 
   template <class K>
-  void inboard_derived(const KernelRun& run) const {
-    const auto order = tree.order();
-    const auto node_flags = tree.node_flags();
-    auto* const records = workspace.template records_of<K>(tree, run);
-    Inboard<T> a;
-    buffers.resume_inward(run, a);
-    for (int i = run.end - 1; i >= run.begin; --i) {
-      const int b = order[static_cast<std::size_t>(i)];
-      const unsigned flags = node_flags[static_cast<std::size_t>(i)];
-      const LinkConstants& link = tree.link(b);
-      if ((flags & node::leaf) == 0) buffers.gather_children(b, flags, a);
-      // Contributions of all but the first child go to the sum of the parent in memory.
-      Inboard<T>& to = (flags & (node::first_child | node::root)) != 0 ? a : buffers.child_sums[tree.parent(b)];
-      const bool add = (flags & (node::first_child | node::root | node::last_child)) == 0;
-      with_derived_steps<K>(link.rotation, place(flags), [&](auto tag) MOMENTREE_INLINE_LAMBDA {
-        using Steps = typename decltype(tag)::type;
-        const auto step = [&](auto adds) MOMENTREE_INLINE_LAMBDA {
-          Steps::template inboard<adds(), T>(link, tree.subtree_mass(b), has_gravity, joint_state(b), p + tree.first_p(b), a,
-                                             derived_record<Steps>(records[i - run.begin]), to);
-        };
-        if (add)
-          step(std::true_type{});
-        else
-          step(std::false_type{});
-      });
-    }
-    buffers.suspend_inward(run, a);
-  }
-
+  void inboard_derived(const KernelRun& run) const;
   template <class K>
-  void outboard_derived(const KernelRun& run, const Outboard<T>& base) const {
-    const auto order = tree.order();
-    const auto node_flags = tree.node_flags();
-    auto* const records = workspace.template records_of<K>(tree, run);
-    Outboard<T> a;
-    buffers.resume_outward(run, a);
-    for (int i = run.begin; i < run.end; ++i) {
-      const int b = order[static_cast<std::size_t>(i)];
-      const unsigned flags = node_flags[static_cast<std::size_t>(i)];
-      const LinkConstants& link = tree.link(b);
-      const int at = tree.first_p(b);
-      buffers.load_parent(b, flags, base, a);
-      with_derived_steps<K>(link.rotation, place(flags), [&](auto tag) MOMENTREE_INLINE_LAMBDA {
-        using Steps = typename decltype(tag)::type;
-        Steps::template outboard<T>(link, tree.subtree_mass(b), joint_state(b), p + at,
-                                    derived_record<Steps>(records[i - run.begin]), a, workspace.v.get() + at,
-                                    workspace.pdot.get() + at, workspace.qdot.get() + tree.first_q(b));
-      });
-      buffers.store_for_children(b, flags, a);
-    }
-    buffers.suspend_outward(run, a);
-  }
-  MOMENTREE_INLINE static Place place(unsigned flags) {
-    const bool root = (flags & node::root) != 0;
-    return (flags & node::leaf) != 0 ? root ? Place::single : Place::leaf : root ? Place::root : Place::inner;
-  }
-
-  /// The record of derived steps, in the memory of the kind's own.
-  template <class Steps, class Own>
-  MOMENTREE_INLINE static auto& derived_record(Own& own) {
-    using Record = typename Steps::template Record<T>;
-    static_assert(sizeof(Record) <= sizeof(Own) && alignof(Record) <= alignof(T) && std::is_trivially_copyable_v<Record>);
-    return reinterpret_cast<Record&>(own);
-  }
+  void outboard_derived(const KernelRun& run, const Outboard<T>& base) const;
 
   // The same for kinds with whole steps by the shape of a link.
 
@@ -317,7 +263,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
         else
           sweep.template inboard_steps<K, false, Keep>(s);
       } else {
-        if constexpr (!Keep && has_derived_steps<K>)
+        if constexpr (!Keep && is_derived<K>)
           if (s.variant == Variant::plain) return sweep.template inboard_derived<K>(s);
         sweep.template inboard<K, Keep && K::rigid>(s);  // only rigid kernels store anything in the inward pass
       }
@@ -342,7 +288,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
         else
           sweep.template outboard_steps<K, false, Keep>(s, base);
       } else {
-        if constexpr (!Keep && has_derived_steps<K>)
+        if constexpr (!Keep && is_derived<K>)
           if (s.variant == Variant::plain) return sweep.template outboard_derived<K>(s, base);
         sweep.template outboard<K, Keep>(s, base);
       }

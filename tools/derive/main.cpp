@@ -52,7 +52,8 @@ std::string step(const Traits& traits, LinkRotation rotation, Place place) {
   std::string s = "/// " + std::to_string(written.operations) + " operations.\ntemplate <>\nstruct DerivedSteps<" + traits.kernels +
                   ", LinkRotation::" + rotations[static_cast<int>(rotation)] + ", Place::" + places[static_cast<int>(place)] +
                   "> {\n";
-  s += "  template <class T>\n  using Record = DerivedRecord<T, " + written.record + ">;\n";
+  s += std::string("  static constexpr Place place = Place::") + places[static_cast<int>(place)] +
+       ";\n  template <class T>\n  using Record = DerivedRecord<T, " + written.record + ">;\n";
   s += "  template <bool Add, class T>\n  MOMENTREE_INLINE static void inboard([[maybe_unused]] const LinkConstants& k,\n"
        "                                       [[maybe_unused]] double mass, bool gravity,\n"
        "                                       [[maybe_unused]] const JointState<T>& j, const T* p,\n"

@@ -12,6 +12,7 @@ inline constexpr unsigned derived_rotations<BallKernels> = 9;
 /// 541 operations.
 template <>
 struct DerivedSteps<BallKernels, LinkRotation::any, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 33>;
   template <bool Add, class T>
@@ -666,6 +667,7 @@ struct DerivedSteps<BallKernels, LinkRotation::any, Place::inner> {
 /// 497 operations.
 template <>
 struct DerivedSteps<BallKernels, LinkRotation::any, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 32>;
   template <bool Add, class T>
@@ -1265,6 +1267,7 @@ struct DerivedSteps<BallKernels, LinkRotation::any, Place::leaf> {
 /// 496 operations.
 template <>
 struct DerivedSteps<BallKernels, LinkRotation::none, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 33>;
   template <bool Add, class T>
@@ -1874,6 +1877,7 @@ struct DerivedSteps<BallKernels, LinkRotation::none, Place::inner> {
 /// 452 operations.
 template <>
 struct DerivedSteps<BallKernels, LinkRotation::none, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 32>;
   template <bool Add, class T>
@@ -2428,6 +2432,7 @@ struct DerivedSteps<BallKernels, LinkRotation::none, Place::leaf> {
 /// 178 operations.
 template <>
 struct DerivedSteps<BallKernels, LinkRotation::any, Place::root> {
+  static constexpr Place place = Place::root;
   template <class T>
   using Record = DerivedRecord<T, 15>;
   template <bool Add, class T>
@@ -2669,6 +2674,7 @@ struct DerivedSteps<BallKernels, LinkRotation::any, Place::root> {
 /// 166 operations.
 template <>
 struct DerivedSteps<BallKernels, LinkRotation::any, Place::single> {
+  static constexpr Place place = Place::single;
   template <class T>
   using Record = DerivedRecord<T, 15>;
   template <bool Add, class T>

@@ -12,6 +12,7 @@ inline constexpr unsigned derived_rotations<CylindricalKernels> = 7;
 /// 498 operations.
 template <>
 struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 28>;
   template <bool Add, class T>
@@ -613,6 +614,7 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::inner> {
 /// 387 operations.
 template <>
 struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 25>;
   template <bool Add, class T>
@@ -1091,6 +1093,7 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::leaf> {
 /// 402 operations.
 template <>
 struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 27>;
   template <bool Add, class T>
@@ -1595,6 +1598,7 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::inner> {
 /// 291 operations.
 template <>
 struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 24>;
   template <bool Add, class T>
@@ -1976,6 +1980,7 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::leaf> {
 /// 307 operations.
 template <>
 struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 26>;
   template <bool Add, class T>
@@ -2384,6 +2389,7 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::inner> {
 /// 196 operations.
 template <>
 struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 23>;
   template <bool Add, class T>
@@ -2669,6 +2675,7 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::leaf> {
 /// 40 operations.
 template <>
 struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::root> {
+  static constexpr Place place = Place::root;
   template <class T>
   using Record = DerivedRecord<T, 3>;
   template <bool Add, class T>
@@ -2755,6 +2762,7 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::root> {
 /// 26 operations.
 template <>
 struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::single> {
+  static constexpr Place place = Place::single;
   template <class T>
   using Record = DerivedRecord<T, 2>;
   template <bool Add, class T>

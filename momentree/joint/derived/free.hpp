@@ -12,6 +12,7 @@ inline constexpr unsigned derived_rotations<FreeKernels> = 9;
 /// 489 operations.
 template <>
 struct DerivedSteps<FreeKernels, LinkRotation::any, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 42>;
   template <bool Add, class T>
@@ -631,6 +632,7 @@ struct DerivedSteps<FreeKernels, LinkRotation::any, Place::inner> {
 /// 383 operations.
 template <>
 struct DerivedSteps<FreeKernels, LinkRotation::any, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 33>;
   template <bool Add, class T>
@@ -1125,6 +1127,7 @@ struct DerivedSteps<FreeKernels, LinkRotation::any, Place::leaf> {
 /// 429 operations.
 template <>
 struct DerivedSteps<FreeKernels, LinkRotation::none, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 33>;
   template <bool Add, class T>
@@ -1675,6 +1678,7 @@ struct DerivedSteps<FreeKernels, LinkRotation::none, Place::inner> {
 /// 323 operations.
 template <>
 struct DerivedSteps<FreeKernels, LinkRotation::none, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 24>;
   template <bool Add, class T>
@@ -2100,6 +2104,7 @@ struct DerivedSteps<FreeKernels, LinkRotation::none, Place::leaf> {
 /// 360 operations.
 template <>
 struct DerivedSteps<FreeKernels, LinkRotation::any, Place::root> {
+  static constexpr Place place = Place::root;
   template <class T>
   using Record = DerivedRecord<T, 39>;
   template <bool Add, class T>
@@ -2556,6 +2561,7 @@ struct DerivedSteps<FreeKernels, LinkRotation::any, Place::root> {
 /// 254 operations.
 template <>
 struct DerivedSteps<FreeKernels, LinkRotation::any, Place::single> {
+  static constexpr Place place = Place::single;
   template <class T>
   using Record = DerivedRecord<T, 30>;
   template <bool Add, class T>

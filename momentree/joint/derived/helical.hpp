@@ -12,6 +12,7 @@ inline constexpr unsigned derived_rotations<HelicalKernels> = 7;
 /// 547 operations.
 template <>
 struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 27>;
   template <bool Add, class T>
@@ -658,6 +659,7 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::inner> {
 /// 450 operations.
 template <>
 struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 27>;
   template <bool Add, class T>
@@ -1198,6 +1200,7 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::leaf> {
 /// 449 operations.
 template <>
 struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 26>;
   template <bool Add, class T>
@@ -1745,6 +1748,7 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::inner> {
 /// 352 operations.
 template <>
 struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 26>;
   template <bool Add, class T>
@@ -2186,6 +2190,7 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::leaf> {
 /// 353 operations.
 template <>
 struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 25>;
   template <bool Add, class T>
@@ -2636,6 +2641,7 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::inner> {
 /// 256 operations.
 template <>
 struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 25>;
   template <bool Add, class T>
@@ -2980,6 +2986,7 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::leaf> {
 /// 41 operations.
 template <>
 struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::root> {
+  static constexpr Place place = Place::root;
   template <class T>
   using Record = DerivedRecord<T, 1>;
   template <bool Add, class T>
@@ -3062,6 +3069,7 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::root> {
 /// 29 operations.
 template <>
 struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::single> {
+  static constexpr Place place = Place::single;
   template <class T>
   using Record = DerivedRecord<T, 1>;
   template <bool Add, class T>

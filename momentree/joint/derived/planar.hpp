@@ -12,6 +12,7 @@ inline constexpr unsigned derived_rotations<PlanarKernels> = 5;
 /// 571 operations.
 template <>
 struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 27>;
   template <bool Add, class T>
@@ -690,6 +691,7 @@ struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::inner> {
 /// 390 operations.
 template <>
 struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 18>;
   template <bool Add, class T>
@@ -1167,6 +1169,7 @@ struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::leaf> {
 /// 399 operations.
 template <>
 struct DerivedSteps<PlanarKernels, LinkRotation::about_z, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 26>;
   template <bool Add, class T>
@@ -1672,6 +1675,7 @@ struct DerivedSteps<PlanarKernels, LinkRotation::about_z, Place::inner> {
 /// 219 operations.
 template <>
 struct DerivedSteps<PlanarKernels, LinkRotation::about_z, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 17>;
   template <bool Add, class T>
@@ -1977,6 +1981,7 @@ struct DerivedSteps<PlanarKernels, LinkRotation::about_z, Place::leaf> {
 /// 108 operations.
 template <>
 struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::root> {
+  static constexpr Place place = Place::root;
   template <class T>
   using Record = DerivedRecord<T, 6>;
   template <bool Add, class T>
@@ -2139,6 +2144,7 @@ struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::root> {
 /// 44 operations.
 template <>
 struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::single> {
+  static constexpr Place place = Place::single;
   template <class T>
   using Record = DerivedRecord<T, 5>;
   template <bool Add, class T>

@@ -12,6 +12,7 @@ inline constexpr unsigned derived_rotations<PrismaticKernels> = 7;
 /// 467 operations.
 template <>
 struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 20>;
   template <bool Add, class T>
@@ -571,6 +572,7 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::inner> {
 /// 295 operations.
 template <>
 struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 8>;
   template <bool Add, class T>
@@ -937,6 +939,7 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::leaf> {
 /// 369 operations.
 template <>
 struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 19>;
   template <bool Add, class T>
@@ -1397,6 +1400,7 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::inner> {
 /// 193 operations.
 template <>
 struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 7>;
   template <bool Add, class T>
@@ -1660,6 +1664,7 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::leaf> {
 /// 259 operations.
 template <>
 struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 18>;
   template <bool Add, class T>
@@ -2009,6 +2014,7 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::inner> {
 /// 105 operations.
 template <>
 struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 6>;
   template <bool Add, class T>
@@ -2183,6 +2189,7 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::leaf> {
 /// 26 operations.
 template <>
 struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::root> {
+  static constexpr Place place = Place::root;
   template <class T>
   using Record = DerivedRecord<T, 1>;
   template <bool Add, class T>
@@ -2249,6 +2256,7 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::root> {
 /// 9 operations.
 template <>
 struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::single> {
+  static constexpr Place place = Place::single;
   template <class T>
   using Record = DerivedRecord<T, 1>;
   template <bool Add, class T>

@@ -12,6 +12,7 @@ inline constexpr unsigned derived_rotations<UniversalKernels> = 9;
 /// 642 operations.
 template <>
 struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 37>;
   template <bool Add, class T>
@@ -768,6 +769,7 @@ struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::inner> {
 /// 529 operations.
 template <>
 struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 36>;
   template <bool Add, class T>
@@ -1399,6 +1401,7 @@ struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::leaf> {
 /// 594 operations.
 template <>
 struct DerivedSteps<UniversalKernels, LinkRotation::none, Place::inner> {
+  static constexpr Place place = Place::inner;
   template <class T>
   using Record = DerivedRecord<T, 33>;
   template <bool Add, class T>
@@ -2103,6 +2106,7 @@ struct DerivedSteps<UniversalKernels, LinkRotation::none, Place::inner> {
 /// 481 operations.
 template <>
 struct DerivedSteps<UniversalKernels, LinkRotation::none, Place::leaf> {
+  static constexpr Place place = Place::leaf;
   template <class T>
   using Record = DerivedRecord<T, 32>;
   template <bool Add, class T>
@@ -2682,6 +2686,7 @@ struct DerivedSteps<UniversalKernels, LinkRotation::none, Place::leaf> {
 /// 162 operations.
 template <>
 struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::root> {
+  static constexpr Place place = Place::root;
   template <class T>
   using Record = DerivedRecord<T, 15>;
   template <bool Add, class T>
@@ -2904,6 +2909,7 @@ struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::root> {
 /// 136 operations.
 template <>
 struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::single> {
+  static constexpr Place place = Place::single;
   template <class T>
   using Record = DerivedRecord<T, 15>;
   template <bool Add, class T>
