@@ -50,18 +50,18 @@ struct Sweep {
       auto& record = records[i - run.begin];
       if ((flags & node::leaf) != 0) a = {};  // Mb = M, Db = 0
       buffers.gather_children(b, flags, a);
-      add_rigid_mass(a.M, link.body);  // (22), (23): `a` already contains the children
+      SpatialMass<T>& M = articulated_mass(link.body, a.M);  // (22)
+      Force<T>& D = remainder_momentum(a.D);                 // (23)
       a.mc.x += link.body.mc.x, a.mc.y += link.body.mc.y, a.mc.z += link.body.mc.z;
       if constexpr (K::rigid) {
-        if constexpr (Keep) record.M = a.M, record.D = a.D;
+        if constexpr (Keep) record.M = M, record.D = D;
       } else {
         record.mc = has_gravity ? a.mc : Vector3<T>{T(0), T(0), T(0)};
-        K::template reduce<T>(link, joint, p + tree.first_p(b), tree.armature() + tree.first_p(b), a.M, a.D,
-                              record);  // (24)–(26)
+        K::template reduce<T>(link, joint, p + tree.first_p(b), tree.armature() + tree.first_p(b), M, D, record);  // (24)–(26)
         const auto over = [&](const auto& transform) MOMENTREE_INLINE_LAMBDA {
           if ((flags & node::root) != 0) return;  // the ground needs no output
-          transform.inboard(a.M);                 // (16)
-          transform.inboard(a.D);
+          transform.inboard(M);                   // (16)
+          transform.inboard(D);
           transform.inboard(a.mc, tree.subtree_mass(b));
         };
         if (K::rotates_about_z && (flags & node::aligned) != 0)
@@ -107,9 +107,9 @@ struct Sweep {
         const Force<T> Pb = K::articulated_momentum(record, p + at, a.velocity);   // (21)
         a.velocity = K::template spatial_velocity<T>(link, joint, a.velocity, u);  // (17)
         if constexpr (Keep) workspace.motions[static_cast<std::size_t>(b)] = {a.velocity, Pb};
-        const Force<T> weight{tree.subtree_mass(b) * a.gravity, cross(record.mc, a.gravity)};  // (15)
-        const Force<T> wrench = weight - cross(a.velocity, Pb);                                // (9), (20)
-        K::template momentum_rate<T>(link, joint, u, Pb, wrench, workspace.pdot.get() + at);   // (20)
+        const Force<T> weight = accumulated_force(tree.subtree_mass(b), record.mc, a.gravity);  // (15)
+        const Force<T> wrench = weight - cross(a.velocity, Pb);                                 // (9), (20)
+        K::template momentum_rate<T>(link, joint, u, Pb, wrench, workspace.pdot.get() + at);    // (20)
         K::template coordinate_rate<T>(joint.q, u, workspace.qdot.get() + tree.first_q(b));
       }
       buffers.store_for_children(b, flags, a);

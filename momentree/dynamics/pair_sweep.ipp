@@ -117,7 +117,7 @@ struct PairSweep {
       const PairedLinks& k = links[i];
       if ((flags & node::leaf) != 0) a = {};
       within.gather_children(b, flags, a);
-      add_rigid_mass(a.M, k.body);
+      articulated_mass(k.body, a.M);  // (22)
       a.mc += k.body.mc;
       if constexpr (Keep) {
         auto &one = workspace.record<WeldKernels>(tree, b), &other = workspace.record<WeldKernels>(tree, c);

@@ -89,7 +89,7 @@ Results generic(const LinkConstants& k, double mass, bool leaf, bool root, const
   Results r = start;
   if (leaf) r.in = {};
   if (root) r.out.velocity = {};
-  add_rigid_mass(r.in.M, k.body);
+  articulated_mass(k.body, r.in.M);
   r.in.mc += k.body.mc;
   const Vec3 mc = r.in.mc;
   typename K::template Record<double> w{};
@@ -102,7 +102,7 @@ Results generic(const LinkConstants& k, double mass, bool leaf, bool root, const
   K::joint_velocity(w, velocity, r.u.data());
   const Force<double> Pb = K::articulated_momentum(w, joint.p.data(), velocity);
   velocity = K::template spatial_velocity<double>(k, joint.state(), velocity, r.u.data());
-  const Force<double> wrench = Force<double>{mass * r.out.gravity, cross(mc, r.out.gravity)} - cross(velocity, Pb);
+  const Force<double> wrench = accumulated_force(mass, mc, r.out.gravity) - cross(velocity, Pb);
   K::template momentum_rate<double>(k, joint.state(), r.u.data(), Pb, wrench, r.pdot.data());
   K::template coordinate_rate<double>(joint.q.data(), r.u.data(), r.qdot.data());
   return r;

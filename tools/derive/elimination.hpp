@@ -81,6 +81,29 @@ inline void impose(SpatialMass<T>& M, const Six& E, std::size_t pivot) {
   }
 }
 
+// The equations of kernels.hpp for one column E' and the articulated mass in which those before it are reduced; e = Mb E'.
+
+/// (24): Mj = E'ᵀ Mb E'.
+inline T joint_space_mass(const Six& E, const Six& e) {
+  T Mj(0);
+  for (std::size_t j = 0; j < 6; ++j) Mj = Mj + E[j] * e[j];
+  return Mj;
+}
+/// (25): M̂ = Mb − g eᵀ, with M̂ E' = 0.
+inline void reduced_mass(const Six& E, std::size_t pivot, const Six& g, const Six& e, SpatialMass<T>& M) {
+  for (std::size_t j = 0; j < 6; ++j)
+    for (std::size_t l = j; l < 6; ++l)
+      if (j != pivot && l != pivot) element(M, j, l) = element(M, j, l) - g[j] * e[l];
+  impose(M, E, pivot);
+}
+/// (26): D̂ = Db + g r, with E'ᵀ D̂ = p'.
+inline void reduced_remainder(const Six& E, std::size_t pivot, const Six& g, const T& r, const T& p, Six& D) {
+  T last = p;
+  for (std::size_t j = 0; j < 6; ++j)
+    if (j != pivot) D[j] = D[j] + g[j] * r, last = last - E[j] * D[j];
+  D[pivot] = last;
+}
+
 /// (24)–(26) for one column after the other; `p` are the momenta p' of the columns.
 inline std::vector<Eliminated> reduce(const Basis& basis, const std::vector<T>& p, SpatialMass<T>& M, Force<T>& remainder) {
   std::vector<Eliminated> all;
@@ -89,23 +112,18 @@ inline std::vector<Eliminated> reduce(const Basis& basis, const std::vector<T>& 
     const Six& E = basis.columns[i];
     const std::size_t pivot = basis.pivots[i];
     Six e;
-    T Mj(0), known(0);
+    T known(0);
     for (std::size_t j = 0; j < 6; ++j) {
       e[j] = T(0);
       for (std::size_t l = 0; l < 6; ++l) e[j] = e[j] + E[l] * element(M, j, l);
     }
-    for (std::size_t j = 0; j < 6; ++j) Mj = Mj + E[j] * e[j], known = known + E[j] * D[j];
+    const T Mj = joint_space_mass(E, e);
+    for (std::size_t j = 0; j < 6; ++j) known = known + E[j] * D[j];
     const T inverse = T(1) / Mj, r = p[i] - known;
     Eliminated one{{}, inverse * r};
     for (std::size_t j = 0; j < 6; ++j) one.g[j] = j == pivot ? T(0) : inverse * e[j];
-    for (std::size_t j = 0; j < 6; ++j)
-      for (std::size_t l = j; l < 6; ++l)
-        if (j != pivot && l != pivot) element(M, j, l) = element(M, j, l) - one.g[j] * e[l];
-    impose(M, E, pivot);
-    T last = p[i];
-    for (std::size_t j = 0; j < 6; ++j)
-      if (j != pivot) D[j] = D[j] + one.g[j] * r, last = last - E[j] * D[j];
-    D[pivot] = last;
+    reduced_mass(E, pivot, one.g, e, M);
+    reduced_remainder(E, pivot, one.g, r, p[i], D);
     all.push_back(one);
   }
   remainder = force(D);

@@ -98,7 +98,7 @@ struct Text {
       D = {in.numbers_of("a.D.l"), in.numbers_of("a.D.h")};
       mc = in.numbers_of("a.mc");
     }
-    add_rigid_mass(M, k.body);
+    articulated_mass(k.body, M), remainder_momentum(D);
     mc += k.body.mc;
     if (kind.angle >= 0) {
       begin(f, in, "before the last rotation, where E is constant");
@@ -180,61 +180,22 @@ struct Text {
     }
     begin(f, in, "(27)");
     const Six before = six(velocity);
-    Six now = before;
     std::vector<T> u_basis(NV);
-    for (std::size_t i = NV; i-- > 0;) {
-      const Six& e = basis.columns[i];
-      const std::size_t pivot = basis.pivots[i];
-      const T turning = now[pivot];
-      T total = eliminated[i].u0;
-      for (std::size_t j = 0; j < 6; ++j)
-        if (j != pivot) total = total - eliminated[i].g[j] * (now[j] - e[j] * turning);
-      u_basis[i] = total - turning;
-      for (std::size_t j = 0; j < 6; ++j)
-        if (j != pivot) now[j] = now[j] + e[j] * u_basis[i];
-      now[pivot] = total;
-    }
+    const Six now = joint_velocity(before, u_basis);
     std::array<T, NV> u;
     for (std::size_t i = 0; i < NV; ++i) {
       u[i] = T(0);
       for (std::size_t j = 0; j < NV; ++j) u[i] = u[i] + basis.Q[j][i] * u_basis[j];
     }
     begin(f, in, "(21)");
-    Six rest = before;  // less the part along the columns, on which the reduced mass does not act
-    for (std::size_t i = 0; i < NV; ++i) {
-      const T along = before[basis.pivots[i]];
-      for (std::size_t j = 0; j < 6; ++j) rest[j] = j == basis.pivots[i] ? T(0) : rest[j] - basis.columns[i][j] * along;
-    }
-    Six Pb = six(D_hat);
-    const auto is_pivot = [&](std::size_t j) { return std::count(basis.pivots.begin(), basis.pivots.end(), j) > 0; };
-    for (std::size_t j = 0; j < 6; ++j)
-      for (std::size_t l = 0; l < 6 && !is_pivot(j); ++l) Pb[j] = Pb[j] + element(M_hat, j, l) * rest[l];
-    for (std::size_t i = 0; i < NV; ++i) {
-      const std::size_t pivot = basis.pivots[i];
-      Pb[pivot] = p_basis[i];
-      for (std::size_t j = 0; j < 6; ++j)
-        if (j != pivot) Pb[pivot] = Pb[pivot] - basis.columns[i][j] * Pb[j];
-    }
+    const Six Pb = articulated_momentum(before);
     begin(f, in, "(15), (20)");
-    Six frame = now;  // the velocity of F
-    if (K::rotates_about_z && order.frame != Order::child) frame = before;  // and what is along z has no effect on a screw
-    if (kind.dof >= 0) {
-      const Six& last = E[at(kind.dof)];
-      for (std::size_t j = 0; j < 6; ++j) {
-        if (is_zero(last[j])) continue;
-        frame[j] = before[j];
-        for (std::size_t i = 0; i < NV; ++i)
-          if (static_cast<int>(i) != kind.dof) frame[j] = frame[j] + E[i][j] * u[i];
-      }
-    }
-    const Vector3<T> mc = in.numbers_of("w.mc");
-    const Six wrench = six(Force<T>{mass * gravity, cross(mc, gravity)} - cross(motion(frame), force(Pb)));
+    const Force<T> weight = accumulated_force(mass, in.numbers_of("w.mc"), gravity);
+    const std::array<T, NV> rate = momentum_rate(weight, velocity_of_F(before, now, u), Pb);
     for (std::size_t i = 0; i < NV; ++i) {
-      T rate(0);
-      for (std::size_t j = 0; j < 6; ++j) rate = rate + E[i][j] * wrench[j];
       const std::string place = '[' + std::to_string(i) + ']';
       f.stores.push_back({"u" + place, u[i].node(), {}});
-      f.stores.push_back({"pdot" + place, rate.node(), {}});
+      f.stores.push_back({"pdot" + place, rate[i].node(), {}});
     }
     begin(f, in, "rates of the coordinates");
     std::array<T, NQ> qdot;
@@ -252,6 +213,68 @@ struct Text {
       if (order.frame != Order::child) rotate_out(velocity, gravity, screw.c, screw.s);
     }
     store(f.last, "out.velocity.v", velocity.v), store(f.last, "out.velocity.w", velocity.w), store(f.last, "out.gravity", gravity);
+  }
+
+  /// (27) for one column after the other, the last reduced first, and (17): the body's velocity, from that before the joint's own.
+  /// In a pivot's row it is the velocity that the column's pivot contributes in total.
+  Six joint_velocity(const Six& before, std::vector<T>& u_basis) const {
+    Six now = before;
+    for (std::size_t i = NV; i-- > 0;) {
+      const Six& e = basis.columns[i];
+      const std::size_t pivot = basis.pivots[i];
+      const T turning = now[pivot];
+      T total = eliminated[i].u0;
+      for (std::size_t j = 0; j < 6; ++j)
+        if (j != pivot) total = total - eliminated[i].g[j] * (now[j] - e[j] * turning);
+      u_basis[i] = total - turning;
+      for (std::size_t j = 0; j < 6; ++j)
+        if (j != pivot) now[j] = now[j] + e[j] * u_basis[i];
+      now[pivot] = total;
+    }
+    return now;
+  }
+  /// (21): Pb = M̂ X Ω_parent + D̂. M̂ does not act on velocities along the columns, and Eᵀ Pb = p gives the rows of the pivots.
+  Six articulated_momentum(const Six& before) {
+    Six rest = before;
+    for (std::size_t i = 0; i < NV; ++i) {
+      const T along = before[basis.pivots[i]];
+      for (std::size_t j = 0; j < 6; ++j) rest[j] = j == basis.pivots[i] ? T(0) : rest[j] - basis.columns[i][j] * along;
+    }
+    Six Pb = six(D_hat);
+    const auto is_pivot = [&](std::size_t j) { return std::count(basis.pivots.begin(), basis.pivots.end(), j) > 0; };
+    for (std::size_t j = 0; j < 6; ++j)
+      for (std::size_t l = 0; l < 6 && !is_pivot(j); ++l) Pb[j] = Pb[j] + element(M_hat, j, l) * rest[l];
+    for (std::size_t i = 0; i < NV; ++i) {
+      const std::size_t pivot = basis.pivots[i];
+      Pb[pivot] = p_basis[i];
+      for (std::size_t j = 0; j < 6; ++j)
+        if (j != pivot) Pb[pivot] = Pb[pivot] - basis.columns[i][j] * Pb[j];
+    }
+    return Pb;
+  }
+  /// Without the motion between F and the body.
+  Six velocity_of_F(const Six& before, const Six& now, const std::array<T, NV>& u) const {
+    if (K::rotates_about_z && order.frame != Order::child) return before;  // what is along z has no effect on a screw
+    Six frame = now;
+    if (kind.dof < 0) return frame;
+    const Six& last = E[at(kind.dof)];
+    for (std::size_t j = 0; j < 6; ++j) {
+      if (is_zero(last[j])) continue;
+      frame[j] = before[j];
+      for (std::size_t i = 0; i < NV; ++i)
+        if (static_cast<int>(i) != kind.dof) frame[j] = frame[j] + E[i][j] * u[i];
+    }
+    return frame;
+  }
+  /// (20): ṗ = Eᵀ (Tb − Ω × Pb), E being constant in F.
+  std::array<T, NV> momentum_rate(const Force<T>& weight, const Six& frame, const Six& Pb) const {
+    const Six wrench = six(weight - cross(motion(frame), force(Pb)));
+    std::array<T, NV> rate;
+    for (std::size_t i = 0; i < NV; ++i) {
+      rate[i] = T(0);
+      for (std::size_t j = 0; j < 6; ++j) rate[i] = rate[i] + E[i][j] * wrench[j];
+    }
+    return rate;
   }
 
   static void rotate_out(Motion<T>& velocity, Vector3<T>& gravity, const T& cos, const T& sin) {
