@@ -104,8 +104,10 @@ inline void reduced_remainder(const Six& E, std::size_t pivot, const Six& g, con
   D[pivot] = last;
 }
 
-/// (24)–(26) for one column after the other; `p` are the momenta p' of the columns.
-inline std::vector<Eliminated> reduce(const Basis& basis, const std::vector<T>& p, SpatialMass<T>& M, Force<T>& remainder) {
+/// (24)–(26) for one column after the other; `p` are the momenta p' of the columns. The divisions, which take longest, and the columns
+/// of G come `first`.
+inline std::vector<Eliminated> reduce(const Basis& basis, const std::vector<T>& p, SpatialMass<T>& M, Force<T>& remainder,
+                                      std::vector<int>& first) {
   std::vector<Eliminated> all;
   Six D = six(remainder);
   for (std::size_t i = 0; i < basis.columns.size(); ++i) {
@@ -122,6 +124,8 @@ inline std::vector<Eliminated> reduce(const Basis& basis, const std::vector<T>& 
     const T inverse = T(1) / Mj, r = p[i] - known;
     Eliminated one{{}, inverse * r};
     for (std::size_t j = 0; j < 6; ++j) one.g[j] = j == pivot ? T(0) : inverse * e[j];
+    first.push_back(inverse.node());
+    for (const T& x : one.g) first.push_back(x.node());
     reduced_mass(E, pivot, one.g, e, M);
     reduced_remainder(E, pivot, one.g, r, p[i], D);
     all.push_back(one);

@@ -21,8 +21,9 @@ struct Comment {
   std::string text;
 };
 
-/// One function: what it stores at once, and what it stores at the end, because the same memory holds inputs.
+/// One function: what it stores, and `last` what it stores where inputs may be; what it computes first, because much waits for it.
 struct Function {
+  std::vector<int> first;
   std::vector<Store> stores, last;
   std::vector<Comment> comments;
 };

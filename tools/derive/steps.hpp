@@ -111,7 +111,7 @@ struct Text {
       if (order.frame == Order::before_displacement) displace(M, D, mc);
     }
     begin(f, in, "(24), (25), (26), column by column");
-    eliminated = reduce(basis, p_basis, M, D);
+    eliminated = reduce(basis, p_basis, M, D, f.first);
     M_hat = M, D_hat = D;
     const char* const axes[] = {"x", "y", "z"};
     const T moments[] = {mc.x, mc.y, mc.z};

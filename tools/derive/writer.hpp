@@ -50,49 +50,72 @@ class Writer {
       if (unary(n.operation) || binary(n.operation)) needed[at(n.a)] = true;
       if (binary(n.operation)) needed[at(n.b)] = true;
     }
-    std::vector<std::size_t> due;  // by store: the statement after which it comes
-    std::map<std::string, std::size_t> last_read;
-    const auto reads = [&](int node, std::size_t statement) {
-      const int x = magnitude(node);
-      if (nodes_[at(x)].operation == Operation::q) last_read[in_.numbers[at(nodes_[at(x)].a)]] = statement;
+    std::vector<std::size_t> order;  // of the statements: what comes first with all that it needs, then as recorded
+    std::vector<std::size_t> place(nodes_.size(), 0);  // in this order, from one
+    const auto visit = [&](auto&& self, std::size_t i) -> void {
+      if (!needed[i] || place[i] != 0 || stops(i)) return;
+      const auto& n = nodes_[i];
+      if (unary(n.operation) || binary(n.operation)) self(self, at(n.a));
+      if (binary(n.operation)) self(self, at(n.b));
+      if (binary(n.operation)) order.push_back(i), place[i] = order.size();
     };
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
-      if (is_statement(i, needed)) reads(nodes_[i].a, i), reads(nodes_[i].b, i);
-    for (const Store& one : stores) {
-      std::size_t after = at(magnitude(one.node));
-      if (one.to.starts_with("to.") || one.to.starts_with("out.")) {
-        const std::string input = one.to.starts_with("to.") ? "a." + one.to.substr(3) : one.to;
-        if (last_read.contains(input)) after = std::max(after, last_read[input]);
-        for (const Store& other : stores)  // an input that another store copies
-          if (&other != &one && nodes_[at(magnitude(other.node))].operation == Operation::q &&
-              in_.numbers[at(nodes_[at(magnitude(other.node))].a)] == input)
-            after = nodes_.size() - 1;
-      }
-      due.push_back(after);
-    }
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      if (is_statement(i, needed)) {
-        comment(static_cast<int>(i));
-        const char* const type = constant_[i] ? "double" : "T";
-        text_ += std::string("    const ") + type + " x" + std::to_string(i) + " = " + operand(nodes_[i].a) +
-                 symbol(nodes_[i].operation) + operand(nodes_[i].b) + ";\n";
-        ++operations_;
-      }
+    for (const int node : f.first) visit(visit, at(magnitude(node)));
+    const std::size_t first = order.size();
+    for (std::size_t i = 0; i < nodes_.size(); ++i) visit(visit, i);
+    const std::vector<std::size_t> due = when_due(stores, order, place);
+    if (first > 0) text_ += "    // (24) first: 1 / Mj and G\n";
+    for (std::size_t n = 0; n < order.size(); ++n) {
+      if (n >= first) comment(static_cast<int>(order[n]));
+      statement(order[n]);
       for (std::size_t k = 0; k < stores.size(); ++k)
-        if (due[k] == i) write(stores[k]);
+        if (due[k] == n + 1 && n + 1 < order.size()) write(stores[k]);
     }
+    last_stores(stores, due, order.size());
     return text_;
   }
-  bool is_statement(std::size_t i, const std::vector<bool>& needed) const {
-    return needed[i] && binary(nodes_[i].operation) && !stops(i);
+  /// The stores at the end, copies of inputs by way of other variables, because the inputs may be overwritten there.
+  void last_stores(std::vector<Store> stores, const std::vector<std::size_t>& due, std::size_t end) {
+    std::vector<std::string> values;
+    for (std::size_t k = 0; k < stores.size(); ++k) {
+      values.emplace_back();
+      if (due[k] != end || nodes_[at(magnitude(stores[k].node))].operation != Operation::q || stores[k].to.starts_with("w.")) continue;
+      values.back() = "y" + std::to_string(k);
+      text_ += "    const T " + values.back() + " = " + operand(stores[k].node) + ";\n";
+    }
+    for (std::size_t k = 0; k < stores.size(); ++k)
+      if (due[k] == end) write(stores[k], values[k]);
+  }
+  /// By store, the number of statements that come before it: its value, and the readers of an input in the same memory.
+  std::vector<std::size_t> when_due(const std::vector<Store>& stores, const std::vector<std::size_t>& order,
+                                    const std::vector<std::size_t>& place) const {
+    std::map<std::string, std::size_t> last_read;
+    const auto reads = [&](int node, std::size_t n) {
+      const auto& one = nodes_[at(magnitude(node))];
+      if (one.operation == Operation::q) last_read[in_.numbers[at(one.a)]] = n;
+    };
+    for (std::size_t n = 0; n < order.size(); ++n) reads(nodes_[order[n]].a, n + 1), reads(nodes_[order[n]].b, n + 1);
+    for (const Store& one : stores) reads(one.node, order.size());  // a copy of an input
+    std::vector<std::size_t> due;
+    for (const Store& one : stores) {
+      const std::string input = one.to.starts_with("to.") ? "a." + one.to.substr(3) : one.to;
+      const auto read = last_read.find(input);
+      const std::size_t after = std::max(place[at(magnitude(one.node))], read == last_read.end() ? 0 : read->second);
+      due.push_back(after == 0 ? order.size() : after);  // constants at the end
+    }
+    return due;
+  }
+  void statement(std::size_t i) {
+    text_ += std::string("    const ") + (constant_[i] ? "double" : "T") + " x" + std::to_string(i) + " = " + operand(nodes_[i].a) +
+             symbol(nodes_[i].operation) + operand(nodes_[i].b) + ";\n";
+    ++operations_;
   }
   /// A node without its changes of sign.
   int magnitude(int node) const {
     while (nodes_[at(node)].operation == Operation::negative) node = nodes_[at(node)].a;
     return node;
   }
-  void write(const Store& one) {
-    std::string value = operand(one.node);
+  void write(const Store& one, std::string value = {}) {
+    if (value.empty()) value = operand(one.node);
     if (constant_[at(one.node)]) value = "T(" + value + ')';
     if (!one.guard.empty()) value = one.guard + " ? " + value + " : T(0)";
     text_ += one.to.starts_with("to.") ? "    contribute<Add, T>(" + one.to + ", " + value + ");\n" : "    " + one.to + " = " + value + ";\n";

@@ -21,22 +21,53 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::inner> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
+    // (24) first: 1 / Mj and G
+    const T x85 = k.body.J.zz + a.M.J.zz;
+    const T x92 = 1.0 / x85;
+    const T x77 = k.body.mc.y - a.M.B.xz;
+    const T x95 = x77 * x92;
+    w.x[1] = x95;
+    const T x80 = k.body.mc.x + a.M.B.yz;
+    const T x97 = x80 * x92;
+    w.x[2] = x97;
+    const T x98 = a.M.B.zz * x92;
+    w.x[3] = x98;
+    const T x87 = k.body.J.xz + a.M.J.xz;
+    const T x99 = x87 * x92;
+    w.x[4] = x99;
+    const T x88 = k.body.J.yz + a.M.J.yz;
+    const T x100 = x88 * x92;
+    w.x[5] = x100;
+    const T x73 = k.body.m + a.M.A.zz;
+    const T x124 = a.M.B.zz * x98;
+    const T x125 = x73 - x124;
+    const T x148 = 1.0 / x125;
+    const T x106 = a.M.B.zz * x95;
+    const T x108 = a.M.A.xz + x106;
+    const T x151 = x108 * x148;
+    w.x[7] = x151;
+    const T x117 = a.M.B.zz * x97;
+    const T x118 = a.M.A.yz - x117;
+    const T x152 = x118 * x148;
+    w.x[8] = x152;
+    const T x79 = k.body.mc.y + a.M.B.zx;
+    const T x126 = x87 * x98;
+    const T x127 = x79 - x126;
+    const T x153 = x127 * x148;
+    w.x[9] = x153;
+    const T x81 = k.body.mc.x - a.M.B.zy;
+    const T x128 = x88 * x98;
+    const T x129 = x81 + x128;
+    const T x154 = x129 * x148;
+    w.x[10] = x154;
     // (22), (23): the body and its children
     const T x71 = k.body.m + a.M.A.xx;
     const T x72 = k.body.m + a.M.A.yy;
-    const T x73 = k.body.m + a.M.A.zz;
     const T x74 = k.body.mc.z + a.M.B.xy;
     const T x75 = k.body.mc.z - a.M.B.yx;
-    const T x77 = k.body.mc.y - a.M.B.xz;
-    const T x79 = k.body.mc.y + a.M.B.zx;
-    const T x80 = k.body.mc.x + a.M.B.yz;
-    const T x81 = k.body.mc.x - a.M.B.zy;
     const T x83 = k.body.J.xx + a.M.J.xx;
     const T x84 = k.body.J.yy + a.M.J.yy;
-    const T x85 = k.body.J.zz + a.M.J.zz;
     const T x86 = k.body.J.xy + a.M.J.xy;
-    const T x87 = k.body.J.xz + a.M.J.xz;
-    const T x88 = k.body.J.yz + a.M.J.yz;
     const T x89 = k.body.mc.x + a.mc.x;
     w.mc.x = gravity ? x89 : T(0);
     const T x90 = k.body.mc.y + a.mc.y;
@@ -44,44 +75,23 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::inner> {
     const T x91 = k.body.mc.z + a.mc.z;
     w.mc.z = gravity ? x91 : T(0);
     // (24), (25), (26), column by column
-    const T x92 = 1.0 / x85;
     const T x93 = p[0] - a.D.h.z;
     const T x94 = x92 * x93;
     w.x[0] = x94;
-    const T x95 = x77 * x92;
-    w.x[1] = x95;
-    const T x97 = x80 * x92;
-    w.x[2] = x97;
-    const T x98 = a.M.B.zz * x92;
-    w.x[3] = x98;
-    const T x99 = x87 * x92;
-    w.x[4] = x99;
-    const T x100 = x88 * x92;
-    w.x[5] = x100;
     const T x101 = x77 * x95;
     const T x102 = x71 - x101;
     const T x103 = x80 * x95;
     const T x105 = a.M.A.xy + x103;
-    const T x106 = a.M.B.zz * x95;
-    const T x108 = a.M.A.xz + x106;
     const T x109 = x87 * x95;
     const T x111 = a.M.B.xx + x109;
     const T x112 = x88 * x95;
     const T x114 = x74 + x112;
     const T x115 = x80 * x97;
     const T x116 = x72 - x115;
-    const T x117 = a.M.B.zz * x97;
-    const T x118 = a.M.A.yz - x117;
     const T x119 = x87 * x97;
     const T x120 = x75 + x119;
     const T x122 = x88 * x97;
     const T x123 = a.M.B.yy - x122;
-    const T x124 = a.M.B.zz * x98;
-    const T x125 = x73 - x124;
-    const T x126 = x87 * x98;
-    const T x127 = x79 - x126;
-    const T x128 = x88 * x98;
-    const T x129 = x81 + x128;
     const T x131 = x87 * x99;
     const T x132 = x83 - x131;
     const T x133 = x88 * x99;
@@ -98,18 +108,9 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::inner> {
     const T x145 = a.D.h.x + x144;
     const T x146 = x93 * x100;
     const T x147 = a.D.h.y + x146;
-    const T x148 = 1.0 / x125;
     const T x149 = p[1] - x143;
     const T x150 = x148 * x149;
     w.x[6] = x150;
-    const T x151 = x108 * x148;
-    w.x[7] = x151;
-    const T x152 = x118 * x148;
-    w.x[8] = x152;
-    const T x153 = x127 * x148;
-    w.x[9] = x153;
-    const T x154 = x129 * x148;
-    w.x[10] = x154;
     const T x156 = x108 * x151;
     const T x157 = x102 - x156;
     w.x[11] = x157;
@@ -590,24 +591,24 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::inner> {
     const T x683 = w.x[20] * x618;
     const T x684 = x682 + x683;
     // (15), (20)
-    const T x696 = x618 * x658;
-    const T x697 = x614 * x667;
-    const T x698 = x696 - x697;
-    const T x708 = x618 * x676;
-    const T x709 = x614 * x684;
-    const T x710 = x708 - x709;
-    const T x720 = x610 * x658;
-    const T x721 = x606 * x667;
-    const T x722 = x720 - x721;
-    const T x728 = x710 + x722;
-    const T x732 = mass * x601;
-    const T x741 = x622 * w.mc.y;
-    const T x742 = x626 * w.mc.x;
-    const T x743 = x741 - x742;
-    const T x747 = x698 + x732;
+    const T x690 = mass * x601;
+    const T x699 = x622 * w.mc.y;
+    const T x700 = x626 * w.mc.x;
+    const T x701 = x699 - x700;
+    const T x711 = x618 * x658;
+    const T x712 = x614 * x667;
+    const T x713 = x711 - x712;
+    const T x723 = x618 * x676;
+    const T x724 = x614 * x684;
+    const T x725 = x723 - x724;
+    const T x735 = x610 * x658;
+    const T x736 = x606 * x667;
+    const T x737 = x735 - x736;
+    const T x743 = x725 + x737;
+    const T x747 = x690 + x713;
     pdot[1] = x747;
-    const T x750 = x728 - x743;
-    pdot[0] = x750;
+    const T x752 = x701 - x743;
+    pdot[0] = -x752;
   }
 };
 
@@ -623,21 +624,41 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::leaf> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
+    // (24) first: 1 / Mj and G
+    const double x77 = 1.0 / k.body.J.zz;
+    const T x49 = k.body.mc.x * j.s[0];
+    const T x50 = k.body.mc.y * j.c[0];
+    const T x52 = x49 + x50;
+    w.mc.y = gravity ? x52 : T(0);
+    const T x79 = x52 * x77;
+    w.x[1] = x79;
+    const T x54 = k.body.mc.x * j.c[0];
+    const T x55 = k.body.mc.y * j.s[0];
+    const T x57 = x54 - x55;
+    w.mc.x = gravity ? x57 : T(0);
+    const T x81 = x57 * x77;
+    w.x[2] = x81;
+    const T x70 = k.body.J.yz * j.s[0];
+    const T x71 = k.body.J.xz * j.c[0];
+    const T x72 = x70 - x71;
+    const T x82 = x72 * x77;
+    w.x[3] = x82;
+    const T x74 = k.body.J.yz * j.c[0];
+    const T x75 = k.body.J.xz * j.s[0];
+    const T x76 = x74 + x75;
+    const T x84 = x76 * x77;
+    w.x[4] = x84;
+    const double x115 = 1.0 / k.body.m;
+    const T x117 = x52 * x115;
+    w.x[15] = x117;
+    const T x118 = x57 * x115;
+    w.x[16] = x118;
     // (22), (23): the body and its children
     const T x44 = j.s[0] * j.s[0];
     const T x45 = j.c[0] * j.s[0];
     const T x46 = x44 + x44;
     const T x47 = 1.0 - x46;
     const T x48 = x45 + x45;
-    const T x49 = k.body.mc.x * j.s[0];
-    const T x50 = k.body.mc.y * j.c[0];
-    const T x52 = x49 + x50;
-    w.mc.y = gravity ? x52 : T(0);
-    const T x54 = k.body.mc.x * j.c[0];
-    const T x55 = k.body.mc.y * j.s[0];
-    const T x57 = x54 - x55;
-    w.mc.x = gravity ? x57 : T(0);
     const double x61 = k.body.J.xx - k.body.J.yy;
     const T x62 = k.body.J.xy * x48;
     const T x63 = x44 * x61;
@@ -647,24 +668,9 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::leaf> {
     const T x67 = x65 + x66;
     const T x68 = k.body.J.xx - x64;
     const T x69 = k.body.J.yy + x64;
-    const T x70 = k.body.J.yz * j.s[0];
-    const T x71 = k.body.J.xz * j.c[0];
-    const T x72 = x70 - x71;
-    const T x74 = k.body.J.yz * j.c[0];
-    const T x75 = k.body.J.xz * j.s[0];
-    const T x76 = x74 + x75;
     // (24), (25), (26), column by column
-    const double x77 = 1.0 / k.body.J.zz;
     const T x78 = p[0] * x77;
     w.x[0] = x78;
-    const T x79 = x52 * x77;
-    w.x[1] = x79;
-    const T x81 = x57 * x77;
-    w.x[2] = x81;
-    const T x82 = x72 * x77;
-    w.x[3] = x82;
-    const T x84 = x76 * x77;
-    w.x[4] = x84;
     const T x85 = x52 * x79;
     const T x86 = k.body.m - x85;
     w.x[5] = x86;
@@ -695,13 +701,8 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::leaf> {
     w.x[13] = x111;
     const T x112 = p[0] * x82;
     const T x114 = p[0] * x84;
-    const double x115 = 1.0 / k.body.m;
     const T x116 = p[1] * x115;
     w.x[14] = x116;
-    const T x117 = x52 * x115;
-    w.x[15] = x117;
-    const T x118 = x57 * x115;
-    w.x[16] = x118;
     const T x120 = x52 * x117;
     const T x121 = x103 - x120;
     w.x[17] = x121;
@@ -960,6 +961,7 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::leaf> {
     const T x425 = x290 - x422;
     contribute<Add, T>(to.mc.y, -x425);
     const T x427 = x282 + x423;
+    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
     contribute<Add, T>(to.mc.z, x427);
   }
   template <class T>
@@ -1069,24 +1071,24 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::leaf> {
     const T x565 = w.x[19] * x481;
     const T x566 = x564 + x565;
     // (15), (20)
-    const T x579 = x481 * x532;
-    const T x581 = x473 * x543;
-    const T x582 = x579 + x581;
-    const T x592 = x481 * x556;
-    const T x594 = x473 * x566;
-    const T x595 = x592 + x594;
-    const T x605 = x465 * x532;
-    const T x607 = x456 * x543;
-    const T x608 = x605 + x607;
-    const T x613 = x595 + x608;
-    const T x616 = mass * x501;
-    const T x625 = x489 * w.mc.y;
-    const T x626 = x497 * w.mc.x;
-    const T x627 = x625 - x626;
-    const T x631 = x582 - x616;
-    pdot[1] = -x631;
-    const T x635 = x613 + x627;
-    pdot[0] = -x635;
+    const T x572 = mass * x501;
+    const T x581 = x489 * w.mc.y;
+    const T x582 = x497 * w.mc.x;
+    const T x583 = x581 - x582;
+    const T x594 = x481 * x532;
+    const T x596 = x473 * x543;
+    const T x597 = x594 + x596;
+    const T x607 = x481 * x556;
+    const T x609 = x473 * x566;
+    const T x610 = x607 + x609;
+    const T x620 = x465 * x532;
+    const T x622 = x456 * x543;
+    const T x623 = x620 + x622;
+    const T x628 = x610 + x623;
+    const T x631 = x572 - x597;
+    pdot[1] = x631;
+    const T x636 = x583 + x628;
+    pdot[0] = -x636;
   }
 };
 
@@ -1102,22 +1104,53 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::inner> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
+    // (24) first: 1 / Mj and G
+    const T x83 = k.body.J.zz + a.M.J.zz;
+    const T x90 = 1.0 / x83;
+    const T x75 = k.body.mc.y - a.M.B.xz;
+    const T x93 = x75 * x90;
+    w.x[1] = x93;
+    const T x78 = k.body.mc.x + a.M.B.yz;
+    const T x95 = x78 * x90;
+    w.x[2] = x95;
+    const T x96 = a.M.B.zz * x90;
+    w.x[3] = x96;
+    const T x85 = k.body.J.xz + a.M.J.xz;
+    const T x97 = x85 * x90;
+    w.x[4] = x97;
+    const T x86 = k.body.J.yz + a.M.J.yz;
+    const T x98 = x86 * x90;
+    w.x[5] = x98;
+    const T x71 = k.body.m + a.M.A.zz;
+    const T x122 = a.M.B.zz * x96;
+    const T x123 = x71 - x122;
+    const T x146 = 1.0 / x123;
+    const T x104 = a.M.B.zz * x93;
+    const T x106 = a.M.A.xz + x104;
+    const T x149 = x106 * x146;
+    w.x[7] = x149;
+    const T x115 = a.M.B.zz * x95;
+    const T x116 = a.M.A.yz - x115;
+    const T x150 = x116 * x146;
+    w.x[8] = x150;
+    const T x77 = k.body.mc.y + a.M.B.zx;
+    const T x124 = x85 * x96;
+    const T x125 = x77 - x124;
+    const T x151 = x125 * x146;
+    w.x[9] = x151;
+    const T x79 = k.body.mc.x - a.M.B.zy;
+    const T x126 = x86 * x96;
+    const T x127 = x79 + x126;
+    const T x152 = x127 * x146;
+    w.x[10] = x152;
     // (22), (23): the body and its children
     const T x69 = k.body.m + a.M.A.xx;
     const T x70 = k.body.m + a.M.A.yy;
-    const T x71 = k.body.m + a.M.A.zz;
     const T x72 = k.body.mc.z + a.M.B.xy;
     const T x73 = k.body.mc.z - a.M.B.yx;
-    const T x75 = k.body.mc.y - a.M.B.xz;
-    const T x77 = k.body.mc.y + a.M.B.zx;
-    const T x78 = k.body.mc.x + a.M.B.yz;
-    const T x79 = k.body.mc.x - a.M.B.zy;
     const T x81 = k.body.J.xx + a.M.J.xx;
     const T x82 = k.body.J.yy + a.M.J.yy;
-    const T x83 = k.body.J.zz + a.M.J.zz;
     const T x84 = k.body.J.xy + a.M.J.xy;
-    const T x85 = k.body.J.xz + a.M.J.xz;
-    const T x86 = k.body.J.yz + a.M.J.yz;
     const T x87 = k.body.mc.x + a.mc.x;
     w.mc.x = gravity ? x87 : T(0);
     const T x88 = k.body.mc.y + a.mc.y;
@@ -1125,44 +1158,23 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::inner> {
     const T x89 = k.body.mc.z + a.mc.z;
     w.mc.z = gravity ? x89 : T(0);
     // (24), (25), (26), column by column
-    const T x90 = 1.0 / x83;
     const T x91 = p[0] - a.D.h.z;
     const T x92 = x90 * x91;
     w.x[0] = x92;
-    const T x93 = x75 * x90;
-    w.x[1] = x93;
-    const T x95 = x78 * x90;
-    w.x[2] = x95;
-    const T x96 = a.M.B.zz * x90;
-    w.x[3] = x96;
-    const T x97 = x85 * x90;
-    w.x[4] = x97;
-    const T x98 = x86 * x90;
-    w.x[5] = x98;
     const T x99 = x75 * x93;
     const T x100 = x69 - x99;
     const T x101 = x78 * x93;
     const T x103 = a.M.A.xy + x101;
-    const T x104 = a.M.B.zz * x93;
-    const T x106 = a.M.A.xz + x104;
     const T x107 = x85 * x93;
     const T x109 = a.M.B.xx + x107;
     const T x110 = x86 * x93;
     const T x112 = x72 + x110;
     const T x113 = x78 * x95;
     const T x114 = x70 - x113;
-    const T x115 = a.M.B.zz * x95;
-    const T x116 = a.M.A.yz - x115;
     const T x117 = x85 * x95;
     const T x118 = x73 + x117;
     const T x120 = x86 * x95;
     const T x121 = a.M.B.yy - x120;
-    const T x122 = a.M.B.zz * x96;
-    const T x123 = x71 - x122;
-    const T x124 = x85 * x96;
-    const T x125 = x77 - x124;
-    const T x126 = x86 * x96;
-    const T x127 = x79 + x126;
     const T x129 = x85 * x97;
     const T x130 = x81 - x129;
     const T x131 = x86 * x97;
@@ -1179,18 +1191,9 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::inner> {
     const T x143 = a.D.h.x + x142;
     const T x144 = x91 * x98;
     const T x145 = a.D.h.y + x144;
-    const T x146 = 1.0 / x123;
     const T x147 = p[1] - x141;
     const T x148 = x146 * x147;
     w.x[6] = x148;
-    const T x149 = x106 * x146;
-    w.x[7] = x149;
-    const T x150 = x116 * x146;
-    w.x[8] = x150;
-    const T x151 = x125 * x146;
-    w.x[9] = x151;
-    const T x152 = x127 * x146;
-    w.x[10] = x152;
     const T x154 = x106 * x149;
     const T x155 = x100 - x154;
     w.x[11] = x155;
@@ -1574,24 +1577,24 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::inner> {
     const T x554 = w.x[20] * x489;
     const T x555 = x553 + x554;
     // (15), (20)
-    const T x567 = x489 * x529;
-    const T x568 = x485 * x538;
-    const T x569 = x567 - x568;
-    const T x579 = x489 * x547;
-    const T x580 = x485 * x555;
-    const T x581 = x579 - x580;
-    const T x591 = x481 * x529;
-    const T x592 = x477 * x538;
-    const T x593 = x591 - x592;
-    const T x599 = x581 + x593;
-    const T x603 = mass * x472;
-    const T x612 = x493 * w.mc.y;
-    const T x613 = x497 * w.mc.x;
-    const T x614 = x612 - x613;
-    const T x618 = x569 + x603;
+    const T x561 = mass * x472;
+    const T x570 = x493 * w.mc.y;
+    const T x571 = x497 * w.mc.x;
+    const T x572 = x570 - x571;
+    const T x582 = x489 * x529;
+    const T x583 = x485 * x538;
+    const T x584 = x582 - x583;
+    const T x594 = x489 * x547;
+    const T x595 = x485 * x555;
+    const T x596 = x594 - x595;
+    const T x606 = x481 * x529;
+    const T x607 = x477 * x538;
+    const T x608 = x606 - x607;
+    const T x614 = x596 + x608;
+    const T x618 = x561 + x584;
     pdot[1] = x618;
-    const T x621 = x599 - x614;
-    pdot[0] = x621;
+    const T x623 = x572 - x614;
+    pdot[0] = -x623;
   }
 };
 
@@ -1607,21 +1610,41 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::leaf> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
+    // (24) first: 1 / Mj and G
+    const double x75 = 1.0 / k.body.J.zz;
+    const T x47 = k.body.mc.x * j.s[0];
+    const T x48 = k.body.mc.y * j.c[0];
+    const T x50 = x47 + x48;
+    w.mc.y = gravity ? x50 : T(0);
+    const T x77 = x50 * x75;
+    w.x[1] = x77;
+    const T x52 = k.body.mc.x * j.c[0];
+    const T x53 = k.body.mc.y * j.s[0];
+    const T x55 = x52 - x53;
+    w.mc.x = gravity ? x55 : T(0);
+    const T x79 = x55 * x75;
+    w.x[2] = x79;
+    const T x68 = k.body.J.yz * j.s[0];
+    const T x69 = k.body.J.xz * j.c[0];
+    const T x70 = x68 - x69;
+    const T x80 = x70 * x75;
+    w.x[3] = x80;
+    const T x72 = k.body.J.yz * j.c[0];
+    const T x73 = k.body.J.xz * j.s[0];
+    const T x74 = x72 + x73;
+    const T x82 = x74 * x75;
+    w.x[4] = x82;
+    const double x113 = 1.0 / k.body.m;
+    const T x115 = x50 * x113;
+    w.x[15] = x115;
+    const T x116 = x55 * x113;
+    w.x[16] = x116;
     // (22), (23): the body and its children
     const T x42 = j.s[0] * j.s[0];
     const T x43 = j.c[0] * j.s[0];
     const T x44 = x42 + x42;
     const T x45 = 1.0 - x44;
     const T x46 = x43 + x43;
-    const T x47 = k.body.mc.x * j.s[0];
-    const T x48 = k.body.mc.y * j.c[0];
-    const T x50 = x47 + x48;
-    w.mc.y = gravity ? x50 : T(0);
-    const T x52 = k.body.mc.x * j.c[0];
-    const T x53 = k.body.mc.y * j.s[0];
-    const T x55 = x52 - x53;
-    w.mc.x = gravity ? x55 : T(0);
     const double x59 = k.body.J.xx - k.body.J.yy;
     const T x60 = k.body.J.xy * x46;
     const T x61 = x42 * x59;
@@ -1631,24 +1654,9 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::leaf> {
     const T x65 = x63 + x64;
     const T x66 = k.body.J.xx - x62;
     const T x67 = k.body.J.yy + x62;
-    const T x68 = k.body.J.yz * j.s[0];
-    const T x69 = k.body.J.xz * j.c[0];
-    const T x70 = x68 - x69;
-    const T x72 = k.body.J.yz * j.c[0];
-    const T x73 = k.body.J.xz * j.s[0];
-    const T x74 = x72 + x73;
     // (24), (25), (26), column by column
-    const double x75 = 1.0 / k.body.J.zz;
     const T x76 = p[0] * x75;
     w.x[0] = x76;
-    const T x77 = x50 * x75;
-    w.x[1] = x77;
-    const T x79 = x55 * x75;
-    w.x[2] = x79;
-    const T x80 = x70 * x75;
-    w.x[3] = x80;
-    const T x82 = x74 * x75;
-    w.x[4] = x82;
     const T x83 = x50 * x77;
     const T x84 = k.body.m - x83;
     w.x[5] = x84;
@@ -1681,13 +1689,8 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::leaf> {
     w.x[13] = x109;
     const T x110 = p[0] * x80;
     const T x112 = p[0] * x82;
-    const double x113 = 1.0 / k.body.m;
     const T x114 = p[1] * x113;
     w.x[14] = x114;
-    const T x115 = x50 * x113;
-    w.x[15] = x115;
-    const T x116 = x55 * x113;
-    w.x[16] = x116;
     const T x118 = x50 * x115;
     const T x119 = x101 - x118;
     w.x[17] = x119;
@@ -1865,6 +1868,7 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::leaf> {
     const T x321 = x182 - x318;
     contribute<Add, T>(to.mc.y, -x321);
     const T x323 = x186 + x319;
+    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
     contribute<Add, T>(to.mc.z, x323);
   }
   template <class T>
@@ -1956,24 +1960,24 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::leaf> {
     const T x436 = w.x[19] * x360;
     const T x437 = x435 + x436;
     // (15), (20)
-    const T x450 = x360 * x403;
-    const T x452 = out.velocity.w.x * x414;
-    const T x453 = x450 + x452;
-    const T x463 = x360 * x427;
-    const T x465 = out.velocity.w.x * x437;
-    const T x466 = x463 + x465;
-    const T x476 = x352 * x403;
-    const T x478 = x345 * x414;
-    const T x479 = x476 + x478;
-    const T x484 = x466 + x479;
-    const T x487 = mass * x372;
-    const T x496 = out.gravity.x * w.mc.y;
-    const T x497 = x368 * w.mc.x;
-    const T x498 = x496 - x497;
-    const T x502 = x453 - x487;
-    pdot[1] = -x502;
-    const T x506 = x484 + x498;
-    pdot[0] = -x506;
+    const T x443 = mass * x372;
+    const T x452 = out.gravity.x * w.mc.y;
+    const T x453 = x368 * w.mc.x;
+    const T x454 = x452 - x453;
+    const T x465 = x360 * x403;
+    const T x467 = out.velocity.w.x * x414;
+    const T x468 = x465 + x467;
+    const T x478 = x360 * x427;
+    const T x480 = out.velocity.w.x * x437;
+    const T x481 = x478 + x480;
+    const T x491 = x352 * x403;
+    const T x493 = x345 * x414;
+    const T x494 = x491 + x493;
+    const T x499 = x481 + x494;
+    const T x502 = x443 - x468;
+    pdot[1] = x502;
+    const T x507 = x454 + x499;
+    pdot[0] = -x507;
   }
 };
 
@@ -1989,25 +1993,59 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::inner> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
+    // (24) first: 1 / Mj and G
+    const T x71 = k.body.J.zz + a.M.J.zz;
+    const T x78 = 1.0 / x71;
+    const T x63 = k.body.mc.y - a.M.B.xz;
+    const T x81 = x63 * x78;
+    w.x[1] = x81;
+    const T x66 = k.body.mc.x + a.M.B.yz;
+    const T x83 = x66 * x78;
+    w.x[2] = x83;
+    const T x84 = a.M.B.zz * x78;
+    w.x[3] = x84;
+    const T x73 = k.body.J.xz + a.M.J.xz;
+    const T x85 = x73 * x78;
+    w.x[4] = x85;
+    const T x74 = k.body.J.yz + a.M.J.yz;
+    const T x86 = x74 * x78;
+    w.x[5] = x86;
+    const T x59 = k.body.m + a.M.A.zz;
+    contribute<Add, T>(to.M.A.zz, T(0.0));
+    const T x110 = a.M.B.zz * x84;
+    const T x111 = x59 - x110;
+    const T x134 = 1.0 / x111;
+    const T x92 = a.M.B.zz * x81;
+    const T x94 = a.M.A.xz + x92;
+    contribute<Add, T>(to.M.A.xz, T(0.0));
+    const T x137 = x94 * x134;
+    w.x[7] = x137;
+    const T x103 = a.M.B.zz * x83;
+    contribute<Add, T>(to.M.B.zz, T(0.0));
+    const T x104 = a.M.A.yz - x103;
+    contribute<Add, T>(to.M.A.yz, T(0.0));
+    const T x138 = x104 * x134;
+    w.x[8] = x138;
+    const T x65 = k.body.mc.y + a.M.B.zx;
+    contribute<Add, T>(to.M.B.zx, T(0.0));
+    const T x112 = x73 * x84;
+    const T x113 = x65 - x112;
+    const T x139 = x113 * x134;
+    w.x[9] = x139;
+    const T x67 = k.body.mc.x - a.M.B.zy;
+    contribute<Add, T>(to.M.B.zy, T(0.0));
+    const T x114 = x74 * x84;
+    const T x115 = x67 + x114;
+    const T x140 = x115 * x134;
+    w.x[10] = x140;
     // (22), (23): the body and its children
     const T x57 = k.body.m + a.M.A.xx;
     const T x58 = k.body.m + a.M.A.yy;
-    const T x59 = k.body.m + a.M.A.zz;
-    contribute<Add, T>(to.M.A.zz, T(0.0));
     const T x60 = k.body.mc.z + a.M.B.xy;
     const T x61 = k.body.mc.z - a.M.B.yx;
-    const T x63 = k.body.mc.y - a.M.B.xz;
-    const T x65 = k.body.mc.y + a.M.B.zx;
-    contribute<Add, T>(to.M.B.zx, T(0.0));
-    const T x66 = k.body.mc.x + a.M.B.yz;
-    const T x67 = k.body.mc.x - a.M.B.zy;
-    contribute<Add, T>(to.M.B.zy, T(0.0));
     const T x69 = k.body.J.xx + a.M.J.xx;
     const T x70 = k.body.J.yy + a.M.J.yy;
-    const T x71 = k.body.J.zz + a.M.J.zz;
     const T x72 = k.body.J.xy + a.M.J.xy;
-    const T x73 = k.body.J.xz + a.M.J.xz;
-    const T x74 = k.body.J.yz + a.M.J.yz;
     const T x75 = k.body.mc.x + a.mc.x;
     w.mc.x = gravity ? x75 : T(0);
     const T x76 = k.body.mc.y + a.mc.y;
@@ -2015,47 +2053,23 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::inner> {
     const T x77 = k.body.mc.z + a.mc.z;
     w.mc.z = gravity ? x77 : T(0);
     // (24), (25), (26), column by column
-    const T x78 = 1.0 / x71;
     const T x79 = p[0] - a.D.h.z;
     const T x80 = x78 * x79;
     w.x[0] = x80;
-    const T x81 = x63 * x78;
-    w.x[1] = x81;
-    const T x83 = x66 * x78;
-    w.x[2] = x83;
-    const T x84 = a.M.B.zz * x78;
-    w.x[3] = x84;
-    const T x85 = x73 * x78;
-    w.x[4] = x85;
-    const T x86 = x74 * x78;
-    w.x[5] = x86;
     const T x87 = x63 * x81;
     const T x88 = x57 - x87;
     const T x89 = x66 * x81;
     const T x91 = a.M.A.xy + x89;
-    const T x92 = a.M.B.zz * x81;
-    const T x94 = a.M.A.xz + x92;
-    contribute<Add, T>(to.M.A.xz, T(0.0));
     const T x95 = x73 * x81;
     const T x97 = a.M.B.xx + x95;
     const T x98 = x74 * x81;
     const T x100 = x60 + x98;
     const T x101 = x66 * x83;
     const T x102 = x58 - x101;
-    const T x103 = a.M.B.zz * x83;
-    const T x104 = a.M.A.yz - x103;
-    contribute<Add, T>(to.M.A.yz, T(0.0));
     const T x105 = x73 * x83;
     const T x106 = x61 + x105;
     const T x108 = x74 * x83;
     const T x109 = a.M.B.yy - x108;
-    const T x110 = a.M.B.zz * x84;
-    contribute<Add, T>(to.M.B.zz, T(0.0));
-    const T x111 = x59 - x110;
-    const T x112 = x73 * x84;
-    const T x113 = x65 - x112;
-    const T x114 = x74 * x84;
-    const T x115 = x67 + x114;
     const T x117 = x73 * x85;
     const T x118 = x69 - x117;
     const T x119 = x74 * x85;
@@ -2073,18 +2087,9 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::inner> {
     const T x131 = a.D.h.x + x130;
     const T x132 = x79 * x86;
     const T x133 = a.D.h.y + x132;
-    const T x134 = 1.0 / x111;
     const T x135 = p[1] - x129;
     const T x136 = x134 * x135;
     w.x[6] = x136;
-    const T x137 = x94 * x134;
-    w.x[7] = x137;
-    const T x138 = x104 * x134;
-    w.x[8] = x138;
-    const T x139 = x113 * x134;
-    w.x[9] = x139;
-    const T x140 = x115 * x134;
-    w.x[10] = x140;
     const T x142 = x94 * x137;
     const T x143 = x88 - x142;
     w.x[11] = x143;
@@ -2364,25 +2369,26 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::inner> {
     const T x418 = w.x[20] * x353;
     const T x419 = x417 + x418;
     // (15), (20)
-    const T x431 = x353 * x393;
-    const T x432 = x349 * x402;
-    const T x433 = x431 - x432;
-    const T x443 = x353 * x411;
-    const T x444 = x349 * x419;
-    const T x445 = x443 - x444;
-    const T x455 = x345 * x393;
-    const T x456 = x341 * x402;
-    const T x457 = x455 - x456;
-    const T x463 = x445 + x457;
-    const T x467 = mass * out.gravity.z;
-    out.gravity.z = out.gravity.z;
-    const T x476 = x357 * w.mc.y;
-    const T x477 = x361 * w.mc.x;
-    const T x478 = x476 - x477;
-    const T x482 = x433 + x467;
+    const T x425 = mass * out.gravity.z;
+    const T x434 = x357 * w.mc.y;
+    const T x435 = x361 * w.mc.x;
+    const T x436 = x434 - x435;
+    const T x446 = x353 * x393;
+    const T x447 = x349 * x402;
+    const T x448 = x446 - x447;
+    const T x458 = x353 * x411;
+    const T x459 = x349 * x419;
+    const T x460 = x458 - x459;
+    const T x470 = x345 * x393;
+    const T x471 = x341 * x402;
+    const T x472 = x470 - x471;
+    const T x478 = x460 + x472;
+    const T x482 = x425 + x448;
     pdot[1] = x482;
-    const T x485 = x463 - x478;
-    pdot[0] = x485;
+    const T x487 = x436 - x478;
+    const T y14 = out.gravity.z;
+    pdot[0] = -x487;
+    out.gravity.z = y14;
   }
 };
 
@@ -2398,28 +2404,41 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::leaf> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    contribute<Add, T>(to.M.A.zz, T(0.0));
-    contribute<Add, T>(to.M.A.xz, T(0.0));
-    contribute<Add, T>(to.M.A.yz, T(0.0));
-    contribute<Add, T>(to.M.B.zx, T(0.0));
-    contribute<Add, T>(to.M.B.zy, T(0.0));
-    contribute<Add, T>(to.M.B.zz, T(0.0));
-    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
-    contribute<Add, T>(to.D.l.z, p[1]);
+    // (24) first: 1 / Mj and G
+    const double x63 = 1.0 / k.body.J.zz;
+    const T x35 = k.body.mc.x * j.s[0];
+    const T x36 = k.body.mc.y * j.c[0];
+    const T x38 = x35 + x36;
+    w.mc.y = gravity ? x38 : T(0);
+    const T x65 = x38 * x63;
+    w.x[1] = x65;
+    const T x40 = k.body.mc.x * j.c[0];
+    const T x41 = k.body.mc.y * j.s[0];
+    const T x43 = x40 - x41;
+    w.mc.x = gravity ? x43 : T(0);
+    const T x67 = x43 * x63;
+    w.x[2] = x67;
+    const T x56 = k.body.J.yz * j.s[0];
+    const T x57 = k.body.J.xz * j.c[0];
+    const T x58 = x56 - x57;
+    const T x68 = x58 * x63;
+    w.x[3] = x68;
+    const T x60 = k.body.J.yz * j.c[0];
+    const T x61 = k.body.J.xz * j.s[0];
+    const T x62 = x60 + x61;
+    const T x70 = x62 * x63;
+    w.x[4] = x70;
+    const double x101 = 1.0 / k.body.m;
+    const T x103 = x38 * x101;
+    w.x[15] = x103;
+    const T x104 = x43 * x101;
+    w.x[16] = x104;
     // (22), (23): the body and its children
     const T x30 = j.s[0] * j.s[0];
     const T x31 = j.c[0] * j.s[0];
     const T x32 = x30 + x30;
     const T x33 = 1.0 - x32;
     const T x34 = x31 + x31;
-    const T x35 = k.body.mc.x * j.s[0];
-    const T x36 = k.body.mc.y * j.c[0];
-    const T x38 = x35 + x36;
-    w.mc.y = gravity ? x38 : T(0);
-    const T x40 = k.body.mc.x * j.c[0];
-    const T x41 = k.body.mc.y * j.s[0];
-    const T x43 = x40 - x41;
-    w.mc.x = gravity ? x43 : T(0);
     const double x47 = k.body.J.xx - k.body.J.yy;
     const T x48 = k.body.J.xy * x34;
     const T x49 = x30 * x47;
@@ -2429,24 +2448,9 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::leaf> {
     const T x53 = x51 + x52;
     const T x54 = k.body.J.xx - x50;
     const T x55 = k.body.J.yy + x50;
-    const T x56 = k.body.J.yz * j.s[0];
-    const T x57 = k.body.J.xz * j.c[0];
-    const T x58 = x56 - x57;
-    const T x60 = k.body.J.yz * j.c[0];
-    const T x61 = k.body.J.xz * j.s[0];
-    const T x62 = x60 + x61;
     // (24), (25), (26), column by column
-    const double x63 = 1.0 / k.body.J.zz;
     const T x64 = p[0] * x63;
     w.x[0] = x64;
-    const T x65 = x38 * x63;
-    w.x[1] = x65;
-    const T x67 = x43 * x63;
-    w.x[2] = x67;
-    const T x68 = x58 * x63;
-    w.x[3] = x68;
-    const T x70 = x62 * x63;
-    w.x[4] = x70;
     const T x71 = x38 * x65;
     const T x72 = k.body.m - x71;
     w.x[5] = x72;
@@ -2482,13 +2486,8 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::leaf> {
     contribute<Add, T>(to.D.l.y, x97);
     const T x98 = p[0] * x68;
     const T x100 = p[0] * x70;
-    const double x101 = 1.0 / k.body.m;
     const T x102 = p[1] * x101;
     w.x[14] = x102;
-    const T x103 = x38 * x101;
-    w.x[15] = x103;
-    const T x104 = x43 * x101;
-    w.x[16] = x104;
     const T x106 = x38 * x103;
     const T x107 = x89 - x106;
     w.x[17] = x107;
@@ -2578,6 +2577,15 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::leaf> {
     const T x201 = x38 + x198;
     contribute<Add, T>(to.mc.y, x201);
     const T x202 = k.body.mc.z + x199;
+    const T y49 = p[1];
+    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
+    contribute<Add, T>(to.M.A.zz, T(0.0));
+    contribute<Add, T>(to.M.A.xz, T(0.0));
+    contribute<Add, T>(to.M.A.yz, T(0.0));
+    contribute<Add, T>(to.M.B.zx, T(0.0));
+    contribute<Add, T>(to.M.B.zy, T(0.0));
+    contribute<Add, T>(to.M.B.zz, T(0.0));
+    contribute<Add, T>(to.D.l.z, y49);
     contribute<Add, T>(to.mc.z, x202);
   }
   template <class T>
@@ -2651,24 +2659,24 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::leaf> {
     const T x290 = w.x[19] * out.velocity.w.y;
     const T x291 = x289 + x290;
     // (15), (20)
-    const T x304 = out.velocity.w.y * x257;
-    const T x306 = out.velocity.w.x * x268;
-    const T x307 = x304 + x306;
-    const T x317 = out.velocity.w.y * x281;
-    const T x319 = out.velocity.w.x * x291;
-    const T x320 = x317 + x319;
-    const T x330 = x225 * x257;
-    const T x332 = x224 * x268;
-    const T x333 = x330 + x332;
-    const T x338 = x320 + x333;
-    const T x341 = mass * out.gravity.z;
-    const T x350 = out.gravity.x * w.mc.y;
-    const T x351 = out.gravity.y * w.mc.x;
-    const T x352 = x350 - x351;
-    const T x356 = x307 - x341;
-    pdot[1] = -x356;
-    const T x360 = x338 + x352;
-    pdot[0] = -x360;
+    const T x297 = mass * out.gravity.z;
+    const T x306 = out.gravity.x * w.mc.y;
+    const T x307 = out.gravity.y * w.mc.x;
+    const T x308 = x306 - x307;
+    const T x319 = out.velocity.w.y * x257;
+    const T x321 = out.velocity.w.x * x268;
+    const T x322 = x319 + x321;
+    const T x332 = out.velocity.w.y * x281;
+    const T x334 = out.velocity.w.x * x291;
+    const T x335 = x332 + x334;
+    const T x345 = x225 * x257;
+    const T x347 = x224 * x268;
+    const T x348 = x345 + x347;
+    const T x353 = x335 + x348;
+    const T x356 = x297 - x322;
+    pdot[1] = x356;
+    const T x361 = x308 + x353;
+    pdot[0] = -x361;
   }
 };
 
@@ -2684,9 +2692,16 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::root> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    // (22), (23): the body and its children
-    const T x73 = k.body.m + a.M.A.zz;
+    // (24) first: 1 / Mj and G
     const T x85 = k.body.J.zz + a.M.J.zz;
+    const T x92 = 1.0 / x85;
+    const T x98 = a.M.B.zz * x92;
+    w.x[1] = x98;
+    const T x73 = k.body.m + a.M.A.zz;
+    const T x124 = a.M.B.zz * x98;
+    const T x125 = x73 - x124;
+    const T x148 = 1.0 / x125;
+    // (22), (23): the body and its children
     const T x89 = k.body.mc.x + a.mc.x;
     w.mc.x = gravity ? x89 : T(0);
     const T x90 = k.body.mc.y + a.mc.y;
@@ -2694,17 +2709,11 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::root> {
     const T x91 = k.body.mc.z + a.mc.z;
     w.mc.z = gravity ? x91 : T(0);
     // (24), (25), (26), column by column
-    const T x92 = 1.0 / x85;
     const T x93 = p[0] - a.D.h.z;
     const T x94 = x92 * x93;
     w.x[0] = x94;
-    const T x98 = a.M.B.zz * x92;
-    w.x[1] = x98;
-    const T x124 = a.M.B.zz * x98;
-    const T x125 = x73 - x124;
     const T x142 = x93 * x98;
     const T x143 = a.D.l.z + x142;
-    const T x148 = 1.0 / x125;
     const T x149 = p[1] - x143;
     const T x150 = x148 * x149;
     w.x[2] = x150;
@@ -2714,13 +2723,6 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::root> {
                                         [[maybe_unused]] const JointState<T>& j,
                                         [[maybe_unused]] const T* p, const Record<T>& w, Outboard<T>& out, T* u,
                                         T* pdot, T* qdot) {
-    out.velocity.v.x = T(0.0);
-    out.velocity.v.y = T(0.0);
-    out.velocity.w.x = T(0.0);
-    out.velocity.w.y = T(0.0);
-    u[1] = w.x[2];
-    qdot[1] = w.x[2];
-    out.velocity.v.z = w.x[2];
     // (17): into the joint's frame
     const T x194 = k.sin_b * out.gravity.y;
     const T x196 = k.cos_b * out.gravity.x;
@@ -2750,12 +2752,19 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::root> {
     qdot[0] = x220;
     out.velocity.w.z = x220;
     // (15), (20)
-    const T x238 = mass * x209;
-    pdot[1] = x238;
-    const T x247 = x214 * w.mc.y;
-    const T x248 = x218 * w.mc.x;
-    const T x249 = x247 - x248;
-    pdot[0] = -x249;
+    const T x226 = mass * x209;
+    pdot[1] = x226;
+    const T x235 = x214 * w.mc.y;
+    const T x236 = x218 * w.mc.x;
+    const T x237 = x235 - x236;
+    pdot[0] = -x237;
+    u[1] = w.x[2];
+    qdot[1] = w.x[2];
+    out.velocity.v.x = T(0.0);
+    out.velocity.v.y = T(0.0);
+    out.velocity.v.z = w.x[2];
+    out.velocity.w.x = T(0.0);
+    out.velocity.w.y = T(0.0);
   }
 };
 
@@ -2771,15 +2780,16 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::single> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
+    // (24) first: 1 / Mj and G
+    const double x44 = 1.0 / k.body.J.zz;
+    const double x78 = 1.0 / k.body.m;
+    // (24), (25), (26), column by column
+    const T x45 = p[0] * x44;
+    w.x[0] = x45;
+    const T x79 = p[1] * x78;
     w.mc.x = gravity ? T(k.body.mc.x) : T(0);
     w.mc.y = gravity ? T(k.body.mc.y) : T(0);
     w.mc.z = gravity ? T(k.body.mc.z) : T(0);
-    // (24), (25), (26), column by column
-    const double x44 = 1.0 / k.body.J.zz;
-    const T x45 = p[0] * x44;
-    w.x[0] = x45;
-    const double x78 = 1.0 / k.body.m;
-    const T x79 = p[1] * x78;
     w.x[1] = x79;
   }
   template <class T>
@@ -2787,10 +2797,6 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::single> {
                                         [[maybe_unused]] const JointState<T>& j,
                                         [[maybe_unused]] const T* p, const Record<T>& w, Outboard<T>& out, T* u,
                                         T* pdot, T* qdot) {
-    u[0] = w.x[0];
-    qdot[0] = w.x[0];
-    u[1] = w.x[1];
-    qdot[1] = w.x[1];
     // (17): into the joint's frame
     const T x100 = k.sin_b * out.gravity.y;
     const T x102 = k.cos_b * out.gravity.x;
@@ -2811,12 +2817,16 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::single> {
     const T x122 = j.s[0] * x103;
     const T x124 = x121 - x122;
     // (15), (20)
-    const T x144 = mass * x115;
-    pdot[1] = x144;
-    const T x153 = x120 * w.mc.y;
-    const T x154 = x124 * w.mc.x;
-    const T x155 = x153 - x154;
-    pdot[0] = -x155;
+    const T x130 = mass * x115;
+    pdot[1] = x130;
+    const T x139 = x120 * w.mc.y;
+    const T x140 = x124 * w.mc.x;
+    const T x141 = x139 - x140;
+    u[0] = w.x[0];
+    pdot[0] = -x141;
+    u[1] = w.x[1];
+    qdot[0] = w.x[0];
+    qdot[1] = w.x[1];
   }
 };
 

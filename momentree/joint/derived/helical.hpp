@@ -21,22 +21,48 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::inner> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
+    // (24) first: 1 / Mj and G
+    const T x83 = k.body.J.zz + a.M.J.zz;
+    const T x103 = k.geometry[0] * a.M.B.zz;
+    const T x104 = x83 + x103;
+    const T x71 = k.body.m + a.M.A.zz;
+    const T x96 = k.geometry[0] * x71;
+    const T x97 = a.M.B.zz + x96;
+    const T x105 = k.geometry[0] * x97;
+    const T x106 = x104 + x105;
+    const T x109 = 1.0 / x106;
+    const T x75 = k.body.mc.y - a.M.B.xz;
+    const T x91 = k.geometry[0] * a.M.A.xz;
+    const T x92 = x75 - x91;
+    const T x112 = x92 * x109;
+    w.x[1] = x112;
+    const T x78 = k.body.mc.x + a.M.B.yz;
+    const T x94 = k.geometry[0] * a.M.A.yz;
+    const T x95 = x78 + x94;
+    const T x114 = x95 * x109;
+    w.x[2] = x114;
+    const T x115 = x97 * x109;
+    w.x[3] = x115;
+    const T x85 = k.body.J.xz + a.M.J.xz;
+    const T x77 = k.body.mc.y + a.M.B.zx;
+    const T x98 = k.geometry[0] * x77;
+    const T x99 = x85 + x98;
+    const T x116 = x99 * x109;
+    w.x[4] = x116;
+    const T x86 = k.body.J.yz + a.M.J.yz;
+    const T x79 = k.body.mc.x - a.M.B.zy;
+    const T x100 = k.geometry[0] * x79;
+    const T x102 = x86 - x100;
+    const T x117 = x102 * x109;
+    w.x[5] = x117;
     // (22), (23): the body and its children
     const T x69 = k.body.m + a.M.A.xx;
     const T x70 = k.body.m + a.M.A.yy;
-    const T x71 = k.body.m + a.M.A.zz;
     const T x72 = k.body.mc.z + a.M.B.xy;
     const T x73 = k.body.mc.z - a.M.B.yx;
-    const T x75 = k.body.mc.y - a.M.B.xz;
-    const T x77 = k.body.mc.y + a.M.B.zx;
-    const T x78 = k.body.mc.x + a.M.B.yz;
-    const T x79 = k.body.mc.x - a.M.B.zy;
     const T x81 = k.body.J.xx + a.M.J.xx;
     const T x82 = k.body.J.yy + a.M.J.yy;
-    const T x83 = k.body.J.zz + a.M.J.zz;
     const T x84 = k.body.J.xy + a.M.J.xy;
-    const T x85 = k.body.J.xz + a.M.J.xz;
-    const T x86 = k.body.J.yz + a.M.J.yz;
     const T x87 = k.body.mc.x + a.mc.x;
     w.mc.x = gravity ? x87 : T(0);
     const T x88 = k.body.mc.y + a.mc.y;
@@ -45,36 +71,11 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::inner> {
     w.mc.z = gravity ? x89 : T(0);
     const T x90 = k.geometry[0] * j.q[0];
     // (24), (25), (26), column by column
-    const T x91 = k.geometry[0] * a.M.A.xz;
-    const T x92 = x75 - x91;
-    const T x94 = k.geometry[0] * a.M.A.yz;
-    const T x95 = x78 + x94;
-    const T x96 = k.geometry[0] * x71;
-    const T x97 = a.M.B.zz + x96;
-    const T x98 = k.geometry[0] * x77;
-    const T x99 = x85 + x98;
-    const T x100 = k.geometry[0] * x79;
-    const T x102 = x86 - x100;
-    const T x103 = k.geometry[0] * a.M.B.zz;
-    const T x104 = x83 + x103;
-    const T x105 = k.geometry[0] * x97;
-    const T x106 = k.geometry[0] * a.D.l.z;
-    const T x107 = x104 + x105;
-    const T x108 = a.D.h.z + x106;
-    const T x109 = 1.0 / x107;
+    const T x107 = k.geometry[0] * a.D.l.z;
+    const T x108 = a.D.h.z + x107;
     const T x110 = p[0] - x108;
     const T x111 = x109 * x110;
     w.x[0] = x111;
-    const T x112 = x92 * x109;
-    w.x[1] = x112;
-    const T x114 = x95 * x109;
-    w.x[2] = x114;
-    const T x115 = x97 * x109;
-    w.x[3] = x115;
-    const T x116 = x99 * x109;
-    w.x[4] = x116;
-    const T x117 = x102 * x109;
-    w.x[5] = x117;
     const T x118 = x92 * x112;
     const T x119 = x69 - x118;
     w.x[6] = x119;
@@ -634,25 +635,25 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::inner> {
     const T x806 = w.x[19] * x727;
     const T x807 = x805 + x806;
     // (15), (20)
-    const T x821 = x727 * x763;
-    const T x822 = x723 * x774;
-    const T x823 = x821 - x822;
-    const T x833 = x727 * x796;
-    const T x834 = x723 * x807;
-    const T x835 = x833 - x834;
-    const T x845 = x719 * x763;
-    const T x846 = x715 * x774;
-    const T x847 = x845 - x846;
-    const T x853 = x835 + x847;
-    const T x857 = mass * x710;
-    const T x866 = x731 * w.mc.y;
-    const T x867 = x735 * w.mc.x;
-    const T x868 = x866 - x867;
-    const T x872 = x823 + x857;
-    const T x875 = x853 - x868;
-    const T x876 = k.geometry[0] * x872;
-    const T x877 = x875 + x876;
-    pdot[0] = x877;
+    const T x815 = mass * x710;
+    const T x824 = x731 * w.mc.y;
+    const T x825 = x735 * w.mc.x;
+    const T x826 = x824 - x825;
+    const T x836 = x727 * x763;
+    const T x837 = x723 * x774;
+    const T x838 = x836 - x837;
+    const T x848 = x727 * x796;
+    const T x849 = x723 * x807;
+    const T x850 = x848 - x849;
+    const T x860 = x719 * x763;
+    const T x861 = x715 * x774;
+    const T x862 = x860 - x861;
+    const T x868 = x850 + x862;
+    const T x872 = x815 + x838;
+    const T x877 = x826 - x868;
+    const T x879 = k.geometry[0] * x872;
+    const T x880 = x877 - x879;
+    pdot[0] = -x880;
   }
 };
 
@@ -668,7 +669,39 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::leaf> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
+    // (24) first: 1 / Mj and G
+    const double x76 = k.body.m * k.geometry[0];
+    const double x83 = k.geometry[0] * x76;
+    const double x84 = k.body.J.zz + x83;
+    const double x85 = 1.0 / x84;
+    const T x48 = k.body.mc.x * j.s[0];
+    const T x49 = k.body.mc.y * j.c[0];
+    const T x51 = x48 + x49;
+    w.mc.y = gravity ? x51 : T(0);
+    const T x87 = x51 * x85;
+    w.x[1] = x87;
+    const T x53 = k.body.mc.x * j.c[0];
+    const T x54 = k.body.mc.y * j.s[0];
+    const T x56 = x53 - x54;
+    w.mc.x = gravity ? x56 : T(0);
+    const T x89 = x56 * x85;
+    w.x[2] = x89;
+    const double x90 = x76 * x85;
+    w.x[3] = T(x90);
+    const T x69 = k.body.J.yz * j.s[0];
+    const T x70 = k.body.J.xz * j.c[0];
+    const T x71 = x69 - x70;
+    const T x77 = k.geometry[0] * x51;
+    const T x78 = x71 - x77;
+    const T x91 = x78 * x85;
+    w.x[4] = x91;
+    const T x73 = k.body.J.yz * j.c[0];
+    const T x74 = k.body.J.xz * j.s[0];
+    const T x75 = x73 + x74;
+    const T x80 = k.geometry[0] * x56;
+    const T x82 = x75 - x80;
+    const T x93 = x82 * x85;
+    w.x[5] = x93;
     // (22), (23): the body and its children
     const T x42 = k.geometry[0] * j.q[0];
     const T x43 = j.s[0] * j.s[0];
@@ -676,14 +709,6 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::leaf> {
     const T x45 = x43 + x43;
     const T x46 = 1.0 - x45;
     const T x47 = x44 + x44;
-    const T x48 = k.body.mc.x * j.s[0];
-    const T x49 = k.body.mc.y * j.c[0];
-    const T x51 = x48 + x49;
-    w.mc.y = gravity ? x51 : T(0);
-    const T x53 = k.body.mc.x * j.c[0];
-    const T x54 = k.body.mc.y * j.s[0];
-    const T x56 = x53 - x54;
-    w.mc.x = gravity ? x56 : T(0);
     const double x60 = k.body.J.xx - k.body.J.yy;
     const T x61 = k.body.J.xy * x47;
     const T x62 = x43 * x60;
@@ -693,33 +718,9 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::leaf> {
     const T x66 = x64 + x65;
     const T x67 = k.body.J.xx - x63;
     const T x68 = k.body.J.yy + x63;
-    const T x69 = k.body.J.yz * j.s[0];
-    const T x70 = k.body.J.xz * j.c[0];
-    const T x71 = x69 - x70;
-    const T x73 = k.body.J.yz * j.c[0];
-    const T x74 = k.body.J.xz * j.s[0];
-    const T x75 = x73 + x74;
     // (24), (25), (26), column by column
-    const double x76 = k.body.m * k.geometry[0];
-    const T x77 = k.geometry[0] * x51;
-    const T x78 = x71 - x77;
-    const T x80 = k.geometry[0] * x56;
-    const T x82 = x75 - x80;
-    const double x83 = k.geometry[0] * x76;
-    const double x84 = k.body.J.zz + x83;
-    const double x85 = 1.0 / x84;
     const T x86 = p[0] * x85;
     w.x[0] = x86;
-    const T x87 = x51 * x85;
-    w.x[1] = x87;
-    const T x89 = x56 * x85;
-    w.x[2] = x89;
-    const double x90 = x76 * x85;
-    w.x[3] = T(x90);
-    const T x91 = x78 * x85;
-    w.x[4] = x91;
-    const T x93 = x82 * x85;
-    w.x[5] = x93;
     const T x94 = x51 * x87;
     const T x95 = k.body.m - x94;
     w.x[6] = x95;
@@ -1061,6 +1062,7 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::leaf> {
     const T x510 = x374 - x507;
     contribute<Add, T>(to.mc.y, -x510);
     const T x512 = x366 + x508;
+    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
     contribute<Add, T>(to.mc.z, x512);
   }
   template <class T>
@@ -1175,24 +1177,24 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::leaf> {
     const T x674 = w.x[19] * x566;
     const T x675 = x673 + x674;
     // (15), (20)
-    const T x690 = x566 * x620;
-    const T x692 = x558 * x634;
-    const T x693 = x690 + x692;
-    const T x703 = x566 * x662;
-    const T x705 = x558 * x675;
-    const T x706 = x703 + x705;
-    const T x716 = x550 * x620;
-    const T x718 = x541 * x634;
-    const T x719 = x716 + x718;
-    const T x724 = x706 + x719;
-    const T x727 = mass * x586;
-    const T x736 = x574 * w.mc.y;
-    const T x737 = x582 * w.mc.x;
-    const T x738 = x736 - x737;
-    const T x742 = x693 - x727;
-    const T x746 = x724 + x738;
-    const T x748 = k.geometry[0] * x742;
-    const T x750 = x746 + x748;
+    const T x683 = mass * x586;
+    const T x692 = x574 * w.mc.y;
+    const T x693 = x582 * w.mc.x;
+    const T x694 = x692 - x693;
+    const T x705 = x566 * x620;
+    const T x707 = x558 * x634;
+    const T x708 = x705 + x707;
+    const T x718 = x566 * x662;
+    const T x720 = x558 * x675;
+    const T x721 = x718 + x720;
+    const T x731 = x550 * x620;
+    const T x733 = x541 * x634;
+    const T x734 = x731 + x733;
+    const T x739 = x721 + x734;
+    const T x742 = x683 - x708;
+    const T x747 = x694 + x739;
+    const T x749 = k.geometry[0] * x742;
+    const T x750 = x747 - x749;
     pdot[0] = -x750;
   }
 };
@@ -1209,22 +1211,48 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::inner> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
+    // (24) first: 1 / Mj and G
+    const T x81 = k.body.J.zz + a.M.J.zz;
+    const T x101 = k.geometry[0] * a.M.B.zz;
+    const T x102 = x81 + x101;
+    const T x69 = k.body.m + a.M.A.zz;
+    const T x94 = k.geometry[0] * x69;
+    const T x95 = a.M.B.zz + x94;
+    const T x103 = k.geometry[0] * x95;
+    const T x104 = x102 + x103;
+    const T x107 = 1.0 / x104;
+    const T x73 = k.body.mc.y - a.M.B.xz;
+    const T x89 = k.geometry[0] * a.M.A.xz;
+    const T x90 = x73 - x89;
+    const T x110 = x90 * x107;
+    w.x[1] = x110;
+    const T x76 = k.body.mc.x + a.M.B.yz;
+    const T x92 = k.geometry[0] * a.M.A.yz;
+    const T x93 = x76 + x92;
+    const T x112 = x93 * x107;
+    w.x[2] = x112;
+    const T x113 = x95 * x107;
+    w.x[3] = x113;
+    const T x83 = k.body.J.xz + a.M.J.xz;
+    const T x75 = k.body.mc.y + a.M.B.zx;
+    const T x96 = k.geometry[0] * x75;
+    const T x97 = x83 + x96;
+    const T x114 = x97 * x107;
+    w.x[4] = x114;
+    const T x84 = k.body.J.yz + a.M.J.yz;
+    const T x77 = k.body.mc.x - a.M.B.zy;
+    const T x98 = k.geometry[0] * x77;
+    const T x100 = x84 - x98;
+    const T x115 = x100 * x107;
+    w.x[5] = x115;
     // (22), (23): the body and its children
     const T x67 = k.body.m + a.M.A.xx;
     const T x68 = k.body.m + a.M.A.yy;
-    const T x69 = k.body.m + a.M.A.zz;
     const T x70 = k.body.mc.z + a.M.B.xy;
     const T x71 = k.body.mc.z - a.M.B.yx;
-    const T x73 = k.body.mc.y - a.M.B.xz;
-    const T x75 = k.body.mc.y + a.M.B.zx;
-    const T x76 = k.body.mc.x + a.M.B.yz;
-    const T x77 = k.body.mc.x - a.M.B.zy;
     const T x79 = k.body.J.xx + a.M.J.xx;
     const T x80 = k.body.J.yy + a.M.J.yy;
-    const T x81 = k.body.J.zz + a.M.J.zz;
     const T x82 = k.body.J.xy + a.M.J.xy;
-    const T x83 = k.body.J.xz + a.M.J.xz;
-    const T x84 = k.body.J.yz + a.M.J.yz;
     const T x85 = k.body.mc.x + a.mc.x;
     w.mc.x = gravity ? x85 : T(0);
     const T x86 = k.body.mc.y + a.mc.y;
@@ -1233,36 +1261,11 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::inner> {
     w.mc.z = gravity ? x87 : T(0);
     const T x88 = k.geometry[0] * j.q[0];
     // (24), (25), (26), column by column
-    const T x89 = k.geometry[0] * a.M.A.xz;
-    const T x90 = x73 - x89;
-    const T x92 = k.geometry[0] * a.M.A.yz;
-    const T x93 = x76 + x92;
-    const T x94 = k.geometry[0] * x69;
-    const T x95 = a.M.B.zz + x94;
-    const T x96 = k.geometry[0] * x75;
-    const T x97 = x83 + x96;
-    const T x98 = k.geometry[0] * x77;
-    const T x100 = x84 - x98;
-    const T x101 = k.geometry[0] * a.M.B.zz;
-    const T x102 = x81 + x101;
-    const T x103 = k.geometry[0] * x95;
-    const T x104 = k.geometry[0] * a.D.l.z;
-    const T x105 = x102 + x103;
-    const T x106 = a.D.h.z + x104;
-    const T x107 = 1.0 / x105;
+    const T x105 = k.geometry[0] * a.D.l.z;
+    const T x106 = a.D.h.z + x105;
     const T x108 = p[0] - x106;
     const T x109 = x107 * x108;
     w.x[0] = x109;
-    const T x110 = x90 * x107;
-    w.x[1] = x110;
-    const T x112 = x93 * x107;
-    w.x[2] = x112;
-    const T x113 = x95 * x107;
-    w.x[3] = x113;
-    const T x114 = x97 * x107;
-    w.x[4] = x114;
-    const T x115 = x100 * x107;
-    w.x[5] = x115;
     const T x116 = x90 * x110;
     const T x117 = x67 - x116;
     w.x[6] = x117;
@@ -1723,25 +1726,25 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::inner> {
     const T x672 = w.x[19] * x593;
     const T x673 = x671 + x672;
     // (15), (20)
-    const T x687 = x593 * x629;
-    const T x688 = x589 * x640;
-    const T x689 = x687 - x688;
-    const T x699 = x593 * x662;
-    const T x700 = x589 * x673;
-    const T x701 = x699 - x700;
-    const T x711 = x585 * x629;
-    const T x712 = x581 * x640;
-    const T x713 = x711 - x712;
-    const T x719 = x701 + x713;
-    const T x723 = mass * x576;
-    const T x732 = x597 * w.mc.y;
-    const T x733 = x601 * w.mc.x;
-    const T x734 = x732 - x733;
-    const T x738 = x689 + x723;
-    const T x741 = x719 - x734;
-    const T x742 = k.geometry[0] * x738;
-    const T x743 = x741 + x742;
-    pdot[0] = x743;
+    const T x681 = mass * x576;
+    const T x690 = x597 * w.mc.y;
+    const T x691 = x601 * w.mc.x;
+    const T x692 = x690 - x691;
+    const T x702 = x593 * x629;
+    const T x703 = x589 * x640;
+    const T x704 = x702 - x703;
+    const T x714 = x593 * x662;
+    const T x715 = x589 * x673;
+    const T x716 = x714 - x715;
+    const T x726 = x585 * x629;
+    const T x727 = x581 * x640;
+    const T x728 = x726 - x727;
+    const T x734 = x716 + x728;
+    const T x738 = x681 + x704;
+    const T x743 = x692 - x734;
+    const T x745 = k.geometry[0] * x738;
+    const T x746 = x743 - x745;
+    pdot[0] = -x746;
   }
 };
 
@@ -1757,7 +1760,39 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::leaf> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
+    // (24) first: 1 / Mj and G
+    const double x74 = k.body.m * k.geometry[0];
+    const double x81 = k.geometry[0] * x74;
+    const double x82 = k.body.J.zz + x81;
+    const double x83 = 1.0 / x82;
+    const T x46 = k.body.mc.x * j.s[0];
+    const T x47 = k.body.mc.y * j.c[0];
+    const T x49 = x46 + x47;
+    w.mc.y = gravity ? x49 : T(0);
+    const T x85 = x49 * x83;
+    w.x[1] = x85;
+    const T x51 = k.body.mc.x * j.c[0];
+    const T x52 = k.body.mc.y * j.s[0];
+    const T x54 = x51 - x52;
+    w.mc.x = gravity ? x54 : T(0);
+    const T x87 = x54 * x83;
+    w.x[2] = x87;
+    const double x88 = x74 * x83;
+    w.x[3] = T(x88);
+    const T x67 = k.body.J.yz * j.s[0];
+    const T x68 = k.body.J.xz * j.c[0];
+    const T x69 = x67 - x68;
+    const T x75 = k.geometry[0] * x49;
+    const T x76 = x69 - x75;
+    const T x89 = x76 * x83;
+    w.x[4] = x89;
+    const T x71 = k.body.J.yz * j.c[0];
+    const T x72 = k.body.J.xz * j.s[0];
+    const T x73 = x71 + x72;
+    const T x78 = k.geometry[0] * x54;
+    const T x80 = x73 - x78;
+    const T x91 = x80 * x83;
+    w.x[5] = x91;
     // (22), (23): the body and its children
     const T x40 = k.geometry[0] * j.q[0];
     const T x41 = j.s[0] * j.s[0];
@@ -1765,14 +1800,6 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::leaf> {
     const T x43 = x41 + x41;
     const T x44 = 1.0 - x43;
     const T x45 = x42 + x42;
-    const T x46 = k.body.mc.x * j.s[0];
-    const T x47 = k.body.mc.y * j.c[0];
-    const T x49 = x46 + x47;
-    w.mc.y = gravity ? x49 : T(0);
-    const T x51 = k.body.mc.x * j.c[0];
-    const T x52 = k.body.mc.y * j.s[0];
-    const T x54 = x51 - x52;
-    w.mc.x = gravity ? x54 : T(0);
     const double x58 = k.body.J.xx - k.body.J.yy;
     const T x59 = k.body.J.xy * x45;
     const T x60 = x41 * x58;
@@ -1782,33 +1809,9 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::leaf> {
     const T x64 = x62 + x63;
     const T x65 = k.body.J.xx - x61;
     const T x66 = k.body.J.yy + x61;
-    const T x67 = k.body.J.yz * j.s[0];
-    const T x68 = k.body.J.xz * j.c[0];
-    const T x69 = x67 - x68;
-    const T x71 = k.body.J.yz * j.c[0];
-    const T x72 = k.body.J.xz * j.s[0];
-    const T x73 = x71 + x72;
     // (24), (25), (26), column by column
-    const double x74 = k.body.m * k.geometry[0];
-    const T x75 = k.geometry[0] * x49;
-    const T x76 = x69 - x75;
-    const T x78 = k.geometry[0] * x54;
-    const T x80 = x73 - x78;
-    const double x81 = k.geometry[0] * x74;
-    const double x82 = k.body.J.zz + x81;
-    const double x83 = 1.0 / x82;
     const T x84 = p[0] * x83;
     w.x[0] = x84;
-    const T x85 = x49 * x83;
-    w.x[1] = x85;
-    const T x87 = x54 * x83;
-    w.x[2] = x87;
-    const double x88 = x74 * x83;
-    w.x[3] = T(x88);
-    const T x89 = x76 * x83;
-    w.x[4] = x89;
-    const T x91 = x80 * x83;
-    w.x[5] = x91;
     const T x92 = x49 * x85;
     const T x93 = k.body.m - x92;
     w.x[6] = x93;
@@ -2069,6 +2072,7 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::leaf> {
     const T x397 = x256 - x394;
     contribute<Add, T>(to.mc.y, -x397);
     const T x399 = x260 + x395;
+    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
     contribute<Add, T>(to.mc.z, x399);
   }
   template <class T>
@@ -2165,24 +2169,24 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::leaf> {
     const T x536 = w.x[19] * x436;
     const T x537 = x535 + x536;
     // (15), (20)
-    const T x552 = x436 * x482;
-    const T x554 = out.velocity.w.x * x496;
-    const T x555 = x552 + x554;
-    const T x565 = x436 * x524;
-    const T x567 = out.velocity.w.x * x537;
-    const T x568 = x565 + x567;
-    const T x578 = x428 * x482;
-    const T x580 = x421 * x496;
-    const T x581 = x578 + x580;
-    const T x586 = x568 + x581;
-    const T x589 = mass * x448;
-    const T x598 = out.gravity.x * w.mc.y;
-    const T x599 = x444 * w.mc.x;
-    const T x600 = x598 - x599;
-    const T x604 = x555 - x589;
-    const T x608 = x586 + x600;
-    const T x610 = k.geometry[0] * x604;
-    const T x612 = x608 + x610;
+    const T x545 = mass * x448;
+    const T x554 = out.gravity.x * w.mc.y;
+    const T x555 = x444 * w.mc.x;
+    const T x556 = x554 - x555;
+    const T x567 = x436 * x482;
+    const T x569 = out.velocity.w.x * x496;
+    const T x570 = x567 + x569;
+    const T x580 = x436 * x524;
+    const T x582 = out.velocity.w.x * x537;
+    const T x583 = x580 + x582;
+    const T x593 = x428 * x482;
+    const T x595 = x421 * x496;
+    const T x596 = x593 + x595;
+    const T x601 = x583 + x596;
+    const T x604 = x545 - x570;
+    const T x609 = x556 + x601;
+    const T x611 = k.geometry[0] * x604;
+    const T x612 = x609 - x611;
     pdot[0] = -x612;
   }
 };
@@ -2199,22 +2203,48 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::inner> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
+    // (24) first: 1 / Mj and G
+    const T x69 = k.body.J.zz + a.M.J.zz;
+    const T x89 = k.geometry[0] * a.M.B.zz;
+    const T x90 = x69 + x89;
+    const T x57 = k.body.m + a.M.A.zz;
+    const T x82 = k.geometry[0] * x57;
+    const T x83 = a.M.B.zz + x82;
+    const T x91 = k.geometry[0] * x83;
+    const T x92 = x90 + x91;
+    const T x95 = 1.0 / x92;
+    const T x61 = k.body.mc.y - a.M.B.xz;
+    const T x77 = k.geometry[0] * a.M.A.xz;
+    const T x78 = x61 - x77;
+    const T x98 = x78 * x95;
+    w.x[1] = x98;
+    const T x64 = k.body.mc.x + a.M.B.yz;
+    const T x80 = k.geometry[0] * a.M.A.yz;
+    const T x81 = x64 + x80;
+    const T x100 = x81 * x95;
+    w.x[2] = x100;
+    const T x101 = x83 * x95;
+    w.x[3] = x101;
+    const T x71 = k.body.J.xz + a.M.J.xz;
+    const T x63 = k.body.mc.y + a.M.B.zx;
+    const T x84 = k.geometry[0] * x63;
+    const T x85 = x71 + x84;
+    const T x102 = x85 * x95;
+    w.x[4] = x102;
+    const T x72 = k.body.J.yz + a.M.J.yz;
+    const T x65 = k.body.mc.x - a.M.B.zy;
+    const T x86 = k.geometry[0] * x65;
+    const T x88 = x72 - x86;
+    const T x103 = x88 * x95;
+    w.x[5] = x103;
     // (22), (23): the body and its children
     const T x55 = k.body.m + a.M.A.xx;
     const T x56 = k.body.m + a.M.A.yy;
-    const T x57 = k.body.m + a.M.A.zz;
     const T x58 = k.body.mc.z + a.M.B.xy;
     const T x59 = k.body.mc.z - a.M.B.yx;
-    const T x61 = k.body.mc.y - a.M.B.xz;
-    const T x63 = k.body.mc.y + a.M.B.zx;
-    const T x64 = k.body.mc.x + a.M.B.yz;
-    const T x65 = k.body.mc.x - a.M.B.zy;
     const T x67 = k.body.J.xx + a.M.J.xx;
     const T x68 = k.body.J.yy + a.M.J.yy;
-    const T x69 = k.body.J.zz + a.M.J.zz;
     const T x70 = k.body.J.xy + a.M.J.xy;
-    const T x71 = k.body.J.xz + a.M.J.xz;
-    const T x72 = k.body.J.yz + a.M.J.yz;
     const T x73 = k.body.mc.x + a.mc.x;
     w.mc.x = gravity ? x73 : T(0);
     const T x74 = k.body.mc.y + a.mc.y;
@@ -2223,36 +2253,11 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::inner> {
     w.mc.z = gravity ? x75 : T(0);
     const T x76 = k.geometry[0] * j.q[0];
     // (24), (25), (26), column by column
-    const T x77 = k.geometry[0] * a.M.A.xz;
-    const T x78 = x61 - x77;
-    const T x80 = k.geometry[0] * a.M.A.yz;
-    const T x81 = x64 + x80;
-    const T x82 = k.geometry[0] * x57;
-    const T x83 = a.M.B.zz + x82;
-    const T x84 = k.geometry[0] * x63;
-    const T x85 = x71 + x84;
-    const T x86 = k.geometry[0] * x65;
-    const T x88 = x72 - x86;
-    const T x89 = k.geometry[0] * a.M.B.zz;
-    const T x90 = x69 + x89;
-    const T x91 = k.geometry[0] * x83;
-    const T x92 = k.geometry[0] * a.D.l.z;
-    const T x93 = x90 + x91;
-    const T x94 = a.D.h.z + x92;
-    const T x95 = 1.0 / x93;
+    const T x93 = k.geometry[0] * a.D.l.z;
+    const T x94 = a.D.h.z + x93;
     const T x96 = p[0] - x94;
     const T x97 = x95 * x96;
     w.x[0] = x97;
-    const T x98 = x78 * x95;
-    w.x[1] = x98;
-    const T x100 = x81 * x95;
-    w.x[2] = x100;
-    const T x101 = x83 * x95;
-    w.x[3] = x101;
-    const T x102 = x85 * x95;
-    w.x[4] = x102;
-    const T x103 = x88 * x95;
-    w.x[5] = x103;
     const T x104 = x78 * x98;
     const T x105 = x55 - x104;
     w.x[6] = x105;
@@ -2615,26 +2620,27 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::inner> {
     const T x531 = w.x[19] * x452;
     const T x532 = x530 + x531;
     // (15), (20)
-    const T x546 = x452 * x488;
-    const T x547 = x448 * x499;
-    const T x548 = x546 - x547;
-    const T x558 = x452 * x521;
-    const T x559 = x448 * x532;
-    const T x560 = x558 - x559;
-    const T x570 = x444 * x488;
-    const T x571 = x440 * x499;
-    const T x572 = x570 - x571;
-    const T x578 = x560 + x572;
-    const T x582 = mass * out.gravity.z;
-    out.gravity.z = out.gravity.z;
-    const T x591 = x456 * w.mc.y;
-    const T x592 = x460 * w.mc.x;
-    const T x593 = x591 - x592;
-    const T x597 = x548 + x582;
-    const T x600 = x578 - x593;
-    const T x601 = k.geometry[0] * x597;
-    const T x602 = x600 + x601;
-    pdot[0] = x602;
+    const T x540 = mass * out.gravity.z;
+    const T x549 = x456 * w.mc.y;
+    const T x550 = x460 * w.mc.x;
+    const T x551 = x549 - x550;
+    const T x561 = x452 * x488;
+    const T x562 = x448 * x499;
+    const T x563 = x561 - x562;
+    const T x573 = x452 * x521;
+    const T x574 = x448 * x532;
+    const T x575 = x573 - x574;
+    const T x585 = x444 * x488;
+    const T x586 = x440 * x499;
+    const T x587 = x585 - x586;
+    const T x593 = x575 + x587;
+    const T x597 = x540 + x563;
+    const T x602 = x551 - x593;
+    const T x604 = k.geometry[0] * x597;
+    const T x605 = x602 - x604;
+    const T y11 = out.gravity.z;
+    pdot[0] = -x605;
+    out.gravity.z = y11;
   }
 };
 
@@ -2650,7 +2656,39 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::leaf> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
+    // (24) first: 1 / Mj and G
+    const double x62 = k.body.m * k.geometry[0];
+    const double x69 = k.geometry[0] * x62;
+    const double x70 = k.body.J.zz + x69;
+    const double x71 = 1.0 / x70;
+    const T x34 = k.body.mc.x * j.s[0];
+    const T x35 = k.body.mc.y * j.c[0];
+    const T x37 = x34 + x35;
+    w.mc.y = gravity ? x37 : T(0);
+    const T x73 = x37 * x71;
+    w.x[1] = x73;
+    const T x39 = k.body.mc.x * j.c[0];
+    const T x40 = k.body.mc.y * j.s[0];
+    const T x42 = x39 - x40;
+    w.mc.x = gravity ? x42 : T(0);
+    const T x75 = x42 * x71;
+    w.x[2] = x75;
+    const double x76 = x62 * x71;
+    w.x[3] = T(x76);
+    const T x55 = k.body.J.yz * j.s[0];
+    const T x56 = k.body.J.xz * j.c[0];
+    const T x57 = x55 - x56;
+    const T x63 = k.geometry[0] * x37;
+    const T x64 = x57 - x63;
+    const T x77 = x64 * x71;
+    w.x[4] = x77;
+    const T x59 = k.body.J.yz * j.c[0];
+    const T x60 = k.body.J.xz * j.s[0];
+    const T x61 = x59 + x60;
+    const T x66 = k.geometry[0] * x42;
+    const T x68 = x61 - x66;
+    const T x79 = x68 * x71;
+    w.x[5] = x79;
     // (22), (23): the body and its children
     const T x28 = k.geometry[0] * j.q[0];
     const T x29 = j.s[0] * j.s[0];
@@ -2658,14 +2696,6 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::leaf> {
     const T x31 = x29 + x29;
     const T x32 = 1.0 - x31;
     const T x33 = x30 + x30;
-    const T x34 = k.body.mc.x * j.s[0];
-    const T x35 = k.body.mc.y * j.c[0];
-    const T x37 = x34 + x35;
-    w.mc.y = gravity ? x37 : T(0);
-    const T x39 = k.body.mc.x * j.c[0];
-    const T x40 = k.body.mc.y * j.s[0];
-    const T x42 = x39 - x40;
-    w.mc.x = gravity ? x42 : T(0);
     const double x46 = k.body.J.xx - k.body.J.yy;
     const T x47 = k.body.J.xy * x33;
     const T x48 = x29 * x46;
@@ -2675,33 +2705,9 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::leaf> {
     const T x52 = x50 + x51;
     const T x53 = k.body.J.xx - x49;
     const T x54 = k.body.J.yy + x49;
-    const T x55 = k.body.J.yz * j.s[0];
-    const T x56 = k.body.J.xz * j.c[0];
-    const T x57 = x55 - x56;
-    const T x59 = k.body.J.yz * j.c[0];
-    const T x60 = k.body.J.xz * j.s[0];
-    const T x61 = x59 + x60;
     // (24), (25), (26), column by column
-    const double x62 = k.body.m * k.geometry[0];
-    const T x63 = k.geometry[0] * x37;
-    const T x64 = x57 - x63;
-    const T x66 = k.geometry[0] * x42;
-    const T x68 = x61 - x66;
-    const double x69 = k.geometry[0] * x62;
-    const double x70 = k.body.J.zz + x69;
-    const double x71 = 1.0 / x70;
     const T x72 = p[0] * x71;
     w.x[0] = x72;
-    const T x73 = x37 * x71;
-    w.x[1] = x73;
-    const T x75 = x42 * x71;
-    w.x[2] = x75;
-    const double x76 = x62 * x71;
-    w.x[3] = T(x76);
-    const T x77 = x64 * x71;
-    w.x[4] = x77;
-    const T x79 = x68 * x71;
-    w.x[5] = x79;
     const T x80 = x37 * x73;
     const T x81 = k.body.m - x80;
     w.x[6] = x81;
@@ -2883,6 +2889,7 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::leaf> {
     const T x282 = x37 + x279;
     contribute<Add, T>(to.mc.y, x282);
     const T x283 = k.body.mc.z + x280;
+    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
     contribute<Add, T>(to.mc.z, x283);
   }
   template <class T>
@@ -2961,24 +2968,24 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::leaf> {
     const T x395 = w.x[19] * out.velocity.w.y;
     const T x396 = x394 + x395;
     // (15), (20)
-    const T x411 = out.velocity.w.y * x341;
-    const T x413 = out.velocity.w.x * x355;
-    const T x414 = x411 + x413;
-    const T x424 = out.velocity.w.y * x383;
-    const T x426 = out.velocity.w.x * x396;
-    const T x427 = x424 + x426;
-    const T x437 = x306 * x341;
-    const T x439 = x305 * x355;
-    const T x440 = x437 + x439;
-    const T x445 = x427 + x440;
-    const T x448 = mass * out.gravity.z;
-    const T x457 = out.gravity.x * w.mc.y;
-    const T x458 = out.gravity.y * w.mc.x;
-    const T x459 = x457 - x458;
-    const T x463 = x414 - x448;
-    const T x467 = x445 + x459;
-    const T x469 = k.geometry[0] * x463;
-    const T x471 = x467 + x469;
+    const T x404 = mass * out.gravity.z;
+    const T x413 = out.gravity.x * w.mc.y;
+    const T x414 = out.gravity.y * w.mc.x;
+    const T x415 = x413 - x414;
+    const T x426 = out.velocity.w.y * x341;
+    const T x428 = out.velocity.w.x * x355;
+    const T x429 = x426 + x428;
+    const T x439 = out.velocity.w.y * x383;
+    const T x441 = out.velocity.w.x * x396;
+    const T x442 = x439 + x441;
+    const T x452 = x306 * x341;
+    const T x454 = x305 * x355;
+    const T x455 = x452 + x454;
+    const T x460 = x442 + x455;
+    const T x463 = x404 - x429;
+    const T x468 = x415 + x460;
+    const T x470 = k.geometry[0] * x463;
+    const T x471 = x468 - x470;
     pdot[0] = -x471;
   }
 };
@@ -2995,9 +3002,17 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::root> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    // (22), (23): the body and its children
-    const T x71 = k.body.m + a.M.A.zz;
+    // (24) first: 1 / Mj and G
     const T x83 = k.body.J.zz + a.M.J.zz;
+    const T x103 = k.geometry[0] * a.M.B.zz;
+    const T x104 = x83 + x103;
+    const T x71 = k.body.m + a.M.A.zz;
+    const T x96 = k.geometry[0] * x71;
+    const T x97 = a.M.B.zz + x96;
+    const T x105 = k.geometry[0] * x97;
+    const T x106 = x104 + x105;
+    const T x109 = 1.0 / x106;
+    // (22), (23): the body and its children
     const T x87 = k.body.mc.x + a.mc.x;
     w.mc.x = gravity ? x87 : T(0);
     const T x88 = k.body.mc.y + a.mc.y;
@@ -3005,15 +3020,8 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::root> {
     const T x89 = k.body.mc.z + a.mc.z;
     w.mc.z = gravity ? x89 : T(0);
     // (24), (25), (26), column by column
-    const T x96 = k.geometry[0] * x71;
-    const T x97 = a.M.B.zz + x96;
-    const T x103 = k.geometry[0] * a.M.B.zz;
-    const T x104 = x83 + x103;
-    const T x105 = k.geometry[0] * x97;
-    const T x106 = k.geometry[0] * a.D.l.z;
-    const T x107 = x104 + x105;
-    const T x108 = a.D.h.z + x106;
-    const T x109 = 1.0 / x107;
+    const T x107 = k.geometry[0] * a.D.l.z;
+    const T x108 = a.D.h.z + x107;
     const T x110 = p[0] - x108;
     const T x111 = x109 * x110;
     w.x[0] = x111;
@@ -3023,13 +3031,6 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::root> {
                                         [[maybe_unused]] const JointState<T>& j,
                                         [[maybe_unused]] const T* p, const Record<T>& w, Outboard<T>& out, T* u,
                                         T* pdot, T* qdot) {
-    out.velocity.v.x = T(0.0);
-    out.velocity.v.y = T(0.0);
-    out.velocity.w.x = T(0.0);
-    out.velocity.w.y = T(0.0);
-    u[0] = w.x[0];
-    qdot[0] = w.x[0];
-    out.velocity.w.z = w.x[0];
     // (17): into the joint's frame
     const T x184 = k.sin_b * out.gravity.y;
     const T x186 = k.cos_b * out.gravity.x;
@@ -3056,13 +3057,20 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::root> {
     const T x209 = k.geometry[0] * w.x[0];
     out.velocity.v.z = x209;
     // (15), (20)
-    const T x227 = mass * x199;
-    const T x236 = x204 * w.mc.y;
-    const T x237 = x208 * w.mc.x;
-    const T x238 = x236 - x237;
-    const T x246 = k.geometry[0] * x227;
-    const T x247 = x238 - x246;
+    const T x215 = mass * x199;
+    const T x224 = x204 * w.mc.y;
+    const T x225 = x208 * w.mc.x;
+    const T x226 = x224 - x225;
+    const T x246 = k.geometry[0] * x215;
+    const T x247 = x226 - x246;
+    u[0] = w.x[0];
     pdot[0] = -x247;
+    qdot[0] = w.x[0];
+    out.velocity.v.x = T(0.0);
+    out.velocity.v.y = T(0.0);
+    out.velocity.w.x = T(0.0);
+    out.velocity.w.y = T(0.0);
+    out.velocity.w.z = w.x[0];
   }
 };
 
@@ -3078,15 +3086,16 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::single> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    w.mc.x = gravity ? T(k.body.mc.x) : T(0);
-    w.mc.y = gravity ? T(k.body.mc.y) : T(0);
-    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
-    // (24), (25), (26), column by column
+    // (24) first: 1 / Mj and G
     const double x43 = k.body.m * k.geometry[0];
     const double x49 = k.geometry[0] * x43;
     const double x50 = k.body.J.zz + x49;
     const double x51 = 1.0 / x50;
+    // (24), (25), (26), column by column
     const T x52 = p[0] * x51;
+    w.mc.x = gravity ? T(k.body.mc.x) : T(0);
+    w.mc.y = gravity ? T(k.body.mc.y) : T(0);
+    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
     w.x[0] = x52;
   }
   template <class T>
@@ -3094,8 +3103,6 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::single> {
                                         [[maybe_unused]] const JointState<T>& j,
                                         [[maybe_unused]] const T* p, const Record<T>& w, Outboard<T>& out, T* u,
                                         T* pdot, T* qdot) {
-    u[0] = w.x[0];
-    qdot[0] = w.x[0];
     // (17): into the joint's frame
     const T x117 = k.sin_b * out.gravity.y;
     const T x119 = k.cos_b * out.gravity.x;
@@ -3116,13 +3123,15 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::single> {
     const T x139 = j.s[0] * x120;
     const T x141 = x138 - x139;
     // (15), (20)
-    const T x162 = mass * x132;
-    const T x171 = x137 * w.mc.y;
-    const T x172 = x141 * w.mc.x;
-    const T x173 = x171 - x172;
-    const T x180 = k.geometry[0] * x162;
-    const T x181 = x173 - x180;
-    pdot[0] = -x181;
+    const T x148 = mass * x132;
+    const T x157 = x137 * w.mc.y;
+    const T x158 = x141 * w.mc.x;
+    const T x159 = x157 - x158;
+    const T x181 = k.geometry[0] * x148;
+    const T x182 = x159 - x181;
+    u[0] = w.x[0];
+    pdot[0] = -x182;
+    qdot[0] = w.x[0];
   }
 };
 

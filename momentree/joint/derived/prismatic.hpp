@@ -21,16 +21,28 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::inner> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
+    // (24) first: 1 / Mj and G
+    const T x69 = k.body.m + a.M.A.zz;
+    const T x88 = 1.0 / x69;
+    const T x91 = a.M.A.xz * x88;
+    w.x[1] = x91;
+    const T x92 = a.M.A.yz * x88;
+    w.x[2] = x92;
+    const T x75 = k.body.mc.y + a.M.B.zx;
+    const T x93 = x75 * x88;
+    w.x[3] = x93;
+    const T x77 = k.body.mc.x - a.M.B.zy;
+    const T x94 = x77 * x88;
+    w.x[4] = x94;
+    const T x96 = a.M.B.zz * x88;
+    w.x[5] = x96;
     // (22), (23): the body and its children
     const T x67 = k.body.m + a.M.A.xx;
     const T x68 = k.body.m + a.M.A.yy;
-    const T x69 = k.body.m + a.M.A.zz;
     const T x70 = k.body.mc.z + a.M.B.xy;
     const T x71 = k.body.mc.z - a.M.B.yx;
     const T x73 = k.body.mc.y - a.M.B.xz;
-    const T x75 = k.body.mc.y + a.M.B.zx;
     const T x76 = k.body.mc.x + a.M.B.yz;
-    const T x77 = k.body.mc.x - a.M.B.zy;
     const T x79 = k.body.J.xx + a.M.J.xx;
     const T x80 = k.body.J.yy + a.M.J.yy;
     const T x81 = k.body.J.zz + a.M.J.zz;
@@ -44,20 +56,9 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::inner> {
     const T x87 = k.body.mc.z + a.mc.z;
     w.mc.z = gravity ? x87 : T(0);
     // (24), (25), (26), column by column
-    const T x88 = 1.0 / x69;
     const T x89 = p[0] - a.D.l.z;
     const T x90 = x88 * x89;
     w.x[0] = x90;
-    const T x91 = a.M.A.xz * x88;
-    w.x[1] = x91;
-    const T x92 = a.M.A.yz * x88;
-    w.x[2] = x92;
-    const T x93 = x75 * x88;
-    w.x[3] = x93;
-    const T x94 = x77 * x88;
-    w.x[4] = x94;
-    const T x96 = a.M.B.zz * x88;
-    w.x[5] = x96;
     const T x97 = a.M.A.xz * x91;
     const T x98 = x67 - x97;
     w.x[6] = x98;
@@ -560,11 +561,11 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::inner> {
     const T x669 = w.x[14] * x594;
     const T x670 = x668 + x669;
     // (15), (20)
-    const T x714 = x627 * x659;
-    const T x715 = x623 * x670;
-    const T x716 = x714 - x715;
-    const T x750 = mass * x610;
-    const T x765 = x716 + x750;
+    const T x708 = mass * x610;
+    const T x729 = x627 * x659;
+    const T x730 = x623 * x670;
+    const T x731 = x729 - x730;
+    const T x765 = x708 + x731;
     pdot[0] = x765;
   }
 };
@@ -581,23 +582,28 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::leaf> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
+    // (24) first: 1 / Mj and G
+    const double x73 = 1.0 / k.body.m;
+    const double x45 = k.sin_0 * k.body.mc.x;
+    const double x46 = k.cos_0 * k.body.mc.y;
+    const double x48 = x45 + x46;
+    w.mc.y = gravity ? T(x48) : T(0);
+    w.x[0] = T(x48);
+    const double x75 = x48 * x73;
+    w.x[3] = T(x75);
+    const double x50 = k.cos_0 * k.body.mc.x;
+    const double x51 = k.sin_0 * k.body.mc.y;
+    const double x53 = x50 - x51;
+    w.mc.x = gravity ? T(x53) : T(0);
+    w.x[1] = T(x53);
+    const double x76 = x53 * x73;
+    w.x[4] = T(x76);
     // (22), (23): the body and its children
     const double x40 = k.sin_0 * k.sin_0;
     const double x41 = k.cos_0 * k.sin_0;
     const double x42 = x40 + x40;
     const double x43 = 1.0 - x42;
     const double x44 = x41 + x41;
-    const double x45 = k.sin_0 * k.body.mc.x;
-    const double x46 = k.cos_0 * k.body.mc.y;
-    const double x48 = x45 + x46;
-    w.mc.y = gravity ? T(x48) : T(0);
-    w.x[0] = T(x48);
-    const double x50 = k.cos_0 * k.body.mc.x;
-    const double x51 = k.sin_0 * k.body.mc.y;
-    const double x53 = x50 - x51;
-    w.mc.x = gravity ? T(x53) : T(0);
-    w.x[1] = T(x53);
     const double x57 = k.body.J.xx - k.body.J.yy;
     const double x58 = k.body.J.xy * x44;
     const double x59 = x40 * x57;
@@ -614,13 +620,8 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::leaf> {
     const double x71 = k.sin_0 * k.body.J.xz;
     const double x72 = x70 + x71;
     // (24), (25), (26), column by column
-    const double x73 = 1.0 / k.body.m;
     const T x74 = p[0] * x73;
     w.x[2] = x74;
-    const double x75 = x48 * x73;
-    w.x[3] = T(x75);
-    const double x76 = x53 * x73;
-    w.x[4] = T(x76);
     const double x78 = x48 * x75;
     const double x79 = x64 - x78;
     const double x80 = x53 * x75;
@@ -857,6 +858,7 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::leaf> {
     const T x365 = x232 + x361;
     contribute<Add, T>(to.mc.y, x365);
     const T x366 = x112 + x362;
+    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
     contribute<Add, T>(to.mc.z, x366);
   }
   template <class T>
@@ -927,11 +929,11 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::leaf> {
     const T x458 = w.x[1] * x424;
     const T x459 = x457 + x458;
     // (15), (20)
-    const T x508 = x420 * x453;
-    const T x509 = x412 * x459;
-    const T x510 = x508 - x509;
-    const T x544 = mass * x440;
-    const T x559 = x510 + x544;
+    const T x502 = mass * x440;
+    const T x523 = x420 * x453;
+    const T x524 = x412 * x459;
+    const T x525 = x523 - x524;
+    const T x559 = x502 + x525;
     pdot[0] = x559;
   }
 };
@@ -948,16 +950,28 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::inner> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
+    // (24) first: 1 / Mj and G
+    const T x67 = k.body.m + a.M.A.zz;
+    const T x86 = 1.0 / x67;
+    const T x89 = a.M.A.xz * x86;
+    w.x[1] = x89;
+    const T x90 = a.M.A.yz * x86;
+    w.x[2] = x90;
+    const T x73 = k.body.mc.y + a.M.B.zx;
+    const T x91 = x73 * x86;
+    w.x[3] = x91;
+    const T x75 = k.body.mc.x - a.M.B.zy;
+    const T x92 = x75 * x86;
+    w.x[4] = x92;
+    const T x94 = a.M.B.zz * x86;
+    w.x[5] = x94;
     // (22), (23): the body and its children
     const T x65 = k.body.m + a.M.A.xx;
     const T x66 = k.body.m + a.M.A.yy;
-    const T x67 = k.body.m + a.M.A.zz;
     const T x68 = k.body.mc.z + a.M.B.xy;
     const T x69 = k.body.mc.z - a.M.B.yx;
     const T x71 = k.body.mc.y - a.M.B.xz;
-    const T x73 = k.body.mc.y + a.M.B.zx;
     const T x74 = k.body.mc.x + a.M.B.yz;
-    const T x75 = k.body.mc.x - a.M.B.zy;
     const T x77 = k.body.J.xx + a.M.J.xx;
     const T x78 = k.body.J.yy + a.M.J.yy;
     const T x79 = k.body.J.zz + a.M.J.zz;
@@ -971,20 +985,9 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::inner> {
     const T x85 = k.body.mc.z + a.mc.z;
     w.mc.z = gravity ? x85 : T(0);
     // (24), (25), (26), column by column
-    const T x86 = 1.0 / x67;
     const T x87 = p[0] - a.D.l.z;
     const T x88 = x86 * x87;
     w.x[0] = x88;
-    const T x89 = a.M.A.xz * x86;
-    w.x[1] = x89;
-    const T x90 = a.M.A.yz * x86;
-    w.x[2] = x90;
-    const T x91 = x73 * x86;
-    w.x[3] = x91;
-    const T x92 = x75 * x86;
-    w.x[4] = x92;
-    const T x94 = a.M.B.zz * x86;
-    w.x[5] = x94;
     const T x95 = a.M.A.xz * x89;
     const T x96 = x65 - x95;
     w.x[6] = x96;
@@ -1388,11 +1391,11 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::inner> {
     const T x538 = w.x[14] * x471;
     const T x539 = x537 + x538;
     // (15), (20)
-    const T x583 = x496 * x528;
-    const T x584 = x492 * x539;
-    const T x585 = x583 - x584;
-    const T x619 = mass * x479;
-    const T x634 = x585 + x619;
+    const T x577 = mass * x479;
+    const T x598 = x496 * x528;
+    const T x599 = x492 * x539;
+    const T x600 = x598 - x599;
+    const T x634 = x577 + x600;
     pdot[0] = x634;
   }
 };
@@ -1409,28 +1412,28 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::leaf> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    contribute<Add, T>(to.M.A.xy, T(0.0));
-    contribute<Add, T>(to.M.A.xz, T(0.0));
-    contribute<Add, T>(to.M.B.xx, T(0.0));
-    contribute<Add, T>(to.D.l.x, T(0.0));
-    contribute<Add, T>(to.M.A.xx, T(k.body.m));
-    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
+    // (24) first: 1 / Mj and G
+    const double x71 = 1.0 / k.body.m;
+    const double x43 = k.sin_0 * k.body.mc.x;
+    const double x44 = k.cos_0 * k.body.mc.y;
+    const double x46 = x43 + x44;
+    w.mc.y = gravity ? T(x46) : T(0);
+    w.x[0] = T(x46);
+    const double x73 = x46 * x71;
+    w.x[3] = T(x73);
+    const double x48 = k.cos_0 * k.body.mc.x;
+    const double x49 = k.sin_0 * k.body.mc.y;
+    const double x51 = x48 - x49;
+    w.mc.x = gravity ? T(x51) : T(0);
+    w.x[1] = T(x51);
+    const double x74 = x51 * x71;
+    w.x[4] = T(x74);
     // (22), (23): the body and its children
     const double x38 = k.sin_0 * k.sin_0;
     const double x39 = k.cos_0 * k.sin_0;
     const double x40 = x38 + x38;
     const double x41 = 1.0 - x40;
     const double x42 = x39 + x39;
-    const double x43 = k.sin_0 * k.body.mc.x;
-    const double x44 = k.cos_0 * k.body.mc.y;
-    const double x46 = x43 + x44;
-    w.mc.y = gravity ? T(x46) : T(0);
-    w.x[0] = T(x46);
-    const double x48 = k.cos_0 * k.body.mc.x;
-    const double x49 = k.sin_0 * k.body.mc.y;
-    const double x51 = x48 - x49;
-    w.mc.x = gravity ? T(x51) : T(0);
-    w.x[1] = T(x51);
     const double x55 = k.body.J.xx - k.body.J.yy;
     const double x56 = k.body.J.xy * x42;
     const double x57 = x38 * x55;
@@ -1447,13 +1450,8 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::leaf> {
     const double x69 = k.sin_0 * k.body.J.xz;
     const double x70 = x68 + x69;
     // (24), (25), (26), column by column
-    const double x71 = 1.0 / k.body.m;
     const T x72 = p[0] * x71;
     w.x[2] = x72;
-    const double x73 = x46 * x71;
-    w.x[3] = T(x73);
-    const double x74 = x51 * x71;
-    w.x[4] = T(x74);
     const double x76 = x46 * x73;
     const double x77 = x62 - x76;
     const double x78 = x51 * x73;
@@ -1597,6 +1595,12 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::leaf> {
     const T x248 = x109 + x245;
     contribute<Add, T>(to.mc.y, x248);
     const T x249 = x105 + x246;
+    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
+    contribute<Add, T>(to.M.A.xx, T(k.body.m));
+    contribute<Add, T>(to.M.A.xy, T(0.0));
+    contribute<Add, T>(to.M.A.xz, T(0.0));
+    contribute<Add, T>(to.M.B.xx, T(0.0));
+    contribute<Add, T>(to.D.l.x, T(0.0));
     contribute<Add, T>(to.mc.z, x249);
   }
   template <class T>
@@ -1652,11 +1656,11 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::leaf> {
     const T x316 = w.x[1] * x290;
     const T x317 = x315 + x316;
     // (15), (20)
-    const T x366 = x286 * x311;
-    const T x367 = out.velocity.w.x * x317;
-    const T x368 = x366 - x367;
-    const T x402 = mass * x298;
-    const T x417 = x368 + x402;
+    const T x360 = mass * x298;
+    const T x381 = x286 * x311;
+    const T x382 = out.velocity.w.x * x317;
+    const T x383 = x381 - x382;
+    const T x417 = x360 + x383;
     pdot[0] = x417;
   }
 };
@@ -1673,19 +1677,31 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::inner> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
+    // (24) first: 1 / Mj and G
+    const T x55 = k.body.m + a.M.A.zz;
+    contribute<Add, T>(to.M.A.zz, T(0.0));
+    const T x74 = 1.0 / x55;
+    const T x77 = a.M.A.xz * x74;
+    w.x[1] = x77;
+    const T x78 = a.M.A.yz * x74;
+    w.x[2] = x78;
+    const T x61 = k.body.mc.y + a.M.B.zx;
+    contribute<Add, T>(to.M.B.zx, T(0.0));
+    const T x79 = x61 * x74;
+    w.x[3] = x79;
+    const T x63 = k.body.mc.x - a.M.B.zy;
+    contribute<Add, T>(to.M.B.zy, T(0.0));
+    const T x80 = x63 * x74;
+    w.x[4] = x80;
+    const T x82 = a.M.B.zz * x74;
+    w.x[5] = x82;
     // (22), (23): the body and its children
     const T x53 = k.body.m + a.M.A.xx;
     const T x54 = k.body.m + a.M.A.yy;
-    const T x55 = k.body.m + a.M.A.zz;
-    contribute<Add, T>(to.M.A.zz, T(0.0));
     const T x56 = k.body.mc.z + a.M.B.xy;
     const T x57 = k.body.mc.z - a.M.B.yx;
     const T x59 = k.body.mc.y - a.M.B.xz;
-    const T x61 = k.body.mc.y + a.M.B.zx;
-    contribute<Add, T>(to.M.B.zx, T(0.0));
     const T x62 = k.body.mc.x + a.M.B.yz;
-    const T x63 = k.body.mc.x - a.M.B.zy;
-    contribute<Add, T>(to.M.B.zy, T(0.0));
     const T x65 = k.body.J.xx + a.M.J.xx;
     const T x66 = k.body.J.yy + a.M.J.yy;
     const T x67 = k.body.J.zz + a.M.J.zz;
@@ -1699,21 +1715,10 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::inner> {
     const T x73 = k.body.mc.z + a.mc.z;
     w.mc.z = gravity ? x73 : T(0);
     // (24), (25), (26), column by column
-    const T x74 = 1.0 / x55;
     const T x75 = p[0] - a.D.l.z;
     contribute<Add, T>(to.D.l.z, p[0]);
     const T x76 = x74 * x75;
     w.x[0] = x76;
-    const T x77 = a.M.A.xz * x74;
-    w.x[1] = x77;
-    const T x78 = a.M.A.yz * x74;
-    w.x[2] = x78;
-    const T x79 = x61 * x74;
-    w.x[3] = x79;
-    const T x80 = x63 * x74;
-    w.x[4] = x80;
-    const T x82 = a.M.B.zz * x74;
-    w.x[5] = x82;
     const T x83 = a.M.A.xz * x77;
     contribute<Add, T>(to.M.A.xz, T(0.0));
     const T x84 = x53 - x83;
@@ -1998,16 +2003,18 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::inner> {
     const T x376 = w.x[13] * x336;
     const T x377 = x375 + x376;
     const T x378 = w.x[14] * out.velocity.w.z;
-    out.velocity.w.z = out.velocity.w.z;
     const T x379 = x377 + x378;
     // (15), (20)
-    const T x423 = x336 * x368;
-    const T x424 = x332 * x379;
-    const T x425 = x423 - x424;
-    const T x459 = mass * out.gravity.z;
-    out.gravity.z = out.gravity.z;
-    const T x474 = x425 + x459;
+    const T x417 = mass * out.gravity.z;
+    const T x438 = x336 * x368;
+    const T x439 = x332 * x379;
+    const T x440 = x438 - x439;
+    const T x474 = x417 + x440;
+    const T y8 = out.velocity.w.z;
+    const T y11 = out.gravity.z;
     pdot[0] = x474;
+    out.velocity.w.z = y8;
+    out.gravity.z = y11;
   }
 };
 
@@ -2023,38 +2030,28 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::leaf> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    contribute<Add, T>(to.M.A.zz, T(0.0));
-    contribute<Add, T>(to.M.A.xy, T(0.0));
-    contribute<Add, T>(to.M.A.xz, T(0.0));
-    contribute<Add, T>(to.M.A.yz, T(0.0));
-    contribute<Add, T>(to.M.B.xx, T(0.0));
-    contribute<Add, T>(to.M.B.yy, T(0.0));
-    contribute<Add, T>(to.M.B.zx, T(0.0));
-    contribute<Add, T>(to.M.B.zy, T(0.0));
-    contribute<Add, T>(to.M.B.zz, T(0.0));
-    contribute<Add, T>(to.D.l.x, T(0.0));
-    contribute<Add, T>(to.D.l.y, T(0.0));
-    contribute<Add, T>(to.D.h.z, T(0.0));
-    contribute<Add, T>(to.M.A.xx, T(k.body.m));
-    contribute<Add, T>(to.M.A.yy, T(k.body.m));
-    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
-    contribute<Add, T>(to.D.l.z, p[0]);
+    // (24) first: 1 / Mj and G
+    const double x59 = 1.0 / k.body.m;
+    const double x31 = k.sin_0 * k.body.mc.x;
+    const double x32 = k.cos_0 * k.body.mc.y;
+    const double x34 = x31 + x32;
+    w.mc.y = gravity ? T(x34) : T(0);
+    w.x[0] = T(x34);
+    const double x61 = x34 * x59;
+    w.x[3] = T(x61);
+    const double x36 = k.cos_0 * k.body.mc.x;
+    const double x37 = k.sin_0 * k.body.mc.y;
+    const double x39 = x36 - x37;
+    w.mc.x = gravity ? T(x39) : T(0);
+    w.x[1] = T(x39);
+    const double x62 = x39 * x59;
+    w.x[4] = T(x62);
     // (22), (23): the body and its children
     const double x26 = k.sin_0 * k.sin_0;
     const double x27 = k.cos_0 * k.sin_0;
     const double x28 = x26 + x26;
     const double x29 = 1.0 - x28;
     const double x30 = x27 + x27;
-    const double x31 = k.sin_0 * k.body.mc.x;
-    const double x32 = k.cos_0 * k.body.mc.y;
-    const double x34 = x31 + x32;
-    w.mc.y = gravity ? T(x34) : T(0);
-    w.x[0] = T(x34);
-    const double x36 = k.cos_0 * k.body.mc.x;
-    const double x37 = k.sin_0 * k.body.mc.y;
-    const double x39 = x36 - x37;
-    w.mc.x = gravity ? T(x39) : T(0);
-    w.x[1] = T(x39);
     const double x43 = k.body.J.xx - k.body.J.yy;
     const double x44 = k.body.J.xy * x30;
     const double x45 = x26 * x43;
@@ -2071,13 +2068,8 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::leaf> {
     const double x57 = k.sin_0 * k.body.J.xz;
     const double x58 = x56 + x57;
     // (24), (25), (26), column by column
-    const double x59 = 1.0 / k.body.m;
     const T x60 = p[0] * x59;
     w.x[2] = x60;
-    const double x61 = x34 * x59;
-    w.x[3] = T(x61);
-    const double x62 = x39 * x59;
-    w.x[4] = T(x62);
     const double x64 = x34 * x61;
     const double x65 = x50 - x64;
     const double x66 = x39 * x61;
@@ -2137,6 +2129,23 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::leaf> {
     const double x127 = x34 + x124;
     contribute<Add, T>(to.mc.y, T(x127));
     const T x128 = k.body.mc.z + x125;
+    const T y32 = p[0];
+    w.mc.z = gravity ? T(k.body.mc.z) : T(0);
+    contribute<Add, T>(to.M.A.xx, T(k.body.m));
+    contribute<Add, T>(to.M.A.yy, T(k.body.m));
+    contribute<Add, T>(to.M.A.zz, T(0.0));
+    contribute<Add, T>(to.M.A.xy, T(0.0));
+    contribute<Add, T>(to.M.A.xz, T(0.0));
+    contribute<Add, T>(to.M.A.yz, T(0.0));
+    contribute<Add, T>(to.M.B.xx, T(0.0));
+    contribute<Add, T>(to.M.B.yy, T(0.0));
+    contribute<Add, T>(to.M.B.zx, T(0.0));
+    contribute<Add, T>(to.M.B.zy, T(0.0));
+    contribute<Add, T>(to.M.B.zz, T(0.0));
+    contribute<Add, T>(to.D.l.x, T(0.0));
+    contribute<Add, T>(to.D.l.y, T(0.0));
+    contribute<Add, T>(to.D.l.z, y32);
+    contribute<Add, T>(to.D.h.z, T(0.0));
     contribute<Add, T>(to.mc.z, x128);
   }
   template <class T>
@@ -2177,11 +2186,11 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::leaf> {
     const T x170 = w.x[1] * out.velocity.w.z;
     const T x171 = x169 + x170;
     // (15), (20)
-    const T x220 = out.velocity.w.y * x165;
-    const T x221 = out.velocity.w.x * x171;
-    const T x222 = x220 - x221;
-    const T x256 = mass * out.gravity.z;
-    const T x271 = x222 + x256;
+    const T x214 = mass * out.gravity.z;
+    const T x235 = out.velocity.w.y * x165;
+    const T x236 = out.velocity.w.x * x171;
+    const T x237 = x235 - x236;
+    const T x271 = x214 + x237;
     pdot[0] = x271;
   }
 };
@@ -2198,8 +2207,10 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::root> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
-    // (22), (23): the body and its children
+    // (24) first: 1 / Mj and G
     const T x69 = k.body.m + a.M.A.zz;
+    const T x88 = 1.0 / x69;
+    // (22), (23): the body and its children
     const T x85 = k.body.mc.x + a.mc.x;
     w.mc.x = gravity ? x85 : T(0);
     const T x86 = k.body.mc.y + a.mc.y;
@@ -2207,7 +2218,6 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::root> {
     const T x87 = k.body.mc.z + a.mc.z;
     w.mc.z = gravity ? x87 : T(0);
     // (24), (25), (26), column by column
-    const T x88 = 1.0 / x69;
     const T x89 = p[0] - a.D.l.z;
     const T x90 = x88 * x89;
     w.x[0] = x90;
@@ -2217,14 +2227,6 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::root> {
                                         [[maybe_unused]] const JointState<T>& j,
                                         [[maybe_unused]] const T* p, const Record<T>& w, Outboard<T>& out, T* u,
                                         T* pdot, T* qdot) {
-    out.velocity.v.x = T(0.0);
-    out.velocity.v.y = T(0.0);
-    out.velocity.w.x = T(0.0);
-    out.velocity.w.y = T(0.0);
-    out.velocity.w.z = T(0.0);
-    u[0] = w.x[0];
-    qdot[0] = w.x[0];
-    out.velocity.v.z = w.x[0];
     // (17): into the joint's frame
     const T x149 = k.sin_b * out.gravity.y;
     const T x151 = k.cos_b * out.gravity.x;
@@ -2248,8 +2250,16 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::root> {
     const T x173 = x170 - x171;
     out.gravity.y = x173;
     // (15), (20)
-    const T x182 = mass * x164;
-    pdot[0] = x182;
+    const T x179 = mass * x164;
+    u[0] = w.x[0];
+    pdot[0] = x179;
+    qdot[0] = w.x[0];
+    out.velocity.v.x = T(0.0);
+    out.velocity.v.y = T(0.0);
+    out.velocity.v.z = w.x[0];
+    out.velocity.w.x = T(0.0);
+    out.velocity.w.y = T(0.0);
+    out.velocity.w.z = T(0.0);
   }
 };
 
@@ -2265,12 +2275,13 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::single> {
                                        [[maybe_unused]] const JointState<T>& j, const T* p,
                                        [[maybe_unused]] const Inboard<T>& a, Record<T>& w,
                                        [[maybe_unused]] Inboard<T>& to) {
+    // (24) first: 1 / Mj and G
+    const double x40 = 1.0 / k.body.m;
+    // (24), (25), (26), column by column
+    const T x41 = p[0] * x40;
     w.mc.x = gravity ? T(k.body.mc.x) : T(0);
     w.mc.y = gravity ? T(k.body.mc.y) : T(0);
     w.mc.z = gravity ? T(k.body.mc.z) : T(0);
-    // (24), (25), (26), column by column
-    const double x40 = 1.0 / k.body.m;
-    const T x41 = p[0] * x40;
     w.x[0] = x41;
   }
   template <class T>
@@ -2278,8 +2289,6 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::single> {
                                         [[maybe_unused]] const JointState<T>& j,
                                         [[maybe_unused]] const T* p, const Record<T>& w, Outboard<T>& out, T* u,
                                         T* pdot, T* qdot) {
-    u[0] = w.x[0];
-    qdot[0] = w.x[0];
     // (17): into the joint's frame
     const T x64 = k.cos_b * out.gravity.y;
     const T x65 = k.sin_b * out.gravity.x;
@@ -2289,7 +2298,9 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::single> {
     const T x75 = x72 - x73;
     // (15), (20)
     const T x90 = mass * x75;
+    u[0] = w.x[0];
     pdot[0] = x90;
+    qdot[0] = w.x[0];
   }
 };
 
