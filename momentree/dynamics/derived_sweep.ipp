@@ -29,7 +29,7 @@ void Sweep<T>::inboard_derived(const KernelRun& run) const {
   buffers.resume_inward(run, a);
   for (int i = run.end - 1; i >= run.begin; --i) {
     const int b = order[static_cast<std::size_t>(i)];
-    const unsigned flags = node_flags[static_cast<std::size_t>(i)];
+    const unsigned flags = node::in_stage(node_flags[static_cast<std::size_t>(i)]);
     const LinkConstants& link = tree.link(b);
     const Place place = detail::place_of(flags);
     if ((flags & node::leaf) == 0) buffers.gather_children(b, flags, a);
@@ -63,7 +63,7 @@ void Sweep<T>::outboard_derived(const KernelRun& run, const Outboard<T>& base) c
   buffers.resume_outward(run, a);
   for (int i = run.begin; i < run.end; ++i) {
     const int b = order[static_cast<std::size_t>(i)];
-    const unsigned flags = node_flags[static_cast<std::size_t>(i)];
+    const unsigned flags = node::in_stage(node_flags[static_cast<std::size_t>(i)]);
     const LinkConstants& link = tree.link(b);
     const int at = tree.first_p(b);
     buffers.load_parent(b, flags, base, a);

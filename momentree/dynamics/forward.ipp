@@ -41,10 +41,14 @@ struct Sweep {
     const auto node_flags = tree.node_flags();
     auto* const records = workspace.template records_of<K>(tree, run);
     Inboard<T> a;
+    if constexpr (K::rigid && !Keep)
+      if (run.end == run.begin + 1 && (node_flags[static_cast<std::size_t>(run.begin)] & node::grounded) != 0) return;
     buffers.resume_inward(run, a);
     for (int i = run.end - 1; i >= run.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flags = node_flags[static_cast<std::size_t>(i)];
+      if constexpr (K::rigid && !Keep)
+        if ((flags & node::grounded) != 0) continue;  // it rests, and its children contribute nothing
       const LinkConstants& link = tree.link(b);
       const JointState<T> joint = joint_state(b);
       auto& record = records[i - run.begin];
@@ -136,7 +140,7 @@ struct Sweep {
     buffers.resume_inward(run, a);
     for (std::ptrdiff_t i = run.end - 1; i >= run.begin; --i) {
       const int b = order[i];
-      const unsigned flags = node_flags[i];
+      const unsigned flags = Keep ? node_flags[i] : node::in_stage(node_flags[i]);
       const LinkConstants& link = tree.link(b);
       const int angle = tree.first_angle(b), at = tree.first_p(b);
       --record;
@@ -169,7 +173,7 @@ struct Sweep {
     buffers.resume_outward(run, a);
     for (std::ptrdiff_t i = run.begin; i < run.end; ++i, ++record) {
       const int b = order[i];
-      const unsigned flags = node_flags[i];
+      const unsigned flags = Keep ? node_flags[i] : node::in_stage(node_flags[i]);
       const LinkConstants& link = tree.link(b);
       const int angle = tree.first_angle(b), at = tree.first_p(b);
       auto* const kept = Keep ? &workspace.motions[static_cast<std::size_t>(b)] : nullptr;

@@ -35,6 +35,7 @@ enum : unsigned char {
   root = 8,         ///< attached to the ground
   last_child = 16,  ///< the parent's last of several children: the first to be processed in the inward pass
   aligned = 32,     ///< its link needs no rotation about the parent's z
+  grounded = 64,    ///< attached to the ground directly or by welds alone
 };
 }
 
