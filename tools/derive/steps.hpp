@@ -1,10 +1,11 @@
 #pragma once
-// The steps of both passes across a joint of any kind, as a text that runs on symbols: (22)–(26) and (16) inboard, (17), (27), (21)
-// and (20) outboard.
+// The steps of both passes across a joint of any kind, as a text that runs on symbols: (22)–(26) and (16) inboard, (17), (27),
+// (21) and (20) outboard.
 //
-// Both steps work in a frame F in which E is constant: that of the child, the frame before the joint's last rotation, about z, or, if
-// the joint is a screw, the frame before its displacement, too. There (20) has no term Ė; instead, Ω × Pb contains the velocity of
-// F. If E is constant in several of them, `Order` says which is used: the orders of reduction and transform are one text.
+// Both steps work in a frame F in which E is constant: that of the child, the frame before the joint's last rotation, about z,
+// or, if the joint is a screw, the frame before its displacement, too. There (20) has no term Ė; instead, Ω × Pb contains the
+// velocity of F. If E is constant in several of them, `Order` says which is used: the orders of reduction and transform are one
+// text.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -115,8 +116,7 @@ struct Text {
     M_hat = M, D_hat = D;
     const char* const axes[] = {"x", "y", "z"};
     const T moments[] = {mc.x, mc.y, mc.z};
-    for (std::size_t i = 0; i < 3; ++i)
-      f.stores.push_back({"w.mc." + std::string(axes[i]), moments[i].node(), "gravity"});
+    for (std::size_t i = 0; i < 3; ++i) f.stores.push_back({"w.mc." + std::string(axes[i]), moments[i].node(), "gravity"});
     if (root) {
       if constexpr (!K::rotates_about_z) across_joint = across();
       return;
@@ -216,7 +216,7 @@ struct Text {
         if (j != pivot) Pb[pivot] = Pb[pivot] - basis.columns[i][j] * Pb[j];
     }
     begin(f, in, "(15), (20)");
-    Six frame = now;  // the velocity of F
+    Six frame = now;                                                        // the velocity of F
     if (K::rotates_about_z && order.frame != Order::child) frame = before;  // and what is along z has no effect on a screw
     if (kind.dof >= 0) {
       const Six& last = E[at(kind.dof)];
@@ -251,7 +251,8 @@ struct Text {
       if (order.frame == Order::before_displacement) shift_outboard(velocity, Vector3<T>{T(0), T(0), screw.d});
       if (order.frame != Order::child) rotate_out(velocity, gravity, screw.c, screw.s);
     }
-    store(f.last, "out.velocity.v", velocity.v), store(f.last, "out.velocity.w", velocity.w), store(f.last, "out.gravity", gravity);
+    store(f.last, "out.velocity.v", velocity.v), store(f.last, "out.velocity.w", velocity.w),
+        store(f.last, "out.gravity", gravity);
   }
 
   static void rotate_out(Motion<T>& velocity, Vector3<T>& gravity, const T& cos, const T& sin) {
