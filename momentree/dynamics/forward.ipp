@@ -1,6 +1,6 @@
 #pragma once
-// Definitions of the two recursions; included only by instantiate/*.cpp, each for one scalar, which also include derived_sweep.ipp
-// or are compiled beside an instantiation of it.
+// Definitions of the two recursions; included only by instantiate/*.cpp, each for one scalar, which also include
+// derived_sweep.ipp or are compiled beside an instantiation of it.
 //
 // The passes run along the tree's order with their sums in local variables. The first child of a body follows it directly, so
 // sums pass through memory only for later children. Kernel runs, consecutive bodies with the same kernels, are one loop.

@@ -1,6 +1,6 @@
-// The implementations of one evaluation against each other, on random trees: steps by the shape of the link, derived steps and the
-// pass over plane mechanisms (stages), steps that store results for others (motions), the order of operations for many worlds,
-// steps of revolute joints with armature, and the generic functions.
+// The implementations of one evaluation against each other, on random trees: steps by the shape of the link, derived steps and
+// the pass over plane mechanisms (stages), steps that store results for others (motions), the order of operations for many
+// worlds, steps of revolute joints with armature, and the generic functions.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -27,7 +27,8 @@ JointSpec random_joint(Random& random) {
   const int draw = random.below(18);
   const bool simple = random.chance(0.5);
   if (draw == 12) return Planar{};
-  if (draw == 13) return simple ? Universal{.axis = x_axis, .axis2 = y_axis} : Universal{.axis = {1, 0.1, 0.2}, .axis2 = {0, 1, 0}};
+  if (draw == 13)
+    return simple ? Universal{.axis = x_axis, .axis2 = y_axis} : Universal{.axis = {1, 0.1, 0.2}, .axis2 = {0, 1, 0}};
   if (draw == 14) return Helical{.axis = simple ? z_axis : Vec3{0.3, 0, 1}, .pitch = 0.4};
   if (draw == 15) return Cylindrical{.axis = simple ? z_axis : Vec3{0, 0.3, 1}};
   if (draw == 16) return Free{};
@@ -165,7 +166,7 @@ TEST_CASE("steps by shape, planar kernels and generic kernels give the same rate
         const auto i = static_cast<std::size_t>(kind.kind);
         for (const int n : seen.places[i]) CHECK(n > 3);
         for (std::size_t r = 0; r < 4; ++r)
-          if ((derived_rotations<K> >> r & 1u) != 0) CHECK_MESSAGE(seen.rotations[i][r] > 10, "rotation ", r);
+          if ((derived_rotations < K >>> r & 1u) != 0) CHECK_MESSAGE(seen.rotations[i][r] > 10, "rotation ", r);
       }
     });
   CHECK(seen.rotors > 1000);

@@ -132,8 +132,12 @@ template <class Kind, LinkRotation Rotation, Place At, class T>
   K::frame(spec, k.geometry);
   RigidMass body{1.5 + draw(), draw.vector(), {}};
   const Vec3 c = (1 / body.m) * body.mc;
-  body.J = {body.m * (c.y * c.y + c.z * c.z) + 0.3, body.m * (c.x * c.x + c.z * c.z) + 0.4, body.m * (c.x * c.x + c.y * c.y) + 0.5,
-            -body.m * c.x * c.y, -body.m * c.x * c.z, -body.m * c.y * c.z};
+  body.J = {body.m * (c.y * c.y + c.z * c.z) + 0.3,
+            body.m * (c.x * c.x + c.z * c.z) + 0.4,
+            body.m * (c.x * c.x + c.y * c.y) + 0.5,
+            -body.m * c.x * c.y,
+            -body.m * c.x * c.z,
+            -body.m * c.y * c.z};
   k.body = body;
   Joint<double> joint;
   for (std::size_t i = 0; i < 8; ++i) joint.q[i] = 2 * draw(), joint.p[i] = draw();
@@ -173,7 +177,8 @@ void laws_of_places(Draw& draw, double tolerance) {
   constexpr unsigned kept = derived_rotations<typename Kind::Kernels>;
   if constexpr ((kept >> static_cast<unsigned>(Rotation) & 1u) != 0)
     for (int trial = 0; trial < 100; ++trial) {
-      law<Kind, Rotation, Place::inner, T>(draw, Rotation, tolerance), law<Kind, Rotation, Place::leaf, T>(draw, Rotation, tolerance);
+      law<Kind, Rotation, Place::inner, T>(draw, Rotation, tolerance),
+          law<Kind, Rotation, Place::leaf, T>(draw, Rotation, tolerance);
       law<Kind, LinkRotation::any, Place::root, T>(draw, Rotation, tolerance);
       law<Kind, LinkRotation::any, Place::single, T>(draw, Rotation, tolerance);
     }
@@ -189,8 +194,10 @@ void laws(double tolerance) {
       if constexpr (has_derived_steps<typename Kind::Kernels>) {
         INFO(std::string(Kind::info.name));
         ++kinds;
-        laws_of_places<Kind, LinkRotation::any, T>(draw, tolerance), laws_of_places<Kind, LinkRotation::tilted, T>(draw, tolerance);
-        laws_of_places<Kind, LinkRotation::about_z, T>(draw, tolerance), laws_of_places<Kind, LinkRotation::none, T>(draw, tolerance);
+        laws_of_places<Kind, LinkRotation::any, T>(draw, tolerance),
+            laws_of_places<Kind, LinkRotation::tilted, T>(draw, tolerance);
+        laws_of_places<Kind, LinkRotation::about_z, T>(draw, tolerance),
+            laws_of_places<Kind, LinkRotation::none, T>(draw, tolerance);
       }
     });
   CHECK(kinds >= 7);

@@ -49,9 +49,9 @@ std::string step(const Traits& traits, LinkRotation rotation, Place place) {
   static const char* const rotations[] = {"any", "tilted", "about_z", "none"};
   static const char* const places[] = {"inner", "leaf", "root", "single"};
   const Written written = best<Kind>(traits, rotation, place);
-  std::string s = "/// " + std::to_string(written.operations) + " operations.\ntemplate <>\nstruct DerivedSteps<" + traits.kernels +
-                  ", LinkRotation::" + rotations[static_cast<int>(rotation)] + ", Place::" + places[static_cast<int>(place)] +
-                  "> {\n";
+  std::string s = "/// " + std::to_string(written.operations) + " operations.\ntemplate <>\nstruct DerivedSteps<" +
+                  traits.kernels + ", LinkRotation::" + rotations[static_cast<int>(rotation)] +
+                  ", Place::" + places[static_cast<int>(place)] + "> {\n";
   s += std::string("  static constexpr Place place = Place::") + places[static_cast<int>(place)] +
        ";\n  template <class T>\n  using Record = DerivedRecord<T, " + written.record + ">;\n";
   s += "  template <bool Add, class T>\n  MOMENTREE_INLINE static void inboard([[maybe_unused]] const LinkConstants& k,\n"
@@ -60,7 +60,8 @@ std::string step(const Traits& traits, LinkRotation rotation, Place place) {
        "                                       [[maybe_unused]] const Inboard<T>& a, Record<T>& w,\n"
        "                                       [[maybe_unused]] Inboard<T>& to) {\n";
   s += written.inboard + "  }\n";
-  s += "  template <class T>\n  MOMENTREE_INLINE static void outboard([[maybe_unused]] const LinkConstants& k, [[maybe_unused]] double mass,\n"
+  s += "  template <class T>\n  MOMENTREE_INLINE static void outboard([[maybe_unused]] const LinkConstants& k, [[maybe_unused]] "
+       "double mass,\n"
        "                                        [[maybe_unused]] const JointState<T>& j,\n"
        "                                        [[maybe_unused]] const T* p, const Record<T>& w, Outboard<T>& out, T* u,\n"
        "                                        T* pdot, T* qdot) {\n";
@@ -71,11 +72,11 @@ template <class Kind>
 std::string header(const Traits& traits) {
   unsigned bits = 0;
   for (const LinkRotation rotation : traits.rotations) bits |= 1u << static_cast<unsigned>(rotation);
-  std::string s =
-      "#pragma once\n// Steps of a " + traits.name +
-      " joint. Written by momentree-derive from the functions of the kind: do not edit, run ./dev derive.\n"
-      "// clang-format off\n#include <momentree/joint/derived_steps.hpp>\n\nnamespace momentree {\n\nstruct " + traits.kernels +
-      ";\ntemplate <>\ninline constexpr unsigned derived_rotations<" + traits.kernels + "> = " + std::to_string(bits) + ";\n\n";
+  std::string s = "#pragma once\n// Steps of a " + traits.name +
+                  " joint. Written by momentree-derive from the functions of the kind: do not edit, run ./dev derive.\n"
+                  "// clang-format off\n#include <momentree/joint/derived_steps.hpp>\n\nnamespace momentree {\n\nstruct " +
+                  traits.kernels + ";\ntemplate <>\ninline constexpr unsigned derived_rotations<" + traits.kernels +
+                  "> = " + std::to_string(bits) + ";\n\n";
   for (const LinkRotation rotation : traits.rotations)
     for (const Place place : {Place::inner, Place::leaf}) s += step<Kind>(traits, rotation, place) + '\n';
   for (const Place place : {Place::root, Place::single}) s += step<Kind>(traits, LinkRotation::any, place) + '\n';
@@ -103,7 +104,8 @@ int main(int arguments, char** words) {
   for (const auto& [name, text] : files) {
     const std::filesystem::path file = folder / (name + ".hpp");
     if (arguments == 2) {
-      if (!(std::ofstream(file, std::ios::binary) << text)) return std::fprintf(stderr, "%s: cannot be written\n", file.c_str()), 1;
+      if (!(std::ofstream(file, std::ios::binary) << text))
+        return std::fprintf(stderr, "%s: cannot be written\n", file.c_str()), 1;
       continue;
     }
     std::ifstream in(file, std::ios::binary);

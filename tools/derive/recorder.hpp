@@ -92,9 +92,8 @@ struct Link {
       R0.xx = R0.yy = cos_0, R0.xy = -sin_0, R0.yx = sin_0;
       return;
     }
-    R0 = {in.constant("k.R0.xx"), in.constant("k.R0.xy"), in.constant("k.R0.xz"),
-          in.constant("k.R0.yx"), in.constant("k.R0.yy"), in.constant("k.R0.yz"),
-          in.constant("k.R0.zx"), in.constant("k.R0.zy"), in.constant("k.R0.zz")};
+    R0 = {in.constant("k.R0.xx"), in.constant("k.R0.xy"), in.constant("k.R0.xz"), in.constant("k.R0.yx"), in.constant("k.R0.yy"),
+          in.constant("k.R0.yz"), in.constant("k.R0.zx"), in.constant("k.R0.zy"), in.constant("k.R0.zz")};
   }
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// Writes recorded steps as C++: one statement per operation, in the order in which the text asked for them, so that few values are
-// live at a time.
+// Writes recorded steps as C++: one statement per operation, in the order in which the text asked for them, so that few values
+// are live at a time.
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -38,7 +38,8 @@ class Writer {
 
   bool stops(std::size_t i) const { return named(static_cast<int>(i)) != nullptr || (reads_record_ && record_[i] >= 0); }
 
-  /// The statements of a function: each number is stored as soon as it is known, and no input in the same memory is still to be read.
+  /// The statements of a function: each number is stored as soon as it is known, and no input in the same memory is still to be
+  /// read.
   std::string function(const Function& f, std::vector<Store> stores, bool reads_record) {
     text_.clear(), comments_ = &f.comments, comment_ = 0, reads_record_ = reads_record;
     std::vector<bool> needed(nodes_.size(), false);
@@ -118,7 +119,8 @@ class Writer {
     if (value.empty()) value = operand(one.node);
     if (constant_[at(one.node)]) value = "T(" + value + ')';
     if (!one.guard.empty()) value = one.guard + " ? " + value + " : T(0)";
-    text_ += one.to.starts_with("to.") ? "    contribute<Add, T>(" + one.to + ", " + value + ");\n" : "    " + one.to + " = " + value + ";\n";
+    text_ += one.to.starts_with("to.") ? "    contribute<Add, T>(" + one.to + ", " + value + ");\n"
+                                       : "    " + one.to + " = " + value + ";\n";
   }
   void comment(int node) {
     const std::string* text = nullptr;
