@@ -66,8 +66,8 @@ struct GenericRecord {
   DenseTransform<T> x;
 };
 
-// The equations of both passes. Those of the inward pass work in place: `M` and `D` hold the sums of the children's contributions,
-// then the articulated, then the reduced quantities.
+// The equations of both passes. Those of the inward pass work in place: `M` and `D` hold the sums of the children's
+// contributions, then the articulated, then the reduced quantities.
 
 /// (22): Mb = M + Σ Xᵀ M̂ X, from the sum.
 template <class T, class Body>
@@ -146,7 +146,7 @@ MOMENTREE_INLINE void reduce_generic(const Columns<T, N>& E, const T* p, const d
     solve_row([](Force<T>& f) -> T& { return f.h.x; });
     solve_row([](Force<T>& f) -> T& { return f.h.y; });
     solve_row([](Force<T>& f) -> T& { return f.h.z; });
-    reduced_mass(w.G, ME, M);          // (25)
+    reduced_mass(w.G, ME, M);         // (25)
     reduced_remainder(w.G, w.u0, D);  // (26)
     w.Mj.solve(w.u0);
   }

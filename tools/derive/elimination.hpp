@@ -104,8 +104,8 @@ inline void reduced_remainder(const Six& E, std::size_t pivot, const Six& g, con
   D[pivot] = last;
 }
 
-/// (24)–(26) for one column after the other; `p` are the momenta p' of the columns. The divisions, which take longest, and the columns
-/// of G come `first`.
+/// (24)–(26) for one column after the other; `p` are the momenta p' of the columns. The divisions, which take longest, and the
+/// columns of G come `first`.
 inline std::vector<Eliminated> reduce(const Basis& basis, const std::vector<T>& p, SpatialMass<T>& M, Force<T>& remainder,
                                       std::vector<int>& first) {
   std::vector<Eliminated> all;

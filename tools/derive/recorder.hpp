@@ -21,7 +21,8 @@ struct Comment {
   std::string text;
 };
 
-/// One function: what it stores, and `last` what it stores where inputs may be; what it computes first, because much waits for it.
+/// One function: what it stores, and `last` what it stores where inputs may be; what it computes first, because much waits for
+/// it.
 struct Function {
   std::vector<int> first;
   std::vector<Store> stores, last;

@@ -1,10 +1,11 @@
 #pragma once
-// The steps of both passes across a joint of any kind, as a text that runs on symbols: (22)–(26) and (16) inboard, (17), (27), (21)
-// and (20) outboard.
+// The steps of both passes across a joint of any kind, as a text that runs on symbols: (22)–(26) and (16) inboard, (17), (27),
+// (21) and (20) outboard.
 //
-// Both steps work in a frame F in which E is constant: that of the child, the frame before the joint's last rotation, about z, or, if
-// the joint is a screw, the frame before its displacement, too. There (20) has no term Ė; instead, Ω × Pb contains the velocity of
-// F. If E is constant in several of them, `Order` says which is used: the orders of reduction and transform are one text.
+// Both steps work in a frame F in which E is constant: that of the child, the frame before the joint's last rotation, about z,
+// or, if the joint is a screw, the frame before its displacement, too. There (20) has no term Ė; instead, Ω × Pb contains the
+// velocity of F. If E is constant in several of them, `Order` says which is used: the orders of reduction and transform are one
+// text.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -115,8 +116,7 @@ struct Text {
     M_hat = M, D_hat = D;
     const char* const axes[] = {"x", "y", "z"};
     const T moments[] = {mc.x, mc.y, mc.z};
-    for (std::size_t i = 0; i < 3; ++i)
-      f.stores.push_back({"w.mc." + std::string(axes[i]), moments[i].node(), "gravity"});
+    for (std::size_t i = 0; i < 3; ++i) f.stores.push_back({"w.mc." + std::string(axes[i]), moments[i].node(), "gravity"});
     if (root) {
       if constexpr (!K::rotates_about_z) across_joint = across();
       return;
@@ -212,11 +212,12 @@ struct Text {
       if (order.frame == Order::before_displacement) shift_outboard(velocity, Vector3<T>{T(0), T(0), screw.d});
       if (order.frame != Order::child) rotate_out(velocity, gravity, screw.c, screw.s);
     }
-    store(f.last, "out.velocity.v", velocity.v), store(f.last, "out.velocity.w", velocity.w), store(f.last, "out.gravity", gravity);
+    store(f.last, "out.velocity.v", velocity.v), store(f.last, "out.velocity.w", velocity.w),
+        store(f.last, "out.gravity", gravity);
   }
 
-  /// (27) for one column after the other, the last reduced first, and (17): the body's velocity, from that before the joint's own.
-  /// In a pivot's row it is the velocity that the column's pivot contributes in total.
+  /// (27) for one column after the other, the last reduced first, and (17): the body's velocity, from that before the joint's
+  /// own. In a pivot's row it is the velocity that the column's pivot contributes in total.
   Six joint_velocity(const Six& before, std::vector<T>& u_basis) const {
     Six now = before;
     for (std::size_t i = NV; i-- > 0;) {

@@ -79,7 +79,8 @@ class Writer {
     std::vector<std::string> values;
     for (std::size_t k = 0; k < stores.size(); ++k) {
       values.emplace_back();
-      if (due[k] != end || nodes_[at(magnitude(stores[k].node))].operation != Operation::q || stores[k].to.starts_with("w.")) continue;
+      if (due[k] != end || nodes_[at(magnitude(stores[k].node))].operation != Operation::q || stores[k].to.starts_with("w."))
+        continue;
       values.back() = "y" + std::to_string(k);
       text_ += "    const T " + values.back() + " = " + operand(stores[k].node) + ";\n";
     }
@@ -106,8 +107,8 @@ class Writer {
     return due;
   }
   void statement(std::size_t i) {
-    text_ += std::string("    const ") + (constant_[i] ? "double" : "T") + " x" + std::to_string(i) + " = " + operand(nodes_[i].a) +
-             symbol(nodes_[i].operation) + operand(nodes_[i].b) + ";\n";
+    text_ += std::string("    const ") + (constant_[i] ? "double" : "T") + " x" + std::to_string(i) + " = " +
+             operand(nodes_[i].a) + symbol(nodes_[i].operation) + operand(nodes_[i].b) + ";\n";
     ++operations_;
   }
   /// A node without its changes of sign.
