@@ -88,7 +88,9 @@ long of_a_link(Kind kind, Variant variant, const Vec3& gravity) {
     if (kind == Kind::helical) joint.pitch = 0.1;
     if (variant == Variant::armature) joint.parameters.armature = 0.1;
     Model model({.gravity = gravity});
-    BodyId last = model.add(body(0, ground, {}, turned ? JointSpec(Free{}) : JointSpec(Weld{})));
+    // Welds to the ground cost nothing.
+    const JointSpec base = turned ? JointSpec(Free{}) : kind == Kind::weld ? JointSpec(Revolute{}) : JointSpec(Weld{});
+    BodyId last = model.add(body(0, ground, {}, base));
     for (int k = 1; k <= links; ++k) last = model.add(body(k, last, general_place(random), joint));
     Tree tree = compile(model);
     State state = start_state(model, tree);

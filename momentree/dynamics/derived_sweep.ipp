@@ -7,7 +7,7 @@ namespace momentree {
 
 namespace detail {
 MOMENTREE_INLINE Place place_of(unsigned flags) {
-  const bool root = (flags & node::root) != 0;
+  const bool root = (flags & node::grounded) != 0;
   return (flags & node::leaf) != 0 ? root ? Place::single : Place::leaf : root ? Place::root : Place::inner;
 }
 /// The record of derived steps, in the memory of the kind's own.
@@ -29,14 +29,14 @@ void Sweep<T>::inboard_derived(const KernelRun& run) const {
   buffers.resume_inward(run, a);
   for (int i = run.end - 1; i >= run.begin; --i) {
     const int b = order[static_cast<std::size_t>(i)];
-    const unsigned flags = node::in_stage(node_flags[static_cast<std::size_t>(i)]);
+    const unsigned flags = node_flags[static_cast<std::size_t>(i)];
     const LinkConstants& link = tree.link(b);
     const Place place = detail::place_of(flags);
     if ((flags & node::leaf) == 0) buffers.gather_children(b, flags, a);
     // The contribution of a last child starts the sum of its parent in memory, and a leaf between it and the first child adds to
     // it directly.
-    const bool last = (flags & (node::first_child | node::root | node::last_child)) == node::last_child;
-    const bool middle = (flags & (node::first_child | node::root | node::last_child)) == 0;
+    const bool last = (flags & (node::first_child | node::grounded | node::last_child)) == node::last_child;
+    const bool middle = (flags & (node::first_child | node::grounded | node::last_child)) == 0;
     Inboard<T>& to = last || (middle && place == Place::leaf) ? buffers.child_sums[tree.parent(b)] : a;
     with_derived_steps<K>(link.rotation, place, [&](auto tag) MOMENTREE_INLINE_LAMBDA {
       using Steps = typename decltype(tag)::type;
@@ -63,7 +63,7 @@ void Sweep<T>::outboard_derived(const KernelRun& run, const Outboard<T>& base) c
   buffers.resume_outward(run, a);
   for (int i = run.begin; i < run.end; ++i) {
     const int b = order[static_cast<std::size_t>(i)];
-    const unsigned flags = node::in_stage(node_flags[static_cast<std::size_t>(i)]);
+    const unsigned flags = node_flags[static_cast<std::size_t>(i)];
     const LinkConstants& link = tree.link(b);
     const int at = tree.first_p(b);
     buffers.load_parent(b, flags, base, a);

@@ -132,6 +132,7 @@ struct Sweep {
 
   template <class K, bool Gravity, bool Keep>
   void inboard_steps(const KernelRun& run) const {
+    constexpr unsigned roots = Keep ? node::root : node::grounded;
     const int* order = tree.order().data();
     const unsigned char* node_flags = tree.node_flags().data();
     [[maybe_unused]] const double* armature = tree.armature();
@@ -140,7 +141,7 @@ struct Sweep {
     buffers.resume_inward(run, a);
     for (std::ptrdiff_t i = run.end - 1; i >= run.begin; --i) {
       const int b = order[i];
-      const unsigned flags = Keep ? node_flags[i] : node::in_stage(node_flags[i]);
+      const unsigned flags = node_flags[i];
       const LinkConstants& link = tree.link(b);
       const int angle = tree.first_angle(b), at = tree.first_p(b);
       --record;
@@ -158,14 +159,15 @@ struct Sweep {
           to(a);
         }
       };
-      dispatch_inboard<K::Steps::has_armature>(link.shape, flags, step);
-      buffers.add_sibling(b, flags, a);
+      dispatch_inboard<K::Steps::has_armature, roots>(link.shape, flags, step);
+      if ((flags & roots) == 0) buffers.add_sibling(b, flags, a);
     }
     buffers.suspend_inward(run, a);
   }
 
   template <class K, bool Gravity, bool Keep>
   void outboard_steps(const KernelRun& run, const Outboard<T>& base) const {
+    constexpr unsigned roots = Keep ? node::root : node::grounded;
     const int* order = tree.order().data();
     const unsigned char* node_flags = tree.node_flags().data();
     const auto* record = workspace.template records_of<K>(tree, run);
@@ -173,11 +175,11 @@ struct Sweep {
     buffers.resume_outward(run, a);
     for (std::ptrdiff_t i = run.begin; i < run.end; ++i, ++record) {
       const int b = order[i];
-      const unsigned flags = Keep ? node_flags[i] : node::in_stage(node_flags[i]);
+      const unsigned flags = node_flags[i];
       const LinkConstants& link = tree.link(b);
       const int angle = tree.first_angle(b), at = tree.first_p(b);
       auto* const kept = Keep ? &workspace.motions[static_cast<std::size_t>(b)] : nullptr;
-      if ((flags & node::root) != 0) {
+      if ((flags & roots) != 0) {
         a = base;
         K::Steps::template outboard_root<Gravity, Keep>(link, workspace.cos[angle], workspace.sin[angle], *record, p[at], a,
                                                         workspace.v[at], workspace.pdot[at], kept);
