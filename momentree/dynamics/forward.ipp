@@ -28,6 +28,7 @@ struct Sweep {
   const T* p;
   Workspace<T>& workspace;
   bool has_gravity;  // if false, first moments are not summed
+  unsigned roots;    // the flag of the bodies that contribute to no parent: node::grounded in a stage
   SweepBuffers<Inboard<T>, Outboard<T>> buffers{tree, workspace.child_sums.get(), workspace.parent_states.get()};
 
   MOMENTREE_INLINE JointState<T> joint_state(int b) const {
@@ -63,8 +64,8 @@ struct Sweep {
         record.mc = has_gravity ? a.mc : Vector3<T>{T(0), T(0), T(0)};
         K::template reduce<T>(link, joint, p + tree.first_p(b), tree.armature() + tree.first_p(b), M, D, record);  // (24)–(26)
         const auto over = [&](const auto& transform) MOMENTREE_INLINE_LAMBDA {
-          if ((flags & node::root) != 0) return;  // the ground needs no output
-          transform.inboard(M);                   // (16)
+          if ((flags & roots) != 0) return;  // the ground needs no output
+          transform.inboard(M);              // (16)
           transform.inboard(D);
           transform.inboard(a.mc, tree.subtree_mass(b));
         };
@@ -73,7 +74,7 @@ struct Sweep {
         else
           over(K::template joint_transform<false, T>(link, joint, record));
       }
-      buffers.add_to_parent(b, flags, a);
+      if ((flags & roots) == 0) buffers.add_to_parent(b, flags, a);
     }
     buffers.suspend_inward(run, a);
   }
@@ -132,7 +133,7 @@ struct Sweep {
 
   template <class K, bool Gravity, bool Keep>
   void inboard_steps(const KernelRun& run) const {
-    constexpr unsigned roots = Keep ? node::root : node::grounded;
+    constexpr unsigned ends = Keep ? node::root : node::grounded;
     const int* order = tree.order().data();
     const unsigned char* node_flags = tree.node_flags().data();
     [[maybe_unused]] const double* armature = tree.armature();
@@ -159,15 +160,15 @@ struct Sweep {
           to(a);
         }
       };
-      dispatch_inboard<K::Steps::has_armature, roots>(link.shape, flags, step);
-      if ((flags & roots) == 0) buffers.add_sibling(b, flags, a);
+      dispatch_inboard<K::Steps::has_armature, ends>(link.shape, flags, step);
+      if ((flags & ends) == 0) buffers.add_sibling(b, flags, a);
     }
     buffers.suspend_inward(run, a);
   }
 
   template <class K, bool Gravity, bool Keep>
   void outboard_steps(const KernelRun& run, const Outboard<T>& base) const {
-    constexpr unsigned roots = Keep ? node::root : node::grounded;
+    constexpr unsigned ends = Keep ? node::root : node::grounded;
     const int* order = tree.order().data();
     const unsigned char* node_flags = tree.node_flags().data();
     const auto* record = workspace.template records_of<K>(tree, run);
@@ -179,7 +180,7 @@ struct Sweep {
       const LinkConstants& link = tree.link(b);
       const int angle = tree.first_angle(b), at = tree.first_p(b);
       auto* const kept = Keep ? &workspace.motions[static_cast<std::size_t>(b)] : nullptr;
-      if ((flags & roots) != 0) {
+      if ((flags & ends) != 0) {
         a = base;
         K::Steps::template outboard_root<Gravity, Keep>(link, workspace.cos[angle], workspace.sin[angle], *record, p[at], a,
                                                         workspace.v[at], workspace.pdot[at], kept);
@@ -246,7 +247,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
   const Vec3& g = tree.gravity();
   const bool has_gravity = g.x != 0 || g.y != 0 || g.z != 0;
   const InPlaneSweep<T> planar{tree, q, p, workspace};
-  const Sweep<T> sweep{tree, q, p, workspace, has_gravity};
+  const Sweep<T> sweep{tree, q, p, workspace, has_gravity, Keep ? node::root : node::grounded};
   T o(0);  // not constexpr, and written out: clearing structs has a cost that shows for small mechanisms
   const Outboard<T> base{{{o, o, o}, {o, o, o}}, {T(g.x), T(g.y), T(g.z)}};
   for (std::size_t i = kernel_runs.size(); i-- > 0;) {
