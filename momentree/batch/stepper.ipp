@@ -2,7 +2,7 @@
 // Steps in lanes; included only by instantiate/*.cpp, each for one instruction set and precision. No function here may also occur
 // in other source files unless its name contains the pack (ADR 9; tools/check_lane_symbols).
 #include <momentree/batch/stepper.hpp>
-#include <momentree/dynamics/forward.ipp>
+#include <momentree/dynamics/derived_sweep.ipp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/integrate/rk4_stages.hpp>
 

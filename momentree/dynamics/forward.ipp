@@ -1,5 +1,6 @@
 #pragma once
-// Definitions of the two recursions; included only by instantiate/*.cpp, each for one scalar.
+// Definitions of the two recursions; included only by instantiate/*.cpp, each for one scalar, which also include
+// derived_sweep.ipp or are compiled beside an instantiation of it.
 //
 // The passes run along the tree's order with their sums in local variables. The first child of a body follows it directly, so
 // sums pass through memory only for later children. Kernel runs, consecutive bodies with the same kernels, are one loop.
@@ -8,10 +9,17 @@
 #include <momentree/dynamics/pair_sweep.hpp>
 #include <momentree/dynamics/revolute_dispatch.hpp>
 #include <momentree/dynamics/sweep_buffers.hpp>
+#include <momentree/joint/derived_list.hpp>  // generated: the kinds with derived steps
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/pack.hpp>
 
 namespace momentree {
+
+/// True for kernels with derived steps: whether there are any can be known without their text.
+#define MOMENTREE_IS_DERIVED(name, Type) std::is_same_v<K, typename Type::Kernels> ||
+template <class K>
+inline constexpr bool is_derived = MOMENTREE_DERIVED(MOMENTREE_IS_DERIVED) false;
+#undef MOMENTREE_IS_DERIVED
 
 template <class T>
 struct Sweep {
@@ -20,6 +28,7 @@ struct Sweep {
   const T* p;
   Workspace<T>& workspace;
   bool has_gravity;  // if false, first moments are not summed
+  unsigned roots;    // the flag of the bodies that contribute to no parent: node::grounded in a stage
   SweepBuffers<Inboard<T>, Outboard<T>> buffers{tree, workspace.child_sums.get(), workspace.parent_states.get()};
 
   MOMENTREE_INLINE JointState<T> joint_state(int b) const {
@@ -33,27 +42,31 @@ struct Sweep {
     const auto node_flags = tree.node_flags();
     auto* const records = workspace.template records_of<K>(tree, run);
     Inboard<T> a;
+    if constexpr (K::rigid && !Keep)
+      if (run.end == run.begin + 1 && (node_flags[static_cast<std::size_t>(run.begin)] & node::grounded) != 0) return;
     buffers.resume_inward(run, a);
     for (int i = run.end - 1; i >= run.begin; --i) {
       const int b = order[static_cast<std::size_t>(i)];
       const unsigned flags = node_flags[static_cast<std::size_t>(i)];
+      if constexpr (K::rigid && !Keep)
+        if ((flags & node::grounded) != 0) continue;  // it rests, and its children contribute nothing
       const LinkConstants& link = tree.link(b);
       const JointState<T> joint = joint_state(b);
       auto& record = records[i - run.begin];
       if ((flags & node::leaf) != 0) a = {};  // Mb = M, Db = 0
       buffers.gather_children(b, flags, a);
-      add_rigid_mass(a.M, link.body);  // (22), (23): `a` already contains the children
+      SpatialMass<T>& M = articulated_mass(link.body, a.M);  // (22)
+      Force<T>& D = remainder_momentum(a.D);                 // (23)
       a.mc.x += link.body.mc.x, a.mc.y += link.body.mc.y, a.mc.z += link.body.mc.z;
       if constexpr (K::rigid) {
-        if constexpr (Keep) record.M = a.M, record.D = a.D;
+        if constexpr (Keep) record.M = M, record.D = D;
       } else {
         record.mc = has_gravity ? a.mc : Vector3<T>{T(0), T(0), T(0)};
-        K::template reduce<T>(link, joint, p + tree.first_p(b), tree.armature() + tree.first_p(b), a.M, a.D,
-                              record);  // (24)–(26)
+        K::template reduce<T>(link, joint, p + tree.first_p(b), tree.armature() + tree.first_p(b), M, D, record);  // (24)–(26)
         const auto over = [&](const auto& transform) MOMENTREE_INLINE_LAMBDA {
-          if ((flags & node::root) != 0) return;  // the ground needs no output
-          transform.inboard(a.M);                 // (16)
-          transform.inboard(a.D);
+          if ((flags & roots) != 0) return;  // the ground needs no output
+          transform.inboard(M);              // (16)
+          transform.inboard(D);
           transform.inboard(a.mc, tree.subtree_mass(b));
         };
         if (K::rotates_about_z && (flags & node::aligned) != 0)
@@ -61,7 +74,7 @@ struct Sweep {
         else
           over(K::template joint_transform<false, T>(link, joint, record));
       }
-      buffers.add_to_parent(b, flags, a);
+      if ((flags & roots) == 0) buffers.add_to_parent(b, flags, a);
     }
     buffers.suspend_inward(run, a);
   }
@@ -99,9 +112,9 @@ struct Sweep {
         const Force<T> Pb = K::articulated_momentum(record, p + at, a.velocity);   // (21)
         a.velocity = K::template spatial_velocity<T>(link, joint, a.velocity, u);  // (17)
         if constexpr (Keep) workspace.motions[static_cast<std::size_t>(b)] = {a.velocity, Pb};
-        const Force<T> weight{tree.subtree_mass(b) * a.gravity, cross(record.mc, a.gravity)};  // (15)
-        const Force<T> wrench = weight - cross(a.velocity, Pb);                                // (9), (20)
-        K::template momentum_rate<T>(link, joint, u, Pb, wrench, workspace.pdot.get() + at);   // (20)
+        const Force<T> weight = accumulated_force(tree.subtree_mass(b), record.mc, a.gravity);  // (15)
+        const Force<T> wrench = weight - cross(a.velocity, Pb);                                 // (9), (20)
+        K::template momentum_rate<T>(link, joint, u, Pb, wrench, workspace.pdot.get() + at);    // (20)
         K::template coordinate_rate<T>(joint.q, u, workspace.qdot.get() + tree.first_q(b));
       }
       buffers.store_for_children(b, flags, a);
@@ -109,10 +122,18 @@ struct Sweep {
     buffers.suspend_outward(run, a);
   }
 
+  // The same for kinds with derived steps, in a stage: derived_sweep.ipp.
+
+  template <class K>
+  void inboard_derived(const KernelRun& run) const;
+  template <class K>
+  void outboard_derived(const KernelRun& run, const Outboard<T>& base) const;
+
   // The same for kinds with whole steps by the shape of a link.
 
   template <class K, bool Gravity, bool Keep>
   void inboard_steps(const KernelRun& run) const {
+    constexpr unsigned ends = Keep ? node::root : node::grounded;
     const int* order = tree.order().data();
     const unsigned char* node_flags = tree.node_flags().data();
     [[maybe_unused]] const double* armature = tree.armature();
@@ -139,14 +160,15 @@ struct Sweep {
           to(a);
         }
       };
-      dispatch_inboard<K::Steps::has_armature>(link.shape, flags, step);
-      buffers.add_sibling(b, flags, a);
+      dispatch_inboard<K::Steps::has_armature, ends>(link.shape, flags, step);
+      if ((flags & ends) == 0) buffers.add_sibling(b, flags, a);
     }
     buffers.suspend_inward(run, a);
   }
 
   template <class K, bool Gravity, bool Keep>
   void outboard_steps(const KernelRun& run, const Outboard<T>& base) const {
+    constexpr unsigned ends = Keep ? node::root : node::grounded;
     const int* order = tree.order().data();
     const unsigned char* node_flags = tree.node_flags().data();
     const auto* record = workspace.template records_of<K>(tree, run);
@@ -158,7 +180,7 @@ struct Sweep {
       const LinkConstants& link = tree.link(b);
       const int angle = tree.first_angle(b), at = tree.first_p(b);
       auto* const kept = Keep ? &workspace.motions[static_cast<std::size_t>(b)] : nullptr;
-      if ((flags & node::root) != 0) {
+      if ((flags & ends) != 0) {
         a = base;
         K::Steps::template outboard_root<Gravity, Keep>(link, workspace.cos[angle], workspace.sin[angle], *record, p[at], a,
                                                         workspace.v[at], workspace.pdot[at], kept);
@@ -225,7 +247,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
   const Vec3& g = tree.gravity();
   const bool has_gravity = g.x != 0 || g.y != 0 || g.z != 0;
   const InPlaneSweep<T> planar{tree, q, p, workspace};
-  const Sweep<T> sweep{tree, q, p, workspace, has_gravity};
+  const Sweep<T> sweep{tree, q, p, workspace, has_gravity, Keep ? node::root : node::grounded};
   T o(0);  // not constexpr, and written out: clearing structs has a cost that shows for small mechanisms
   const Outboard<T> base{{{o, o, o}, {o, o, o}}, {T(g.x), T(g.y), T(g.z)}};
   for (std::size_t i = kernel_runs.size(); i-- > 0;) {
@@ -248,6 +270,8 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
         else
           sweep.template inboard_steps<K, false, Keep>(s);
       } else {
+        if constexpr (!Keep && is_derived<K>)
+          if (s.variant == Variant::plain) return sweep.template inboard_derived<K>(s);
         sweep.template inboard<K, Keep && K::rigid>(s);  // only rigid kernels store anything in the inward pass
       }
     });
@@ -271,6 +295,8 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
         else
           sweep.template outboard_steps<K, false, Keep>(s, base);
       } else {
+        if constexpr (!Keep && is_derived<K>)
+          if (s.variant == Variant::plain) return sweep.template outboard_derived<K>(s, base);
         sweep.template outboard<K, Keep>(s, base);
       }
     });

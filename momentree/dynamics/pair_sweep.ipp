@@ -65,7 +65,7 @@ struct PairSweep {
       }
       if (i > 0 || !first.branch) within.add_sibling(b, flags, a);
     }
-    suspend_inward(a);
+    suspend_inward<Keep>(a);
   }
 
   template <class K, bool Gravity, bool Keep>
@@ -117,7 +117,7 @@ struct PairSweep {
       const PairedLinks& k = links[i];
       if ((flags & node::leaf) != 0) a = {};
       within.gather_children(b, flags, a);
-      add_rigid_mass(a.M, k.body);
+      articulated_mass(k.body, a.M);  // (22)
       a.mc += k.body.mc;
       if constexpr (Keep) {
         auto &one = workspace.record<WeldKernels>(tree, b), &other = workspace.record<WeldKernels>(tree, c);
@@ -125,7 +125,7 @@ struct PairSweep {
       }
       if (i > 0 || !first.branch) within.add_to_parent(b, flags, a);
     }
-    suspend_inward(a);
+    suspend_inward<Keep>(a);
   }
   template <bool Keep>
   void welds_outboard(const Outboard<double>& base) const {
@@ -163,11 +163,12 @@ struct PairSweep {
     both(value.velocity.v, from.velocity.v), both(value.velocity.w, from.velocity.w), both(value.gravity, from.gravity);
   }
   /// Adds each branch's contribution where the pass over single bodies would have put it.
+  template <bool Keep>
   MOMENTREE_INLINE void suspend_inward(const Inboard<BodyPair>& sum) const {
     if (!first.branch) return within.suspend_inward(first, sum);
     const auto [b, c] = bodies(0);
     const int outer = tree.parent(b);
-    if (outer < 0) return;
+    if ((node_flags[first.begin] & (Keep ? node::root : node::grounded)) != 0) return;
     const bool is_first = (node_flags[first.begin] & node::first_child) != 0,
                is_last = (node_flags[second.begin] & node::last_child) != 0;
     Inboard<double>&parent_sum = outside.child_sums[outer], &one = outside.child_sums[b],

@@ -1,6 +1,6 @@
-// The implementations of one evaluation against each other, on random trees: steps by the shape of the link and the pass over
-// plane mechanisms (stages), steps that store results for others (motions), the order of operations for many worlds, steps of
-// revolute joints with armature, and the generic functions.
+// The implementations of one evaluation against each other, on random trees: steps by the shape of the link, derived steps and
+// the pass over plane mechanisms (stages), steps that store results for others (motions), the order of operations for many
+// worlds, steps of revolute joints with armature, and the generic functions.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/joint/all_derived.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/counted.hpp>
 #include <momentree/topology/test_support.hpp>
@@ -23,7 +24,15 @@ namespace {
 using namespace test;
 
 JointSpec random_joint(Random& random) {
-  const int draw = random.below(12);
+  const int draw = random.below(18);
+  const bool simple = random.chance(0.5);
+  if (draw == 12) return Planar{};
+  if (draw == 13)
+    return simple ? Universal{.axis = x_axis, .axis2 = y_axis} : Universal{.axis = {1, 0.1, 0.2}, .axis2 = {0, 1, 0}};
+  if (draw == 14) return Helical{.axis = simple ? z_axis : Vec3{0.3, 0, 1}, .pitch = 0.4};
+  if (draw == 15) return Cylindrical{.axis = simple ? z_axis : Vec3{0, 0.3, 1}};
+  if (draw == 16) return Free{};
+  if (draw == 17) return Prismatic{};
   if (draw == 0) return Prismatic{.axis = {0.2, 0.4, 1}};
   if (draw == 1) return Ball{};
   if (draw == 2) return Weld{};
@@ -45,6 +54,7 @@ Model random_model(Random& random, bool gravity) {
       const int outer = chain ? k - 1 : random.below(k + 1) - 1;
       body.parent = k == 0 ? ground : BodyId{first + std::max(outer, 0)};
       body.at = random_place(random);
+      if (random.chance(0.3)) body.at.rotation = random.chance(0.5) ? Quat{} : from_axis_angle(z_axis, random.between(-1, 1));
       if (flat) body.at = {random.vector(0.4), k == 0 ? body.at.rotation : from_axis_angle(z_axis, random.between(-1, 1))};
       body.joint = flat                           ? JointSpec(Revolute{.damping = 1})
                    : k == 0 && random.chance(0.3) ? JointSpec(Free{})
@@ -58,6 +68,7 @@ Model random_model(Random& random, bool gravity) {
 /// Counts the cases that occurred, so that none passes untested.
 struct Seen {
   std::array<int, 11> shapes{};
+  std::array<std::array<int, 4>, 9> rotations{}, places{};  ///< of links and bodies with derived steps, by kind
   int flat = 0, forks = 0, reversed = 0, rotors = 0;
   double worst = 0;
 
@@ -67,6 +78,12 @@ struct Seen {
         const int b = tree.order()[static_cast<std::size_t>(i)];
         forks += (tree.node_flags()[static_cast<std::size_t>(i)] & node::branching) != 0;
         reversed += tree.reversed(b);
+        const auto kind = static_cast<std::size_t>(s.kind);
+        const unsigned flags = tree.node_flags()[static_cast<std::size_t>(i)];
+        if (s.variant == Variant::plain) {
+          ++rotations[kind][static_cast<std::size_t>(tree.link(b).rotation)];
+          ++places[kind][((flags & node::leaf) != 0 ? 1u : 0u) + ((flags & node::root) != 0 ? 2u : 0u)];
+        }
         if (s.planar)
           ++flat;
         else if (s.kind == Kind::revolute && s.variant == Variant::armature)
@@ -123,7 +140,7 @@ void compare(const Tree& tree, const State& state, Seen& seen) {
 
 TEST_CASE("steps by shape, planar kernels and generic kernels give the same rates, whatever changes") {
   Seen seen;
-  for (unsigned seed = 0; seed < 400; ++seed) {
+  for (unsigned seed = 0; seed < 500; ++seed) {
     CAPTURE(seed);
     Random random(seed);
     const Model model = random_model(random, seed % 3 != 0);
@@ -141,6 +158,18 @@ TEST_CASE("steps by shape, planar kernels and generic kernels give the same rate
   }
   CHECK(seen.worst < 5e-12);
   for (std::size_t i = 0; i < seen.shapes.size(); ++i) CHECK_MESSAGE(seen.shapes[i] > 20, "shape ", i, ": ", seen.shapes[i]);
+  for (const KindInfo& kind : all_kinds())
+    dispatch(kind.kind, [&](auto tag) {
+      using K = typename decltype(tag)::type::Kernels;
+      if constexpr (has_derived_steps<K>) {
+        CAPTURE(std::string(kind.name));
+        const auto i = static_cast<std::size_t>(kind.kind);
+        for (const int n : seen.places[i]) CHECK(n > 3);
+        constexpr unsigned rotations = derived_rotations<K>;
+        for (std::size_t r = 0; r < 4; ++r)
+          if ((rotations >> r & 1u) != 0) CHECK_MESSAGE(seen.rotations[i][r] > 10, "rotation ", r);
+      }
+    });
   CHECK(seen.rotors > 1000);
   CHECK(seen.flat > 100);
   CHECK(seen.forks > 100);

@@ -9,9 +9,10 @@ namespace momentree {
 /// Destination of the output of an inward step: none (a root), the accumulator with which the next step continues, or the sum of
 /// the parent in memory.
 enum class Destination : unsigned char { none, accumulator, parent_sum };
-/// Calls f(shape, children, destination), integral constants, for the inward step of a body with these node flags. A root has
-/// nothing to transform; last children, for which the parent's x axis was not chosen, write elsewhere.
-template <bool Armature, class F>
+/// Calls f(shape, children, destination), integral constants, for the inward step of a body with these node flags, of which
+/// `Roots` marks the roots. A root has nothing to transform; last children, for which the parent's x axis was not chosen, write
+/// elsewhere.
+template <bool Armature, unsigned Roots = node::root, class F>
 MOMENTREE_INLINE void dispatch_inboard(PlacementShape shape, unsigned flags, F&& f) {
   constexpr std::integral_constant<Children, Children::none> none{};
   constexpr std::integral_constant<Children, Children::one> one{};
@@ -25,7 +26,7 @@ MOMENTREE_INLINE void dispatch_inboard(PlacementShape shape, unsigned flags, F&&
     else
       f(s, one, destination);
   };
-  if ((flags & (node::root | node::last_child)) == 0) {
+  if ((flags & (Roots | node::last_child)) == 0) {
     if ((flags & (node::leaf | node::branching)) == 0)  // most bodies
       dispatch_link<Armature>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, one, accumulator); });
     else if ((flags & node::leaf) != 0)
@@ -34,7 +35,7 @@ MOMENTREE_INLINE void dispatch_inboard(PlacementShape shape, unsigned flags, F&&
       dispatch_link<Armature>(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, several, accumulator); });
     else
       dispatch_main_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, several, accumulator); });
-  } else if ((flags & node::root) == 0) {
+  } else if ((flags & Roots) == 0) {
     // With rotate_then_reduce a record refers to the frame before the shift along z: the shape used here must split off that
     // shift as the link's own does, by which the outward step goes.
     constexpr std::integral_constant<Destination, Destination::parent_sum> parent_sum{};

@@ -8,7 +8,7 @@ namespace momentree {
 
 /// Across the placement, after the child's joint: rotation about x by α, about z by β unless the frames are aligned, shift by r.
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, Force<T>& P) {
+MOMENTREE_INLINE void placement_inboard(const auto& k, Force<T>& P) {
   rotate_x(P.l, k.cos_a, k.sin_a);
   rotate_x(P.h, k.cos_a, k.sin_a);
   if constexpr (!Aligned) {
@@ -18,25 +18,25 @@ MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, Force<T>& P) {
   shift(P, k.r);
 }
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, Vector3<T>& mc, double mass) {
+MOMENTREE_INLINE void placement_inboard(const auto& k, Vector3<T>& mc, double mass) {
   rotate_x(mc, k.cos_a, k.sin_a);
   if constexpr (!Aligned) rotate_z(mc, k.cos_b, k.sin_b);
   mc += Vector3<T>{T(mass * k.r.x), T(mass * k.r.y), T(mass * k.r.z)};
 }
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_inboard(const LinkConstants& k, SpatialMass<T>& M) {
+MOMENTREE_INLINE void placement_inboard(const auto& k, SpatialMass<T>& M) {
   rotate_x(M, k.cos_a, k.sin_a);
   if constexpr (!Aligned) rotate_z(M, k.cos_b, k.sin_b);
   shift(M, k.r);
 }
 /// The inverse for a direction: components in the parent's axes to components before the joint's own motion.
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_outboard(const LinkConstants& k, Vector3<T>& a) {
+MOMENTREE_INLINE void placement_outboard(const auto& k, Vector3<T>& a) {
   if constexpr (!Aligned) rotate_z(a, k.cos_b, -k.sin_b);
   rotate_x(a, k.cos_a, -k.sin_a);
 }
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_outboard(const LinkConstants& k, Motion<T>& a) {
+MOMENTREE_INLINE void placement_outboard(const auto& k, Motion<T>& a) {
   shift_outboard(a, k.r);
   placement_outboard<Aligned>(k, a.v);
   placement_outboard<Aligned>(k, a.w);

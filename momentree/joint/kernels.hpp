@@ -66,6 +66,20 @@ struct GenericRecord {
   DenseTransform<T> x;
 };
 
+// The equations of both passes. Those of the inward pass work in place: `M` and `D` hold the sums of the children's
+// contributions, then the articulated, then the reduced quantities.
+
+/// (22): Mb = M + Σ Xᵀ M̂ X, from the sum.
+template <class T, class Body>
+MOMENTREE_INLINE SpatialMass<T>& articulated_mass(const Body& body, SpatialMass<T>& children) {
+  add_rigid_mass(children, body);
+  return children;
+}
+/// (23): Db = Σ Xᵀ D̂, the sum itself, because the body's own momentum is contained in Mb Ω.
+template <class T>
+MOMENTREE_INLINE Force<T>& remainder_momentum(Force<T>& children) {
+  return children;
+}
 /// (24): Mj = Eᵀ Mb E + armature, from ME = Mb E.
 template <class T, int N>
 MOMENTREE_INLINE JointMass<T, N> joint_space_mass(const Columns<T, N>& E,
@@ -78,7 +92,7 @@ MOMENTREE_INLINE JointMass<T, N> joint_space_mass(const Columns<T, N>& E,
   return Mj;
 }
 
-/// (25): M̂ = Mb − G (Mb E)ᵀ, for one DoF at a time; only one triangle of A and J is formed.
+/// M − g eᵀ, symmetric; only one triangle of A and J is formed.
 template <class T>
 MOMENTREE_INLINE void subtract_outer(SpatialMass<T>& M, const Force<T>& g, const Force<T>& e) {
   M.A.xx -= g.l.x * e.l.x, M.A.yy -= g.l.y * e.l.y, M.A.zz -= g.l.z * e.l.z;
@@ -90,6 +104,22 @@ MOMENTREE_INLINE void subtract_outer(SpatialMass<T>& M, const Force<T>& g, const
   M.J.xy -= g.h.x * e.h.y, M.J.xz -= g.h.x * e.h.z, M.J.yz -= g.h.y * e.h.z;
 }
 
+/// (25): M̂ = Mb − G (Mb E)ᵀ.
+template <class T, std::size_t N>
+MOMENTREE_INLINE void reduced_mass(const std::array<Force<T>, N>& G, const std::array<Force<T>, N>& ME, SpatialMass<T>& M) {
+  for (std::size_t i = 0; i < N; ++i) subtract_outer(M, G[i], ME[i]);
+}
+/// (26): D̂ = Db + G (p − Eᵀ Db); `r` is the difference.
+template <class T, std::size_t N>
+MOMENTREE_INLINE void reduced_remainder(const std::array<Force<T>, N>& G, const std::array<T, N>& r, Force<T>& D) {
+  for (std::size_t i = 0; i < N; ++i) D += r[i] * G[i];
+}
+/// (15): Tb of the weight: the mass of the subtree and its first moment, with gravity in the body's axes.
+template <class T>
+MOMENTREE_INLINE Force<T> accumulated_force(const auto& mass, const Vector3<T>& mc, const Vector3<T>& gravity) {
+  return {mass * gravity, cross(mc, gravity)};
+}
+
 /// (24)–(26) for any kind. In: Mb and Db of the body (22), (23). Out: M̂ and D̂ in their place. Writes G, u0 and Mj to the
 /// record.
 template <class T, int N, class Record>
@@ -99,7 +129,7 @@ MOMENTREE_INLINE void reduce_generic(const Columns<T, N>& E, const T* p, const d
     constexpr auto n = static_cast<std::size_t>(N);
     std::array<Force<T>, n> ME;
     for (std::size_t i = 0; i < n; ++i) ME[i] = M * E[i];
-    w.Mj = joint_space_mass<T, N>(E, ME, armature);
+    w.Mj = joint_space_mass<T, N>(E, ME, armature);  // (24)
     w.Mj.factorise();
     for (std::size_t i = 0; i < n; ++i) w.u0[i] = p[i] - dot(E[i], D);
     // G = Mb E Mj⁻¹: solve for each of the six rows of ME.
@@ -116,10 +146,8 @@ MOMENTREE_INLINE void reduce_generic(const Columns<T, N>& E, const T* p, const d
     solve_row([](Force<T>& f) -> T& { return f.h.x; });
     solve_row([](Force<T>& f) -> T& { return f.h.y; });
     solve_row([](Force<T>& f) -> T& { return f.h.z; });
-    for (std::size_t i = 0; i < n; ++i) {
-      subtract_outer(M, w.G[i], ME[i]);  // (25)
-      D += w.u0[i] * w.G[i];             // (26)
-    }
+    reduced_mass(w.G, ME, M);         // (25)
+    reduced_remainder(w.G, w.u0, D);  // (26)
     w.Mj.solve(w.u0);
   }
   w.M = M;

@@ -210,6 +210,49 @@ TEST_CASE("(16) (17) (18) the joint transform of a kind is that of its pose, in 
   });
 }
 
+TEST_CASE("(15) (22) (23) (24) (25) (26) the equations, element by element") {
+  Draw draw;
+  const auto unit = [](std::size_t i) {
+    std::array<double, 6> e{};
+    e[i] = 1;
+    return Motion<double>{{e[0], e[1], e[2]}, {e[3], e[4], e[5]}};
+  };
+  for (int trial = 0; trial < 20; ++trial) {
+    RigidMass body{1.5 + draw(), draw.vector(), {3, 4, 5, 0.1, 0.2, 0.3}};
+    const SpatialMass<double> children = random_mass(draw);
+    SpatialMass<double> M = children;
+    Force<double> D{draw.vector(), draw.vector()};
+    const Force<double> Db = D;
+    const Motion<double> v{draw.vector(), draw.vector()};
+    CHECK(distance(flat(articulated_mass(body, M) * v), flat(momentum(body, v) + children * v)) < 1e-13);
+    CHECK(distance(flat(remainder_momentum(D)), flat(Db)) == 0);
+
+    // Two columns; Mj⁻¹ in closed form.
+    const Columns<double, 2> E{{{draw.vector(), draw.vector()}, {draw.vector(), draw.vector()}}};
+    const std::array<Force<double>, 2> ME{M * E[0], M * E[1]};
+    const double armature[2] = {0.1, 0.2};
+    const JointMass<double, 2> Mj = joint_space_mass<double, 2>(E, ME, armature);
+    const double a = dot(E[0], M * E[0]) + 0.1, b = dot(E[1], M * E[0]), c = dot(E[1], M * E[1]) + 0.2, det = a * c - b * b;
+    CHECK(distance(std::array{Mj(0, 0), Mj(1, 0), Mj(1, 1)}, std::array{a, b, c}) < 1e-13);
+    const std::array<Force<double>, 2> G{(c / det) * ME[0] - (b / det) * ME[1], (a / det) * ME[1] - (b / det) * ME[0]};
+    const SpatialMass<double> Mb = M;
+    reduced_mass(G, ME, M);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const Force<double> expected = Mb * unit(i) - dot(unit(i), ME[0]) * G[0] - dot(unit(i), ME[1]) * G[1];
+      CHECK(distance(flat(M * unit(i)), flat(expected)) < 1e-12);
+    }
+    const std::array<double, 2> r{draw(), draw()};
+    reduced_remainder(G, r, D);
+    CHECK(distance(flat(D), flat(Db + r[0] * G[0] + r[1] * G[1])) < 1e-12);
+
+    // The weight of two points, about the origin.
+    const Vec3 g = draw.vector(), one = draw.vector(), two = draw.vector();
+    const Force<double> weight = accumulated_force(5.0, 2.0 * one + 3.0 * two, g);
+    CHECK(norm(weight.l - (2.0 * g + 3.0 * g)) < 1e-14);
+    CHECK(norm(weight.h - (cross(one, 2.0 * g) + cross(two, 3.0 * g))) < 1e-13);
+  }
+}
+
 TEST_CASE("(24) (25) (26) (27) (21) (20) the functions of a kind equal the generic ones") {
   Draw draw;
   for_every_generic_kind([&](auto kind, auto kernels, bool rotor, bool) {

@@ -95,7 +95,7 @@ void step_laws(Draw& draw, const Step<Steps>& step, PlacementShape shape, unsign
   Inboard<double> in = some(), others = some(), expected{};
   if (!leaf) expected += in;
   if (branching) expected += others;
-  add_rigid_mass(expected.M, k.body);  // (22), (23)
+  articulated_mass(k.body, expected.M);  // (22)
   expected.mc += k.body.mc;
   typename L::template Record<double> record{};
   record.mc = expected.mc;

@@ -38,7 +38,7 @@ struct ScrewKernels : GenericKernels<K, NQ, NV> {
   static Mat3 frame(const JointSpec& joint, double*) { return frame_with_z(joint.axis); }
 
   template <class T>
-  MOMENTREE_INLINE static void pose(const LinkConstants& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+  MOMENTREE_INLINE static void pose(const auto& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
     const Screw<T> m = K::template screw<T>(k, j);
     R = {m.c, -m.s, T(0), m.s, m.c, T(0), T(0), T(0), T(1)};
     r = {T(0), T(0), m.d};

@@ -25,16 +25,19 @@ struct Draw {
   }
 };
 
-inline LinkConstants random_link(Draw& draw, bool aligned) {
+inline LinkConstants random_link(Draw& draw, LinkRotation rotation) {
   LinkConstants k;
-  const double a = 3 * draw();
-  const double b = aligned ? 0 : 3 * draw();
-  k.angle_0 = 3 * draw();
+  const double a = rotation > LinkRotation::tilted ? 0 : 3 * draw();
+  const double b = rotation > LinkRotation::any ? 0 : 3 * draw();
+  k.angle_0 = rotation == LinkRotation::none ? 0 : 3 * draw();
   k.cos_a = std::cos(a), k.sin_a = std::sin(a), k.cos_b = std::cos(b), k.sin_b = std::sin(b);
-  k.cs_a = k.cos_a * k.sin_a, k.ss_a = k.sin_a * k.sin_a;
   k.cos_0 = std::cos(k.angle_0), k.sin_0 = std::sin(k.angle_0);
   k.r = draw.vector();
+  find_rotation(k);
   return k;
+}
+inline LinkConstants random_link(Draw& draw, bool aligned) {
+  return random_link(draw, aligned ? LinkRotation::tilted : LinkRotation::any);
 }
 
 inline SpatialMass<double> random_mass(Draw& draw) {  // of a body reduced along one direction: a full articulated mass

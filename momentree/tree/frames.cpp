@@ -86,11 +86,11 @@ double foot(const Vec3& d, const Vec3& r) {
   return z * z <= 9 * dot(r, r) ? z : 0;
 }
 
-// Zeroes lengths that are zero up to rounding, and finds the shape of the link.
+// Finds what follows from the rotation, zeroes lengths that are zero up to rounding, and finds the shape of the link.
 void find_shape(LinkConstants& k, bool rotates, double scale) {
   const double smallest = 8e-16 * scale;
   const auto zero = [smallest](double x) { return std::fabs(x) <= smallest; };
-  k.cs_a = k.cos_a * k.sin_a, k.ss_a = k.sin_a * k.sin_a;
+  find_rotation(k);
   k.d = 0;
   k.shape = PlacementShape::general;
   if (k.sin_b != 0 || k.cos_b != 1) return;

@@ -35,8 +35,10 @@ enum : unsigned char {
   root = 8,         ///< attached to the ground
   last_child = 16,  ///< the parent's last of several children: the first to be processed in the inward pass
   aligned = 32,     ///< its link needs no rotation about the parent's z
+  grounded = 64,  ///< attached to the ground, directly or by welds alone: in a stage, in which nothing inboard of it is computed,
+                  ///< it is a root
 };
-}
+}  // namespace node
 
 inline std::span<const KernelRun> Tree::kernel_runs() const { return runs_; }
 inline std::span<const KernelRun> Tree::paired_runs() const { return has_pairs_ ? paired_runs_ : runs_; }

@@ -258,6 +258,8 @@ void Tree::build_runs() {
       f |= node::first_child;
     else if (next_sibling[b] < 0)
       f |= node::last_child;
+    if (outer < 0 || (classes[outer].kind == Kind::weld && (node_flags_[at(places[outer])] & node::grounded) != 0))
+      f |= node::grounded;
     node_flags_[at(place)] = static_cast<unsigned char>(f);
     any |= f;
     const Class own = classes[b];

@@ -1,4 +1,4 @@
-#include <momentree/dynamics/forward.ipp>
+#include <momentree/dynamics/derived_sweep.ipp>
 #include <momentree/generate/symbolic.hpp>
 
 namespace momentree {

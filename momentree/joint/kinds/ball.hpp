@@ -32,12 +32,12 @@ struct BallKernels : GenericKernels<BallKernels, 4, 3> {
   static constexpr std::array<int, 0> angles{};
 
   template <class T>
-  MOMENTREE_INLINE static void pose(const LinkConstants&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+  MOMENTREE_INLINE static void pose(const auto&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
     R = rotation_matrix(Quaternion<T>{j.q[0], j.q[1], j.q[2], j.q[3]});
     r = {T(0), T(0), T(0)};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 3> columns(const LinkConstants&, const JointState<T>&) {
+  MOMENTREE_INLINE static Columns<T, 3> columns(const auto&, const JointState<T>&) {
     const Vector3<T> o{T(0), T(0), T(0)};
     return {{{o, {T(1), T(0), T(0)}}, {o, {T(0), T(1), T(0)}}, {o, {T(0), T(0), T(1)}}}};
   }

@@ -37,12 +37,12 @@ struct SixDofs : GenericKernels<K, 7, 6> {
   static constexpr std::array<int, 0> angles{};
 
   template <class T>
-  MOMENTREE_INLINE static void pose(const LinkConstants&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+  MOMENTREE_INLINE static void pose(const auto&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
     R = rotation_matrix(Quaternion<T>{j.q[3], j.q[4], j.q[5], j.q[6]});
     r = {j.q[0], j.q[1], j.q[2]};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 6> columns(const LinkConstants&, const JointState<T>&) {
+  MOMENTREE_INLINE static Columns<T, 6> columns(const auto&, const JointState<T>&) {
     const Vector3<T> o{T(0), T(0), T(0)}, x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)};
     return {{{x, o}, {y, o}, {z, o}, {o, x}, {o, y}, {o, z}}};
   }

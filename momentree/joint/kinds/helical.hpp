@@ -39,11 +39,11 @@ struct HelicalKernels : ScrewKernels<HelicalKernels, 1, 1> {
     return frame_with_z(joint.axis);
   }
   template <class T>
-  MOMENTREE_INLINE static Screw<T> screw(const LinkConstants& k, const JointState<T>& j) {
+  MOMENTREE_INLINE static Screw<T> screw(const auto& k, const JointState<T>& j) {
     return {j.c[0], j.s[0], k.geometry[0] * j.q[0]};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 1> columns(const LinkConstants& k, const JointState<T>&) {
+  MOMENTREE_INLINE static Columns<T, 1> columns(const auto& k, const JointState<T>&) {
     return {{{{T(0), T(0), T(k.geometry[0])}, {T(0), T(0), T(1)}}}};
   }
   static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {

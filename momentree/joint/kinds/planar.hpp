@@ -31,17 +31,17 @@ struct PlanarKernels : GenericKernels<PlanarKernels, 3, 3> {
   static constexpr std::array<int, 1> angles{2};
 
   template <class T>
-  MOMENTREE_INLINE static void pose(const LinkConstants&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+  MOMENTREE_INLINE static void pose(const auto&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
     R = {j.c[0], -j.s[0], T(0), j.s[0], j.c[0], T(0), T(0), T(0), T(1)};
     r = {j.q[0], j.q[1], T(0)};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 3> columns(const LinkConstants&, const JointState<T>& j) {
+  MOMENTREE_INLINE static Columns<T, 3> columns(const auto&, const JointState<T>& j) {
     const Vector3<T> o{T(0), T(0), T(0)};
     return {{{{j.c[0], -j.s[0], T(0)}, o}, {{j.s[0], j.c[0], T(0)}, o}, {o, {T(0), T(0), T(1)}}}};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 3> columns_rate(const LinkConstants&, const JointState<T>& j, const T* u) {
+  MOMENTREE_INLINE static Columns<T, 3> columns_rate(const auto&, const JointState<T>& j, const T* u) {
     const Vector3<T> o{T(0), T(0), T(0)};
     const T w = u[2];
     return {{{{-(w * j.s[0]), -(w * j.c[0]), T(0)}, o}, {{w * j.c[0], -(w * j.s[0]), T(0)}, o}, {o, o}}};

@@ -35,11 +35,11 @@ template <class K>
 struct PrismaticKernelsBase : ScrewKernels<K, 1, 1> {
   static constexpr std::array<int, 0> angles{};
   template <class T>
-  MOMENTREE_INLINE static Screw<T> screw(const LinkConstants& k, const JointState<T>& j) {
+  MOMENTREE_INLINE static Screw<T> screw(const auto& k, const JointState<T>& j) {
     return {T(k.cos_0), T(k.sin_0), j.q[0]};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 1> columns(const LinkConstants&, const JointState<T>&) {
+  MOMENTREE_INLINE static Columns<T, 1> columns(const auto&, const JointState<T>&) {
     return {{{{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}}};
   }
   static bool coordinates(const JointSpec& joint, const Pose& motion, double, double* q) {

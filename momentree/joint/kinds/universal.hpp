@@ -40,8 +40,8 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
   }
 
   template <class T>
-  MOMENTREE_INLINE static void pose(const LinkConstants& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
-    const double x = k.geometry[0], z = k.geometry[1];
+  MOMENTREE_INLINE static void pose(const auto& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+    const auto x = k.geometry[0], z = k.geometry[1];
     const T c = j.c[0], s = j.s[0], o = T(1) - c;
     const Matrix3<T> R1{c + o * (x * x), -(s * z), o * (x * z), s * z, c, -(s * x), o * (x * z), s * x, c + o * (z * z)};
     const Matrix3<T> R2{j.c[1], -j.s[1], T(0), j.s[1], j.c[1], T(0), T(0), T(0), T(1)};
@@ -49,13 +49,13 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
     r = {T(0), T(0), T(0)};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 2> columns(const LinkConstants& k, const JointState<T>& j) {
+  MOMENTREE_INLINE static Columns<T, 2> columns(const auto& k, const JointState<T>& j) {
     const Vector3<T> n1{j.c[1] * k.geometry[0], -(j.s[1] * k.geometry[0]), T(k.geometry[1])};
     const Vector3<T> o{T(0), T(0), T(0)};
     return {{{o, n1}, {o, {T(0), T(0), T(1)}}}};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 2> columns_rate(const LinkConstants& k, const JointState<T>& j, const T* u) {
+  MOMENTREE_INLINE static Columns<T, 2> columns_rate(const auto& k, const JointState<T>& j, const T* u) {
     const Vector3<T> o{T(0), T(0), T(0)};
     return {{{o, {-(u[1] * (j.s[1] * k.geometry[0])), -(u[1] * (j.c[1] * k.geometry[0])), T(0)}}, {o, o}}};
   }
