@@ -66,5 +66,16 @@ struct InPlaneKernels {
   template <class T>
   using Record = InPlaneRecord<T>;
 };
+/// The same for a root that floats, with a free or a planar joint; kept in the memory of that joint's record.
+template <class T>
+struct InPlaneRootRecord {
+  T vx, vy, w;
+  T gravity_x, gravity_y;
+  T mx, my;
+};
+struct InPlaneRootKernels {
+  template <class T>
+  using Record = InPlaneRootRecord<T>;
+};
 
 }  // namespace momentree

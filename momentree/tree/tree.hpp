@@ -283,7 +283,11 @@ class Tree {
   void list_special_joints();
   int number_depth_first(int root, int place);
   void build_runs();
+
+  // planes.cpp
   bool in_a_plane(int place) const;
+  int floating_plane_end(int place) const;
+  bool is_flat_on(int b, const LinkConstants& plane) const;
 
   // pairs.cpp
   void find_pairs(bool any_branching);
@@ -346,6 +350,8 @@ class Tree {
     Kind kind = Kind::weld;
     Variant variant = Variant::plain;
     bool parallel = false;     // its axis is parallel to its parent's
+    bool flat = false;         // in addition, its origin and its parent's are at the same height along it, and its mass is
+                               // symmetrical about the plane through them
     bool aligned = false;      // its link needs no rotation about the parent's z
     bool as_declared = false;  // while everything is linked: its frame is as declared
     friend bool operator==(Class a, Class b) { return a.kind == b.kind && a.variant == b.variant; }
