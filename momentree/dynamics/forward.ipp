@@ -193,8 +193,8 @@ MOMENTREE_INLINE void sincos_in_blocks(int n, const Angle& angle, T* s, T* c) {
   }
 }
 
-/// Calls f(std::integral_constant<PlaneRoot, …>) with the root of a plane mechanism, if the scalar has kernels for it. The state of
-/// a free root decides whether it is in the plane, so only numbers have them.
+/// Calls f(std::integral_constant<PlaneRoot, …>) with the root of a plane mechanism, if the scalar has kernels for it. The state
+/// of a free root decides whether it is in the plane, so only numbers have them.
 template <class T, class F>
 MOMENTREE_INLINE void dispatch_plane(const KernelRun& run, const F& f) {
   if (run.plane < 0) return f(std::integral_constant<PlaneRoot, PlaneRoot::revolute>{});

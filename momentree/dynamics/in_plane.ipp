@@ -73,9 +73,11 @@ struct InPlaneSweep {
       w.gx = gx, w.gy = gy, w.u0 = inverse * u;
       if ((flags & node::root) != 0) continue;
       T rx, ry;
-      if (Root == PlaneRoot::free && outer == order[run.begin]) {
+      bool on_free_root = false;
+      if constexpr (Root == PlaneRoot::free) on_free_root = outer == order[run.begin];
+      if (on_free_root) {
         const Vec3 r = in_axes_of_plane(k, k.r);
-        rx = r.x, ry = r.y;
+        rx = T(r.x), ry = T(r.y);
       } else {
         const T cp = workspace.cos[tree.first_angle(outer)], sp = workspace.sin[tree.first_angle(outer)];
         rx = k.r.x * cp - k.r.y * sp, ry = k.r.x * sp + k.r.y * cp;
@@ -103,8 +105,10 @@ struct InPlaneSweep {
     const InPlaneRecord<T>* const records = &workspace.template record<InPlaneKernels>(tree, order[begin]);
     InPlaneOutboard<T> a{};
     const auto gravity = [&] {
-      if constexpr (Root == PlaneRoot::revolute) return gravity_in_plane(tree, order[run.begin]);
-      else return floating.template outboard<Gravity, Root>(run, a);
+      if constexpr (Root == PlaneRoot::revolute)
+        return gravity_in_plane(tree, order[run.begin]);
+      else
+        return floating.template outboard<Gravity, Root>(run, a);
     }();
     if (Root != PlaneRoot::revolute) buffers.store_for_children(order[run.begin], node_flags[run.begin], a);
     for (int i = begin; i < end; ++i) {

@@ -38,9 +38,9 @@ struct InPlaneRoot {
   const T* p;
   Workspace<T>& workspace;
 
-  /// Prepares the evaluation of a mechanism in its plane. False if a free root leaves the plane: its momenta out of the plane must
-  /// be exactly zero, as they remain if gravity is in the plane. Gravity, whose direction is found from a rounded quaternion, may
-  /// be inclined by round-off.
+  /// Prepares the evaluation of a mechanism in its plane. False if a free root leaves the plane: its momenta out of the plane
+  /// must be exactly zero, as they remain if gravity is in the plane. Gravity, whose direction is found from a rounded
+  /// quaternion, may be inclined by round-off.
   template <PlaneRoot Root>
   bool enter(const KernelRun& run) const {
     const int root = tree.order()[static_cast<std::size_t>(run.begin)];
@@ -96,7 +96,8 @@ struct InPlaneRoot {
     const int root = tree.order()[static_cast<std::size_t>(run.begin)], at = tree.first_p(root);
     const LinkConstants& plane = first_link(run);
     const T* const m = p + at;
-    T *const u = workspace.v.get() + at, *const pdot = workspace.pdot.get() + at, *const qdot = workspace.qdot.get() + tree.first_q(root);
+    T *const u = workspace.v.get() + at, *const pdot = workspace.pdot.get() + at,
+             *const qdot = workspace.qdot.get() + tree.first_q(root);
     const auto& w = record(root);
     a = {w.vx, w.vy, w.w};
     T lx = m[0], ly = m[1];
@@ -116,7 +117,8 @@ struct InPlaneRoot {
     } else {
       const T o(0);
       const auto put = [&plane, o](const T& x, const T& y, const T& about, T* to) {
-        const Vector3<T> l = from_axes_of_plane(plane, Vector3<T>{x, y, o}), h = from_axes_of_plane(plane, Vector3<T>{o, o, about});
+        const Vector3<T> l = from_axes_of_plane(plane, Vector3<T>{x, y, o}),
+                         h = from_axes_of_plane(plane, Vector3<T>{o, o, about});
         to[0] = l.x, to[1] = l.y, to[2] = l.z, to[3] = h.x, to[4] = h.y, to[5] = h.z;
       };
       put(a.vx, a.vy, a.w, u);
@@ -127,7 +129,9 @@ struct InPlaneRoot {
   }
 
  private:
-  const LinkConstants& first_link(const KernelRun& run) const { return tree.link(tree.order()[static_cast<std::size_t>(run.begin + 1)]); }
+  const LinkConstants& first_link(const KernelRun& run) const {
+    return tree.link(tree.order()[static_cast<std::size_t>(run.begin + 1)]);
+  }
   InPlaneRootRecord<T>& record(int root) const { return workspace.template record<InPlaneRootKernels>(tree, root); }
 };
 

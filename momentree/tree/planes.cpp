@@ -23,8 +23,8 @@ bool is_symmetrical(const RigidMass& body, const Mat3& tilt) {
 
 }  // namespace
 
-// True if the mechanism whose root has that place is grounded and plane: plain revolute joints with parallel axes. Its joints keep
-// it in the plane, whatever its masses.
+// True if the mechanism whose root has that place is grounded and plane: plain revolute joints with parallel axes. Its joints
+// keep it in the plane, whatever its masses.
 bool Tree::in_a_plane(int place) const {
   const int count = static_cast<int>(order_.size());
   for (int i = place; i < count; ++i) {
