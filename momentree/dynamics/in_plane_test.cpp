@@ -30,7 +30,7 @@ enum Root { on_ground, on_plane, floating };
 
 /// A tree of revolute joints in the plane whose normal is the third column of `axes`, in the axes of every body.
 Model plane_tree(Random& random, Root root, const Mat3& axes) {
-  Model model;
+  Model model({.gravity = {}});
   const int bodies = 2 + random.below(12);
   const bool chain = random.chance(0.5);
   const Vec3 normal{axes.xz, axes.yz, axes.zz};
