@@ -312,6 +312,9 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
       }
     });
   }
+  if constexpr (Keep && std::is_same_v<T, double>)
+    for (const KernelRun& s : tree.kernel_runs())
+      if (s.plane >= 0 && s.plane == s.begin && s.kind == Kind::free) planar.floating.stay(s);
 }
 
 template <class T>

@@ -38,29 +38,29 @@ struct InPlaneRoot {
   const T* p;
   Workspace<T>& workspace;
 
-  /// Prepares the evaluation of a mechanism in its plane. False if a free root leaves the plane: its momenta out of the plane
-  /// must be exactly zero, as they remain if gravity is in the plane. Gravity, whose direction is found from a rounded
-  /// quaternion, may be inclined by round-off.
+  /// Prepares the evaluation of a mechanism in its plane. False if its root leaves the plane.
   template <PlaneRoot Root>
   bool enter(const KernelRun& run) const {
     const int root = tree.order()[static_cast<std::size_t>(run.begin)];
-    const LinkConstants& k = tree.link(root);
-    Vec3 g = gravity_in_plane(tree, root);
-    rotate_z(g, k.cos_0, -k.sin_0);
-    auto& w = record(root);
+    Vec3 g = gravity_at_root(root);
     if constexpr (Root == PlaneRoot::free) {
-      constexpr double round_off = 1e-14;
-      const LinkConstants& plane = first_link(run);
-      const T *const x = q + tree.first_q(root), *const m = p + tree.first_p(root);
-      const Vector3<T> l = in_axes_of_plane(plane, Vector3<T>{m[0], m[1], m[2]});
-      const Vector3<T> h = in_axes_of_plane(plane, Vector3<T>{m[3], m[4], m[5]});
-      if (!(l.z == 0 && h.x == 0 && h.y == 0)) return false;
-      const Vec3 turned = transpose_times(rotation_matrix(Quaternion<T>{x[3], x[4], x[5], x[6]}), g);
-      g = in_axes_of_plane(plane, turned);
-      if (!(std::fabs(g.z) <= round_off * (std::fabs(g.x) + std::fabs(g.y)))) return false;
+      g = gravity_on_root(run);
+      if (!moves_in_plane(run, g)) return false;
     }
+    auto& w = record(root);
     w.gravity_x = T(g.x), w.gravity_y = T(g.y);
     return true;
+  }
+
+  /// After an evaluation by the spatial kernels: if a free root moves in the plane, removes the round-off by which it would
+  /// leave.
+  void stay(const KernelRun& run) const {
+    if (!moves_in_plane(run, gravity_on_root(run))) return;
+    const LinkConstants& plane = first_link(run);
+    T* const pdot = workspace.pdot.get() + tree.first_p(tree.order()[static_cast<std::size_t>(run.begin)]);
+    const Vector3<T> f = in_axes_of_plane(plane, Vector3<T>{pdot[0], pdot[1], pdot[2]});
+    const Vector3<T> t = in_axes_of_plane(plane, Vector3<T>{pdot[3], pdot[4], pdot[5]});
+    put(plane, f.x, f.y, t.z, pdot);
   }
 
   /// (22)–(24); `a`: the contributions of its children. The ground needs no output.
@@ -68,23 +68,17 @@ struct InPlaneRoot {
   void inboard(const KernelRun& run, const InPlaneInboard<T>& a) const {
     const int root = tree.order()[static_cast<std::size_t>(run.begin)];
     const LinkConstants &k = tree.link(root), &plane = first_link(run);
-    const T* const m = p + tree.first_p(root);
     auto& w = record(root);
     const Vec3 first = in_axes_of_plane(plane, k.body.mc), n = from_axes_of_plane(plane, Vec3{0, 0, 1});
     T mx(first.x), my(first.y);
-    std::array<T, 3> u{m[0], m[1], m[2]};
-    if constexpr (Root == PlaneRoot::free) {
-      const Vector3<T> l = in_axes_of_plane(plane, Vector3<T>{m[0], m[1], m[2]});
-      const Vector3<T> h = in_axes_of_plane(plane, Vector3<T>{m[3], m[4], m[5]});
-      u = {l.x, l.y, h.z};
-    } else {
+    if constexpr (Root == PlaneRoot::planar)
       rotate(mx, my, workspace.cos[tree.first_angle(root)], workspace.sin[tree.first_angle(root)]);
-    }
     JointMass<T, 3> M;
     M(0, 0) = a.axx + k.body.m, M(1, 0) = a.axy, M(1, 1) = a.ayy + k.body.m;
     M(2, 0) = a.bx - my, M(2, 1) = a.by + mx, M(2, 2) = a.J + dot(n, k.body.J * n);
     M.factorise();
-    u = {u[0] - a.lx, u[1] - a.ly, u[2] - a.h};
+    const Vector3<T> P = momentum<Root>(run);
+    std::array<T, 3> u{P.x - a.lx, P.y - a.ly, P.z - a.h};
     M.solve(u);
     w.vx = u[0], w.vy = u[1], w.w = u[2];
     if constexpr (Gravity) w.mx = a.mx + mx, w.my = a.my + my;
@@ -95,17 +89,12 @@ struct InPlaneRoot {
   Vector3<T> outboard(const KernelRun& run, InPlaneOutboard<T>& a) const {
     const int root = tree.order()[static_cast<std::size_t>(run.begin)], at = tree.first_p(root);
     const LinkConstants& plane = first_link(run);
-    const T* const m = p + at;
     T *const u = workspace.v.get() + at, *const pdot = workspace.pdot.get() + at,
              *const qdot = workspace.qdot.get() + tree.first_q(root);
     const auto& w = record(root);
     a = {w.vx, w.vy, w.w};
-    T lx = m[0], ly = m[1];
-    if constexpr (Root == PlaneRoot::free) {
-      const Vector3<T> l = in_axes_of_plane(plane, Vector3<T>{m[0], m[1], m[2]});
-      lx = l.x, ly = l.y;
-    }
-    T fx(0), fy(0), t = a.vy * lx - a.vx * ly;
+    const Vector3<T> P = momentum<Root>(run);
+    T fx(0), fy(0), t = a.vy * P.x - a.vx * P.y;
     if constexpr (Gravity) {
       const double mass = tree.subtree_mass(root);
       fx = mass * w.gravity_x, fy = mass * w.gravity_y;
@@ -115,20 +104,54 @@ struct InPlaneRoot {
       u[0] = qdot[0] = a.vx, u[1] = qdot[1] = a.vy, u[2] = qdot[2] = a.w;
       pdot[0] = fx, pdot[1] = fy, pdot[2] = t;
     } else {
-      const T o(0);
-      const auto put = [&plane, o](const T& x, const T& y, const T& about, T* to) {
-        const Vector3<T> l = from_axes_of_plane(plane, Vector3<T>{x, y, o}),
-                         h = from_axes_of_plane(plane, Vector3<T>{o, o, about});
-        to[0] = l.x, to[1] = l.y, to[2] = l.z, to[3] = h.x, to[4] = h.y, to[5] = h.z;
-      };
-      put(a.vx, a.vy, a.w, u);
-      put(fx + a.w * ly, fy - a.w * lx, t, pdot);
+      put(plane, a.vx, a.vy, a.w, u);
+      put(plane, fx + a.w * P.y, fy - a.w * P.x, t, pdot);
       FreeKernels::coordinate_rate<T>(q + tree.first_q(root), u, qdot);
     }
     return {w.gravity_x, w.gravity_y, T(0)};
   }
 
  private:
+  /// Gravity in the axes of the root joint before its motion.
+  Vec3 gravity_at_root(int root) const {
+    const LinkConstants& k = tree.link(root);
+    Vec3 g = gravity_in_plane(tree, root);
+    rotate_z(g, k.cos_0, -k.sin_0);
+    return g;
+  }
+  /// Gravity in the axes of a plane that moves with a free root.
+  Vec3 gravity_on_root(const KernelRun& run) const {
+    const int root = tree.order()[static_cast<std::size_t>(run.begin)];
+    const T* const x = q + tree.first_q(root);
+    const Mat3 R = rotation_matrix(Quat{x[3], x[4], x[5], x[6]});
+    return in_axes_of_plane(first_link(run), transpose_times(R, gravity_at_root(root)));
+  }
+  /// True if a free root moves in the plane: its momenta out of the plane are exactly zero. They remain so if gravity is in the
+  /// plane, up to round-off, because its direction is found from a rounded quaternion.
+  bool moves_in_plane(const KernelRun& run, const Vec3& g) const {
+    constexpr double round_off = 1e-14;
+    const LinkConstants& plane = first_link(run);
+    const T* const m = p + tree.first_p(tree.order()[static_cast<std::size_t>(run.begin)]);
+    const Vector3<T> l = in_axes_of_plane(plane, Vector3<T>{m[0], m[1], m[2]});
+    const Vector3<T> h = in_axes_of_plane(plane, Vector3<T>{m[3], m[4], m[5]});
+    return l.z == 0 && h.x == 0 && h.y == 0 && std::fabs(g.z) <= round_off * (std::fabs(g.x) + std::fabs(g.y));
+  }
+  /// The momentum in the plane's axes: two linear components and the angular one.
+  template <PlaneRoot Root>
+  Vector3<T> momentum(const KernelRun& run) const {
+    const T* const m = p + tree.first_p(tree.order()[static_cast<std::size_t>(run.begin)]);
+    if constexpr (Root == PlaneRoot::planar) return {m[0], m[1], m[2]};
+    const LinkConstants& plane = first_link(run);
+    const Vector3<T> l = in_axes_of_plane(plane, Vector3<T>{m[0], m[1], m[2]});
+    const Vector3<T> h = in_axes_of_plane(plane, Vector3<T>{m[3], m[4], m[5]});
+    return {l.x, l.y, h.z};
+  }
+  /// Writes a velocity, momentum or rate in the plane in the axes of a free root.
+  static void put(const LinkConstants& plane, const T& x, const T& y, const T& about, T* to) {
+    const T o(0);
+    const Vector3<T> l = from_axes_of_plane(plane, Vector3<T>{x, y, o}), h = from_axes_of_plane(plane, Vector3<T>{o, o, about});
+    to[0] = l.x, to[1] = l.y, to[2] = l.z, to[3] = h.x, to[4] = h.y, to[5] = h.z;
+  }
   const LinkConstants& first_link(const KernelRun& run) const {
     return tree.link(tree.order()[static_cast<std::size_t>(run.begin + 1)]);
   }

@@ -116,15 +116,13 @@ TEST_CASE("floating plane mechanisms: the same rates as with the spatial kernels
     Random random(seed);
     const Mat3 axes = turned_axes(static_cast<int>(seed % 6));
     Moving world = in_motion(plane_tree(random, floating, axes), random, axes);
-    if (seed % 3 != 0) world.tree.set_gravity(world.orientation * Vec3{random.between(-5, 5), random.between(-9, 9), 0});
+    if (seed % 18 < 12) world.tree.set_gravity(world.orientation * Vec3{random.between(-5, 5), random.between(-9, 9), 0});
     CHECK(is_plane(world.tree));
-    CHECK(out_of_plane(axes, world.state.p().data()) == 0);  // exactly: the spatial kernels, too, stay in the plane
+    CHECK(out_of_plane(axes, world.state.p().data()) == 0);
     CHECK(stage_in_plane(world.tree, world.state));
-    if (seed % 3 != 0) continue;
-    Workspace<double> spatial(world.tree);
-    evaluate_motions(world.tree, world.state.q().data(), world.state.p().data(), spatial);
-    CHECK(out_of_plane(axes, spatial.v.get()) == 0);
-    CHECK(out_of_plane(axes, spatial.pdot.get()) == 0);
+    Workspace<double> motions(world.tree);  // by the spatial kernels; exactly in the plane, or later stages would not be
+    evaluate_motions(world.tree, world.state.q().data(), world.state.p().data(), motions);
+    CHECK(out_of_plane(axes, motions.pdot.get()) == 0);
   }
 }
 
