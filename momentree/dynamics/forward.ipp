@@ -198,7 +198,7 @@ MOMENTREE_INLINE void sincos_in_blocks(int n, const Angle& angle, T* s, T* c) {
 template <class T, class F>
 MOMENTREE_INLINE void dispatch_plane(const KernelRun& run, const F& f) {
   if (run.plane < 0) return f(std::integral_constant<PlaneRoot, PlaneRoot::revolute>{});
-  if (run.kind == Kind::planar) return f(std::integral_constant<PlaneRoot, PlaneRoot::planar>{});
+  if (run.kind != Kind::free) return f(std::integral_constant<PlaneRoot, PlaneRoot::planar>{});
   if constexpr (std::is_same_v<T, double>) f(std::integral_constant<PlaneRoot, PlaneRoot::free>{});
 }
 

@@ -69,13 +69,15 @@ struct InPlaneRoot {
     const int root = tree.order()[static_cast<std::size_t>(run.begin)];
     const LinkConstants &k = tree.link(root), &plane = first_link(run);
     auto& w = record(root);
-    const Vec3 first = in_axes_of_plane(plane, k.body.mc), n = from_axes_of_plane(plane, Vec3{0, 0, 1});
-    T mx(first.x), my(first.y);
+    const Vec3 mc = in_axes_of_plane(plane, k.body.mc), n = from_axes_of_plane(plane, Vec3{0, 0, 1});
+    const double about_normal =
+        n.x * n.x * k.body.J.xx + n.y * n.y * k.body.J.yy + n.z * n.z * k.body.J.zz;  // n: one of the axes
+    T mx(mc.x), my(mc.y);
     if constexpr (Root == PlaneRoot::planar)
       rotate(mx, my, workspace.cos[tree.first_angle(root)], workspace.sin[tree.first_angle(root)]);
     JointMass<T, 3> M;
     M(0, 0) = a.axx + k.body.m, M(1, 0) = a.axy, M(1, 1) = a.ayy + k.body.m;
-    M(2, 0) = a.bx - my, M(2, 1) = a.by + mx, M(2, 2) = a.J + dot(n, k.body.J * n);
+    M(2, 0) = a.bx - my, M(2, 1) = a.by + mx, M(2, 2) = a.J + about_normal;
     M.factorise();
     const Vector3<T> P = momentum<Root>(run);
     std::array<T, 3> u{P.x - a.lx, P.y - a.ly, P.z - a.h};
