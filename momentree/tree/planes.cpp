@@ -36,33 +36,28 @@ bool Tree::in_a_plane(int place) const {
   return true;
 }
 
-// The end in the order of the mechanism whose root has that place, if it can move in a plane without being grounded in it: plain
-// revolute joints with parallel axes on a root with a planar joint, whose normal they have, or with a free joint. In the latter
-// case nothing but symmetry keeps it in the plane: the plane contains the root's origin, its normal is an axis of the root's
-// frame, and every body is symmetrical about it. 0 otherwise.
-int Tree::floating_plane_end(int place) const {
-  const int count = static_cast<int>(order_.size()), root = order_[at(place)];
+// A mechanism on a floating root moves in a plane if its other joints are plain revolute ones with parallel axes. A planar joint
+// holds it in the plane that is normal to them. On a free joint nothing but symmetry keeps it there: the plane contains the
+// root's origin, its normal is an axis of the root's frame, and every body is symmetrical about it.
+
+// What this requires of the root at that place and of the direction of the first axis.
+bool Tree::may_float_in_plane(int place) const {
+  const int root = order_[at(place)], first = first_child_[at(root)];
   const Class base = class_[at(root)];
-  const bool free = base.kind == Kind::free;
-  if (!(free || base.kind == Kind::planar) || base.variant != Variant::plain || first_child_[at(root)] < 0) return 0;
-  const LinkConstants& plane = links_[at(order_[at(place + 1)])];
-  int i = place + 1;
-  for (; i < count; ++i) {
-    const int b = order_[at(i)];
-    if (parent_[at(b)] < 0) break;
-    const Class own = class_[at(b)];
-    if (own.kind != Kind::revolute || own.variant != Variant::plain) return 0;
-    if (!(!free ? own.parallel : parent_[at(b)] == root ? is_flat_on(b, plane) : own.flat)) return 0;
-  }
-  if (free && !(is_quarter_turn(plane.cos_a, plane.sin_a) && is_quarter_turn(plane.cos_b, plane.sin_b) &&
-                is_symmetrical(links_[at(root)].body, tilt_rotation(plane))))
-    return 0;
-  return i;
+  if (base.variant != Variant::plain || first < 0) return false;
+  if (base.kind != Kind::free) return base.kind == Kind::planar;
+  const LinkConstants& plane = links_[at(first)];
+  return is_quarter_turn(plane.cos_a, plane.sin_a) && is_quarter_turn(plane.cos_b, plane.sin_b) &&
+         is_symmetrical(links_[at(root)].body, tilt_rotation(plane));
 }
 
-// The same as Class::flat for a body on a free root, in the plane through the root's origin.
-bool Tree::is_flat_on(int b, const LinkConstants& plane) const {
-  const LinkConstants& k = links_[at(b)];
+// What it requires of a body on such a root, or outboard of one.
+bool Tree::floats_in_plane(int root, int b) const {
+  const Class own = class_[at(b)];
+  if (own.kind != Kind::revolute || own.variant != Variant::plain) return false;
+  if (class_[at(root)].kind != Kind::free) return own.parallel;
+  if (parent_[at(b)] != root) return own.flat;
+  const LinkConstants &k = links_[at(b)], &plane = links_[at(first_child_[at(root)])];
   return same_axis(k, plane) && transpose_times(tilt_rotation(plane), k.r).z == 0 && is_symmetrical(k.body, identity3<double>());
 }
 

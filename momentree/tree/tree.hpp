@@ -286,8 +286,8 @@ class Tree {
 
   // planes.cpp
   bool in_a_plane(int place) const;
-  int floating_plane_end(int place) const;
-  bool is_flat_on(int b, const LinkConstants& plane) const;
+  bool may_float_in_plane(int place) const;
+  bool floats_in_plane(int root, int b) const;
 
   // pairs.cpp
   void find_pairs(bool any_branching);
@@ -346,14 +346,14 @@ class Tree {
   std::vector<int> joint_of_;
   std::vector<int> carrier_, joint_at_;  // by joint; the second: index of the declared joint, or ~index of the tree's own
   std::vector<unsigned char> reversed_;
-  struct Class {  // neighbours of equal class share a kernel run
+  struct alignas(4) Class {  // neighbours of equal class share a kernel run; read as a whole, with one load
     Kind kind = Kind::weld;
     Variant variant = Variant::plain;
-    bool parallel = false;     // its axis is parallel to its parent's
-    bool flat = false;         // in addition, its origin and its parent's are at the same height along it, and its mass is
-                               // symmetrical about the plane through them
-    bool aligned = false;      // its link needs no rotation about the parent's z
-    bool as_declared = false;  // while everything is linked: its frame is as declared
+    bool parallel : 1 = false;     // its axis is parallel to its parent's
+    bool flat : 1 = false;         // in addition, its origin and its parent's are at the same height along it, and its mass is
+                                   // symmetrical about the plane through them
+    bool aligned : 1 = false;      // its link needs no rotation about the parent's z
+    bool as_declared : 1 = false;  // while everything is linked: its frame is as declared
     friend bool operator==(Class a, Class b) { return a.kind == b.kind && a.variant == b.variant; }
   };
   std::vector<Class> class_;
