@@ -246,7 +246,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
   const Vec3& g = tree.gravity();
   const bool has_gravity = g.x != 0 || g.y != 0 || g.z != 0;
   const InPlaneSweep<T> planar{tree, q, p, workspace};
-  const bool any_plane = !Keep && enter_planes(planar);
+  const bool any_plane = !Keep && tree.has_planes() && enter_planes(planar);
   const auto in_plane = [&](const KernelRun& run) MOMENTREE_INLINE_LAMBDA {
     return any_plane && (run.planar || (run.plane >= 0 && workspace.in_plane[run.plane]));
   };
@@ -312,9 +312,11 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
       }
     });
   }
-  if constexpr (Keep && std::is_same_v<T, double>)
+  if constexpr (Keep && std::is_same_v<T, double>) {
+    if (!tree.has_planes()) return;
     for (const KernelRun& s : tree.kernel_runs())
       if (s.plane >= 0 && s.plane == s.begin && s.kind == Kind::free) planar.floating.stay(s);
+  }
 }
 
 template <class T>

@@ -61,4 +61,14 @@ bool Tree::floats_in_plane(int root, int b) const {
   return same_axis(k, plane) && transpose_times(tilt_rotation(plane), k.r).z == 0 && is_symmetrical(k.body, identity3<double>());
 }
 
+// The end of the mechanism whose root has that place, if it floats and may move in a plane; 0 otherwise.
+int Tree::floating_plane_end(int place) const {
+  if (!may_float_in_plane(place)) return 0;
+  const int count = static_cast<int>(order_.size()), root = order_[at(place)];
+  int i = place + 1;
+  for (; i < count && parent_[at(order_[at(i)])] >= 0; ++i)
+    if (!floats_in_plane(root, order_[at(i)])) return 0;
+  return i;
+}
+
 }  // namespace momentree

@@ -245,12 +245,8 @@ void Tree::build_runs() {
   unsigned any = 0;
   Class same{};
   bool planar = false;
-  int floating = -1;         // place of a root that may float in a plane, as far as is known
-  std::size_t root_run = 0;  // of the present mechanism
-  const auto end_mechanism = [&](int end) {
-    if (floating < 0) return;
-    for (std::size_t i = root_run; i < runs_.size(); ++i) runs_[i].plane = floating, runs_[i].plane_end = end;
-  };
+  int plane = 0, plane_end = 0;  // of the present mechanism, if it floats and may move in a plane
+  has_planes_ = false;
   for (int place = 0; place < count; ++place) {
     const int b = order[place], outer = parent[b], child = first_child[b];
     places[b] = place;
@@ -267,25 +263,29 @@ void Tree::build_runs() {
     node_flags_[at(place)] = static_cast<unsigned char>(f);
     any |= f;
     const Class own = classes[b];
-    const bool was_apart = planar || floating >= 0;
+    bool cut = place == 0 || !(own == same);
     if (outer < 0) {
-      end_mechanism(place);
-      planar = in_a_plane(place);
-      floating = may_float_in_plane(place) ? place : -1;
-    } else if (floating >= 0 && !floats_in_plane(order[floating], b)) {
-      floating = -1;
+      cut = cut || planar || plane_end > 0;
+      planar = in_a_plane(place), plane_end = planar ? 0 : floating_plane_end(place);
+      cut = cut || planar || plane_end > 0;
+      if (plane_end > 0) plane = place;
+      has_planes_ = has_planes_ || planar || plane_end > 0;
     }
-    if (place == 0 || !(own == same) || (outer < 0 && (planar || floating >= 0 || was_apart))) {
+    if (cut) {
       if (place > 0) runs_.back().end = place;
-      if (outer < 0) root_run = runs_.size();
-      runs_.push_back({.begin = place, .end = count, .kind = own.kind, .variant = own.variant, .planar = planar});
+      runs_.push_back({.begin = place,
+                       .end = count,
+                       .kind = own.kind,
+                       .variant = own.variant,
+                       .planar = planar,
+                       .plane = plane_end > 0 ? plane : -1,
+                       .plane_end = plane_end});
       record = shape(own.kind).record[static_cast<std::size_t>(own.variant)];
       same = own;
     }
     offsets[b].record = static_cast<std::uint32_t>(scalars);
     scalars += record;
   }
-  end_mechanism(count);
   MT_REQUIRE(scalars <= std::numeric_limits<std::uint32_t>::max(), "fewer than a few hundred million bodies");
   record_scalars_ = scalars;
   if (has_pair_lanes) find_pairs((any & node::branching) != 0);

@@ -142,6 +142,8 @@ class Tree {
   /// Depth-first, inboard before outboard; siblings and roots in ascending order of numbers.
   std::span<const int> order() const { return order_; }
   std::span<const KernelRun> kernel_runs() const;
+  /// True if any kernel run belongs to a plane mechanism.
+  bool has_planes() const { return has_planes_; }
   /// The kernel runs cut where paired branches begin and end: branches of one body, or mechanisms, with revolute joints and welds
   /// in the same order and the same branching, such as the legs of a robot. The passes for a single world process two such
   /// branches at once.
@@ -288,6 +290,7 @@ class Tree {
   bool in_a_plane(int place) const;
   bool may_float_in_plane(int place) const;
   bool floats_in_plane(int root, int b) const;
+  int floating_plane_end(int place) const;
 
   // pairs.cpp
   void find_pairs(bool any_branching);
@@ -373,7 +376,7 @@ class Tree {
   // Packed, by angle and by DoF.
   detail::Reserved<int> angle_q_;
   detail::Reserved<double> angle_offset_, armature_, damping_, effort_;
-  bool has_forces_ = false, has_functions_ = false, has_pairs_ = false;
+  bool has_forces_ = false, has_functions_ = false, has_pairs_ = false, has_planes_ = false;
   std::vector<Topology::Loaded> body_functions_;
   detail::Reserved<int> loaded_;
   std::vector<unsigned char> loaded_mark_;  // scratch, by body
