@@ -35,6 +35,9 @@ void evaluate(benchmark::State& run, Model (*make)(int)) {
   std::vector<double> q(start.q().begin(), start.q().end()), p(start.p().begin(), start.p().end()), move(q.size());
   for (std::size_t i = 0; i < q.size(); ++i) move[i] = 1e-4 * static_cast<double>(i % 7 + 1);
 
+  // A free root stays in its plane, if it is in one.
+  for (const int b : tree.quaternion_joints()) std::fill_n(move.begin() + tree.first_q(b), info(tree.kind(b)).nq, 0.0);
+
   for (auto _ : run) {
     for (std::size_t i = 0; i < q.size(); ++i) q[i] += move[i], move[i] = -move[i];
     evaluate_rates(tree, q.data(), p.data(), workspace);
@@ -47,6 +50,7 @@ void evaluate(benchmark::State& run, Model (*make)(int)) {
       benchmark::Counter(bodies, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK_CAPTURE(evaluate, planar_chain, planar_chain)->Arg(10)->Arg(100)->Arg(1000);
+BENCHMARK_CAPTURE(evaluate, floating_chain, floating_chain)->Arg(10)->Arg(60)->Arg(100)->Arg(1000);
 BENCHMARK_CAPTURE(evaluate, spatial_chain, spatial_chain)->Arg(10)->Arg(100)->Arg(1000);
 BENCHMARK_CAPTURE(evaluate, bushy_tree, bushy_tree)->Arg(10)->Arg(100)->Arg(1000);
 BENCHMARK_CAPTURE(evaluate, humanoid, humanoid)->Arg(31);

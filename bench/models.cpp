@@ -79,6 +79,17 @@ Model rods(int bodies, double speed) {
 
 Model planar_chain(int bodies) { return rods(bodies, 0.1); }
 
+Model floating_chain(int bodies) {
+  const Model held = rods(bodies, 0.1);
+  Model model({.gravity = held.gravity()});
+  for (int k = 0; k < bodies; ++k) {
+    BodySpec body = held[{k}];
+    if (k == 0) body.joint = Free{}, body.q = {}, body.v = {};
+    model.add(body);
+  }
+  return model;
+}
+
 Model breaking_chain() { return rods(100, 0); }
 
 Model rope(int bodies) {

@@ -6,6 +6,8 @@ namespace momentree::bench {
 
 /// All axes parallel, links along x.
 Model planar_chain(int bodies);
+/// The same on a free root: what breaks off it.
+Model floating_chain(int bodies);
 /// The breaking chain of Naudet and Lefeber, 2005: 100 links, at rest, curled upwards (scenarios/breaking_chain.toml).
 Model breaking_chain();
 /// Identical links with alternately perpendicular axes, nearly straight: 3D, but with few different placements and masses, as in

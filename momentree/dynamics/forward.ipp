@@ -215,21 +215,44 @@ MOMENTREE_INLINE void sincos_in_blocks(int n, const Angle& angle, T* s, T* c) {
   }
 }
 
-/// Sines and cosines of the joint angles including θ0; for plane mechanisms in a stage, of the bodies' absolute angles instead.
-template <class T, bool Keep>
-MOMENTREE_INLINE void find_sines(const Tree& tree, const T* q, Workspace<T>& workspace) {
+/// Calls f(std::integral_constant<PlaneRoot, …>) with the root of a plane mechanism, if the scalar has kernels for it. The state
+/// of a free root decides whether it is in the plane, so only numbers have them.
+template <class T, class F>
+MOMENTREE_INLINE void dispatch_plane(const KernelRun& run, const F& f) {
+  if (run.plane < 0) return f(std::integral_constant<PlaneRoot, PlaneRoot::revolute>{});
+  if (run.kind != Kind::free) return f(std::integral_constant<PlaneRoot, PlaneRoot::planar>{});
+  if constexpr (std::is_same_v<T, double>) f(std::integral_constant<PlaneRoot, PlaneRoot::free>{});
+}
+
+/// Decides which floating mechanisms are evaluated in their planes. Returns whether any mechanism is, grounded ones included.
+template <class T>
+MOMENTREE_INLINE bool enter_planes(const InPlaneSweep<T>& planar) {
+  bool any = false;
+  for (const KernelRun& run : planar.tree.kernel_runs()) {
+    any = any || run.planar;
+    if (run.plane < 0 || run.plane != run.begin) continue;
+    bool& in_plane = planar.workspace.in_plane[run.plane];
+    in_plane = false;
+    dispatch_plane<T>(run, [&](auto root) { in_plane = planar.floating.template enter<root()>(run); });
+    any = any || in_plane;
+  }
+  return any;
+}
+
+/// Sines and cosines of the joint angles including θ0; for mechanisms that are evaluated in a plane, of the bodies' absolute
+/// angles instead.
+template <class T, class InPlane>
+MOMENTREE_INLINE void find_sines(const Tree& tree, const T* q, Workspace<T>& workspace, bool any_plane, const InPlane& in_plane) {
   const int* const coordinates = tree.angle_coordinates().data();
   const double* const offsets = tree.angle_offsets().data();
   const int n = static_cast<int>(tree.angle_coordinates().size());
   T *const s = workspace.sin.get(), *const c = workspace.cos.get();
   const auto angle = [&](int i) MOMENTREE_INLINE_LAMBDA { return q[coordinates[i]] + offsets[i]; };
-  bool flat = false;
-  if constexpr (!Keep)
-    for (const KernelRun& run : tree.kernel_runs()) flat = flat || run.planar;
-  if (!flat) return sincos_in_blocks(n, angle, s, c);
+  if (!any_plane) return sincos_in_blocks(n, angle, s, c);
   for (int i = 0; i < n; ++i) s[i] = angle(i);
   for (const KernelRun& run : tree.kernel_runs())
-    if (run.planar) add_up_angles(tree, run, s);
+    if (in_plane(run) && (run.plane < 0 || run.plane == run.begin))
+      dispatch_plane<T>(run, [&](auto root) { add_up_angles<root()>(tree, run, s); });
   sincos_in_blocks(
       n, [s](int i) MOMENTREE_INLINE_LAMBDA { return s[i]; }, s, c);
 }
@@ -242,19 +265,28 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
   workspace.accelerated = {};
   constexpr bool in_pairs = has_pair_lanes && std::is_same_v<T, double>;  // paired branches
   const auto kernel_runs = in_pairs ? tree.paired_runs() : tree.kernel_runs();
-  find_sines<T, Keep>(tree, q, workspace);
-
   const Vec3& g = tree.gravity();
   const bool has_gravity = g.x != 0 || g.y != 0 || g.z != 0;
   const InPlaneSweep<T> planar{tree, q, p, workspace};
+  const bool any_plane = !Keep && tree.has_planes() && enter_planes(planar);
+  const auto in_plane = [&](const KernelRun& run) MOMENTREE_INLINE_LAMBDA {
+    return any_plane && (run.planar || (run.plane >= 0 && workspace.in_plane[run.plane]));
+  };
+  find_sines(tree, q, workspace, any_plane, in_plane);
+
   const Sweep<T> sweep{tree, q, p, workspace, has_gravity, Keep ? node::root : node::grounded};
   T o(0);  // not constexpr, and written out: clearing structs has a cost that shows for small mechanisms
   const Outboard<T> base{{{o, o, o}, {o, o, o}}, {T(g.x), T(g.y), T(g.z)}};
   for (std::size_t i = kernel_runs.size(); i-- > 0;) {
     const KernelRun& s = kernel_runs[i];
-    if (!Keep && s.planar) {
-      has_gravity ? planar.template inboard<true>(s) : planar.template inboard<false>(s);
-      continue;
+    if constexpr (!Keep) {
+      if (in_plane(s)) {  // a floating mechanism as a whole, with its root's run
+        if (s.plane < 0 || s.plane == s.begin)
+          dispatch_plane<T>(s, [&](auto root) {
+            has_gravity ? planar.template inboard<true, root()>(s) : planar.template inboard<false, root()>(s);
+          });
+        continue;
+      }
     }
     if constexpr (in_pairs) {
       if (s.pair >= 0) {
@@ -277,9 +309,14 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
     });
   }
   for (const KernelRun& s : kernel_runs) {
-    if (!Keep && s.planar) {
-      has_gravity ? planar.template outboard<true>(s) : planar.template outboard<false>(s);
-      continue;
+    if constexpr (!Keep) {
+      if (in_plane(s)) {  // a floating mechanism as a whole, with its root's run
+        if (s.plane < 0 || s.plane == s.begin)
+          dispatch_plane<T>(s, [&](auto root) {
+            has_gravity ? planar.template outboard<true, root()>(s) : planar.template outboard<false, root()>(s);
+          });
+        continue;
+      }
     }
     if constexpr (in_pairs) {
       if (s.pair >= 0) {
@@ -300,6 +337,11 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
         sweep.template outboard<K, Keep>(s, base);
       }
     });
+  }
+  if constexpr (Keep && std::is_same_v<T, double>) {
+    if (!tree.has_planes()) return;
+    for (const KernelRun& s : tree.kernel_runs())
+      if (s.plane >= 0 && s.plane == s.begin && s.kind == Kind::free) planar.floating.stay(s);
   }
 }
 

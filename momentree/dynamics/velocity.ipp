@@ -280,7 +280,10 @@ void sweep_velocities(const Tree& tree, const T* q, const T* u, Workspace<T>& wo
   workspace.evaluated = {};
   workspace.located = {};
   workspace.accelerated = {};
-  find_sines<T, Keep>(tree, q, workspace);
+  const auto in_plane = [](const KernelRun& run) { return !Keep && run.planar; };
+  bool any_plane = false;
+  for (const KernelRun& run : tree.kernel_runs()) any_plane = any_plane || in_plane(run);
+  find_sines(tree, q, workspace, any_plane, in_plane);
   for (int i = 0; i < tree.nv(); ++i) workspace.v[i] = u[i];
   const VelocitySweep<T, Keep> sweep{tree, q, workspace};
   const InPlaneVelocitySweep<T> planar{tree, workspace};

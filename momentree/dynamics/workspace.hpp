@@ -111,6 +111,7 @@ class Workspace : public WorkspaceStamps {
   detail::Untouched<Motion<T>> parent_accelerations;
   detail::Untouched<InPlaneInboard<T>> in_plane_child_sums;  ///< and for plane mechanisms
   detail::Untouched<InPlaneOutboard<T>> in_plane_parent_states;
+  detail::Untouched<bool> in_plane;  ///< by place of a root: true while a floating plane mechanism is evaluated in its plane
   detail::Untouched<BodySweep<T>> motions;             ///< of the state in `evaluated`
   detail::Untouched<Motion<T>> inboard_accelerations;  ///< a′ = Ω̇ − E u̇ of each body, less gravity; in its kernel frame
   detail::Untouched<Force<T>>

@@ -47,7 +47,7 @@ Workspace<T>::Workspace(const Tree& tree)
   v = numbers(6), qdot = numbers(7), pdot = numbers(6), a = numbers(6);
   p = numbers(6), impulse = numbers(6), passive = numbers(1);
   by_body(child_sums), by_body(parent_states), by_body(child_wrenches), by_body(parent_accelerations);
-  by_body(in_plane_child_sums), by_body(in_plane_parent_states);
+  by_body(in_plane_child_sums), by_body(in_plane_parent_states), by_body(in_plane);
   by_body(motions), by_body(inboard_accelerations), by_body(reduced_bias_wrenches), by_body(loads), by_body(path);
   by_body(biases), by_body(carried), by_body(bodies);
   if constexpr (has_pair_lanes && std::is_same_v<T, double>) {

@@ -19,10 +19,12 @@ struct KernelRun {
   int pair = -1;        ///< start of the corresponding run in the isomorphic branch paired with this one; −1: none
   bool branch = false;  ///< the run starts such a branch
   int links = 0;        ///< index in Tree::paired_links of the constants of its first body and that body's partner
+  int plane = -1;       ///< place of the root of the floating plane mechanism to which the run belongs; −1: none
+  int plane_end = 0;    ///< end of that mechanism in the order
 };
 /// The run that is processed together with this one.
 inline KernelRun pair_of(const KernelRun& s) {
-  return {s.pair, s.pair + s.end - s.begin, s.kind, s.variant, s.planar, s.begin, s.branch, s.links};
+  return {s.pair, s.pair + s.end - s.begin, s.kind, s.variant, s.planar, s.begin, s.branch, s.links, s.plane, s.plane_end};
 }
 
 /// Flags of a body in the order. The order is depth-first, so the first child follows its parent directly: its contribution is

@@ -245,6 +245,8 @@ void Tree::build_runs() {
   unsigned any = 0;
   Class same{};
   bool planar = false;
+  int plane = 0, plane_end = 0;  // of the present mechanism, if it floats and may move in a plane
+  has_planes_ = false;
   for (int place = 0; place < count; ++place) {
     const int b = order[place], outer = parent[b], child = first_child[b];
     places[b] = place;
@@ -263,11 +265,23 @@ void Tree::build_runs() {
     node_flags_[at(place)] = static_cast<unsigned char>(f);
     any |= f;
     const Class own = classes[b];
-    const bool was_planar = planar;
-    if (outer < 0) planar = in_a_plane(place);
-    if (place == 0 || !(own == same) || (outer < 0 && (planar || was_planar))) {
+    bool cut = place == 0 || !(own == same);
+    if (outer < 0) {
+      cut = cut || planar || plane_end > 0;
+      planar = in_a_plane(place), plane_end = planar ? 0 : floating_plane_end(place);
+      cut = cut || planar || plane_end > 0;
+      if (plane_end > 0) plane = place;
+      has_planes_ = has_planes_ || planar || plane_end > 0;
+    }
+    if (cut) {
       if (place > 0) runs_.back().end = place;
-      runs_.push_back({place, count, own.kind, own.variant, planar});
+      runs_.push_back({.begin = place,
+                       .end = count,
+                       .kind = own.kind,
+                       .variant = own.variant,
+                       .planar = planar,
+                       .plane = plane_end > 0 ? plane : -1,
+                       .plane_end = plane_end});
       record = shape(own.kind).record[static_cast<std::size_t>(own.variant)];
       same = own;
     }
@@ -294,18 +308,6 @@ void Tree::list_loaded_bodies() {
   for (const Topology::Loaded& load : body_functions_) mark(load.body);
   for (const int b : order_)
     if (loaded_mark_[at(b)] != 0) loaded_.push_back(b);
-}
-
-// True if the mechanism whose root has that place is plane.
-bool Tree::in_a_plane(int place) const {
-  const int count = static_cast<int>(order_.size());
-  for (int i = place; i < count; ++i) {
-    const int b = order_[at(i)];
-    if (i > place && parent_[at(b)] < 0) return true;
-    const Class own = class_[at(b)];
-    if (own.kind != Kind::revolute || own.variant != Variant::plain || !(own.parallel || i == place)) return false;
-  }
-  return true;
 }
 
 // Mass of b and all outboard bodies, from the subtree masses of its children.

@@ -142,6 +142,8 @@ class Tree {
   /// Depth-first, inboard before outboard; siblings and roots in ascending order of numbers.
   std::span<const int> order() const { return order_; }
   std::span<const KernelRun> kernel_runs() const;
+  /// True if any kernel run belongs to a plane mechanism.
+  bool has_planes() const { return has_planes_; }
   /// The kernel runs cut where paired branches begin and end: branches of one body, or mechanisms, with revolute joints and welds
   /// in the same order and the same branching, such as the legs of a robot. The passes for a single world process two such
   /// branches at once.
@@ -283,7 +285,12 @@ class Tree {
   void list_special_joints();
   int number_depth_first(int root, int place);
   void build_runs();
+
+  // planes.cpp
   bool in_a_plane(int place) const;
+  bool may_float_in_plane(int place) const;
+  bool floats_in_plane(int root, int b) const;
+  int floating_plane_end(int place) const;
 
   // pairs.cpp
   void find_pairs(bool any_branching);
@@ -342,12 +349,14 @@ class Tree {
   std::vector<int> joint_of_;
   std::vector<int> carrier_, joint_at_;  // by joint; the second: index of the declared joint, or ~index of the tree's own
   std::vector<unsigned char> reversed_;
-  struct Class {  // neighbours of equal class share a kernel run
+  struct alignas(4) Class {  // neighbours of equal class share a kernel run; read as a whole, with one load
     Kind kind = Kind::weld;
     Variant variant = Variant::plain;
-    bool parallel = false;     // its axis is parallel to its parent's
-    bool aligned = false;      // its link needs no rotation about the parent's z
-    bool as_declared = false;  // while everything is linked: its frame is as declared
+    bool parallel : 1 = false;     // its axis is parallel to its parent's
+    bool flat : 1 = false;         // in addition, its origin and its parent's are at the same height along it, and its mass is
+                                   // symmetrical about the plane through them
+    bool aligned : 1 = false;      // its link needs no rotation about the parent's z
+    bool as_declared : 1 = false;  // while everything is linked: its frame is as declared
     friend bool operator==(Class a, Class b) { return a.kind == b.kind && a.variant == b.variant; }
   };
   std::vector<Class> class_;
@@ -367,7 +376,7 @@ class Tree {
   // Packed, by angle and by DoF.
   detail::Reserved<int> angle_q_;
   detail::Reserved<double> angle_offset_, armature_, damping_, effort_;
-  bool has_forces_ = false, has_functions_ = false, has_pairs_ = false;
+  bool has_forces_ = false, has_functions_ = false, has_pairs_ = false, has_planes_ = false;
   std::vector<Topology::Loaded> body_functions_;
   detail::Reserved<int> loaded_;
   std::vector<unsigned char> loaded_mark_;  // scratch, by body

@@ -91,6 +91,7 @@ Model in_planes(Prng& random) {
       BodySpec body = any_body(random, model.size(), k == 0 ? ground : BodyId{first + random.integer(k < 4 ? 0 : k - 4, k - 1)});
       if (flat && k > 0) body.at = {random.vector(0.4), from_axis_angle(z_axis, random.uniform(-1, 1))};
       body.joint = flat ? JointSpec(Revolute{.damping = 1}) : joint_of_limb(random, random.integer(0, 9));
+      if (flat && k == 0 && random.integer(0, 2) == 0) body.joint = Planar{};
       model.add(body);
     }
   }
@@ -131,7 +132,7 @@ Changed random_world(std::uint64_t seed) {
 void Seen::note(const Tree& tree) {
   for (const KernelRun& s : tree.kernel_runs()) {
     kernels[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
-    planar += s.planar;
+    planar += s.planar, floating_planar += s.plane >= 0;
   }
   for (const KernelRun& s : tree.paired_runs()) pairs += s.pair > s.begin;
   for (std::size_t i = 0; i < tree.order().size(); ++i) {
@@ -154,8 +155,8 @@ std::string Seen::missing() const {
   for (const auto& kind : kernels)
     for (const bool variant : kind) combinations += variant ? 1 : 0;
   want(combinations >= 25, "kinds and variants");
-  want(planar > 10, "planar mechanisms"), want(pairs > 10 || !has_pair_lanes, "paired branches"),
-      want(branching > 50, "branching bodies");
+  want(planar > 10, "planar mechanisms"), want(floating_planar > 2, "planar mechanisms on planar joints"),
+      want(pairs > 10 || !has_pair_lanes, "paired branches"), want(branching > 50, "branching bodies");
   want(reversed > 10, "reversed joints"), want(locked > 10, "locks"), want(driven > 10, "prescribed motions");
   want(loaded > 10, "forces on bodies"), want(weightless > 10, "worlds without gravity");
   return all;
