@@ -118,7 +118,7 @@ std::optional<Which> change_both(Side& p, Side& u, Random& random) {
       return done(pushed);
     case hit: {
       const int dof = random.below(std::max(kind.nv, 1));
-      if (kind.nv == 0 || (tree.joint(b).locked >> dof & 1u) != 0) return {};
+      if (kind.nv == 0 || (tree.link(b).locked >> dof & 1u) != 0) return {};
       both(Impact{joint, dof, random.between(0, 1)});
       return done(hit);
     }

@@ -194,7 +194,7 @@ TEST_CASE("misuse: a topology or snapshot of another tree") {
          const Tree other(arm());
          static_cast<void>(take_snapshot(other, state));
        }},
-      {"a snapshot with coordinates missing", "the coordinates and momenta are of this topology",
+      {"a snapshot with coordinates missing", "the coordinates and momenta or velocities are of this topology",
        [&] {
          Snapshot snapshot = take_snapshot(tree, state);
          snapshot.q.pop_back();
