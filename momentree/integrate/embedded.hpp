@@ -7,7 +7,9 @@
 // The last stage is the first of the next step: it is evaluated on the new state itself, and the caller's workspace then carries
 // that state's stamp. If an event or a stop changes the state afterwards, the stamp is stale and the caller evaluates again.
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/integrate/integrator.hpp>
@@ -35,6 +37,8 @@ class Embedded : public Integrator {
         y_(scratch(nv_max_)),
         kq_(scratch((Tableau::stages + dense_stages()) * nq_max_)),
         ky_(scratch((Tableau::stages + dense_stages()) * nv_max_)),
+        noise_q_(scratch(nq_max_)),
+        noise_u_(scratch(nv_max_)),
         solver_(tree) {
     proposal_ = std::min(control.step, control.max_step);
   }
@@ -204,17 +208,20 @@ class Embedded : public Integrator {
   // steps that the drive's power needs.
   double estimate(Evaluator& evaluate, double work, double h) noexcept {
     const double* u1 = evaluate.workspace().v.get();
+    const bool momenta = evaluate.variables() == Variables::momenta;
+    if (momenta) find_noise(evaluate);
     double found[2] = {};
     for (int e = 0; e < Tableau::estimates; ++e) {
       const double* weights = Tableau::error[e];
-      const auto measure = [&](double off, double before, double after) {
-        const double part = std::fabs(off) / (control_.atol + control_.rtol * std::max(std::fabs(before), std::fabs(after)));
+      const auto measure = [&](double off, double before, double after, double noise = 0) {
+        const double part =
+            std::fabs(off) / (control_.atol + control_.rtol * std::max(std::fabs(before), std::fabs(after)) + noise);
         if (!(part <= found[e])) found[e] = part;  // NaN is kept
       };
       for (int i = 0; i < nq_; ++i) {
         double off = 0;
         for (int j = 0; j < Tableau::stages; ++j) off += weights[j] * kq(j)[i];
-        measure(h * off, q0_[static_cast<std::size_t>(i)], q_[static_cast<std::size_t>(i)]);
+        measure(h * off, q0_[static_cast<std::size_t>(i)], q_[static_cast<std::size_t>(i)], momenta ? h * noise_q_[i] : 0);
       }
       if (!evaluate.tree().driven_joints().empty()) {
         double off = 0, most = 0;
@@ -232,13 +239,44 @@ class Embedded : public Integrator {
       }
       clear_driven(evaluate.tree(), dy);
       const double* du = dy;
-      if (evaluate.variables() == Variables::momenta) {
+      if (momenta) {
         evaluate.solve(q_.get(), dy, solver_);
         du = solver_.v.get();
       }
-      for (int i = 0; i < nv_; ++i) measure(du[i], u0_[static_cast<std::size_t>(i)], u1[i]);
+      for (int i = 0; i < nv_; ++i) measure(du[i], u0_[static_cast<std::size_t>(i)], u1[i], momenta ? noise_u_[i] : 0);
     }
     return Tableau::combine(found);
+  }
+
+  // Velocities cannot be known better than the momenta: rounding these, p (1 ± ε), moves them by as much. A few times that is
+  // tolerated in addition, or else round-off would be taken for an error, and steps would shrink without end. One solve with
+  // random signs; a joint's noise is the largest of its own and of those beside it, because a single sample may be zero.
+  void find_noise(Evaluator& evaluate) noexcept {
+    constexpr double several = 8 * 0x1p-53;
+    const Tree& tree = evaluate.tree();
+    double* dp = solver_.impulse.get();
+    for (int i = 0; i < nv_; ++i) {
+      const std::uint64_t bits = (std::bit_cast<std::uint64_t>(y_[i]) + static_cast<unsigned>(i)) * 0x9e3779b97f4a7c15u;
+      dp[i] = (bits >> 63 != 0 ? several : -several) * y_[i];
+    }
+    clear_driven(tree, dp);
+    evaluate.solve(q_.get(), dp, solver_);
+    double* const of_body = solver_.passive.get();
+    for (const int b : tree.order()) {
+      of_body[b] = 0;
+      for (int i = 0; i < info(tree.kind(b)).nv; ++i)
+        of_body[b] = std::max(of_body[b], std::fabs(solver_.v[static_cast<std::size_t>(tree.first_p(b) + i)]));
+    }
+    const auto put = [&](int b, double noise) {
+      const KindInfo& kind = info(tree.kind(b));
+      std::fill_n(noise_u_.get() + tree.first_p(b), kind.nv, noise);
+      std::fill_n(noise_q_.get() + tree.first_q(b), kind.nq, noise);
+    };
+    for (const int b : tree.order()) {  // inboard before outboard
+      const int outer = tree.parent(b);
+      put(b, std::max(of_body[b], outer < 0 ? 0.0 : of_body[outer]));
+      if (outer >= 0 && info(tree.kind(outer)).nv > 0) put(outer, std::max(noise_u_[tree.first_p(outer)], of_body[b]));
+    }
   }
 
   long nq_max_, nv_max_;
@@ -246,6 +284,7 @@ class Embedded : public Integrator {
   std::unique_ptr<double[]> q0_, y0_, u0_;  // start of the step
   std::unique_ptr<double[]> q_, y_;         // stage, then result
   std::unique_ptr<double[]> kq_, ky_;       // rates of the stages
+  std::unique_ptr<double[]> noise_q_, noise_u_;
   Power power_[Tableau::stages]{};
   Workspace<double> solver_;
   double start_ = 0, last_ = 0;  // start and length (s) of the step to which kq_, ky_ belong

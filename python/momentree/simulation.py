@@ -76,6 +76,8 @@ class Simulation(_core.SimulationBase):
     Args:
         model: What moves. Later changes of the model do not affect the simulation.
         method: ``"rk4"``, ``"midpoint"`` and ``"damped"`` have fixed steps; ``"dopri5"`` and ``"dop853"`` are adaptive.
+        variables: What the state holds between events, ``"momenta"`` or ``"velocities"``; by default velocities for adaptive
+            methods, which lose no digits in long chains, and momenta for the others.
         step: s; the first step of adaptive methods.
         rtol: Relative error per step of adaptive methods.
         atol: Absolute error per step of adaptive methods.
@@ -95,6 +97,7 @@ class Simulation(_core.SimulationBase):
         model: Model,
         *,
         method: str = "rk4",
+        variables: str | None = None,
         step: Number = 1e-3,
         rtol: float | None = None,
         atol: float | None = None,
@@ -103,6 +106,7 @@ class Simulation(_core.SimulationBase):
     ) -> None:
         options = {"method": method, "step": step, "rtol": rtol, "atol": atol, "max_step": max_step}
         options["event_tolerance"] = event_tolerance
+        options["variables"] = variables
         super().__init__(model, options)
         self._begin(("model", model.copy(), options))
 

@@ -142,3 +142,36 @@ def test_saved_folders_have_the_numbers_of_the_command(name: str, tmp_path: path
 def without_times(line: str) -> dict[str, object]:
     event: dict[str, object] = json.loads(line)
     return {key: value for key, value in event.items() if not key.startswith("duration")}
+
+
+@given(seeds, st.integers(1, 6))
+def test_velocities_and_momenta_describe_the_same_motion(seed: int, bodies: int) -> None:
+    model = random_model(seed, bodies)
+    sims = [mt.Simulation(model, method="dop853", variables=v, rtol=1e-10, atol=1e-12) for v in ("momenta", "velocities")]
+    names = list(sims[0].world.joints)
+    for sim in sims:
+        random_state(sim, seed)
+        sim.at(0.004).then(mt.lock(names[0]))
+        sim.at(0.006).then(mt.break_joint(names[seed % bodies]))
+        assert sim.run(0.01).status == "ok"
+    one, other = sims
+    assert one.integration["variables"] == "momenta" and other.integration["variables"] == "velocities"
+    for x, y in ((one.q, other.q), (one.v, other.v), (one.p, other.p)):
+        np.testing.assert_allclose(x, y, rtol=1e-6, atol=1e-7 * (1 + np.abs(x).max(initial=0)))
+    for event, same in zip(one.events, other.events, strict=True):
+        assert event.lost == pytest.approx(same.lost, rel=1e-5, abs=1e-7 * (1 + abs(event.before.kinetic)))
+
+
+def test_writing_velocities_and_momenta_of_a_simulation_in_velocities() -> None:
+    sim = mt.Simulation(random_model(3, 4), variables="velocities")
+    v = np.linspace(-1, 1, len(sim.v))
+    sim.set_state(v=v)
+    np.testing.assert_array_equal(sim.v, v)
+    p = np.array(sim.p)
+    sim.set_state(v=np.zeros(len(v)))
+    sim.set_state(p=p)
+    np.testing.assert_allclose(sim.v, v, atol=1e-12)
+    with pytest.raises(mt.Error, match="integrates momenta"):
+        mt.Simulation(random_model(3, 4), method="damped", variables="velocities")
+    with pytest.raises(mt.Error, match="momentum|momenta"):
+        mt.Simulation(random_model(3, 4), variables="momentum")
