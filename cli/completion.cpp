@@ -59,6 +59,7 @@ std::vector<std::string> setting_keys() {
 }
 
 std::vector<std::string> method_names() { return integration_methods(); }
+std::vector<std::string> words_of_variables() { return variable_names(); }
 
 std::string spaced(const std::vector<std::string>& words) {
   std::string text;

@@ -24,6 +24,7 @@ std::vector<std::string> source_endings();
 /// Common keys for --set, each with its '=', and those of their values that are words.
 std::vector<std::string> setting_keys();
 std::vector<std::string> method_names();
+std::vector<std::string> words_of_variables();
 
 std::string bash_completion(const CommandTable& table);
 std::string zsh_completion(const CommandTable& table);

@@ -67,9 +67,12 @@ _momentree() {
   elif [[ $cur == *=* ]]; then
     before=${cur%%=*} prefix=${cur%%=*}= cur=${cur#*=}
   fi
-  if [[ $before == integrate.method ]]; then
 )";
-  text += "    _momentree_words '" + spaced(method_names()) + "'\n    return\n  fi\n";
+  const std::pair<const char*, std::vector<std::string>> words[] = {{"method", method_names()},
+                                                                    {"variables", words_of_variables()}};
+  for (const auto& [key, all] : words)
+    text += std::string("  if [[ $before == integrate.") + key + " ]]; then\n    _momentree_words '" + spaced(all) +
+            "'\n    return\n  fi\n";
   text += "  if ((COMP_CWORD == 1)); then\n    if [[ $cur == -* ]]; then\n";
   std::vector<std::string> top;
   for (const OptionInfo& option : table.program.options) top.insert(top.end(), option.flags.begin(), option.flags.end());

@@ -22,6 +22,7 @@ std::string values(const Completed& what) {
       return " -xa " + fish_quoted(spaced(setting_keys()) + [] {
                std::string methods;
                for (const std::string& name : method_names()) methods += " integrate.method=" + name;
+               for (const std::string& name : words_of_variables()) methods += " integrate.variables=" + name;
                return methods;
              }());
     case Completed::What::words: return " -xa " + fish_quoted(spaced(what.words));

@@ -62,7 +62,9 @@ std::string zsh_completion(const CommandTable& table) {
   text +=
       "_momentree_settings() {\n  if [[ $PREFIX == integrate.method=* ]]; then\n    compset -P 'integrate.method='\n    compadd "
       "-- " +
-      spaced(method_names()) + "\n  else\n    compadd -S '' -- " + spaced(setting_keys()) + "\n  fi\n}\n\n";
+      spaced(method_names()) +
+      "\n  elif [[ $PREFIX == integrate.variables=* ]]; then\n    compset -P 'integrate.variables='\n    compadd -- " +
+      spaced(words_of_variables()) + "\n  else\n    compadd -S '' -- " + spaced(setting_keys()) + "\n  fi\n}\n\n";
   text += "_momentree() {\n  local context state state_descr line curcontext=$curcontext\n  typeset -A opt_args\n  _arguments -C";
   for (const OptionInfo& option : table.program.options) text += " \\\n    " + specification(option);
   text += " \\\n    '1:command:_momentree_commands' \\\n    '*::argument:->arguments' && return\n";

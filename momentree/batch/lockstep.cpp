@@ -44,8 +44,8 @@ Lockstep::~Lockstep() = default;
 
 bool Lockstep::fits(const Simulation& simulation) {
   Simulation::Impl& impl = simulation.impl();
-  return impl.method->is_that_of_lanes() && impl.world.state().variables() == Variables::momenta && !impl.generated && !impl.stops.any() && !impl.queue.watching(impl.world) &&
-         !batch::unsupported(impl.world.tree());
+  return impl.method->is_that_of_lanes() && impl.world.state().variables() == Variables::momenta && !impl.generated &&
+         !impl.stops.any() && !impl.queue.watching(impl.world) && !batch::unsupported(impl.world.tree());
 }
 
 Group& Lockstep::group_of(const Simulation::Impl& impl) {

@@ -10,8 +10,8 @@ class Tree;
 /// without joint forces), packed and in the units of State and Workspace. The arrays must not overlap.
 using RatesFunction = void (*)(const double* q, const double* p, double* v, double* qdot, double* pdot) noexcept;
 
-/// Code for one topology with the results of the passes in velocities: reads q (nq numbers), u and joint forces tau (nv), writes q̇
-/// (nq) and u̇ (nv). The arrays must not overlap.
+/// Code for one topology with the results of the passes in velocities: reads q (nq numbers), u and joint forces tau (nv), writes
+/// q̇ (nq) and u̇ (nv). The arrays must not overlap.
 using VelocityRatesFunction = void (*)(const double* q, const double* u, const double* tau, double* qdot, double* udot) noexcept;
 
 /// Code for one topology, for either variables of a state; null: the kernels run.

@@ -87,7 +87,7 @@ void sum_momenta(const Tree& tree, const double* q, Workspace<double>& workspace
     const int outer = all.parent(b);
     if (outer < 0) return;
     if constexpr (!K::rigid) wrench_inboard<K>(link, joint, workspace.record<K>(all, b), flags, P);  // (16)
-    workspace.motions[static_cast<std::size_t>(outer)].articulated += P;  // (14)
+    workspace.motions[static_cast<std::size_t>(outer)].articulated += P;                             // (14)
   });
 }
 
@@ -131,8 +131,8 @@ void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>
   workspace.rated = state.stamp();
 }
 
-// The passes of accelerations with other quantities in the same places: −M Ω for the bias wrenches, rotor momenta for the joint
-// forces, no bias, a ground at rest.
+// The passes of accelerations with other quantities in the same places: −M Ω for the bias wrenches, momenta of armatures for the
+// joint forces, no bias, a ground at rest.
 void project_velocities(const Tree& tree, const double* q, double* u, Workspace<double>& workspace) noexcept {
   sweep_velocities<double, true>(tree, q, u, workspace);  // for the joint transforms
   for (const int b : tree.order()) {

@@ -1,6 +1,6 @@
 #pragma once
-// Velocities as the state between events: (q, u) → (q̇, u̇) by an articulated-body pass in which nothing cancels, and the velocities
-// after a change, which every body's own momentum determines.
+// Velocities as the state between events: (q, u) → (q̇, u̇) by an articulated-body pass in which nothing cancels, and the
+// velocities after a change, which every body's own momentum determines.
 #include <momentree/dynamics/evaluate.hpp>
 
 namespace momentree {
@@ -28,8 +28,8 @@ void evaluate_velocity_state(const Tree& tree, const State& state, Workspace<dou
 /// ṗ of a state in velocities, to workspace.pdot; evaluates the state first if needed.
 void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
-/// The momenta p of velocities u, and of every body Pb in workspace.motions, whose velocities are those of u: one inward sum, (14)
-/// and (19). Requires sweep_velocities with Keep. For driven DoFs p is the prescribed rate, for frozen ones zero.
+/// The momenta p of velocities u, and of every body Pb in workspace.motions, whose velocities are those of u: one inward sum,
+/// (14) and (19). Requires sweep_velocities with Keep. For driven DoFs p is the prescribed rate, for frozen ones zero.
 void sum_momenta(const Tree& tree, const double* q, Workspace<double>& workspace, double* p) noexcept;
 
 /// Velocities u (nv numbers, in place) after a change, at coordinates q: the joints transmit impulses, and every body keeps its

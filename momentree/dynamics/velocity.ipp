@@ -51,7 +51,7 @@ struct VelocitySweep {
           K::template joint_transform<true, T>(link, joint, record).outboard(a);
         else
           K::template joint_transform<false, T>(link, joint, record).outboard(a);
-        a = K::template spatial_velocity<T>(link, joint, a, u);                        // (17)
+        a = K::template spatial_velocity<T>(link, joint, a, u);                       // (17)
         put(K::template acceleration_bias<T>(link, joint, a, u), bias.acceleration);  // (39)
         K::template coordinate_rate<T>(joint.q, u, workspace.qdot.get() + tree.first_q(b));
       }
@@ -130,8 +130,8 @@ struct VelocitySweep {
       if constexpr (Keep) put(a, workspace.inboard_accelerations[static_cast<std::size_t>(b)]);
       if constexpr (!K::rigid) {
         T* const udot = workspace.a.get() + tree.first_p(b);
-        K::joint_velocity(records[i - run.begin], a, udot);                                // (27)
-        a = K::template spatial_velocity<T>(tree.link(b), joint_state(b), a, udot);        // (17)
+        K::joint_velocity(records[i - run.begin], a, udot);                          // (27)
+        a = K::template spatial_velocity<T>(tree.link(b), joint_state(b), a, udot);  // (17)
       }
       buffers.store_for_children(b, flags, a);
     }

@@ -46,7 +46,9 @@ Model any_model(Random& random) {
     body.parent = outer < 0 ? ground : BodyId{outer};
     body.at = random_place(random);
     if (flat) body.at = {random.vector(0.4), outer < 0 ? body.at.rotation : from_axis_angle(z_axis, random.between(-1, 1))};
-    body.joint = flat ? JointSpec(Revolute{.damping = {0.3}}) : k == 0 && random.chance(0.3) ? JointSpec(Free{}) : any_joint(random);
+    body.joint = flat                           ? JointSpec(Revolute{.damping = {0.3}})
+                 : k == 0 && random.chance(0.3) ? JointSpec(Free{})
+                                                : any_joint(random);
     model.add(body);
   }
   if (random.chance(0.3)) {
@@ -104,7 +106,8 @@ TEST_CASE("velocities: an evaluation equals that of the same motion in momenta")
     CHECK(difference(one.qdot.get(), other.qdot.get(), nq) <= bound);
     std::string kinds;
     for (const int b : tree.order())
-      kinds += std::string(info(tree.kind(b)).name) + (tree.reversed(b) ? "~" : "") + (tree.link(b).locked ? "!" : "") + "<" + std::to_string(tree.parent(b)) + " ";
+      kinds += std::string(info(tree.kind(b)).name) + (tree.reversed(b) ? "~" : "") + (tree.link(b).locked ? "!" : "") + "<" +
+               std::to_string(tree.parent(b)) + " ";
     CAPTURE(stage);
     CAPTURE(accelerations);
     CAPTURE(momenta);

@@ -115,11 +115,11 @@ class Workspace : public WorkspaceStamps {
   detail::Untouched<BodySweep<T>> motions;             ///< of the state in `evaluated`
   detail::Untouched<Motion<T>> inboard_accelerations;  ///< a′ = Ω̇ − E u̇ of each body, less gravity; in its kernel frame
   detail::Untouched<Force<T>>
-      reduced_bias_wrenches;          ///< Ŵ of Tr = M̂ a′ + Ŵ, the wrench of the inboard joint on the body; kernel frame
-  detail::Untouched<Force<T>> loads;  ///< T: external wrench on each of the tree's loaded bodies, kernel frame
+      reduced_bias_wrenches;              ///< Ŵ of Tr = M̂ a′ + Ŵ, the wrench of the inboard joint on the body; kernel frame
+  detail::Untouched<Force<T>> loads;      ///< T: external wrench on each of the tree's loaded bodies, kernel frame
   detail::Untouched<BodyBias<T>> biases;  ///< of a state, or stage, in velocities
   detail::Untouched<Force<T>> carried;    ///< momenta of bodies during a change of a state in velocities
-  detail::Untouched<int> path;        ///< scratch of topology changes that walk from a root to a body
+  detail::Untouched<int> path;            ///< scratch of topology changes that walk from a root to a body
   detail::Untouched<Kinematics<T>> bodies;
   std::unique_ptr<PairWorkspace, void (*)(PairWorkspace*)> pairs{nullptr, nullptr};  ///< only for double
 };

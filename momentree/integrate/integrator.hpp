@@ -22,8 +22,8 @@ class Evaluator {
   Workspace<double>& workspace() const { return *workspace_; }
   /// What y is: the variables of the state that was evaluated last.
   Variables variables() const { return variables_; }
-  /// Rates at (q, y) and time t (s) in workspace().qdot and ydot(), their power in workspace().power: a stage, which belongs to no
-  /// state.
+  /// Rates at (q, y) and time t (s) in workspace().qdot and ydot(), their power in workspace().power: a stage, which belongs to
+  /// no state.
   void operator()(double t, const double* q, const double* y) noexcept;
   /// Of the last evaluation: ṗ, or u̇ for a state in velocities.
   const double* ydot() const { return (variables_ == Variables::momenta ? workspace_->pdot : workspace_->a).get(); }

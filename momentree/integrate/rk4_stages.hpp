@@ -3,8 +3,8 @@
 
 namespace momentree {
 
-/// Coordinates, or momenta or velocities, during a step: at its start, their rates at the latest stage, and the next stage, at the end the
-/// result. `sum`: scratch.
+/// Coordinates, or momenta or velocities, during a step: at its start, their rates at the latest stage, and the next stage, at
+/// the end the result. `sum`: scratch.
 template <class T>
 struct Rk4Variables {
   int n;

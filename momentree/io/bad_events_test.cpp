@@ -70,8 +70,8 @@ TEST_CASE("tolerances must be positive, of use to the method, and such as the st
   CHECK(warned(pinned + adaptive + "rtol = 1e-16\n") ==
         "s.toml:12:8: warning: rtol = 1e-16 is below the resolution of the velocities of this mechanism; they are known to "
         "about 1e-16: use rtol = 1e-15 or more");
-  const std::string long_chain =
-      warned(head + "[mechanism.chain]\nlinks = 100\nlength = \"5 m\"\nmass = \"10 g\"\n" + adaptive + "variables = \"momenta\"\nrtol = 1e-11\n");
+  const std::string long_chain = warned(head + "[mechanism.chain]\nlinks = 100\nlength = \"5 m\"\nmass = \"10 g\"\n" + adaptive +
+                                        "variables = \"momenta\"\nrtol = 1e-11\n");
   CHECK(long_chain.find("rtol = 1e-11 is below") != std::string::npos);
 }
 

@@ -19,7 +19,8 @@ constexpr Key world_entries[] = {{"gravity", vector(dimension::acceleration), "G
 
 constexpr Key integrate_entries[] = {
     {"method", choice(&integration_methods), "Integration method", R"("rk4")"},
-    {"variables", choice(&variable_names), "What the state holds between events; default: what suits the method", R"("velocities")"},
+    {"variables", choice(&variable_names), "What the state holds between events; default: what suits the method",
+     R"("velocities")"},
     {"step", number(dimension::time, Range::positive), "Step; for adaptive methods the first one", "0.001"},
     {"event_tolerance", number(dimension::time, Range::positive), "Accuracy of located instants", "1e-10"},
     {"until", number(dimension::time, Range::not_negative), "End of the run", "10"},

@@ -7,6 +7,7 @@
 
 #include <momentree/joint/link_constants.hpp>
 #include <momentree/joint/pass_data.hpp>
+#include <momentree/joint/placement_shapes.hpp>
 
 namespace momentree::detail {
 
@@ -150,6 +151,29 @@ MOMENTREE_INLINE void shift_x(SpatialMass<T>& M, const C& a) {
       M.J.yz = M.J.yz + a * (yy - M.B.zz);
     }
   }
+}
+
+// (17), from the parent's frame to the axes before the joint's own rotation.
+template <PlacementShape S, class L, class T>
+MOMENTREE_INLINE void rotate_placement(const L& k, Vector3<T>& x) {
+  if constexpr (PlacementTerms<S>::beta) rotate_z(x, k.cos_b, -k.sin_b);
+  if constexpr (PlacementTerms<S>::right)
+    x = {x.x, x.z, -x.y};
+  else if constexpr (!PlacementTerms<S>::parallel)
+    rotate_x(x, k.cos_a, -k.sin_a);
+}
+template <PlacementShape S, class L, class T>
+MOMENTREE_INLINE void cross_placement(const L& k, Motion<T>& a) {
+  if constexpr (PlacementTerms<S>::any_offset) shift_outboard(a, k.r);
+  if constexpr (PlacementTerms<S>::a) a.v.y = a.v.y + k.r.x * a.w.z, a.v.z = a.v.z - k.r.x * a.w.y;
+  rotate_placement<S>(k, a.v), rotate_placement<S>(k, a.w);
+}
+// (17), the shift along z and the rotation about it.
+template <PlacementShape S, class L, class T>
+MOMENTREE_INLINE void cross_joint_outboard(const L& k, const T& c, const T& s, Motion<T>& a) {
+  if constexpr (PlacementTerms<S>::d) a.v.x = a.v.x + k.d * a.w.y, a.v.y = a.v.y - k.d * a.w.x;
+  rotate_z(a.v, c, -s);
+  rotate_z(a.w, c, -s);
 }
 
 }  // namespace momentree::detail

@@ -1,6 +1,7 @@
 #pragma once
 // Steps of both passes across a revolute joint: (22)–(26) and (16) inboard, (17), (27), (21), (20) outboard, each fused into one
 // function. They exploit the zeros that reduction about z leaves (without armature) and those of the placement of most links.
+#include <momentree/joint/placement_shapes.hpp>
 #include <momentree/joint/revolute_blocks.hpp>
 #include <momentree/joint/revolute_record.hpp>
 
@@ -28,18 +29,8 @@ struct RevoluteStepsOf {
   template <class T, bool Keep>
   static constexpr bool rotate_then_reduce = one_world_at_a_time<T> && !Keep;
 
-  /// The terms that a shape has.
   template <PlacementShape S>
-  struct Has {
-    static constexpr bool beta = S == PlacementShape::general;
-    static constexpr bool any_offset = S == PlacementShape::general || S == PlacementShape::tilted;
-    static constexpr bool right = S >= PlacementShape::right && S <= PlacementShape::right_meeting;
-    static constexpr bool parallel = S >= PlacementShape::parallel;
-    static constexpr bool a = S == PlacementShape::screw || S == PlacementShape::screw_a || S == PlacementShape::right ||
-                              S == PlacementShape::right_a || parallel;
-    static constexpr bool d = S == PlacementShape::screw || S == PlacementShape::screw_d || S == PlacementShape::right ||
-                              S == PlacementShape::right_d || S == PlacementShape::parallel;
-  };
+  using Has = PlacementTerms<S>;
 
   /// Inward step of one body. In: the contributions of its children, in the body's frame, `in` of the first and `others` the sum
   /// of the rest. Out: its own contribution, in the parent's frame; `out` may alias `in`. `Root`: the parent is the ground, so no
@@ -91,9 +82,10 @@ struct RevoluteStepsOf {
     if constexpr (rotates_first) w.u0 = inverse * u;
     T hz = p;  // D̂·E
     if constexpr (Armature) w.hz = hz = remainder<N>(in.D.h.z, others.D.h.z, bias.wrench.h.z) + u * w.ghz;
-    Force<T> D{{remainder<N>(in.D.l.x, others.D.l.x, bias.wrench.l.x), remainder<N>(in.D.l.y, others.D.l.y, bias.wrench.l.y),
-                remainder<N>(in.D.l.z, others.D.l.z, bias.wrench.l.z)},
-               {remainder<N>(in.D.h.x, others.D.h.x, bias.wrench.h.x), remainder<N>(in.D.h.y, others.D.h.y, bias.wrench.h.y), hz}};
+    Force<T> D{
+        {remainder<N>(in.D.l.x, others.D.l.x, bias.wrench.l.x), remainder<N>(in.D.l.y, others.D.l.y, bias.wrench.l.y),
+         remainder<N>(in.D.l.z, others.D.l.z, bias.wrench.l.z)},
+        {remainder<N>(in.D.h.x, others.D.h.x, bias.wrench.h.x), remainder<N>(in.D.h.y, others.D.h.y, bias.wrench.h.y), hz}};
     Vector3<T> mc;
     if constexpr (Gravity)
       mc.x = with<N>(in.mc.x, others.mc.x, b.mc.x), mc.y = with<N>(in.mc.y, others.mc.y, b.mc.y),
@@ -128,8 +120,8 @@ struct RevoluteStepsOf {
                                         Outboard<T>& out, T& u, T& pdot, BodySweep<T>* kept) {
     Vector3<T>&v = out.velocity.v, &o = out.velocity.w, &g = out.gravity;
     // (17): into the joint's frame
-    cross_placement<S>(k, out.velocity);
-    if constexpr (Gravity) rotate_placement<S>(k, g);
+    detail::cross_placement<S>(k, out.velocity);
+    if constexpr (Gravity) detail::rotate_placement<S>(k, g);
     const auto each = [&](auto turned) MOMENTREE_INLINE_LAMBDA {
       turned(v), turned(o);
       if constexpr (Gravity) turned(g);
@@ -202,12 +194,12 @@ struct RevoluteStepsOf {
   /// (17), and the acceleration of the bias Ω × E u, which is the same on both sides of the rotation. In: the parent's velocity.
   /// Out: that of the body.
   template <PlacementShape S, bool Keep, class L, class T>
-  MOMENTREE_INLINE static void velocity_outboard(const L& k, const T& c, const T& s, const T& u, Motion<T>& a, T& vx, T& vy, T& wx,
-                                                 T& wy) {
-    cross_placement<S>(k, a);
-    if constexpr (!rotate_then_reduce<T, Keep>) cross_joint_outboard<S>(k, c, s, a);
+  MOMENTREE_INLINE static void velocity_outboard(const L& k, const T& c, const T& s, const T& u, Motion<T>& a, T& vx, T& vy,
+                                                 T& wx, T& wy) {
+    detail::cross_placement<S>(k, a);
+    if constexpr (!rotate_then_reduce<T, Keep>) detail::cross_joint_outboard<S>(k, c, s, a);
     vx = u * a.v.y, vy = -(u * a.v.x), wx = u * a.w.y, wy = -(u * a.w.x);
-    if constexpr (rotate_then_reduce<T, Keep>) cross_joint_outboard<S>(k, c, s, a);
+    if constexpr (rotate_then_reduce<T, Keep>) detail::cross_joint_outboard<S>(k, c, s, a);
     a.w.z = a.w.z + u;
   }
   /// (39), (47), with `r` as the inward step left it. In: the parent's acceleration. Out: that of the body in `a`, u̇ in `udot`.
@@ -216,8 +208,8 @@ struct RevoluteStepsOf {
   MOMENTREE_INLINE static void acceleration_outboard(const L& k, const T& c, const T& s, const R& r, Motion<T>& a, T& udot,
                                                      Motion<T>* approach) {
     Vector3<T>&v = a.v, &o = a.w;
-    cross_placement<S>(k, a);
-    if constexpr (!rotate_then_reduce<T, Keep>) cross_joint_outboard<S>(k, c, s, a);
+    detail::cross_placement<S>(k, a);
+    if constexpr (!rotate_then_reduce<T, Keep>) detail::cross_joint_outboard<S>(k, c, s, a);
     v.x = v.x + r.vx, v.y = v.y + r.vy, o.x = o.x + r.wx, o.y = o.y + r.wy;
     if constexpr (Keep) *approach = a;
     const T along = (r.gl.x * v.x + r.ghx * o.x) + (r.gl.y * v.y + r.ghy * o.y) + r.gl.z * v.z;
@@ -227,7 +219,7 @@ struct RevoluteStepsOf {
     else
       total = r.u0 - along, udot = total - o.z;
     o.z = total;
-    if constexpr (rotate_then_reduce<T, Keep>) cross_joint_outboard<S>(k, c, s, a);
+    if constexpr (rotate_then_reduce<T, Keep>) detail::cross_joint_outboard<S>(k, c, s, a);
   }
 
   /// F += M̂ a for an acceleration without z components.
@@ -239,8 +231,7 @@ struct RevoluteStepsOf {
     F.l.z = F.l.z + ((w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y));
     F.h.x = F.h.x + ((w.Bxx * v.x + w.Jxx * o.x) + (w.Byx * v.y + w.Jxy * o.y));
     F.h.y = F.h.y + ((w.Bxy * v.x + w.Jxy * o.x) + (w.Byy * v.y + w.Jyy * o.y));
-    if constexpr (Armature)
-      F.h.z = F.h.z + w.armature * ((w.gl.x * v.x + w.ghx * o.x) + (w.gl.y * v.y + w.ghy * o.y));
+    if constexpr (Armature) F.h.z = F.h.z + w.armature * ((w.gl.x * v.x + w.ghx * o.x) + (w.gl.y * v.y + w.ghy * o.y));
   }
 
   // Second recursion.
@@ -273,7 +264,7 @@ struct RevoluteStepsOf {
                                              const Motion<T>& velocity, const T& u, T& udot, Motion<T>& a, Motion<T>& approach) {
     constexpr bool rotates_first = one_world_at_a_time<T>, shifts = Has<S>::d;
     Vector3<T>&v = a.v, &o = a.w;
-    cross_placement<S>(k, a);
+    detail::cross_placement<S>(k, a);
     const auto cross_joint = [&]() MOMENTREE_INLINE_LAMBDA {
       if constexpr (shifts) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
       rotate_z(v, c, -s);
@@ -312,29 +303,6 @@ struct RevoluteStepsOf {
       if constexpr (rotate_then_reduce<T, false>) rotate(x, y, c, s);
       w.mc.x = x, w.mc.y = y;
     }
-  }
-
-  // (17), from the parent's frame to the axes before the joint's own rotation.
-  template <PlacementShape S, class L, class T>
-  MOMENTREE_INLINE static void rotate_placement(const L& k, Vector3<T>& x) {
-    if constexpr (Has<S>::beta) rotate_z(x, k.cos_b, -k.sin_b);
-    if constexpr (Has<S>::right)
-      x = {x.x, x.z, -x.y};
-    else if constexpr (!Has<S>::parallel)
-      rotate_x(x, k.cos_a, -k.sin_a);
-  }
-  template <PlacementShape S, class L, class T>
-  MOMENTREE_INLINE static void cross_placement(const L& k, Motion<T>& a) {
-    if constexpr (Has<S>::any_offset) shift_outboard(a, k.r);
-    if constexpr (Has<S>::a) a.v.y = a.v.y + k.r.x * a.w.z, a.v.z = a.v.z - k.r.x * a.w.y;
-    rotate_placement<S>(k, a.v), rotate_placement<S>(k, a.w);
-  }
-  // (17), the shift along z and the rotation about it.
-  template <PlacementShape S, class L, class T>
-  MOMENTREE_INLINE static void cross_joint_outboard(const L& k, const T& c, const T& s, Motion<T>& a) {
-    if constexpr (Has<S>::d) a.v.x = a.v.x + k.d * a.w.y, a.v.y = a.v.y - k.d * a.w.x;
-    rotate_z(a.v, c, -s);
-    rotate_z(a.w, c, -s);
   }
 
   // (23): the children's contributions and, in the equations of accelerations, the body's own.
@@ -501,55 +469,5 @@ struct RevoluteStepsOf {
 
 using RevoluteSteps = RevoluteStepsOf<false>;
 using ArmatureSteps = RevoluteStepsOf<true>;
-
-/// Calls f(std::integral_constant<PlacementShape, …>{}) for a shape known at run time.
-template <class F>
-MOMENTREE_INLINE void dispatch_shape(PlacementShape shape, F&& f) {
-  switch (shape) {
-#define MOMENTREE_SHAPE(name) \
-  case PlacementShape::name: return f(std::integral_constant<PlacementShape, PlacementShape::name>{});
-    MOMENTREE_SHAPE(general)
-    MOMENTREE_SHAPE(tilted)
-    MOMENTREE_SHAPE(screw)
-    MOMENTREE_SHAPE(screw_a)
-    MOMENTREE_SHAPE(screw_d)
-    MOMENTREE_SHAPE(right)
-    MOMENTREE_SHAPE(right_a)
-    MOMENTREE_SHAPE(right_d)
-    MOMENTREE_SHAPE(right_meeting)
-    MOMENTREE_SHAPE(parallel)
-    MOMENTREE_SHAPE(parallel_a)
-#undef MOMENTREE_SHAPE
-  }
-  __builtin_unreachable();
-}
-
-/// Calls f with one of five shapes that covers the link's own: for less frequent steps.
-template <class F>
-MOMENTREE_INLINE void dispatch_main_shape(PlacementShape shape, F&& f) {
-  if (shape == PlacementShape::general)
-    f(std::integral_constant<PlacementShape, PlacementShape::general>{});
-  else if (shape == PlacementShape::tilted)
-    f(std::integral_constant<PlacementShape, PlacementShape::tilted>{});
-  else if (shape < PlacementShape::right)
-    f(std::integral_constant<PlacementShape, PlacementShape::screw>{});
-  else if (shape < PlacementShape::parallel)
-    f(std::integral_constant<PlacementShape, PlacementShape::right>{});
-  else
-    f(std::integral_constant<PlacementShape, PlacementShape::parallel>{});
-}
-/// Calls f with the link's shape for revolute joints without armature; with armature, which is less frequent, with one of three
-/// shapes.
-template <bool Armature, class F>
-MOMENTREE_INLINE void dispatch_link(PlacementShape shape, F&& f) {
-  if constexpr (!Armature)
-    dispatch_shape(shape, f);
-  else if (shape == PlacementShape::general || shape == PlacementShape::tilted)
-    f(std::integral_constant<PlacementShape, PlacementShape::general>{});
-  else if (shape >= PlacementShape::right && shape < PlacementShape::parallel)
-    f(std::integral_constant<PlacementShape, PlacementShape::right>{});
-  else
-    f(std::integral_constant<PlacementShape, PlacementShape::screw>{});
-}
 
 }  // namespace momentree

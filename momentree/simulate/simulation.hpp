@@ -243,9 +243,7 @@ class Simulation {
   /// rests on a stop is released unless its coordinate is the present one and its momentum 0. Quaternions are normalised. Throws
   /// Error, with nothing changed, for lists of other lengths, numbers that are not finite, a quaternion that differs from unit
   /// length by more than 1e-6, a coordinate beyond a hard stop, and a negative time.
-  void set_state(double time, std::span<const double> q, std::span<const double> p) {
-    set_state(time, q, p, Variables::momenta);
-  }
+  void set_state(double time, std::span<const double> q, std::span<const double> p) { set_state(time, q, p, Variables::momenta); }
   /// The same from momenta or from velocities.
   void set_state(double time, std::span<const double> q, std::span<const double> y, Variables given);
 

@@ -196,8 +196,7 @@ TEST_CASE("a world restored from its public data continues to the same bits") {
   CHECK(branch.run_until(0.3) == Status::ok);
   for (std::size_t i = 0; i < whole.world().state().q().size(); ++i)
     CHECK(whole.world().state().q()[i] == branch.world().state().q()[i]);
-  for (std::size_t i = 0; i < whole.world().p().size(); ++i)
-    CHECK(whole.world().p()[i] == branch.world().p()[i]);
+  for (std::size_t i = 0; i < whole.world().p().size(); ++i) CHECK(whole.world().p()[i] == branch.world().p()[i]);
 }
 
 TEST_CASE("a coordinate that diverges in the first step is named, with its value") {

@@ -7,8 +7,8 @@
 
 namespace momentree {
 
-/// Topology, time, coordinates, momenta or velocities. A world restored from it continues bit for bit as the original would: across any number
-/// of changes, also in another tree compiled from the same model.
+/// Topology, time, coordinates, momenta or velocities. A world restored from it continues bit for bit as the original would:
+/// across any number of changes, also in another tree compiled from the same model.
 struct Snapshot {
   Topology topology;
   double time = 0;

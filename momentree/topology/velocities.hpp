@@ -1,7 +1,7 @@
 #pragma once
 // Changes of a state in velocities. Every body keeps its own momentum up to the impulses of the joints; the velocities after the
 // change are its projection onto the new joints, p′ = E′ᵀ P as in momenta, but without the digits that long chains lose there.
-// Where freedom is only added, velocities stay.
+// Where DoFs are only added, velocities stay.
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/topology/change.hpp>
 

@@ -1,5 +1,5 @@
-// Every change of a state in velocities against the same change of a state in momenta, on random mechanisms, and the accuracy that
-// velocities keep in long chains.
+// Every change of a state in velocities against the same change of a state in momenta, on random mechanisms, and the accuracy
+// that velocities keep in long chains.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -85,7 +85,8 @@ std::optional<Which> change_both(Side& p, Side& u, Random& random) {
   const auto replaced = [&](JointSpec to) {
     ChangeJoint change;
     change.joint = joint;
-    change.to.kind = to.kind, change.to.axis = normalized(to.axis), change.to.axis2 = normalized(to.axis2), change.to.pitch = to.pitch;
+    change.to.kind = to.kind, change.to.axis = normalized(to.axis), change.to.axis2 = normalized(to.axis2),
+    change.to.pitch = to.pitch;
     p.evaluate();
     Pose pose = user_pose(tree, locate_body(tree, p.state, p.workspace, b), b);
     if (tree.parent(b) >= 0)
@@ -113,9 +114,7 @@ std::optional<Which> change_both(Side& p, Side& u, Random& random) {
       return done(unlocked);
     case changed: replaced(any_joint(random)); return done(changed);
     case freed: replaced(Free{}); return done(freed);
-    case pushed:
-      both(Impulse{{b}, random.vector(1), random.vector(1), random.vector(0.3)});
-      return done(pushed);
+    case pushed: both(Impulse{{b}, random.vector(1), random.vector(1), random.vector(0.3)}); return done(pushed);
     case hit: {
       const int dof = random.below(std::max(kind.nv, 1));
       if (kind.nv == 0 || (tree.link(b).locked >> dof & 1u) != 0) return {};
@@ -136,7 +135,8 @@ std::optional<Which> change_both(Side& p, Side& u, Random& random) {
     case joined:
     case attached: {
       const int to = random.below(tree.bodies() + 1) - 1;
-      if (!floats(tree, {b}) || (to >= 0 && (!tree.alive(to) || root_of(tree, {to}).index == root_of(tree, {b}).index))) return {};
+      if (!floats(tree, {b}) || (to >= 0 && (!tree.alive(to) || root_of(tree, {to}).index == root_of(tree, {b}).index)))
+        return {};
       if (random.chance(0.3)) {
         both(Join{{b}, {to}});
         return done(joined);

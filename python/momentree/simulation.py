@@ -76,8 +76,7 @@ class Simulation(_core.SimulationBase):
     Args:
         model: What moves. Later changes of the model do not affect the simulation.
         method: ``"rk4"``, ``"midpoint"`` and ``"damped"`` have fixed steps; ``"dopri5"`` and ``"dop853"`` are adaptive.
-        variables: What the state holds between events, ``"momenta"`` or ``"velocities"``; by default velocities for adaptive
-            methods, which lose no digits in long chains, and momenta for the others.
+        variables: Of the state, ``"momenta"`` or ``"velocities"``; default: velocities for adaptive methods, else momenta.
         step: s; the first step of adaptive methods.
         rtol: Relative error per step of adaptive methods.
         atol: Absolute error per step of adaptive methods.
@@ -105,8 +104,7 @@ class Simulation(_core.SimulationBase):
         event_tolerance: Number | None = None,
     ) -> None:
         options = {"method": method, "step": step, "rtol": rtol, "atol": atol, "max_step": max_step}
-        options["event_tolerance"] = event_tolerance
-        options["variables"] = variables
+        options |= {"variables": variables, "event_tolerance": event_tolerance}
         super().__init__(model, options)
         self._begin(("model", model.copy(), options))
 

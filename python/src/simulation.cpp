@@ -103,7 +103,8 @@ void make_step(const SimulationPtr& self, std::optional<double> dt) {
 nb::dict integration_of(const SimulationObject& self) {
   const Integration& how = self.scenario().integration;
   nb::dict all;
-  all["method"] = how.method, all["variables"] = name_of(how.state_variables()), all["step"] = how.step, all["event_tolerance"] = how.event_tolerance;
+  all["method"] = how.method, all["variables"] = name_of(how.state_variables()), all["step"] = how.step,
+  all["event_tolerance"] = how.event_tolerance;
   if (is_adaptive(how.method)) {
     all["rtol"] = how.rtol, all["atol"] = how.atol;
     if (std::isfinite(how.max_step)) all["max_step"] = how.max_step;

@@ -153,7 +153,7 @@ def test_velocities_and_momenta_describe_the_same_motion(seed: int, bodies: int)
         random_state(sim, seed)
         sim.at(0.004).then(mt.lock(names[0]))
         sim.at(0.006).then(mt.break_joint(names[seed % bodies]))
-        assert sim.run(0.01).status == "ok"
+        assert sim.run(0.01).status == "done"
     one, other = sims
     assert one.integration["variables"] == "momenta" and other.integration["variables"] == "velocities"
     for x, y in ((one.q, other.q), (one.v, other.v), (one.p, other.p)):

@@ -1,7 +1,7 @@
 #pragma once
 // The implicit midpoint rule, order 2: z1 = z0 + h f((z0 + z1)/2), by fixed-point iteration on the midpoint. Symplectic in
-// momenta, for joints whose velocities are rates of coordinates (holonomic ones); not for ball and free joints, whose momenta refer
-// to body axes, and not in velocities.
+// momenta, for joints whose velocities are rates of coordinates (holonomic ones); not for ball and free joints, whose momenta
+// refer to body axes, and not in velocities.
 #include <cmath>
 
 #include <momentree/integrate/integrator.hpp>

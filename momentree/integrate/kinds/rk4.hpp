@@ -36,8 +36,7 @@ inline bool Rk4::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, d
   const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
   const double *q = state.q().data(), *y = state.y().data(), t = state.time();
   Power sum{};
-  rk4_stages<double>(h, {nq, q, workspace.qdot.get(), q_.get(), q_sum_.get()},
-                     {nv, y, evaluate.ydot(), y_.get(), y_sum_.get()},
+  rk4_stages<double>(h, {nq, q, workspace.qdot.get(), q_.get(), q_sum_.get()}, {nv, y, evaluate.ydot(), y_.get(), y_sum_.get()},
                      [&](double node, double weight, const double* stage_q, const double* stage_y) {
                        if (node > 0) evaluate(t + node * h, stage_q, stage_y);  // the start is already evaluated
                        sum.dissipated += weight * workspace.power.dissipated;
