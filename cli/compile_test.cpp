@@ -181,6 +181,10 @@ TEST_CASE("run --generate: the same motion, a line about it, and a fallback with
   const Outcome damped = here.call(run + "damped --generate --set integrate.method=damped");
   CHECK(damped.code == 0);
   CHECK(contains(damped.errors, "the method damped"));
+  const Outcome velocities = here.call(run + "velocities --generate --set integrate.method=dop853");
+  CHECK(contains(velocities.errors, "two pendulums.toml: warning: generated code serves momenta"));
+  const Outcome momenta = here.call(run + "momenta --generate --set integrate.method=dop853 --set integrate.variables=momenta");
+  CHECK(momenta.errors.find("warning") == std::string::npos);
   const Outcome json = here.call(run + "json --generate --json");
   CHECK(json.code == 0);
   CHECK(json.output.starts_with("{"));

@@ -193,8 +193,8 @@ class Simulation {
   RunResult step(double dt);
 
   /// Stages of steps run code that was generated for the topology instead of the kernels, if the provider has such code (see
-  /// KernelCache); the provider is called before the first step after each change. Results agree to round-off, and depend on
-  /// which stages ran which code. Branches keep the provider; an empty one removes it.
+  /// KernelCache) for the variables of the state; the provider is called before the first step after each change. Results agree
+  /// to round-off, and depend on which stages ran which code. Branches keep the provider; an empty one removes it.
   void use_generated(RatesProvider provider);
 
   /// Sets the observer. It is called when run_until first starts, at every multiple of `every` seconds (after each step if 0),
