@@ -25,9 +25,11 @@ Released apply(const Break& change, Tree& tree, State& state, Workspace<double>&
   const KernelFrame frame = tree.frame(b);
   const int first_q = tree.first_q(b), first_p = tree.first_p(b);
   const KindInfo& old = info(tree.joint(b).kind);
-  const Motion<double> velocity = user_velocity(tree, workspace, b);
   const bool velocities = in_velocities(state);
-  if (!velocities) {
+  Motion<double> velocity{};
+  if (velocities) {
+    velocity = user_velocity(tree, workspace, b);
+  } else {
     const State::Edit edit = state.edit();
     shed_momentum(tree, state, workspace, b, Pb, -1, edit.p.data());
   }
@@ -36,10 +38,9 @@ Released apply(const Break& change, Tree& tree, State& state, Workspace<double>&
   const Force<double> P = to_user_frame(frame, Pb);
   const double q[7] = {pose.position.x, pose.position.y, pose.position.z, pose.rotation.w,
                        pose.rotation.x, pose.rotation.y, pose.rotation.z};
-  const double p[6] = {P.l.x, P.l.y, P.l.z, P.h.x, P.h.y, P.h.z};
-  double u[6];
-  joint_velocities(tree, b, q, velocity, {}, u);
-  state.replace(first_q, old.nq, q, first_p, old.nv, velocities ? u : p, tree);
+  double y[6] = {P.l.x, P.l.y, P.l.z, P.h.x, P.h.y, P.h.z};
+  if (velocities) joint_velocities(tree, b, q, velocity, {}, y);
+  state.replace(first_q, old.nq, q, first_p, old.nv, y, tree);
   return released;
 }
 

@@ -87,8 +87,10 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
   if (evaluated_on(tree, state, workspace)) {
     for (int i = 0; i < old.nv; ++i) u[i] = workspace.v[static_cast<std::size_t>(first_p + i)];
     if (!keeps) released.energy = joint_energy(tree, state, workspace, b);
+  }
+  if (velocities) {
     own = user_velocity(tree, workspace, b), outer = user_velocity(tree, workspace, tree.parent(b));
-    if (velocities) carry_momenta(tree, workspace);
+    carry_momenta(tree, workspace);
   }
   tree.set_joint(b, change.to, reversed);
   if (velocities) {
