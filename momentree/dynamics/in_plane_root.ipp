@@ -106,8 +106,10 @@ struct InPlaneRoot {
       u[0] = qdot[0] = a.vx, u[1] = qdot[1] = a.vy, u[2] = qdot[2] = a.w;
       pdot[0] = fx, pdot[1] = fy, pdot[2] = t;
     } else {
-      put(plane, a.vx, a.vy, a.w, u);
-      put(plane, fx + a.w * P.y, fy - a.w * P.x, t, pdot);
+      const Vec3 c = offset(run);  // u and p belong to the joint's own origin
+      put(plane, a.vx + a.w * c.y, a.vy - a.w * c.x, a.w, u);
+      fx = fx + a.w * P.y, fy = fy - a.w * P.x;
+      put(plane, fx, fy, t + (c.x * fy - c.y * fx), pdot);
       FreeKernels::coordinate_rate<T>(q + tree.first_q(root), u, qdot);
     }
     return {w.gravity_x, w.gravity_y, T(0)};
@@ -146,7 +148,13 @@ struct InPlaneRoot {
     const LinkConstants& plane = first_link(run);
     const Vector3<T> l = in_axes_of_plane(plane, Vector3<T>{m[0], m[1], m[2]});
     const Vector3<T> h = in_axes_of_plane(plane, Vector3<T>{m[3], m[4], m[5]});
-    return {l.x, l.y, h.z};
+    const Vec3 c = offset(run);
+    return {l.x, l.y, h.z - (c.x * l.y - c.y * l.x)};
+  }
+  /// From the origin of a free root joint to that of the kernel frame, in the plane's axes.
+  Vec3 offset(const KernelRun& run) const {
+    const LinkConstants& k = tree.link(tree.order()[static_cast<std::size_t>(run.begin)]);
+    return in_axes_of_plane(first_link(run), FreeKernels::offset<double>(k));
   }
   /// Writes a velocity, momentum or rate in the plane in the axes of a free root.
   static void put(const LinkConstants& plane, const T& x, const T& y, const T& about, T* to) {

@@ -130,6 +130,8 @@ template <class Kind, LinkRotation Rotation, Place At, class T>
   spec.pitch = draw();
   if (std::fabs(dot(spec.axis, spec.axis2)) > 0.9) return;  // nearly parallel axes of a universal joint
   K::frame(spec, k.geometry);
+  if (Kind::info.kind == momentree::Kind::free && root)
+    for (double& x : k.geometry) x = draw();
   RigidMass body{1.5 + draw(), draw.vector(), {}};
   const Vec3 c = (1 / body.m) * body.mc;
   body.J = {body.m * (c.y * c.y + c.z * c.z) + 0.3,

@@ -27,6 +27,8 @@ struct Sample {
     spec.axis = normalized(draw.vector());
     spec.axis2 = normalized(draw.vector());
     spec.pitch = draw();
+    if (K::kind == Kind::free)
+      for (double& x : link.geometry) x = draw();
     K::Kernels::frame(spec, link.geometry);
     for (int i = 0; i < nq; ++i) q[static_cast<std::size_t>(i)] = 2 * draw();
     K::Kernels::normalise(q.data());

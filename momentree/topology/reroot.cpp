@@ -25,8 +25,7 @@ bool floats(const Tree& tree, BodyId body) noexcept {
 Force<double> reverse_momenta(const Tree& tree, const State& state, Workspace<double>& workspace, int b, double* p) noexcept {
   int length = 0, root = b;
   for (; tree.parent(root) >= 0; root = tree.parent(root)) workspace.path[static_cast<std::size_t>(length++)] = root;
-  const double* r = state.p().data() + tree.first_p(root);
-  Force<double> total{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
+  Force<double> total = articulated_momentum(tree, state, workspace, root);
   while (length > 0) {
     const int x = workspace.path[static_cast<std::size_t>(--length)];
     const DenseTransform<double> crossing = joint_transform_of(tree, state, workspace, x);

@@ -44,9 +44,9 @@ auto words(const Joint& j) {
 auto words(const MassProperties& m) { return Words<10>()(m.mass)(m.com)(m.inertia).all(); }
 
 auto words(const LinkConstants& k, const KernelFrame& frame) {
-  return Words<38>()(k.cos_a)(k.sin_a)(k.cs_a)(k.ss_a)(k.r)(k.d)(k.cos_b)(k.sin_b)(k.body.m)(k.body.mc)(k.body.J)(
+  return Words<39>()(k.cos_a)(k.sin_a)(k.cs_a)(k.ss_a)(k.r)(k.d)(k.cos_b)(k.sin_b)(k.body.m)(k.body.mc)(k.body.J)(
              pair(static_cast<int>(k.shape), k.locked << 8 | k.driven))(k.cos_0)(k.sin_0)(k.angle_0)(k.geometry[0])(
-             k.geometry[1])(frame.R)(frame.r)
+             k.geometry[1])(k.geometry[2])(frame.R)(frame.r)
       .all();
 }
 

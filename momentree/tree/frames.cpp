@@ -158,7 +158,14 @@ void Tree::make_frame(int b) {
     }
   }
   const Mat3 R = side * mine.C;
-  links_.own_frame(at(b)) = {R, mine.own.position + shift_z * Vec3{R.xz, R.yz, R.zz}};
+  if (joint(b).kind == Kind::free) {
+    const bool floats = parent_[at(b)] < 0 && !reversed(b);
+    const Vec3 origin = floats ? mass(b).com : mine.own.position, c = transpose_times(R, origin - mine.own.position);
+    links_.own_frame(at(b)) = {R, origin};
+    link.geometry[0] = c.x, link.geometry[1] = c.y, link.geometry[2] = c.z;
+  } else {
+    links_.own_frame(at(b)) = {R, mine.own.position + shift_z * Vec3{R.xz, R.yz, R.zz}};
+  }
   set_mass_properties(b, link);
 }
 
@@ -186,9 +193,9 @@ void Tree::make_link(int b) {
   const Mat3 C = transpose(rotation_matrix(mine.own.rotation)) * own.R;
   const Mat3 axes = rotation_matrix(mine.outer.rotation) * C;
   factorise(transpose(outer.R) * axes, k);
-  // The frame is shifted by `shift_z` along the joint's axis.
+  // The frame of a joint that rotates about z is shifted by `shift_z` along the axis.
   const Vec3 off = own.r - mine.own.position, at_joint = mine.outer.position;
-  const double shift_z = dot(off, Vec3{own.R.xz, own.R.yz, own.R.zz});
+  const double shift_z = rotates_about_z(joint(b).kind) ? dot(off, Vec3{own.R.xz, own.R.yz, own.R.zz}) : 0;
   k.r = transpose_times(outer.R, at_joint + shift_z * Vec3{axes.xz, axes.yz, axes.zz} - outer.r);
   find_shape(k, rotates_about_z(joint(b).kind), norm(at_joint) + norm(outer.r) + std::fabs(shift_z));
   classify(b);

@@ -38,7 +38,7 @@ bool Tree::in_a_plane(int place) const {
 
 // A mechanism on a floating root moves in a plane if its other joints are plain revolute ones with parallel axes. A planar joint
 // holds it in the plane that is normal to them. On a free joint nothing but symmetry keeps it there: the plane contains the
-// root's origin, its normal is an axis of the root's frame, and every body is symmetrical about it.
+// root's origin and centre of mass, its normal is an axis of the root's frame, and every body is symmetrical about it.
 
 // What this requires of the root at that place and of the direction of the first axis.
 bool Tree::may_float_in_plane(int place) const {
@@ -47,8 +47,11 @@ bool Tree::may_float_in_plane(int place) const {
   if (base.variant != Variant::plain || first < 0) return false;
   if (base.kind != Kind::free) return base.kind == Kind::planar;
   const LinkConstants& plane = links_[at(first)];
+  const LinkConstants& own = links_[at(root)];
+  const Mat3 tilt = tilt_rotation(plane);
   return is_quarter_turn(plane.cos_a, plane.sin_a) && is_quarter_turn(plane.cos_b, plane.sin_b) &&
-         is_symmetrical(links_[at(root)].body, tilt_rotation(plane));
+         is_symmetrical(own.body, tilt) &&
+         transpose_times(tilt, Vec3{own.geometry[0], own.geometry[1], own.geometry[2]}).z == 0;
 }
 
 // What it requires of a body on such a root, or outboard of one.

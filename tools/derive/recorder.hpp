@@ -71,7 +71,7 @@ struct Link {
   Matrix3<T> R0;
   Vector3<T> r;
   Body body;
-  T geometry[2];
+  T geometry[3];
 
   Link(Recorder& in, LinkRotation rotation)
       : cos_a(rotation > LinkRotation::tilted ? T(1) : in.constant("k.cos_a")),
@@ -86,7 +86,7 @@ struct Link {
              in.constants_of("k.body.mc"),
              {in.constant("k.body.J.xx"), in.constant("k.body.J.yy"), in.constant("k.body.J.zz"), in.constant("k.body.J.xy"),
               in.constant("k.body.J.xz"), in.constant("k.body.J.yz")}},
-        geometry{in.constant("k.geometry[0]"), in.constant("k.geometry[1]")} {
+        geometry{in.constant("k.geometry[0]"), in.constant("k.geometry[1]"), in.constant("k.geometry[2]")} {
     if (rotation <= LinkRotation::tilted) in.known(cos_a * sin_a, "k.cs_a"), in.known(sin_a * sin_a, "k.ss_a");
     if (rotation == LinkRotation::none) return;
     if (rotation == LinkRotation::about_z) {

@@ -56,6 +56,7 @@ struct Text {
         in(recorder) {}
 
   Derived run() {
+    if (kind.name == "free" && !root) k.geometry[0] = k.geometry[1] = k.geometry[2] = T(0);  // the frame is that of the joint
     c_F = c, s_F = s;
     for (std::size_t i = 0; i < c.size(); ++i)
       if (static_cast<int>(i) == kind.angle) c_F[i] = T(1), s_F[i] = T(0);

@@ -1,7 +1,8 @@
 #pragma once
-// Free (six DoFs): position in parent-side axes and a unit quaternion; u = (v; ω) relative to the parent, in child axes. E = I. p
-// = Pb, the whole articulated momentum. Only p passes inboard: M̂ = 0 exactly. The generic subtraction would leave round-off
-// there and couple bodies that are uncoupled.
+// Free (six DoFs): position in parent-side axes and a unit quaternion; u = (v; ω) relative to the parent, in child axes, v being
+// that of the joint's child-side origin. The kernel frame of a floating body is at its centre of mass, c from there: E = (I, −c×;
+// 0, I), constant, with the inverse (I, c×; 0, I). Eᵀ Pb = p determines Pb. Only Pb passes inboard: M̂ = 0 exactly. The generic
+// subtraction would leave round-off there and couple bodies that are uncoupled.
 #include <momentree/joint/joint.hpp>
 
 namespace momentree {
@@ -37,14 +38,34 @@ struct SixDofs : GenericKernels<K, 7, 6> {
   static constexpr std::array<int, 0> angles{};
 
   template <class T>
-  MOMENTREE_INLINE static void pose(const auto&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+  MOMENTREE_INLINE static void pose(const auto& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
     R = rotation_matrix(Quaternion<T>{j.q[3], j.q[4], j.q[5], j.q[6]});
-    r = {j.q[0], j.q[1], j.q[2]};
+    r = Vector3<T>{j.q[0], j.q[1], j.q[2]} + R * offset<T>(k);
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 6> columns(const auto&, const JointState<T>&) {
-    const Vector3<T> o{T(0), T(0), T(0)}, x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)};
-    return {{{x, o}, {y, o}, {z, o}, {o, x}, {o, y}, {o, z}}};
+  MOMENTREE_INLINE static Columns<T, 6> columns(const auto& k, const JointState<T>&) {
+    const Vector3<T> o{T(0), T(0), T(0)}, x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)}, c = offset<T>(k);
+    return {{{x, o}, {y, o}, {z, o}, {{T(0), -c.z, c.y}, x}, {{c.z, T(0), -c.x}, y}, {{-c.y, c.x, T(0)}, z}}};
+  }
+  /// c
+  template <class T>
+  MOMENTREE_INLINE static Vector3<T> offset(const auto& k) {
+    return {T(k.geometry[0]), T(k.geometry[1]), T(k.geometry[2])};
+  }
+  /// E⁻ᵀ f: forces or momenta of the DoFs as a wrench on the kernel frame.
+  template <class T>
+  MOMENTREE_INLINE static Force<T> wrench(const Vector3<T>& c, const T* f) {
+    const Vector3<T> l{f[0], f[1], f[2]};
+    return {l, Vector3<T>{f[3], f[4], f[5]} - cross(c, l)};
+  }
+  /// u = E⁻¹ a.
+  template <class T>
+  MOMENTREE_INLINE static void rates(const Vector3<T>& c, const Motion<T>& a, T* u) {
+    const Vector3<T> v = a.v + cross(c, a.w);
+    u[0] = v.x, u[1] = v.y, u[2] = v.z, u[3] = a.w.x, u[4] = a.w.y, u[5] = a.w.z;
+  }
+  static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>&, const double* force) {
+    return wrench<double>(offset<double>(k), force);
   }
   template <class T>
   MOMENTREE_INLINE static void coordinate_rate(const T* q, const T* u, T* qdot) {
@@ -80,8 +101,10 @@ struct GenericFree : SixDofs<GenericFree> {};
 
 template <class T>
 struct FreeRecord {
-  std::array<T, 6> u0;
-  JointMass<T, 6> Mj;
+  Motion<T> a0;       ///< E u if the parent is at rest
+  Force<T> P;         ///< Pb
+  Vector3<T> offset;  ///< c
+  JointMass<T, 6> Mj;  ///< in terms of velocities of the kernel frame: Mb
   Vector3<T> mc;
   DenseTransform<T> x;
 };
@@ -90,9 +113,9 @@ struct FreeKernels : SixDofs<FreeKernels> {
   template <class T>
   using Record = FreeRecord<T>;
 
-  /// (24)–(26) with E = I: Mj = Mb, G = I, M̂ = 0, D̂ = p.
+  /// (24)–(26): the DoFs span all velocities, so that Pb = E⁻ᵀ p, M̂ = 0 and D̂ = Pb.
   template <class T>
-  MOMENTREE_INLINE static void reduce(const LinkConstants&, const JointState<T>&, const T* p, const double*, SpatialMass<T>& M,
+  MOMENTREE_INLINE static void reduce(const LinkConstants& k, const JointState<T>&, const T* p, const double*, SpatialMass<T>& M,
                                       Force<T>& D, Record<T>& w) {
     auto& m = w.Mj;
     m(0, 0) = M.A.xx, m(1, 0) = M.A.xy, m(1, 1) = M.A.yy, m(2, 0) = M.A.xz, m(2, 1) = M.A.yz, m(2, 2) = M.A.zz;
@@ -100,46 +123,55 @@ struct FreeKernels : SixDofs<FreeKernels> {
     m(5, 0) = M.B.xz, m(5, 1) = M.B.yz, m(5, 2) = M.B.zz;
     m(3, 3) = M.J.xx, m(4, 3) = M.J.xy, m(4, 4) = M.J.yy, m(5, 3) = M.J.xz, m(5, 4) = M.J.yz, m(5, 5) = M.J.zz;
     m.factorise();
-    w.u0 = {p[0] - D.l.x, p[1] - D.l.y, p[2] - D.l.z, p[3] - D.h.x, p[4] - D.h.y, p[5] - D.h.z};
-    m.solve(w.u0);
+    w.offset = offset<T>(k);
+    w.P = wrench<T>(w.offset, p);
+    w.a0 = solved(w, w.P - D);
     M = {};
-    D = {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
+    D = w.P;
   }
   /// (27)
   template <class T>
   MOMENTREE_INLINE static void joint_velocity(const Record<T>& w, const Motion<T>& in, T* u) {
-    u[0] = w.u0[0] - in.v.x, u[1] = w.u0[1] - in.v.y, u[2] = w.u0[2] - in.v.z;
-    u[3] = w.u0[3] - in.w.x, u[4] = w.u0[4] - in.w.y, u[5] = w.u0[5] - in.w.z;
+    rates<T>(w.offset, {w.a0.v - in.v, w.a0.w - in.w}, u);
   }
   /// (21)
   template <class T>
-  MOMENTREE_INLINE static Force<T> articulated_momentum(const Record<T>&, const T* p, const Motion<T>&) {
-    return {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
+  MOMENTREE_INLINE static Force<T> articulated_momentum(const Record<T>& w, const T*, const Motion<T>&) {
+    return w.P;
   }
   /// (17)
   template <class T>
-  MOMENTREE_INLINE static Motion<T> spatial_velocity(const LinkConstants&, const JointState<T>&, const Motion<T>& in,
+  MOMENTREE_INLINE static Motion<T> spatial_velocity(const LinkConstants& k, const JointState<T>&, const Motion<T>& in,
                                                      const T* u) {
-    return {{in.v.x + u[0], in.v.y + u[1], in.v.z + u[2]}, {in.w.x + u[3], in.w.y + u[4], in.w.z + u[5]}};
+    const Vector3<T> w{u[3], u[4], u[5]};
+    return in + Motion<T>{Vector3<T>{u[0], u[1], u[2]} + cross(w, offset<T>(k)), w};
   }
   /// (51): only τ reaches the parent.
   template <class T>
   MOMENTREE_INLINE static void reduce_wrench(const LinkConstants&, const JointState<T>&, const Record<T>& w, const T* tau,
                                              Force<T>& W, T* udot) {
-    const Force<T> t{{tau[0], tau[1], tau[2]}, {tau[3], tau[4], tau[5]}};
-    const Force<T> r = t - W;
-    udot[0] = r.l.x, udot[1] = r.l.y, udot[2] = r.l.z, udot[3] = r.h.x, udot[4] = r.h.y, udot[5] = r.h.z;
-    w.Mj.solve(udot);
+    const Force<T> t = wrench<T>(w.offset, tau);
+    rates<T>(w.offset, solved(w, t - W), udot);
     W = t;
   }
   /// (47)
   template <class T>
-  MOMENTREE_INLINE static void joint_acceleration(const Record<T>&, const Motion<T>& in, T* udot) {
-    udot[0] = udot[0] - in.v.x, udot[1] = udot[1] - in.v.y, udot[2] = udot[2] - in.v.z;
-    udot[3] = udot[3] - in.w.x, udot[4] = udot[4] - in.w.y, udot[5] = udot[5] - in.w.z;
+  MOMENTREE_INLINE static void joint_acceleration(const Record<T>& w, const Motion<T>& in, T* udot) {
+    T without[6];
+    rates<T>(w.offset, in, without);
+    for (int i = 0; i < 6; ++i) udot[i] = udot[i] - without[i];
   }
   template <class T>
   MOMENTREE_INLINE static void add_reduced(const Record<T>&, const Motion<T>&, Force<T>&) {}
+
+ private:
+  /// Mb⁻¹ f
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> solved(const Record<T>& w, const Force<T>& f) {
+    std::array<T, 6> a{f.l.x, f.l.y, f.l.z, f.h.x, f.h.y, f.h.z};
+    w.Mj.solve(a);
+    return {{a[0], a[1], a[2]}, {a[3], a[4], a[5]}};
+  }
 };
 
 }  // namespace momentree
