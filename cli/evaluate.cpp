@@ -31,16 +31,22 @@ std::string evaluation_text(const World& world, const Style& style) {
   reactions.row({"joint", "on", "force", "torque"});
   bodies.row({"body", "linear", "angular"});
   const Model& model = world.model();
-  for (int b = 0; b < model.size(); ++b) {
-    const JointView joint = world.joint({b});
-    const JointForces forces = world.joint_forces({b});
+  if (totals.loops.rows > 0)
+    sums.row({"loops", format("%d equations, %d independent, open by %.2g", totals.loops.rows, totals.loops.rank, totals.loops.residual)});
+  const auto show_joint = [&](JointId number) {
+    const JointView joint = world.joint(number);
+    const JointForces forces = world.joint_forces(number);
     joints.row({std::string(joint.name), info(joint.kind).name, numbers(joint.q), numbers(joint.v), numbers(joint.p),
                 numbers(joint.pdot), numbers(forces.a)});
     reactions.row({std::string(joint.name), model[joint.child].name, vector_text(forces.reaction.force),
-                   vector_text(forces.reaction.torque)});
+                   vector_text(forces.reaction.torque), forces.determined ? "" : "not determined"});
+  };
+  for (int b = 0; b < model.size(); ++b) {
+    show_joint({b});
     const BodyAcceleration& a = world.accelerations()[static_cast<std::size_t>(b)];
     bodies.row({model[BodyId{b}].name, vector_text(a.linear), vector_text(a.angular)});
   }
+  for (const JointId loop : world.loops()) show_joint(loop);
   return style.heading("World") + '\n' + sums.text("  ") + '\n' + style.heading("Joints") + " (m, rad, s, kg)\n" +
          joints.text("  ") + '\n' + style.heading("Reactions") + " (N, N m; about the body's origin, in its axes)\n" +
          reactions.text("  ") + '\n' + style.heading("Accelerations") +

@@ -2,6 +2,7 @@
 
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
+#include <momentree/dynamics/loops.hpp>
 
 namespace momentree {
 
@@ -33,6 +34,8 @@ Totals totals(const Tree& tree, const State& state, Workspace<double>& workspace
   double force[6];
   for (int b : tree.spring_joints()) sum.potential += joint_spring(tree, state.q().data(), b, force);
   for (int b : tree.forced_joints()) sum.potential += stop_energy(tree, state, b);
+  if (tree.has_loops()) sum.loops = loop_status(tree, state, workspace);
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) sum.potential += loop_energy(tree, workspace, static_cast<int>(i));
   return sum;
 }
 

@@ -4,6 +4,7 @@
 
 #include <momentree/dynamics/body_forces.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/loop_system.hpp>
 #include <momentree/dynamics/wrench_inboard.hpp>
 
 namespace momentree {
@@ -14,7 +15,7 @@ Motion<double> accelerating_ground(const Tree& tree) { return {-tree.gravity(), 
 
 // Forces that read poses or motions, and the power of prescribed motions, need what a stage does not store.
 bool stage_keeps(const Tree& tree) {
-  return !tree.loaded_bodies().empty() || tree.has_functions() || !tree.driven_joints().empty();
+  return !tree.loaded_bodies().empty() || tree.has_functions() || !tree.driven_joints().empty() || tree.has_loops();
 }
 
 // After sweep_velocities: all forces, as joint forces in workspace.a and wrenches in workspace.biases.
@@ -28,13 +29,20 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
       Force<double>& wrench = workspace.biases[static_cast<std::size_t>(b)].wrench;
       wrench = wrench - workspace.loads[static_cast<std::size_t>(b)];
     }
+    if (tree.has_loops()) {
+      detail::place_loops(tree, q, workspace, true);
+      add_loop_forces(tree, t, workspace);
+    }
   }
 }
 
-void evaluate_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace) noexcept {
+void evaluate_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
+                      LoopRows rows) noexcept {
   sweep_velocities<double, true>(tree, q, u, workspace);
   apply_forces<true>(tree, t, q, workspace);
-  solve_accelerations<double, true>(tree, q, workspace, accelerating_ground(tree));
+  reduce_accelerations<double, true>(tree, q, workspace);
+  if (tree.has_loops()) solve_loops(tree, q, workspace, accelerating_ground(tree), rows);
+  resolve_accelerations<double, true>(tree, q, workspace, accelerating_ground(tree));
   for (const int b : tree.driven_joints())
     workspace.power.work += motion_effort(tree, q, workspace, b) * workspace.v[static_cast<std::size_t>(tree.first_p(b))];
 }
@@ -53,7 +61,7 @@ void inward(const Tree& tree, F&& f) {
 
 void evaluate_velocity_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                              VelocityRatesFunction generated) noexcept {
-  if (stage_keeps(tree)) return evaluate_keeping(tree, t, q, u, workspace);
+  if (stage_keeps(tree)) return evaluate_keeping(tree, t, q, u, workspace, LoopRows::kept);
   if (generated != nullptr) {
     workspace.evaluated = workspace.located = workspace.accelerated = {};
     std::copy_n(u, tree.nv(), workspace.v.get());
@@ -93,7 +101,8 @@ void sum_momenta(const Tree& tree, const double* q, Workspace<double>& workspace
 
 void evaluate_velocity_state(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
   const double* const q = state.q().data();
-  evaluate_keeping(tree, state.time(), q, state.u().data(), workspace);
+  if (tree.has_loops()) load_turns(tree, state, workspace);
+  evaluate_keeping(tree, state.time(), q, state.u().data(), workspace, LoopRows::choose);
   sum_momenta(tree, q, workspace, workspace.p.get());
   workspace.evaluated = workspace.accelerated = state.stamp();
 }
@@ -147,7 +156,12 @@ void project_velocities(const Tree& tree, const double* q, double* u, Workspace<
         workspace.a[f] = (link.driven >> k & 1u) != 0 ? u[f] : 0.0;
     }
   }
-  solve_accelerations<double, true>(tree, q, workspace, {});
+  reduce_accelerations<double, true>(tree, q, workspace);
+  if (tree.has_loops()) {
+    detail::place_loops(tree, q, workspace, true);
+    solve_loops(tree, q, workspace, {}, LoopRows::choose, true);
+  }
+  resolve_accelerations<double, true>(tree, q, workspace, {});
   std::copy_n(workspace.a.get(), tree.nv(), u);
 }
 

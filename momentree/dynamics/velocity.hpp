@@ -14,6 +14,11 @@ void sweep_velocities(const Tree& tree, const T* q, const T* u, Workspace<T>& wo
 /// `base`: acceleration of the ground, against gravity. With Keep also the records, a′ and Ŵ of all bodies.
 template <class T, bool Keep>
 void solve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace, const Motion<T>& base) noexcept;
+/// The inward pass alone, which closed loops complete before the outward pass.
+template <class T, bool Keep>
+void reduce_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace) noexcept;
+template <class T, bool Keep>
+void resolve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace, const Motion<T>& base) noexcept;
 
 /// One stage of an integrator at time t (s), with all forces: writes workspace.v, qdot, a (u̇) and power. For driven DoFs u holds
 /// the prescribed rate and u̇ its derivative. The workspace then belongs to no state. `generated`: code for this topology that
@@ -40,6 +45,9 @@ void project_velocities(const Tree& tree, const double* q, double* u, Workspace<
 
 extern template void sweep_velocities<double, false>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 extern template void sweep_velocities<double, true>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
+extern template void reduce_accelerations<double, true>(const Tree&, const double*, Workspace<double>&) noexcept;
+extern template void resolve_accelerations<double, true>(const Tree&, const double*, Workspace<double>&,
+                                                         const Motion<double>&) noexcept;
 extern template void solve_accelerations<double, false>(const Tree&, const double*, Workspace<double>&,
                                                         const Motion<double>&) noexcept;
 extern template void solve_accelerations<double, true>(const Tree&, const double*, Workspace<double>&,

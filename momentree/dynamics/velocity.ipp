@@ -299,7 +299,7 @@ void sweep_velocities(const Tree& tree, const T* q, const T* u, Workspace<T>& wo
 }
 
 template <class T, bool Keep>
-void solve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace, const Motion<T>& base) noexcept {
+void reduce_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace) noexcept {
   const VelocitySweep<T, Keep> sweep{tree, q, workspace};
   const InPlaneVelocitySweep<T> planar{tree, workspace};
   each_velocity_run<Keep, true>(
@@ -311,6 +311,12 @@ void solve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace, 
         else
           sweep.template inboard<K>(run);
       });
+}
+
+template <class T, bool Keep>
+void resolve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace, const Motion<T>& base) noexcept {
+  const VelocitySweep<T, Keep> sweep{tree, q, workspace};
+  const InPlaneVelocitySweep<T> planar{tree, workspace};
   each_velocity_run<Keep, false>(
       tree, [&](const KernelRun& run) { planar.outboard(run); },
       [&](const KernelRun& run, auto tag) {
@@ -320,6 +326,12 @@ void solve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace, 
         else
           sweep.template outboard<K>(run, base);
       });
+}
+
+template <class T, bool Keep>
+void solve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace, const Motion<T>& base) noexcept {
+  reduce_accelerations<T, Keep>(tree, q, workspace);
+  resolve_accelerations<T, Keep>(tree, q, workspace, base);
 }
 
 }  // namespace momentree

@@ -32,6 +32,7 @@ struct BodySweep;
 template <class T>
 struct BodyBias;
 struct PairWorkspace;
+struct LoopWorkspace;
 
 /// Power at an instant (W): dissipated by dampers and absorbed by soft stops (including what they store), and work of efforts.
 struct Power {
@@ -122,6 +123,7 @@ class Workspace : public WorkspaceStamps {
   detail::Untouched<int> path;            ///< scratch of topology changes that walk from a root to a body
   detail::Untouched<Kinematics<T>> bodies;
   std::unique_ptr<PairWorkspace, void (*)(PairWorkspace*)> pairs{nullptr, nullptr};  ///< only for double
+  std::unique_ptr<LoopWorkspace, void (*)(LoopWorkspace*)> loops{nullptr, nullptr};  ///< only with closed loops
 };
 
 extern template Workspace<double>::Workspace(const Tree& tree);

@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/integrate/integrator.hpp>
 
 namespace momentree {
@@ -48,8 +49,8 @@ class Embedded : public Integrator {
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept final {
     begin(evaluate, state, h);
     stages(evaluate, state.time(), h);
-    if (!sound(evaluate.tree(), q0_.get(), q_.get(), y_.get())) return false;
-    accept(evaluate.tree(), state, ledger, h);
+    if (!sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) || !close(evaluate, q_.get(), y_.get())) return false;
+    accept(evaluate, state, ledger, h);
     evaluate(state);
     keep(Tableau::stages - 1, evaluate);
     return true;
@@ -69,9 +70,9 @@ class Embedded : public Integrator {
       if (rejected && !(h > shortest * std::max(std::fabs(start), control_.step))) break;
       stages(evaluate, state.time(), h);
       double error = HUGE_VAL;
-      const bool fine = sound(evaluate.tree(), q0_.get(), q_.get(), y_.get());
+      const bool fine = sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) && close(evaluate, q_.get(), y_.get());
       if (fine) {
-        accept(evaluate.tree(), state, ledger, h);
+        accept(evaluate, state, ledger, h);
         evaluate(state);
         keep(Tableau::stages - 1, evaluate);
         error = estimate(evaluate, ledger.work, h);
@@ -92,6 +93,7 @@ class Embedded : public Integrator {
         std::copy_n(y0_.get(), nv_, edit.y.begin());
         edit.time = start;
       }
+      copy_chosen_rows(evaluate.tree(), solver_, evaluate.workspace());
       rejected = true;
       h *= factor;
     }
@@ -144,6 +146,7 @@ class Embedded : public Integrator {
     start_ = state.time();
     last_ = 0;
     keep(0, evaluate);
+    copy_chosen_rows(evaluate.tree(), evaluate.workspace(), solver_);  // for every attempt of this step, and its dense output
   }
 
   // out = start + h Σ weights[j] k[j]
@@ -171,8 +174,9 @@ class Embedded : public Integrator {
     end_step(evaluate.tree(), t + h, q_.get(), y_.get());
   }
 
-  void accept(const Tree& tree, State& state, EnergyLedger& ledger, double h) noexcept {
-    take_stored(tree, q0_.get(), q_.get(), ledger);
+  void accept(const Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
+    take_stored(evaluate.tree(), q0_.get(), q_.get(), ledger);
+    book_closing(evaluate, state, ledger);
     const State::Edit edit = state.edit();
     std::copy_n(q_.get(), nq_, edit.q.begin());
     std::copy_n(y_.get(), nv_, edit.y.begin());

@@ -6,6 +6,8 @@
 #include <momentree/dynamics/body_forces.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
+#include <momentree/dynamics/loop_workspace.hpp>
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/integrate/method_list.hpp>
@@ -52,6 +54,11 @@ void Evaluator::operator()(const State& state) noexcept {
   const Stopwatch watch(seconds);
   ++count;
   forward_dynamics(*tree_, state, *workspace_);
+}
+
+bool Evaluator::close(double* q, double* u, double& energy) noexcept {
+  const Stopwatch watch(seconds);
+  return close_loops(*tree_, q, u, *workspace_, energy);
 }
 
 void Evaluator::solve(const double* q, const double* p, Workspace<double>& other) noexcept {
@@ -162,6 +169,18 @@ bool Integrator::sound(const Tree& tree, const double* q0, const double* q, cons
       if (!std::isfinite(y[tree.first_p(b) + i])) worst = {tree.first_q(b), NAN};
   runaway_ = worst;
   return false;
+}
+
+bool Integrator::close(Evaluator& evaluate, double* q, double* y) noexcept {
+  if (!evaluate.tree().has_loops()) return true;
+  runaway_.reset();
+  return evaluate.close(q, y, closing_energy_);
+}
+
+void Integrator::book_closing(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept {
+  if (!evaluate.tree().has_loops()) return;
+  state.set_turns(evaluate.workspace().loops->turns);
+  ledger.projection += closing_energy_;
 }
 
 bool plausible(const Tree& tree, const double* q0, const double* q, const double* y) noexcept {

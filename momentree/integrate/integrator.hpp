@@ -40,6 +40,8 @@ class Evaluator {
     copy.variables_ = variables_;
     return copy;
   }
+  /// Closes the loops at (q, u): see close_loops.
+  [[nodiscard]] bool close(double* q, double* u, double& energy) noexcept;
   /// Writes the velocities H⁻¹ p at q to other.v; the rates there are meaningless. Counts as an evaluation.
   void solve(const double* q, const double* p, Workspace<double>& other) noexcept;
 
@@ -57,6 +59,7 @@ class Evaluator {
 /// Energy ledger, integrated with the method: energy dissipated and work done since the start (J).
 struct EnergyLedger {
   double dissipated = 0, work = 0;
+  double projection = 0;  ///< brought in by closing loops after steps
 };
 
 /// Subtracts from `dissipated` the energy that a step from coordinates q0 to q1 stored in soft stops.
@@ -125,6 +128,11 @@ class Integrator {
   /// steps: after a hundred thousand steps of 10 µs it is off by about 1e-6 of one.
   static constexpr double sliver = 1e-4;
 
+  /// Completes a step with loops: closes them at the result (q, y), in the evaluator's workspace. False if they cannot be closed.
+  bool close(Evaluator& evaluate, double* q, double* y) noexcept;
+  /// Books the closing with the step that was accepted.
+  void book_closing(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept;
+
   /// Calls `plausible` and, if it returns false, records the coordinate that diverged.
   bool sound(const Tree& tree, const double* q0, const double* q, const double* y) noexcept;
 
@@ -137,6 +145,7 @@ class Integrator {
 
  private:
   int bodies_;
+  double closing_energy_ = 0;
 };
 
 /// Creates a method by name for trees of at most this size; null if there is no such method.

@@ -32,6 +32,11 @@ void write_locked(JsonWriter& json, unsigned locked, int nv) {
   json.end_array();
 }
 
+void write_loops(JsonWriter& json, const LoopStatus& loops) {
+  json.key("loops").begin_object().member("rows", loops.rows).member("rank", loops.rank).member("residual", loops.residual);
+  json.end_object();
+}
+
 void write_kinds(JsonWriter& json) {
   const auto write_units = [&](const char* key, const char* letters, const char* angular, const char* linear) {
     json.key(key).begin_array();

@@ -15,6 +15,9 @@ void write_joint_frame(JsonWriter& json, const JointRecord& joint);
 /// Member `locked`: true or false, or a list of one boolean per DoF if only some of the `nv` DoFs are locked.
 void write_locked(JsonWriter& json, unsigned locked, int nv);
 
+/// Member `loops`: {"rows": 5, "rank": 2, "residual": 1e-17}.
+void write_loops(JsonWriter& json, const LoopStatus& loops);
+
 /// {"revolute": {"q": ["rad"], "v": ["rad/s"], "p": ["N m s"]}, …}: the units of the coordinates, velocities and momenta of each
 /// kind; "" for the components of a quaternion.
 void write_kinds(JsonWriter& json);

@@ -25,6 +25,7 @@ constexpr Key keys_entries[] = {
     {"state", string, "State document to start from, such as the final.json of another run"},
     {"mechanism", tables(mechanism_table), "The mechanisms", nullptr, "add [[mechanism]] tables"},
     {"force", tables(force_table), "External forces on bodies"},
+    {"loop", tables(loop_table), "Joints that close loops"},
     {"coupling", tables(coupling_table), "Joints that follow others"},
     {"event", tables(event_table), "The events"},
     {"integrate", table(integrate_table), ""},
@@ -73,6 +74,7 @@ void check_whole(Reading& reading) {
     else
       out.error(reading.joints.at(joint), what, singular.hint);
   }
+  if (errors == 0 && out.errors() + reading.model_errors() == 0) check_loops(reading);
   if (errors == 0 && out.errors() + reading.model_errors() == 0) {
     check_tolerance(reading);
     check_integration(reading);
@@ -103,6 +105,12 @@ void read_document(const Value& document, Reading& reading) {
       read_force(*force, reading);
     }
   }
+  if (const Value* loops = fields.find("loop")) {
+    for (const Value* loop : tables_of(*loops, "loop", out)) {
+      if (out.full()) break;
+      read_loop(*loop, reading);
+    }
+  }
   if (const Value* couplings = fields.find("coupling")) {
     for (const Value* coupling : tables_of(*couplings, "coupling", out)) {
       if (out.full()) break;
@@ -120,7 +128,7 @@ void read_document(const Value& document, Reading& reading) {
   finish_events(reading);
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
   if (const Value* output = fields.find("output")) read_output(*output, reading);
-  fields.later({"loop", "spring"}, "closed loops are not supported: a mechanism is a tree");
+  fields.later({"spring"});
   fields.later({"contact", "cable"}, "there is no contact: bodies pass through each other");
   fields.later({"scenario", "worlds", "seed", "vary", "measure"}, "this is a scenario of one world, not a sweep");
   fields.finish();

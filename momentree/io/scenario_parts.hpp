@@ -157,6 +157,10 @@ std::vector<std::string> matching_bodies(const std::string& pattern, Reading& re
 
 void read_force(const Value& table, Reading& reading);
 
+void read_loop(const Value& table, Reading& reading);
+/// Reports loops that cannot be closed at the start.
+void check_loops(Reading& reading);
+
 void read_coupling(const Value& table, Reading& reading);
 /// Reads stiffness and damping; `along_axis`: of a joint whose coordinate is a length, in N/m and N s/m.
 CouplingSpring read_coupling_spring(Fields& fields, bool along_axis);

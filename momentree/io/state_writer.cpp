@@ -37,6 +37,7 @@ void write_resting(JsonWriter& json, const World& world, int number, const Joint
 void write_joint(JsonWriter& json, const World& world, int number) {
   const JointView joint = world.joint({number});
   json.key(joint.name).begin_object();
+  if (joint.loop) json.member("loop", true);
   write_joint_frame(json, joint_record(world, {number}));
   write_locked(json, joint.locked, info(joint.kind).nv);
   json.member("reversed", joint.reversed);
@@ -48,6 +49,7 @@ void write_joint(JsonWriter& json, const World& world, int number) {
   const JointForces forces = world.joint_forces({number});
   json.member("a", forces.a).key("reaction").begin_object();
   json.member("force", forces.reaction.force).member("torque", forces.reaction.torque);
+  if (world.tree().has_loops()) json.member("determined", forces.determined);
   json.end_object().end_object();
 }
 
@@ -107,6 +109,7 @@ std::string state_json(const World& world, const Armed& armed, const StepMemory&
   json.key("joints").begin_object();
   for (int j = 0; j < model.size(); ++j)
     if (world.tree().carrier(j) >= 0) write_joint(json, world, j);
+  for (const JointId loop : world.loops()) write_joint(json, world, loop.index);
   json.end_object();
 
   const std::vector<BodyMotion>& motions = world.motions();
@@ -115,6 +118,8 @@ std::string state_json(const World& world, const Armed& armed, const StepMemory&
   for (std::size_t b = 0; b < motions.size(); ++b)
     if (world.alive({static_cast<int>(b)})) write_body(json, model.bodies()[b].name, motions[b], accelerations[b]);
   json.end_object();
+
+  if (world.tree().has_loops()) write_loops(json, world.loop_status());
 
   json.key("armed").begin_object();
   for (const ArmedEvent& event : armed) write_armed(json, event);

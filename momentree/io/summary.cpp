@@ -19,6 +19,7 @@ void write_totals(JsonWriter& json, const Totals& totals) {
   json.begin_object();
   json.member("kinetic", totals.kinetic).member("potential", totals.potential);
   json.member("linear", totals.linear).member("angular", totals.angular);
+  if (totals.loops.rows > 0) write_loops(json, totals.loops);
   json.end_object();
 }
 
@@ -195,6 +196,7 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
   json.member("initial", energy.initial).member("final", energy.final);
   json.member("dissipated", energy.dissipated).member("work", energy.work);
   json.member("lost_in_impacts", energy.lost_in_impacts).member("released", energy.released);
+  if (simulation.world().tree().has_loops() || energy.projection != 0) json.member("projection", energy.projection);
   json.member("error", energy.error).member("largest_kinetic", energy.largest_kinetic);
   json.end_object();
   write_missed(json, simulation);

@@ -52,6 +52,37 @@ std::optional<Values> joint_coordinates(const JointSpec& joint, const Pose& moti
   });
 }
 
+void nearest_coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) noexcept {
+  dispatch(joint.kind, [&](auto tag) { decltype(tag)::type::Kernels::coordinates(joint, motion, hint, q); });
+}
+
+Closure closure_of(const JointSpec& joint) noexcept {
+  Closure rows;
+  dispatch(joint.kind, [&](auto tag) { decltype(tag)::type::Kernels::closure(joint, rows); });
+  return rows;
+}
+
+int joint_columns(const JointSpec& joint, const double* q, Motion<double>* columns) noexcept {
+  return with_kernels(joint, q, [columns](auto tag, const Mat3& C, const LinkConstants& link, const JointState<double>& state) {
+    int count = 0;
+    for (const Motion<double>& e : decltype(tag)::type::template columns<double>(link, state))
+      columns[count++] = {C * e.v, C * e.w};
+    return count;
+  });
+}
+
+Force<double> joint_wrench(const JointSpec& joint, const double* q, unsigned locked, const double* force) noexcept {
+  return with_kernels(joint, q, [&](auto tag, const Mat3& C, LinkConstants& link, const JointState<double>& state) {
+    using K = typename decltype(tag)::type;
+    if constexpr (requires { K::drive_wrench(link, state, force); }) {
+      link.locked = static_cast<unsigned char>(locked);
+      const Force<double> W = K::drive_wrench(link, state, force);
+      return Force<double>{C * W.l, C * W.h};
+    }
+    return Force<double>{};
+  });
+}
+
 Values joint_zero(Kind kind) {
   return dispatch(kind, [](auto tag) {
     using K = typename decltype(tag)::type;
@@ -77,9 +108,8 @@ double unwrapped(double angle, double hint) {
 bool about_axis(const Vec3& axis, const Quat& rotation, double hint, double& angle) {
   const Vec3 v{rotation.x, rotation.y, rotation.z};
   const double along = dot(axis, v);
-  if (norm(v - along * axis) > tolerance) return false;
   angle = unwrapped(2 * std::atan2(along, rotation.w), hint);
-  return true;
+  return norm(v - along * axis) <= tolerance;
 }
 
 bool along_axis(const Vec3& axis, const Vec3& displacement, double& length) {

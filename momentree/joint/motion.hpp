@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include <momentree/joint/closure.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/math/spatial.hpp>
 
@@ -19,6 +20,19 @@ std::vector<Motion<double>> joint_dofs(const JointSpec& joint, const double* q);
 /// the one nearest to `hint` is returned.
 std::optional<Values> joint_coordinates(const JointSpec& joint, const Pose& motion, double hint);
 
+/// The coordinates that come nearest to a motion that the joint may represent only approximately.
+void nearest_coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) noexcept;
+
+/// The equations that hold the joint closed if it is not part of the tree.
+Closure closure_of(const JointSpec& joint) noexcept;
+
+/// joint_dofs without allocation: writes at most 6 columns and returns their number.
+int joint_columns(const JointSpec& joint, const double* q, Motion<double>* columns) noexcept;
+
+/// The wrench on the child, about the origin of the joint's child-side frame and in its axes, by which forces along the DoFs (nv
+/// numbers, N m, N) act. `locked`: a bit per DoF without force.
+Force<double> joint_wrench(const JointSpec& joint, const double* q, unsigned locked, const double* force) noexcept;
+
 /// Coordinates of zero displacement.
 Values joint_zero(Kind kind);
 
@@ -29,9 +43,9 @@ inline constexpr double tolerance = 1e-12;
 
 bool negligible(const Vec3& displacement);
 bool negligible(const Quat& rotation);
-/// The angle nearest to `hint` by which `rotation` turns about the unit vector `axis`; false if it turns about another axis.
+/// The angle nearest to `hint` by which `rotation` turns about the unit vector `axis`; false if it also turns about another axis.
 bool about_axis(const Vec3& axis, const Quat& rotation, double hint, double& angle);
-/// The length of `displacement` along the unit vector `axis`; false if it has another direction.
+/// The length of `displacement` along the unit vector `axis`; false if it also has another direction.
 bool along_axis(const Vec3& axis, const Vec3& displacement, double& length);
 /// The angle shifted by full turns to the one nearest to `hint`; `hint` itself if they differ by rounding only.
 double unwrapped(double angle, double hint);

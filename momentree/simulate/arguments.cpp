@@ -35,6 +35,15 @@ const Integration& checked(const Integration& how) {
 
 Variables Integration::state_variables() const { return variables.value_or(default_variables(method)); }
 
+Variables Integration::state_variables(const Model& model) const {
+  if (model.loops().empty()) return state_variables();
+  if (variables == Variables::momenta)
+    throw_error({"closed loops are integrated in velocities", "variables", "leave 'variables' out"});
+  if (!takes_velocities(method))
+    throw_error({"the method '" + method + "' can't integrate closed loops", "method", "use rk4, midpoint, dopri5 or dop853"});
+  return Variables::velocities;
+}
+
 std::optional<Error> wrong_period(double period, double clock, const char* what) {
   if (!(period > 0) || !std::isfinite(period))
     return Error{std::string(what) + " can't be " + text(period) + " s", "", "give a positive time"};

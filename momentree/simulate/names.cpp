@@ -10,6 +10,7 @@ Names::Names(const Model& model) : mechanisms_(static_cast<std::size_t>(model.si
     numbers_.emplace(joints_.back(), b);
     if (model[{b}].parent == ground) mechanisms_[at(b)] = model.mechanism_name({b});
   }
+  for (const LoopSpec& loop : model.loops()) add_loop(loops_end(), loop.name);
 }
 
 int Names::find_joint(std::string_view name) const {
@@ -23,7 +24,7 @@ std::string Names::free_joint(const std::string& body, int number) const {
 }
 
 void Names::name_joint(int number, std::string name) {
-  std::string& own = joints_[known(number)];
+  std::string& own = number >= first_loop ? loops_[known_loop(number)] : joints_[known(number)];
   const auto known = numbers_.find(own);
   if (known != numbers_.end() && known->second == number) numbers_.erase(known);
   own = std::move(name);
@@ -43,9 +44,12 @@ void Names::add(std::string joint, std::string mechanism) {
 }
 
 void Names::remove_joint(int number) {
-  const auto known = numbers_.find(joints_[at(number)]);
-  if (known != numbers_.end() && known->second == number) numbers_.erase(known);
-  joints_[at(number)].clear();
+  name_joint(number, {});
+}
+
+void Names::add_loop(int number, std::string name) {
+  if (number >= loops_end()) loops_.resize(at(number - first_loop) + 1);
+  name_joint(number, std::move(name));
 }
 
 }  // namespace momentree

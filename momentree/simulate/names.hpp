@@ -20,14 +20,14 @@ class Names {
   Names() = default;
   explicit Names(const Model& model);
 
-  const std::string& joint(int number) const { return joints_[known(number)]; }
+  const std::string& joint(int number) const { return number >= first_loop ? loops_[known_loop(number)] : joints_[known(number)]; }
   /// Number of the joint that has that name now; −1 if there is none.
   int find_joint(std::string_view name) const;
   /// The same for repeated look-ups: `number`, −1 at first, caches the result, which is used for as long as that joint has that
   /// name.
   int find_joint(std::string_view name, std::atomic<int>& number) const {
     const int last = number.load(std::memory_order_relaxed);
-    if (last >= 0 && at(last) < joints_.size() && joints_[at(last)] == name) return last;
+    if (last >= 0 && has(last) && joint(last) == name) return last;
     const int found = find_joint(name);
     number.store(found, std::memory_order_relaxed);
     return found;
@@ -45,6 +45,10 @@ class Names {
   void add(std::string joint, std::string mechanism);
   /// A joint that left the world: its name may be used again.
   void remove_joint(int number);
+  /// The loop joint with that number, as a handle.
+  void add_loop(int number, std::string name);
+  /// One more than the largest number of a loop joint so far.
+  int loops_end() const { return first_loop + static_cast<int>(loops_.size()); }
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -52,7 +56,12 @@ class Names {
     MT_REQUIRE(at(number) < joints_.size(), "the world has or had a body and a joint of that number");
     return at(number);
   }
-  std::vector<std::string> joints_;
+  std::size_t known_loop(int number) const {
+    MT_REQUIRE(number < loops_end(), "the world has or had a loop joint of that number");
+    return at(number - first_loop);
+  }
+  bool has(int number) const { return number >= first_loop ? number < loops_end() : at(number) < joints_.size(); }
+  std::vector<std::string> joints_, loops_;
   std::vector<std::string> mechanisms_;  // by root body
   std::unordered_map<std::string, int, detail::NameHash, std::equal_to<>> numbers_;
 };

@@ -392,7 +392,8 @@ EnergyBalance Simulation::energy() const {
   b.largest_kinetic = std::max(b.largest_kinetic, t.kinetic);
   b.dissipated = impl_->ledger.dissipated;
   b.work += impl_->ledger.work;
-  b.error = b.final + b.dissipated + b.lost_in_impacts + b.released - b.initial - b.work;
+  b.projection = impl_->ledger.projection;
+  b.error = b.final + b.dissipated + b.lost_in_impacts + b.released - b.initial - b.work - b.projection;
   return b;
 }
 

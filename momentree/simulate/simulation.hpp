@@ -30,8 +30,10 @@ struct Integration {
   double atol = 1e-10;         ///< in the unit of each coordinate and velocity
   double max_step = HUGE_VAL;  ///< s
 
-  /// The variables that a run uses.
+  /// The variables that a run uses, without a model those of open trees. Closed loops need velocities: throws Error for a model
+  /// with loops if `variables` or `method` is against it.
   Variables state_variables() const;
+  Variables state_variables(const Model& model) const;
 };
 
 /// How a run ended. `refused`: an action was impossible; the world is as it was before that instant. `stalled`: hundreds of
@@ -54,9 +56,10 @@ struct RunStatistics {
   double worst_step_seconds = 0;
 };
 
-/// Energy balance of the run (J). error = final + dissipated + lost_in_impacts + released − initial − work.
+/// Energy balance of the run (J). error = final + dissipated + lost_in_impacts + released − initial − work − projection.
 struct EnergyBalance {
   double initial = 0, final = 0, dissipated = 0, work = 0, lost_in_impacts = 0, released = 0, error = 0;
+  double projection = 0;       ///< energy that closing the loops after steps brought in
   double largest_kinetic = 0;  ///< the largest kinetic energy at the beginning of a step or at an event
 
   /// A warning with a suggested remedy if the error exceeds a thousandth of `largest_kinetic`; empty otherwise.

@@ -41,7 +41,7 @@ struct Simulation::Impl {
   using Clock = detail::Clock;
   Impl(const Model& model, const Integration& how)
       : integration(checked(how)),
-        world(model, integration.state_variables()),
+        world(model, integration.state_variables(model)),
         evaluate(world.tree_, world.workspace_),
         method(new_method()),
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
@@ -332,6 +332,7 @@ struct Simulation::Impl {
     all.proposal = method->proposal();
     all.balance.dissipated = ledger.dissipated;
     all.balance.work = ledger.work;
+    all.balance.projection = ledger.projection;
     all.impulsive_work = balance.work;
     all.armed = queue.armed();
     return all;
@@ -346,6 +347,7 @@ struct Simulation::Impl {
     balance = to.balance;
     ledger.dissipated = to.balance.dissipated;
     ledger.work = to.balance.work;
+    ledger.projection = to.balance.projection;
     balance.dissipated = 0;
     balance.work = to.impulsive_work;
     queue.restore(to.armed, world.time());

@@ -7,10 +7,12 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/motion.hpp>
+#include <momentree/simulate/assembly.hpp>
 
 namespace momentree {
 
-World::World(const Model& model, Variables variables) : model_(model), variables_(variables), first_bodies_(model.size()) {
+World::World(const Model& model, Variables variables)
+    : model_(model), variables_(model.loops().empty() ? variables : Variables::velocities), first_bodies_(model.size()) {
   const std::vector<SingularJoint> singular = singular_joints(model_);
   if (!singular.empty()) {
     const BodySpec& body = model_[singular.front().body];
@@ -46,6 +48,8 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   motions_of_ = accelerations_of_ = {};
 
   put_values(time, forest, joints, state);
+  if (tree_.has_loops())
+    if (std::optional<Error> error = assemble(tree_, model_, names_, state)) throw_error(std::move(*error));
   state_ = std::move(state);
 }
 
@@ -162,6 +166,7 @@ int World::carrier(JointId number) const {
 }
 
 JointForces World::joint_forces(JointId number) const {
+  if (is_loop(number)) return loop_forces(number);
   const int b = carrier(number);
   accelerate(tree_, state_, workspace_);
   Values effort;
@@ -171,16 +176,22 @@ JointForces World::joint_forces(JointId number) const {
   return {{workspace_.a.get() + tree_.first_p(b), static_cast<std::size_t>(info(tree_.joint(b).kind).nv)},
           momentree::reaction(tree_, state_, workspace_, number),
           pure_reaction(tree_, state_, workspace_, number),
-          effort};
+          effort,
+          !tree_.has_loops() || joint_determined(tree_, workspace_, b)};
 }
 
 Wrench World::reaction(JointId number) const {
+  if (is_loop(number)) return loop_forces(number).reaction;
   static_cast<void>(carrier(number));  // terminates the program if the joint is not in this world
   accelerate(tree_, state_, workspace_);
   return momentree::reaction(tree_, state_, workspace_, number);
 }
 
 std::optional<std::pair<double, double>> World::single_dof(JointId number) const {
+  if (is_loop(number)) {
+    const JointView view = loop_view(number);
+    return view.q.size() == 1 && view.v.size() == 1 ? std::optional(std::pair{view.q[0], view.v[0]}) : std::nullopt;
+  }
   const int b = carrier(number);
   evaluate();
   const KindInfo& kind = info(tree_.joint(b).kind);
@@ -190,6 +201,7 @@ std::optional<std::pair<double, double>> World::single_dof(JointId number) const
 }
 
 JointView World::joint(JointId number) const {
+  if (is_loop(number)) return loop_view(number);
   const int b = carrier(number);
   evaluate();
   const Joint& j = tree_.joint(b);

@@ -9,6 +9,7 @@
 
 #include <momentree/base/numbers.hpp>
 #include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/motion.hpp>
 #include <momentree/dynamics/totals.hpp>
 #include <momentree/dynamics/workspace.hpp>
@@ -33,12 +34,13 @@ struct JointView {
   Vec3 axis, axis2;
   double pitch = 0;
   const JointParameters* parameters = nullptr;
-  Numbers q, v, p, pdot;  ///< lengths nq, nv, nv, nv; p and pdot are zero for driven joints
+  Numbers q, v, p, pdot;  ///< lengths nq, nv, nv, nv; p and pdot are zero for driven joints, and empty for loop joints
+  bool loop = false;      ///< it closes a loop
 };
 
 /// Acceleration and forces of a joint at an instant.
 struct JointForces {
-  Numbers a;  ///< time derivative of v: nv numbers (m/s², rad/s²); points into the world as in JointView
+  Numbers a;  ///< time derivative of v: nv numbers (m/s², rad/s²); points into the world as in JointView; empty for loop joints
   /// Wrench (N, N m) that the declared parent exerts on the declared child: about the origin of the child's frame (not of `at`),
   /// in its axes. `reaction`: the total through the joint, including drive, spring and damping; `pure`: without the effort along
   /// the joint's DoFs (momentree::pure_reaction), the load on its bearings and locks.
@@ -46,6 +48,8 @@ struct JointForces {
   /// Effort along each DoF (nv numbers, N m or N): momentree::joint_effort; for a driven joint the effort that its motion
   /// requires.
   Values effort;
+  /// False if the loops of the mechanism leave the reaction open: other reactions cause the same motion, and this is one of them.
+  bool determined = true;
 };
 
 struct Mechanism {
@@ -94,7 +98,8 @@ struct JointStart {
 /// Evaluates its state lazily, when a result is requested: a world may be used by one thread at a time, even for reading.
 class World {
  public:
-  /// Compiles the model; the state is in these variables. Throws Error if a joint-space mass is singular.
+  /// Compiles the model; the state is in these variables, with closed loops in velocities. Throws Error if a joint-space mass is
+  /// singular, or a loop cannot be closed.
   explicit World(const Model& model, Variables variables = Variables::momenta);
 
   const Model& model() const { return model_; }
@@ -106,8 +111,8 @@ class World {
 
   /// These functions evaluate the state first if that has not been done.
   const CheckedVector<BodyMotion>& motions() const;  ///< by body number
-  /// The joint with that number: initially the joint of the body with the same number. It is the same joint for as long as it
-  /// exists, whichever body it carries. Every world has one joint for each of its bodies.
+  /// The joint with that number: initially the joint of the body with the same number, or a loop joint. It is the same joint for as
+  /// long as it exists, whichever body it carries. Every world has one joint for each of its bodies, and its loop joints.
   JointView joint(JointId joint) const;
   /// These cost another half of an evaluation, once for each state for which they are called. By body number: time derivatives of
   /// `linear` and `angular` of the body's motion; zeros for a removed body.
@@ -119,6 +124,9 @@ class World {
   /// Number of the joint that has that name now; −1 if there is none.
   int find_joint(std::string_view name) const { return names_.find_joint(name); }
   int find_joint(std::string_view name, std::atomic<int>& number) const { return names_.find_joint(name, number); }
+  /// The loop joints, in the order in which they were made, and the state of their equations.
+  std::vector<JointId> loops() const;
+  LoopStatus loop_status() const;
   /// Changes whenever anything of the state or the topology changes.
   Stamp stamp() const { return state_.stamp(); }
   Totals totals() const;
@@ -183,6 +191,8 @@ class World {
   bool stays_resting(const ActiveLimit& limit, std::span<const double> q, std::span<const double> rates) const;
   void put_values(double time, const Forest& forest, std::span<const JointStart> joints, State& state) const;
   void evaluate() const;
+  JointView loop_view(JointId joint) const;
+  JointForces loop_forces(JointId joint) const;
   int carrier(JointId joint) const;
   BodyId add(BodySpec spec);
   void remove(BodyId body);
@@ -206,6 +216,10 @@ class World {
   mutable CheckedVector<BodyMotion> motions_;
   mutable std::vector<BodyAcceleration> accelerations_;  // empty until they are first requested
   mutable Stamp motions_of_, accelerations_of_;
+  struct LoopValues {
+    double q[7], v[6];
+  };
+  mutable std::vector<LoopValues> loop_values_;  // by loop, for the views of loop joints
 };
 
 }  // namespace momentree

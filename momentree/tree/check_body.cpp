@@ -52,6 +52,14 @@ class Checks {
   void add(const char* field, std::string what, std::string hint = {}) {
     problems.push_back({field, std::move(what), std::move(hint)});
   }
+  // Names must not need quoting in CSV columns, targets of events or terminals.
+  void name(const char* field, const std::string& name) {
+    if (name.size() > 500) add(field, "is longer than 500 characters");
+    if (name.find_first_of(",\"*") != std::string::npos)
+      add(field, "must not contain a comma, a quotation mark or an asterisk");
+    if (first_invisible(name) != std::string::npos)
+      add(field, "must be UTF-8 without control characters and other invisible characters");
+  }
   void coordinates(const char* field, const Values& q, const KindInfo& kind) {
     if (q.empty()) return;
     if (!finite(q)) return add(field, "must be finite");
@@ -227,17 +235,9 @@ std::vector<JointProblem> check_joint(const JointSpec& joint) {
 std::vector<BodyProblem> check_body(const BodySpec& spec) {
   Checks<BodyProblem> checks;
   const KindInfo& kind = info(spec.joint.kind);
-  const auto check_name = [&](const char* field, const std::string& name) {
-    if (name.size() > 500) checks.add(field, "is longer than 500 characters");
-    // Names must not need quoting in CSV columns, targets of events or terminals.
-    if (name.find_first_of(",\"*") != std::string::npos)
-      checks.add(field, "must not contain a comma, a quotation mark or an asterisk");
-    if (first_invisible(name) != std::string::npos)
-      checks.add(field, "must be UTF-8 without control characters and other invisible characters");
-  };
   if (spec.name.empty()) checks.add("name", "a body needs a name", "for example \"arm/1\"");
-  check_name("name", spec.name);
-  check_name("joint_name", spec.joint_name);
+  checks.name("name", spec.name);
+  checks.name("joint_name", spec.joint_name);
   if (!finite(spec.mass)) checks.add("mass", "must be finite");
   if (spec.mass < 0) checks.add("mass", "must not be negative");
   const Sym3& i = spec.inertia;
@@ -257,6 +257,29 @@ std::vector<BodyProblem> check_body(const BodySpec& spec) {
     if (q < l.lower_of(k) || q > l.upper_of(k)) checks.add("q", "starts beyond its limits");
   }
   for (const JointProblem& problem : of_joint) checks.add(problem.field.c_str(), problem.what, problem.hint);
+  return std::move(checks.problems);
+}
+
+std::vector<BodyProblem> check_loop(const LoopSpec& spec, int bodies) {
+  Checks<BodyProblem> checks;
+  checks.name("name", spec.name);
+  const auto known = [bodies](BodyId body) { return body.index >= 0 && body.index < bodies; };
+  if (!known(spec.body)) checks.add("body", "is not a body of this model", "give what add() returned for the body");
+  if (!(spec.to == ground) && !known(spec.to)) checks.add("to", "is not a body of this model", "leave it out for the ground");
+  if (known(spec.body) && spec.body == spec.to)
+    checks.add("to", "a loop can't join a body to itself", "name another body, or leave 'to' out for the ground");
+  if (spec.joint.kind == Kind::free)
+    checks.add("kind", "a free joint constrains nothing, so it can't close a loop",
+               "use any other kind; for a spring between two bodies use [[spring]]");
+  checks.placement("at", spec.at);
+  checks.placement("child_at", spec.child_at);
+  for (const JointProblem& problem : check_joint(spec.joint)) checks.add(problem.field.c_str(), problem.what, problem.hint);
+  const JointParameters& p = spec.joint.parameters;
+  const char* const instead = "give it to a joint of the tree: any joint of a loop can be the one that closes it";
+  if (p.armature.any()) checks.add("armature", "is not supported for joints that close a loop yet", instead);
+  if (p.limits.hard()) checks.add("limits", "hard stops are not supported for joints that close a loop yet", "give 'stiffness', or " + std::string(instead));
+  if (p.drive != nullptr && p.drive->moves())
+    checks.add("drive", "a prescribed motion is not supported for joints that close a loop yet", instead);
   return std::move(checks.problems);
 }
 

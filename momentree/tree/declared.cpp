@@ -138,6 +138,10 @@ Joint joint_of(const BodySpec& s) {
   return {s.joint.kind, -1, s.at, s.child_at, s.joint.axis, s.joint.axis2, s.joint.pitch, 0, false, -1};
 }
 
+Joint joint_of(const LoopSpec& s) {
+  return {s.joint.kind, -1, s.at, s.child_at, s.joint.axis, s.joint.axis2, s.joint.pitch, 0, false, -1};
+}
+
 LinkCollector::LinkCollector(Declared& declared) : declared_(declared) {
   declared.links.links.reserve(declared.bodies.size());
   declared.links.frames.reserve(declared.bodies.size());

@@ -67,6 +67,7 @@ struct Declared {
 std::shared_ptr<Declared> declare(const Model& model);
 /// The declared joint of a body, without its parameters.
 Joint joint_of(const BodySpec& spec);
+Joint joint_of(const LoopSpec& spec);
 
 /// Collects the links of the declared topology in the shared list.
 class LinkCollector {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <momentree/math/unit.hpp>
+#include <momentree/tree/ids.hpp>
 
 namespace momentree {
 
@@ -102,6 +103,24 @@ void Model::add_force(BodyForce force) {
   forces_.push_back(std::move(force));
 }
 
+JointId Model::add_loop(LoopSpec spec) {
+  if (spec.name.empty()) throw_error({"a loop needs a name", "", "events and results refer to it by that name"});
+  for (const BodyProblem& problem : check_loop(spec, size()))
+    throw_error({problem.field + ": " + problem.what, "loop '" + spec.name + "'", problem.hint});
+  if (by_joint_->contains(spec.name))
+    throw_error({"there is already a joint '" + spec.name + "'", "", "joint names must be unique in a model"});
+  const KindInfo& kind = info(spec.joint.kind);
+  if (kind.axis) spec.joint.axis = unit(spec.joint.axis);
+  if (kind.axis2) spec.joint.axis2 = unit(spec.joint.axis2);
+  spec.at.rotation = unit(spec.at.rotation);
+  spec.child_at.rotation = unit(spec.child_at.rotation);
+  normalise_quaternion(spec.joint.parameters.rest, kind.q_units);
+  const int number = first_loop + static_cast<int>(loops_.size());
+  by_joint_.own().emplace(spec.name, number);
+  loops_.push_back(std::move(spec));
+  return {number};
+}
+
 void Model::reserve(int count) {
   if (count < 0 || static_cast<std::size_t>(count) <= bodies_->capacity()) return;
   const std::size_t room = std::max(static_cast<std::size_t>(count), bodies_->capacity() + bodies_->capacity() / 2);
@@ -113,6 +132,10 @@ void Model::reserve(int count) {
 void Model::keep(int count) {
   MT_REQUIRE(count >= 0, "a number of bodies");
   std::erase_if(forces_, [count](const BodyForce& force) { return force.body.index >= count; });
+  while (!loops_.empty() && (loops_.back().body.index >= count || loops_.back().to.index >= count)) {
+    by_joint_.own().erase(loops_.back().name);
+    loops_.pop_back();
+  }
   while (size() > count) {
     const BodySpec& last = bodies_.own().back();
     by_body_.own().erase(last.name);

@@ -34,6 +34,17 @@ struct BodySpec {
   std::string joint_name{};  ///< "mechanism/joint"; empty: the body's name
 };
 
+/// A joint that closes a loop: between two bodies of the model, or a body and the ground, in addition to their inboard joints. Its
+/// frame is at `at` in the frame of `to` (parent side) and at `child_at` in that of `body` (child side).
+struct LoopSpec {
+  std::string name;  ///< unique among the joints
+  BodyId body, to = ground;
+  JointSpec joint{};  ///< any kind but `free`
+  Pose at{}, child_at{};
+  /// A simulation starts from the nearest coordinates at which the loop is closed; false: an Error if it is open at the start.
+  bool assemble = true;
+};
+
 namespace detail {
 /// Hash that allows look-up of names without copying them.
 struct NameHash {
@@ -65,10 +76,15 @@ class Model {
   void add_force(BodyForce force);
   const std::vector<BodyForce>& forces() const { return forces_; }
 
+  /// Adds a loop joint between bodies of this model. Throws Error: no or duplicate name, unknown or equal bodies, an impossible
+  /// joint, parameters that loop joints do not support.
+  JointId add_loop(LoopSpec spec);
+  const std::vector<LoopSpec>& loops() const { return loops_; }
+
   /// Reserves space for that many bodies in total.
   void reserve(int count);
 
-  /// Removes all bodies but the first `count` (≥ 0), with the forces on them.
+  /// Removes all bodies but the first `count` (≥ 0), with the forces on them and their loops.
   void keep(int count);
 
   Vec3 gravity() const { return gravity_; }
@@ -107,6 +123,7 @@ class Model {
   Vec3 gravity_{0, 0, -9.81};
   detail::CopyOnWrite<std::vector<BodySpec>> bodies_;
   std::vector<BodyForce> forces_;
+  std::vector<LoopSpec> loops_;
   detail::CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: the first root with that name
 };
 
@@ -123,6 +140,9 @@ struct MassProblem {
   bool warning = false;
 };
 MassProblem check_mass(double mass, const Sym3& inertia);
+
+/// The faults of a loop joint between bodies of a model of that size, other than its name.
+std::vector<BodyProblem> check_loop(const LoopSpec& spec, int bodies);
 
 /// Checks the inertia of every body together with the bodies rigidly joined to it (by welds, at the start): a fault is a warning
 /// if the group as a whole is sound. Parents must come before their children. One entry per faulty body.

@@ -36,6 +36,7 @@ State& State::operator=(const State& other) {
   y_.reserve(other.y_.capacity());
   q_ = other.q_;
   y_ = other.y_;
+  turns_ = other.turns_;
   variables_ = other.variables_;
   topology_ = other.topology_;
   return *this;
@@ -48,6 +49,7 @@ State& State::operator=(State&& other) noexcept {
   std::swap(time_, other.time_);
   q_.swap(other.q_);
   y_.swap(other.y_);
+  turns_.swap(other.turns_);
   std::swap(variables_, other.variables_);
   std::swap(number_, other.number_);
   std::swap(serial_, other.serial_);
@@ -64,6 +66,11 @@ void State::assign(double time, std::span<const double> q, std::span<const doubl
   q_.assign(q.begin(), q.end());
   y_.assign(y.begin(), y.end());
   topology_ = tree.revision();
+}
+
+void State::set_turns(std::span<const double> turns) {
+  changed();
+  turns_.assign(turns.begin(), turns.end());
 }
 
 void State::change_variables(Variables variables, std::span<const double> y) {

@@ -51,6 +51,9 @@ class State {
   }
   /// p or u, for code that treats both alike.
   Numbers y() const { return y_; }
+  /// By loop: the angle of its joint when it was last closed, which tells full turns apart. Empty: all zero.
+  const std::vector<double>& turns() const { return turns_; }
+  void set_turns(std::span<const double> turns);
   /// Tree::revision() of the tree to which the state belongs.
   std::uint64_t topology() const { return topology_; }
   /// While the state is being edited each call returns a new stamp, because anything may have been written in between.
@@ -87,7 +90,7 @@ class State {
   void require_no_edit() const;
 
   double time_ = 0;
-  std::vector<double> q_, y_;
+  std::vector<double> q_, y_, turns_;
   Variables variables_ = Variables::momenta;
   std::uint64_t number_, topology_ = 0;
   mutable std::uint64_t serial_ = 0;

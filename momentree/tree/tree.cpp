@@ -51,6 +51,14 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
     joint_at_[at(b)] = declared->bodies[at(b)].joint;
   }
   revision_.renew();
+  for (const LoopSpec& spec : model.loops()) {
+    Loop loop;
+    loop.number = next_loop_++;
+    loop.body = spec.body.index, loop.to = spec.to.index;
+    loop.joint = detail::joint_of(spec);
+    loop.parameters = spec.joint.parameters;
+    loops_.push_back(std::move(loop));
+  }
   detail::LinkCollector links(*declared);
   link_all(&links);
   if (links.finish())
@@ -70,6 +78,7 @@ Topology Tree::topology() const {
   }
   t.functions = functions_;
   t.loads = body_functions_;
+  t.loops = loops_;
   t.added = added_masses_;
   t.model = declared_ ? declared_->fingerprint : 0;
   return t;
@@ -123,6 +132,10 @@ void Tree::restore(const Topology& topology) {
   for (const Topology::Own& own : topology.own) give_parameters(own.joint, own.parameters);
   functions_ = topology.functions;
   body_functions_ = topology.loads;
+  loops_ = topology.loops;
+  for (const Loop& loop : loops_) next_loop_ = std::max(next_loop_, loop.number + 1);
+  loop_links_.clear(), loop_stops_.clear();
+  loop_rows_ = loop_columns_ = 0;
   revision_.renew();
   link_all();
 }

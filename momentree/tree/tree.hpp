@@ -13,6 +13,7 @@
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/variant.hpp>
 #include <momentree/tree/declared.hpp>
+#include <momentree/tree/loop.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree {
@@ -51,6 +52,7 @@ struct Topology {
   std::vector<MassProperties> added;                            ///< of bodies added after compilation
   std::vector<std::shared_ptr<const JointFunction>> functions;  ///< drives, indexed by Joint::function
   std::vector<Loaded> loads;                                    ///< at most one per body
+  std::vector<Loop> loops;                                      ///< all loop joints, the model's too
   std::uint64_t model = 0;                                      ///< fingerprint of the model
 };
 
@@ -139,6 +141,8 @@ class Tree {
   /// True for a body with a root joint made by a change; that joint is named after the body.
   bool detached(int b) const { return joint(b).created_by_event; }
 
+  /// Place of body b in the order.
+  int place(int b) const { return place_[index(b)]; }
   /// Depth-first, inboard before outboard; siblings and roots in ascending order of numbers.
   std::span<const int> order() const { return order_; }
   std::span<const KernelRun> kernel_runs() const;
@@ -193,6 +197,17 @@ class Tree {
     const int i = joint(b).function;
     return i < 0 ? nullptr : functions_[at(i)].get();
   }
+  /// Loop joints, and their form for the recursions, in the same order.
+  std::span<const Loop> loops() const { return loops_; }
+  std::span<const LoopLink> loop_links() const { return loop_links_; }
+  bool has_loops() const { return !loops_.empty(); }
+  /// The loop joint of that number, or null.
+  const Loop* find_loop(int number) const;
+  /// Bodies between the ends of loops and the ground, one entry per body and loop, inboard before outboard.
+  std::span<const LoopStop> loop_stops() const { return loop_stops_; }
+  /// Numbers of rows of all loops, and of columns at all stops.
+  int loop_rows() const { return loop_rows_; }
+  int loop_columns() const { return loop_columns_; }
   /// The first instant (s) after t at which a table of a drive or force has a kink; infinite if there is none. Steps must not
   /// cross it.
   double next_bend(double t) const;
@@ -241,6 +256,10 @@ class Tree {
   void set_function(int b, std::shared_ptr<const JointFunction> function);
   /// Sets the function that acts on body b, or null for none. It stays until b is removed, whatever b is attached to. Allocates.
   void set_body_function(int b, std::shared_ptr<const BodyFunction> function);
+  /// Adds a loop joint, whose `number` is assigned and returned; removes one; replaces joint and parameters. May allocate.
+  int add_loop(Loop loop);
+  void remove_loop(int number);
+  void set_loop(int number, const Joint& joint, const JointParameters& parameters);
   /// Removes root b and all bodies outboard of it; their numbers are not used again.
   void remove(int b);
   /// Adds a body, given in the complete form of Model::operator[], and returns the new number of the body and its joint. Storage
@@ -304,6 +323,7 @@ class Tree {
   void move_block(int begin, int end, int to);
 
   void list_loaded_bodies();
+  void list_loops();
 
   // edits.cpp
   void unlink(int b);
@@ -380,6 +400,10 @@ class Tree {
   std::vector<Topology::Loaded> body_functions_;
   detail::Reserved<int> loaded_;
   std::vector<unsigned char> loaded_mark_;  // scratch, by body
+  std::vector<Loop> loops_;
+  std::vector<LoopLink> loop_links_;
+  std::vector<LoopStop> loop_stops_;
+  int next_loop_ = 0, loop_rows_ = 0, loop_columns_ = 0;
 };
 
 /// Compiles a model: `Tree tree = compile(model)`.

@@ -4,6 +4,8 @@
 namespace momentree {
 template void sweep_velocities<double, false>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 template void sweep_velocities<double, true>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
+template void reduce_accelerations<double, true>(const Tree&, const double*, Workspace<double>&) noexcept;
+template void resolve_accelerations<double, true>(const Tree&, const double*, Workspace<double>&, const Motion<double>&) noexcept;
 template void solve_accelerations<double, false>(const Tree&, const double*, Workspace<double>&, const Motion<double>&) noexcept;
 template void solve_accelerations<double, true>(const Tree&, const double*, Workspace<double>&, const Motion<double>&) noexcept;
 }  // namespace momentree

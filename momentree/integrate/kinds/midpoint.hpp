@@ -53,14 +53,16 @@ inline bool Midpoint::step(Evaluator& evaluate, State& state, EnergyLedger& ledg
   for (int k = 0; k < nq; ++k) q_[static_cast<std::size_t>(k)] = 2 * q_[static_cast<std::size_t>(k)] - q[k];
   for (int k = 0; k < nv; ++k) y_[static_cast<std::size_t>(k)] = 2 * y_[static_cast<std::size_t>(k)] - y[k];
   end_step(evaluate.tree(), state.time() + h, q_.get(), y_.get());
-  if (!sound(evaluate.tree(), q, q_.get(), y_.get())) return false;
+  const Power power = workspace.power;  // closing loops evaluates, too
+  if (!sound(evaluate.tree(), q, q_.get(), y_.get()) || !close(evaluate, q_.get(), y_.get())) return false;
   take_stored(evaluate.tree(), q, q_.get(), ledger);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());
   std::copy_n(y_.get(), nv, edit.y.begin());
   edit.time += h;
-  ledger.dissipated += h * workspace.power.dissipated;
-  ledger.work += h * workspace.power.work;
+  ledger.dissipated += h * power.dissipated;
+  ledger.work += h * power.work;
+  book_closing(evaluate, state, ledger);
   return true;
 }
 

@@ -22,6 +22,7 @@ struct Ball {
 }  // namespace momentree
 
 #ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
+#include <momentree/joint/closure.hpp>
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/quaternion_spring.hpp>
@@ -58,6 +59,7 @@ struct BallKernels : GenericKernels<BallKernels, 4, 3> {
     q[0] = motion.rotation.w, q[1] = motion.rotation.x, q[2] = motion.rotation.y, q[3] = motion.rotation.z;
     return coordinates::negligible(motion.position);
   }
+  static void closure(const JointSpec&, Closure& rows) { rows.add_point(); }
 };
 
 }  // namespace momentree

@@ -23,6 +23,7 @@ struct Cylindrical {
 }  // namespace momentree
 
 #ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
+#include <momentree/joint/closure.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
@@ -39,9 +40,10 @@ struct CylindricalKernels : ScrewKernels<CylindricalKernels, 2, 2> {
     return {{{{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}, {{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}}};
   }
   static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
-    return coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]) &&
-           coordinates::along_axis(joint.axis, motion.position, q[1]);
+    const bool turns = coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]);
+    return coordinates::along_axis(joint.axis, motion.position, q[1]) && turns;
   }
+  static void closure(const JointSpec& joint, Closure& rows) { rows.add_line(joint.axis), rows.add_axis(joint.axis); }
 };
 
 }  // namespace momentree

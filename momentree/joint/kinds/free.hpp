@@ -27,6 +27,7 @@ struct Free {
 }  // namespace momentree
 
 #ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
+#include <momentree/joint/closure.hpp>
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/quaternion_spring.hpp>
@@ -95,6 +96,7 @@ struct SixDofs : GenericKernels<K, 7, 6> {
     q[3] = motion.rotation.w, q[4] = motion.rotation.x, q[5] = motion.rotation.y, q[6] = motion.rotation.z;
     return true;
   }
+  static void closure(const JointSpec&, Closure&) {}
 };
 
 struct GenericFree : SixDofs<GenericFree> {};

@@ -27,6 +27,7 @@ struct Helical {
 #ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
 #include <numbers>
 
+#include <momentree/joint/closure.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
@@ -49,6 +50,9 @@ struct HelicalKernels : ScrewKernels<HelicalKernels, 1, 1> {
   static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
     return coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]) &&
            coordinates::negligible(motion.position - (joint.pitch / (2 * std::numbers::pi) * q[0]) * joint.axis);
+  }
+  static void closure(const JointSpec& joint, Closure& rows) {
+    rows.add_line(joint.axis), rows.add_axis(joint.axis), rows.add_screw(joint.axis, joint.pitch / (2 * std::numbers::pi));
   }
   /// A pure torque about the axis; the thread produces the force along it.
   static Force<double> drive_wrench(const LinkConstants&, const JointState<double>&, const double* force) {

@@ -22,6 +22,7 @@ struct Planar {
 }  // namespace momentree
 
 #ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
+#include <momentree/joint/closure.hpp>
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/motion.hpp>
 
@@ -48,8 +49,9 @@ struct PlanarKernels : GenericKernels<PlanarKernels, 3, 3> {
   }
   static bool coordinates(const JointSpec&, const Pose& motion, double hint, double* q) {
     q[0] = motion.position.x, q[1] = motion.position.y;
-    return std::fabs(motion.position.z) <= coordinates::tolerance && coordinates::about_axis(z_axis, motion.rotation, hint, q[2]);
+    return coordinates::about_axis(z_axis, motion.rotation, hint, q[2]) && std::fabs(motion.position.z) <= coordinates::tolerance;
   }
+  static void closure(const JointSpec&, Closure& rows) { rows.add_position({0, 0, 1}), rows.add_axis({0, 0, 1}); }
 };
 
 }  // namespace momentree

@@ -25,6 +25,7 @@ struct Prismatic {
 }  // namespace momentree
 
 #ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
+#include <momentree/joint/closure.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
@@ -43,8 +44,9 @@ struct PrismaticKernelsBase : ScrewKernels<K, 1, 1> {
     return {{{{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}}};
   }
   static bool coordinates(const JointSpec& joint, const Pose& motion, double, double* q) {
-    return coordinates::negligible(motion.rotation) && coordinates::along_axis(joint.axis, motion.position, q[0]);
+    return coordinates::along_axis(joint.axis, motion.position, q[0]) && coordinates::negligible(motion.rotation);
   }
+  static void closure(const JointSpec& joint, Closure& rows) { rows.add_line(joint.axis), rows.add_rotation(); }
 };
 struct GenericPrismatic : PrismaticKernelsBase<GenericPrismatic> {};
 

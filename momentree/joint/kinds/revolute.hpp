@@ -27,6 +27,7 @@ struct Revolute {
 }  // namespace momentree
 
 #ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
+#include <momentree/joint/closure.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/revolute_steps.hpp>
 #include <momentree/joint/screw_kernels.hpp>
@@ -47,8 +48,9 @@ struct RevoluteKernelsBase : ScrewKernels<K, 1, 1> {
     return {{{{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}}};
   }
   static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
-    return coordinates::negligible(motion.position) && coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]);
+    return coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]) && coordinates::negligible(motion.position);
   }
+  static void closure(const JointSpec& joint, Closure& rows) { rows.add_point(), rows.add_axis(joint.axis); }
   template <class T>
   MOMENTREE_INLINE static Motion<T> acceleration_bias(const LinkConstants&, const JointState<T>&, const Motion<T>& a,
                                                       const T* u) {

@@ -24,6 +24,7 @@ struct Universal {
 }  // namespace momentree
 
 #ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
+#include <momentree/joint/closure.hpp>
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/motion.hpp>
 
@@ -63,11 +64,12 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
   static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
     const Vec3 from = joint.axis2, to = rotation_matrix(motion.rotation) * joint.axis2;
     const double along = dot(joint.axis, from);
-    if (std::fabs(dot(joint.axis, to) - along) > coordinates::tolerance) return false;
     q[0] = coordinates::unwrapped(std::atan2(dot(joint.axis, cross(from, to)), dot(from, to) - along * along), hint);
     const Quat rest = conjugate(from_axis_angle(joint.axis, q[0])) * motion.rotation;
-    return coordinates::negligible(motion.position) && coordinates::about_axis(joint.axis2, rest, 0, q[1]);
+    return coordinates::about_axis(joint.axis2, rest, 0, q[1]) && coordinates::negligible(motion.position) &&
+           std::fabs(dot(joint.axis, to) - along) <= coordinates::tolerance;
   }
+  static void closure(const JointSpec& joint, Closure& rows) { rows.add_point(), rows.add_direction(joint.axis, joint.axis2); }
   /// A torque in the plane of the axes that are not locked: along the remaining axis if only one is.
   static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>& j, const double* force) {
     const Columns<double, 2> E = columns<double>(k, j);

@@ -19,6 +19,7 @@ struct Weld {
 }  // namespace momentree
 
 #ifdef MOMENTREE_KERNELS  // the functions of the recursions: only for the library's own sources
+#include <momentree/joint/closure.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
@@ -55,6 +56,7 @@ struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
   static bool coordinates(const JointSpec&, const Pose& motion, double, double*) {
     return coordinates::negligible(motion.position) && coordinates::negligible(motion.rotation);
   }
+  static void closure(const JointSpec&, Closure& rows) { rows.add_point(), rows.add_rotation(); }
   template <class T>
   MOMENTREE_INLINE static void joint_acceleration(const Record<T>&, const Motion<T>&, T*) {}
   template <class T>

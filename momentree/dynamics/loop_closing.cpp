@@ -1,0 +1,171 @@
+// Closing loops: after a step, where little is missing, and at the start, where much may be.
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/velocity.hpp>
+#include <momentree/joint/dispatch.hpp>
+
+namespace momentree {
+
+namespace {
+
+using detail::LoopCorrection;
+
+constexpr double closed = 1e-14;       // |φ| relative to the size of the loop, and as a sine of angles
+constexpr double nearly = 1e-11;       // where rounding does not allow more
+constexpr double at_assembly = 1e-6;   // pivots while coordinates are far off
+constexpr int most_corrections = 8, most_assembly_steps = 200;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// The largest residual in units of what counts as closed; of one loop, or of all.
+double open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t loop) {
+  const LoopLink& link = tree.loop_links()[loop];
+  double worst = 0;
+  for (int i = 0; i < link.rows; ++i) {
+    const LoopRow& row = loops.rows[at(link.first_row + i)];
+    const bool length = i < link.closure.positions || i >= link.closure.positions + link.closure.directions;
+    const double part = std::fabs(row.residual) / (length ? std::max(loops.places[loop].size, 1e-300) : 1.0);
+    if (!(part <= worst)) worst = part;  // NaN is kept
+  }
+  return worst;
+}
+double open_by(const Tree& tree, const LoopWorkspace& loops) {
+  double worst = 0;
+  for (std::size_t i = 0; i < tree.loops().size(); ++i)
+    if (const double part = open_by(tree, loops, i); !(part <= worst)) worst = part;
+  return worst;
+}
+
+// q ← q + N(q) scale·δ.
+void move(const Tree& tree, const double* delta, double scale, double* q) {
+  for (const int b : tree.order())
+    dispatch(tree.kind(b), [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      if constexpr (K::info.nv > 0) {
+        double rate[7] = {}, part[6] = {};
+        for (int i = 0; i < K::info.nv; ++i) part[i] = scale * delta[tree.first_p(b) + i];
+        double* const own = q + tree.first_q(b);
+        K::Kernels::template coordinate_rate<double>(own, part, rate);
+        for (int i = 0; i < K::info.nq; ++i) own[i] += rate[i];
+        K::Kernels::normalise(own);
+      }
+    });
+}
+
+// The angles of the loops' joints, as hints for the next ones.
+void note_turns(const Tree& tree, Workspace<double>& workspace) {
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const KindInfo& kind = info(tree.loops()[i].joint.kind);
+    double q[7] = {}, u[6] = {};
+    loop_coordinates(tree, workspace, static_cast<int>(i), q, u);
+    const char* const angle = std::find(kind.q_units, kind.q_units + kind.nq, 'r');
+    workspace.loops->turns[i] = angle == kind.q_units + kind.nq ? 0 : q[angle - kind.q_units];
+  }
+}
+
+// Kinetic and potential energy (J) at the motions of the last sweep.
+double energy_at(const Tree& tree, const double* q, Workspace<double>& workspace) {
+  locate_stage(tree, q, workspace);
+  double energy = 0, force[6];
+  for (const int b : tree.order()) {
+    const Kinematics<double>& body = workspace.bodies[at(b)];
+    const RigidMass& mass = tree.link(b).body;
+    const Motion<double>& velocity = workspace.motions[at(b)].velocity;
+    energy += 0.5 * dot(velocity, momentum(mass, velocity)) - mass.m * dot(tree.gravity(), body.r) -
+              dot(tree.gravity(), body.R * mass.mc);
+  }
+  for (int i = 0; i < tree.nv(); ++i) energy += 0.5 * tree.armature()[i] * workspace.v[at(i)] * workspace.v[at(i)];
+  for (const int b : tree.spring_joints()) energy += joint_spring(tree, q, b, force);
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) energy += loop_energy(tree, workspace, static_cast<int>(i));
+  return energy;
+}
+
+// Corrects the velocities; places, rows and records are those of q.
+void close_velocities(LoopCorrection& correction, const double* q, double* u) {
+  const Workspace<double>& workspace = correction.workspace;
+  correction.solve(q, [&](std::size_t row) { return -workspace.loops->rows[row].velocity; });
+  for (int i = 0; i < correction.tree.nv(); ++i) u[i] += workspace.a[at(i)];
+}
+
+}  // namespace
+
+bool close_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace, double& energy) noexcept {
+  detail::loop_memory(tree, workspace);
+  LoopCorrection correction{tree, workspace};
+  const LoopWorkspace& loops = *workspace.loops;
+  double before = HUGE_VAL;
+  for (int k = 0;; ++k) {
+    correction.evaluate(q, u, 0);
+    if (k == 0) energy = -energy_at(tree, q, workspace);
+    const double open = open_by(tree, loops);
+    if (open <= closed) break;
+    if (!(open < 0.5 * before) || k == most_corrections) {
+      if (open <= nearly) break;
+      return false;
+    }
+    before = open;
+    correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
+    move(tree, workspace.a.get(), 1, q);
+  }
+  close_velocities(correction, q, u);
+  sweep_velocities<double, true>(tree, q, u, workspace);
+  detail::place_loops(tree, q, workspace, true);
+  energy += energy_at(tree, q, workspace);
+  note_turns(tree, workspace);
+  return true;
+}
+
+bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace, double* residuals) noexcept {
+  detail::loop_memory(tree, workspace);
+  LoopCorrection correction{tree, workspace};
+  const LoopWorkspace& loops = *workspace.loops;
+  const auto n = at(tree.nq());
+  std::vector<double> from(n), step(at(tree.nv()));
+  correction.evaluate(q, u, at_assembly);
+  double open = open_by(tree, loops);
+  for (int k = 0; open > nearly && k < most_assembly_steps; ++k) {
+    correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
+    std::copy_n(workspace.a.get(), step.size(), step.begin());
+    std::copy_n(q, n, from.begin());
+    double largest = 0;
+    for (const double s : step) largest = std::max(largest, std::fabs(s));
+    bool better = false;
+    for (double scale = largest > 0.5 ? 0.5 / largest : 1; scale > 1e-6 && !better; scale /= 2) {
+      std::copy_n(from.begin(), n, q);
+      move(tree, step.data(), scale, q);
+      correction.evaluate(q, u, open < 1e-4 ? 0 : at_assembly);
+      const double now = open_by(tree, loops);
+      if (now < open * (1 - 1e-4 * scale)) open = now, better = true;
+    }
+    if (!better) {
+      std::copy_n(from.begin(), n, q);
+      break;
+    }
+  }
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) residuals[i] = open_by(tree, loops, i);
+  double energy = 0;
+  if (!(open <= nearly)) return false;
+  note_turns(tree, workspace);
+  return close_loops(tree, q, u, workspace, energy);
+}
+
+void loop_residuals(const Tree& tree, const double* q, const double* u, Workspace<double>& workspace, double* residuals) noexcept {
+  detail::loop_memory(tree, workspace);
+  sweep_velocities<double, true>(tree, q, u, workspace);
+  detail::place_loops(tree, q, workspace, true);
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) residuals[i] = open_by(tree, *workspace.loops, i);
+}
+
+LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
+  LoopStatus status;
+  if (!tree.has_loops()) return status;
+  forward_dynamics(tree, state, workspace);
+  const LoopWorkspace& loops = *workspace.loops;
+  status.rows = tree.loop_rows(), status.rank = loops.rank;
+  for (const LoopRow& row : loops.rows) status.residual = std::max(status.residual, std::fabs(row.residual));
+  return status;
+}
+
+}  // namespace momentree

@@ -1,0 +1,247 @@
+// Where the loops' frames are, what their rows are there, and the forces in loop joints.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <momentree/dynamics/forces/elements.hpp>
+#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/joint/dispatch.hpp>
+#include <momentree/joint/motion.hpp>
+#include <momentree/math/joint_mass.hpp>
+
+namespace momentree {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// The joint frame on one side: axes and origin in the world, velocity of the point at x and angular velocity there.
+struct Side {
+  Mat3 R;
+  Vec3 x;
+};
+Side side_of(const Workspace<double>& workspace, int body, const KernelFrame& frame) {
+  if (body < 0) return {frame.R, frame.r};
+  const Kinematics<double>& k = workspace.bodies[at(body)];
+  return {k.R * frame.R, k.r + k.R * frame.r};
+}
+void velocity_at(const Workspace<double>& workspace, int body, const Vec3& x, Vec3& v, Vec3& w) {
+  v = w = {};
+  if (body < 0) return;
+  const Kinematics<double>& k = workspace.bodies[at(body)];
+  w = k.R * k.velocity.w;
+  v = k.R * k.velocity.v + cross(w, x - k.r);
+}
+
+// wᵀ M⁻¹ w for a wrench on a free body: what the row's element of A is at most. 1 for a body without mass.
+double mobility(const RigidMass& body, const Force<double>& w) {
+  if (!(body.m > 0)) return 1;
+  const Vec3 c = (1 / body.m) * body.mc;
+  const Vec3 t = w.h - cross(c, w.l);
+  JointMass<double, 3> J;
+  const auto& O = body.J;
+  const double cc = dot(c, c), m = body.m;
+  J(0, 0) = O.xx - m * (cc - c.x * c.x), J(1, 1) = O.yy - m * (cc - c.y * c.y), J(2, 2) = O.zz - m * (cc - c.z * c.z);
+  J(1, 0) = O.xy + m * c.x * c.y, J(2, 0) = O.xz + m * c.x * c.z, J(2, 1) = O.yz + m * c.y * c.z;
+  const double least = 1e-6 * (J(0, 0) + J(1, 1) + J(2, 2)) + 1e-300;  // rods and points have no inertia about some axes
+  for (int i = 0; i < 3; ++i) J(i, i) += least;
+  J.factorise();
+  double a[3] = {t.x, t.y, t.z};
+  J.solve(a);
+  const double s = dot(w.l, w.l) / m + t.x * a[0] + t.y * a[1] + t.z * a[2];
+  return s > 0 && std::isfinite(s) ? s : 1;
+}
+
+double screw_angle(const Closure::Screw& screw, const Mat3& R, double turn) {
+  const Vec3 e1 = R * screw.e1, e2 = R * screw.e2;
+  const double angle = std::atan2(dot(screw.e2, e1) - dot(screw.e1, e2), dot(screw.e1, e1) + dot(screw.e2, e2));
+  return angle + 2 * std::numbers::pi * std::round((turn - angle) / (2 * std::numbers::pi));
+}
+
+// Writes φ, F, T and Ṫ of all rows of a closure, in the parent-side frame: φ̇ = F·v + T·ω for the relative velocities there.
+template <class Put>
+void closure_rows(const Closure& c, const Mat3& R, const Vec3& r, const Vec3& w, double turn, const Put& put) {
+  for (int i = 0; i < c.positions; ++i) put(dot(c.position[at(i)], r), c.position[at(i)], Vec3{}, Vec3{});
+  for (int i = 0; i < c.directions; ++i) {
+    const Closure::Direction& d = c.direction[at(i)];
+    const Vec3 b = R * d.b;
+    put(dot(d.a, b) - d.c, Vec3{}, cross(b, d.a), cross(cross(w, b), d.a));
+  }
+  if (c.screws == 0) return;
+  const Closure::Screw& s = c.screw;
+  const Vec3 e1 = R * s.e1, e2 = R * s.e2;
+  const double si = dot(s.e2, e1) - dot(s.e1, e2), co = dot(s.e1, e1) + dot(s.e2, e2), square = si * si + co * co;
+  const Vec3 ts = cross(e1, s.e2) - cross(e2, s.e1), tc = cross(e1, s.e1) + cross(e2, s.e2);
+  const Vec3 d1 = cross(w, e1), d2 = cross(w, e2);
+  const double sd = dot(s.e2, d1) - dot(s.e1, d2), cd = dot(s.e1, d1) + dot(s.e2, d2);
+  const Vec3 tsd = cross(d1, s.e2) - cross(d2, s.e1), tcd = cross(d1, s.e1) + cross(d2, s.e2);
+  const Vec3 gradient = (1 / square) * (co * ts - si * tc);
+  const Vec3 rate = (1 / square) * (cd * ts + co * tsd - sd * tc - si * tcd - (2 * (si * sd + co * cd)) * gradient);
+  put(dot(s.n, r) - s.h * screw_angle(s, R, turn), s.n, -s.h * gradient, -s.h * rate);
+}
+
+Motion<double> relative_motion(const LoopPlace& p) {  // of the child side in the parent side, in the child's axes
+  const Mat3 Rb = p.Ra * p.R;
+  const Vec3 v = p.vb - p.va - cross(p.wa, p.xb - p.xa);
+  return {transpose_times(Rb, v), transpose_times(Rb, p.wb - p.wa)};
+}
+
+}  // namespace
+
+Force<double> on_body(const Kinematics<double>& body, const Vec3& F, const Vec3& T, const Vec3& x) noexcept {
+  return {transpose_times(body.R, F), transpose_times(body.R, T + cross(x - body.r, F))};
+}
+
+LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspace) {
+  if (workspace.loops == nullptr) workspace.loops = {new LoopWorkspace, [](LoopWorkspace* all) { delete all; }};
+  LoopWorkspace& loops = *workspace.loops;
+  if (loops.topology == tree.revision()) return loops;
+  const std::size_t n = tree.loops().size(), rows = at(tree.loop_rows());
+  loops.topology = tree.revision();
+  loops.places.resize(n), loops.turns.resize(n, 0.0);
+  loops.rows.resize(rows), loops.columns.resize(at(tree.loop_columns()));
+  loops.position.resize(rows), loops.order.resize(rows);
+  loops.A.resize(rows * rows), loops.factor.resize(rows * rows);
+  loops.b.resize(2 * rows), loops.lambda.resize(rows);
+  loops.chosen.clear(), loops.chosen.reserve(rows);
+  loops.rank = -1;
+  return loops;
+}
+
+void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept {
+  LoopWorkspace& loops = loop_memory(tree, workspace);
+  for (std::size_t s = 0, last = tree.loop_stops().size(); s < last; ++s) {
+    const int b = tree.loop_stops()[s].body;
+    if (s > 0 && tree.loop_stops()[s - 1].body == b) continue;
+    const int outer = tree.parent(b);
+    Kinematics<double>& own = workspace.bodies[at(b)];
+    const DenseTransform<double> x = dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
+      return dense_transform<typename decltype(tag)::type, double>(tree.link(b), joint_state(tree, q, workspace, b));
+    });
+    own.R = outer < 0 ? x.R : workspace.bodies[at(outer)].R * x.R;
+    own.r = outer < 0 ? x.r : workspace.bodies[at(outer)].r + workspace.bodies[at(outer)].R * x.r;
+    if (moving) own.velocity = workspace.motions[at(b)].velocity;
+  }
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    const LoopLink& link = tree.loop_links()[i];
+    const Side a = side_of(workspace, loop.to, link.parent), b = side_of(workspace, loop.body, link.child);
+    LoopPlace& p = loops.places[i];
+    p.Ra = a.R, p.xa = a.x, p.xb = b.x;
+    p.R = transpose(a.R) * b.R, p.r = transpose_times(a.R, b.x - a.x);
+    p.va = p.wa = p.vb = p.wb = {};
+    if (moving) velocity_at(workspace, loop.to, p.xa, p.va, p.wa), velocity_at(workspace, loop.body, p.xb, p.vb, p.wb);
+    p.size = norm(a.x) + norm(b.x) + norm(workspace.bodies[at(loop.body)].r) + norm(link.child.r) + norm(link.parent.r);
+    const Vec3 wr = transpose_times(a.R, p.wb - p.wa);
+    const Vec3 v = p.vb - p.va - cross(p.wa, p.xb - p.xa), turning = cross(p.wb - p.wa, p.vb);
+    std::size_t row = at(link.first_row);
+    closure_rows(link.closure, p.R, p.r, wr, loops.turns[i], [&](double phi, const Vec3& F, const Vec3& T, const Vec3& Tdot) {
+      LoopRow& to = loops.rows[row++];
+      to.residual = phi;
+      to.F = a.R * F, to.T = a.R * T;
+      to.velocity = dot(to.F, v) + dot(to.T, p.wb - p.wa);
+      to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(cross(p.wa, to.T) + a.R * Tdot, p.wb - p.wa);
+      to.scale = mobility(tree.link(loop.body).body, on_body(workspace.bodies[at(loop.body)], to.F, to.T, p.xb));
+      if (loop.to >= 0) to.scale += mobility(tree.link(loop.to).body, on_body(workspace.bodies[at(loop.to)], to.F, to.T, p.xb));
+    });
+  }
+}
+
+void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept {
+  const LoopWorkspace& loops = *workspace.loops;
+  const LoopPlace& p = loops.places[at(place)];
+  const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
+  nearest_coordinates(spec, {p.r, quaternion_of(p.R)}, loops.turns[at(place)], q);
+  Motion<double> E[6];
+  const int nv = joint_columns(spec, q, E);
+  const Motion<double> relative = relative_motion(p);
+  const auto product = [](const Motion<double>& x, const Motion<double>& y) { return dot(x.v, y.v) + dot(x.w, y.w); };
+  JointMass<double, 6> squares;
+  double right[6] = {};
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < i; ++j) squares(i, j) = i < nv ? product(E[i], E[j]) : 0;
+    squares(i, i) = i < nv ? product(E[i], E[i]) : 1;
+    if (i < nv) right[i] = product(E[i], relative);
+  }
+  squares.factorise();
+  squares.solve(right);
+  std::copy_n(right, nv, u);
+}
+
+namespace {
+
+// Energy of a loop joint's spring (J) and its force along the DoFs; zero without one.
+double spring_of(const Loop& loop, const double* q, double* force) noexcept {
+  const JointParameters& p = loop.parameters;
+  if (!p.stiffness.any()) return 0;
+  return dispatch(loop.joint.kind, [&](auto tag) {
+    using K = typename decltype(tag)::type;
+    double stiffness[6] = {}, rest[7] = {};
+    for (int i = 0; i < K::info.nv; ++i) stiffness[i] = p.stiffness.of(i);
+    if (p.rest.empty())
+      K::Kernels::zero(rest);
+    else
+      for (int i = 0; i < K::info.nq; ++i) rest[i] = p.rest[i];
+    return K::Kernels::spring(q, rest, stiffness, force);
+  });
+}
+
+// The force of springs, dampers, friction, efforts and drives along the DoFs; adds their power.
+void joint_force(const Loop& loop, double t, const double* q, const double* u, double* force, Power& power) noexcept {
+  const JointParameters& p = loop.parameters;
+  const KindInfo& kind = info(loop.joint.kind);
+  spring_of(loop, q, force);
+  for (int i = 0; i < kind.nv; ++i) {
+    const double friction = p.damping.of(i) * u[i], effort = p.effort.of(i);
+    force[i] += effort - friction;
+    power.dissipated += friction * u[i], power.work += effort * u[i];
+  }
+  forces::add_elements({p, kind.nv, ~loop.joint.locked, t, q, u, force, &power});
+}
+
+}  // namespace
+
+void load_turns(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
+  LoopWorkspace& loops = detail::loop_memory(tree, workspace);
+  std::fill(loops.turns.begin(), loops.turns.end(), 0.0);
+  std::copy_n(state.turns().begin(), std::min(loops.turns.size(), state.turns().size()), loops.turns.begin());
+}
+
+Force<double> loop_joint_wrench(const Tree& tree, double t, const Workspace<double>& workspace, int place, double* effort,
+                                Power* power) noexcept {
+  const Loop& loop = tree.loops()[at(place)];
+  if (!loop.parameters.any()) return {};
+  double q[7] = {}, u[6] = {};
+  Power unused;
+  loop_coordinates(tree, workspace, place, q, u);
+  joint_force(loop, t, q, u, effort, power != nullptr ? *power : unused);
+  return joint_wrench(spec_of(loop.joint), q, loop.joint.locked, effort);
+}
+
+void add_loop_forces(const Tree& tree, double t, Workspace<double>& workspace) noexcept {
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    if (!loop.parameters.any()) continue;
+    double effort[6] = {};
+    const Force<double> W = loop_joint_wrench(tree, t, workspace, static_cast<int>(i), effort, &workspace.power);
+    const LoopPlace& p = workspace.loops->places[i];
+    const Mat3 Rb = p.Ra * p.R;
+    const Vec3 F = Rb * W.l, T = Rb * W.h;
+    Force<double>& child = workspace.biases[at(loop.body)].wrench;
+    child = child - on_body(workspace.bodies[at(loop.body)], F, T, p.xb);
+    if (loop.to < 0) continue;
+    Force<double>& parent = workspace.biases[at(loop.to)].wrench;
+    parent += on_body(workspace.bodies[at(loop.to)], F, T, p.xb);
+  }
+}
+
+double loop_energy(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
+  const Loop& loop = tree.loops()[at(place)];
+  if (!loop.parameters.any()) return 0;
+  double q[7] = {}, u[6] = {}, force[6] = {};
+  loop_coordinates(tree, workspace, place, q, u);
+  const double energy = spring_of(loop, q, force);
+  return loop.parameters.limits.soft() ? energy + forces::soft_stop_energy(loop.parameters, info(loop.joint.kind).nv, q) : energy;
+}
+
+}  // namespace momentree

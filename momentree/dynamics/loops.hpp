@@ -1,0 +1,82 @@
+#pragma once
+// Closed loops. Between two states a loop is a set of equations φ(q) = 0 and J u = 0 beside the recursions of the tree: the inward
+// pass carries the unit wrenches K of the loops' rows to the ground and gathers
+//
+//   k = Eᵀ K,   A += kᵀ Mj⁻¹ k,   b += kᵀ u0 + (K − G k)ᵀ a,   K_parent += Xᵀ (K − G k),
+//
+// where u0 = Mj⁻¹ (τ − Eᵀ W) and a is the bias of the acceleration: A = J M⁻¹ Jᵀ, and b = J u̇ without loops. After the small system
+// A λ = −(b + J̇ u) is solved, Mj⁻¹ k λ is added to u0, and the outward pass of the tree gives u̇ with loops. The same passes with
+// momenta in the place of forces give the velocities after an impact, and with zeros the corrections of coordinates and velocities.
+//
+// Redundant rows are the rule: a planar four-bar of revolute joints has 5 rows of rank 2. Rows are chosen by a pivoted
+// factorisation at states, where the loops are closed, and kept for the stages of the step that follows: off the closed
+// configurations the rank of some linkages (Bennett, Bricard) is larger, and an honest solution there would stop them.
+#include <momentree/dynamics/totals.hpp>
+#include <momentree/dynamics/workspace.hpp>
+#include <momentree/tree/body_force.hpp>
+#include <momentree/tree/state.hpp>
+#include <momentree/tree/tree.hpp>
+
+namespace momentree {
+
+/// Which rows a computation uses.
+enum class LoopRows : unsigned char {
+  choose,  ///< as many independent ones as there are; they are kept
+  kept     ///< those that were chosen last, if that was for this topology
+};
+
+/// Forces of springs, dampers, friction, efforts and drives in loop joints at time t (s): adds them to workspace.biases of both
+/// bodies, and their power to workspace.power. Requires place_loops.
+void add_loop_forces(const Tree& tree, double t, Workspace<double>& workspace) noexcept;
+
+/// Sets the angles to which those of loop joints are nearest to the state's.
+void load_turns(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
+
+/// Between the inward and the outward pass of solve_accelerations, with Keep: solves for the loops' multipliers. `velocities`: the
+/// passes compute velocities from momenta instead of accelerations from forces.
+void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace, const Motion<double>& base, LoopRows rows,
+                 bool velocities = false) noexcept;
+
+/// The chosen rows, for evaluations in another workspace. Does nothing without loops.
+void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace<double>& to) noexcept;
+
+/// Closes the loops after a step: corrects coordinates and velocities, in place, by the least change in the metric of the mass
+/// matrix. Returns false if the loops cannot be closed from there. `energy`: what the correction added (J). The workspace then
+/// belongs to no state, and its chosen rows are those of the corrected coordinates.
+[[nodiscard]] bool close_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace, double& energy) noexcept;
+
+/// Evaluates the state first if needed.
+LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
+
+/// Closes the loops at the start, from coordinates that may be far off: like close_loops, by damped steps. Writes the residual of
+/// each loop; returns false if one cannot be closed.
+[[nodiscard]] bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace, double* residuals) noexcept;
+/// The residual of each loop at coordinates q and velocities u.
+void loop_residuals(const Tree& tree, const double* q, const double* u, Workspace<double>& workspace, double* residuals) noexcept;
+
+/// Coordinates and velocities of a loop joint (by its place in tree.loops()), which follow from the poses and velocities of its
+/// bodies. Its angle is the one nearest to that at the end of the last step. Requires an evaluated state.
+void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept;
+
+/// Potential energy of a loop joint's spring and soft stops (J). The same requirement.
+[[nodiscard]] double loop_energy(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
+
+/// The wrench of a loop joint on its declared child, in the child's kernel frame: of the constraint alone, and with springs,
+/// dampers and drives, whose effort along the DoFs is `effort`. Requires an evaluated state at that time (s).
+struct LoopReaction {
+  Wrench total, constraint;
+  double effort[6] = {};
+};
+LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& workspace, int place) noexcept;
+
+/// The largest relative velocity (m/s, rad/s) that the loops block, and whether a loop's joint is closed with its directions
+/// reversed, which its equations do not exclude. After an evaluation.
+double loop_velocities_open(const Tree& tree, const Workspace<double>& workspace) noexcept;
+bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
+
+/// True if the multipliers determine the reactions of a joint: that of a loop, by its place, or of the inboard joint of a body. Else
+/// the same motion is possible with other reactions. Requires an evaluated state.
+bool loop_determined(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
+bool joint_determined(const Tree& tree, const Workspace<double>& workspace, int body) noexcept;
+
+}  // namespace momentree

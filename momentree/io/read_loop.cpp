@@ -1,0 +1,89 @@
+// [[loop]]: joints that close kinematic loops.
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/io/read_action.hpp>
+#include <momentree/io/scenario_parts.hpp>
+#include <momentree/simulate/assembly.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+using namespace type;
+
+constexpr Key loop_entries[] = {
+    {"name", string, "Name of the joint, among all joints of the scenario", nullptr, "a name, by which events and results refer to it"},
+    {"body", string, "Full name of the body that is the joint's child", nullptr, "a body, for example \"arm/hand\""},
+    {"to", string, "Full name of the body that is its parent; \"ground\", or no key: the ground"},
+    {"at", table(placement_table), "Placement of the joint's frame in the frame of `to`"},
+    {"child_at", table(placement_table), "Placement of the joint's frame in the body's frame"},
+    {"assemble", boolean, "Whether the loop is closed at the start by changing the initial values; else they must close it", "true"},
+};
+
+/// The body of that name; nothing, with a report, if there is none.
+std::optional<BodyId> body_named(const Value& value, const char* key, const std::string& loop, bool may_be_ground, Reading& reading) {
+  const auto name = read_string(value, key, reading.out);
+  if (!name || reading.opaque.contains(mechanism_of(*name))) return std::nullopt;
+  if (may_be_ground && *name == "ground") return ground;
+  if (!reading.bodies.contains(*name)) {
+    std::string hint = reading.suggest(*name, reading.bodies);
+    for (const auto& [mechanism, where] : reading.mechanisms)
+      if (hint.empty() && reading.bodies.contains(mechanism + "/" + *name))
+        hint = "use the full name: " + in_quotes(mechanism + "/" + *name);
+    reading.out.error(value.place, "loop " + in_quotes(loop) + ": " + key + ": there is no body " + in_quotes(*name), hint);
+    return std::nullopt;
+  }
+  const Model& model = reading.scenario.model;
+  return model.has_body(*name) ? std::optional(model.body(*name)) : std::nullopt;  // else of a mechanism with errors
+}
+
+}  // namespace
+
+constinit const KeyTable loop_table{"[[loop]]", "loop", "A joint that closes a loop", loop_entries, {}, {&joint_geometry}, true};
+
+void read_loop(const Value& table, Reading& reading) {
+  Diagnostics& out = reading.out;
+  const std::size_t errors = out.errors();
+  Fields fields(table, loop_table, out);
+  LoopSpec spec;
+  fields.require("name");
+  spec.name = fields.string("name").value_or("");
+  if (!spec.name.empty()) reading.note(reading.joints, spec.name, fields.place_of("name"), "joint");
+  const Value* body = fields.require("body");
+  const std::optional<BodyId> child = body ? body_named(*body, "body", spec.name, false, reading) : std::nullopt;
+  const Value* to = fields.find("to");
+  const std::optional<BodyId> parent = to ? body_named(*to, "to", spec.name, true, reading) : std::optional(ground);
+  spec.at = fields.pose("at").value_or(Pose{});
+  spec.child_at = fields.pose("child_at").value_or(Pose{});
+  spec.assemble = fields.boolean("assemble").value_or(true);
+  const Value* kind = fields.find("kind");
+  if (kind != nullptr && kind->string() != nullptr && *kind->string() == "free")
+    return out.error(kind->place, "loop " + in_quotes(spec.name) + ": a free joint constrains nothing, so it can't close a loop",
+                     "use any other kind");
+  JointDescription joint;
+  read_description(fields, false, joint, out);
+  spec.joint = joint.spec;
+  fields.finish();
+  if (!child || !parent || errors != out.errors()) return;
+  spec.body = *child, spec.to = *parent;
+  for (const BodyProblem& problem : check_loop(spec, reading.scenario.model.size()))
+    out.error(fields.place_of(problem.field), "loop " + in_quotes(spec.name) + ": " + problem.field + ": " + problem.what, problem.hint);
+  if (errors == out.errors()) reading.scenario.model.add_loop(std::move(spec));
+}
+
+void check_loops(Reading& reading) {
+  if (reading.scenario.model.loops().empty()) return;
+  Integration& how = reading.scenario.integration;
+  const Place at = reading.joints.at(reading.scenario.model.loops().front().name);
+  if (how.variables == Variables::momenta)
+    reading.out.error(at, "closed loops are integrated in velocities", "leave 'variables' out of [integrate]");
+  if (!takes_velocities(how.method))
+    reading.out.error(at, "the method '" + how.method + "' can't integrate closed loops", "use rk4, midpoint, dopri5 or dop853");
+  how.variables = Variables::velocities;
+  const std::optional<Error> error = check_assembly(reading.scenario.model);
+  if (!error) return;
+  for (const LoopSpec& loop : reading.scenario.model.loops())
+    if (error->where == "loop '" + loop.name + "'")
+      reading.out.error(reading.joints.at(loop.name), error->where + ": " + error->problem, error->hint);
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,74 @@
+#include <momentree/simulate/assembly.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/loop_workspace.hpp>
+#include <momentree/dynamics/loops.hpp>
+
+namespace momentree {
+
+namespace {
+
+constexpr double closed_at_start = 1e-9;  // of loops that must not be assembled
+constexpr double left_as_given = 1e-12;   // what the first step closes: a state that is restored keeps its bits
+
+std::string short_text(double x) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.2g", x);
+  return buffer;
+}
+
+}  // namespace
+
+std::optional<Error> assemble(const Tree& tree, const Model& model, const Names& names, State& state) {
+  Workspace<double> workspace(tree);
+  std::vector<double> residuals(tree.loops().size());
+  load_turns(tree, state, workspace);
+  loop_residuals(tree, state.q().data(), state.u().data(), workspace, residuals.data());
+  const auto where = [&](std::size_t i) { return "loop '" + names.joint(tree.loops()[i].id().index) + "'"; };
+  const auto apart = [&](std::size_t i) { return short_text(residuals[i]) + " of its size"; };
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const auto number = static_cast<std::size_t>(tree.loops()[i].number);
+    if (number < model.loops().size() && !model.loops()[number].assemble && !(residuals[i] <= closed_at_start))
+      return Error("it is open at the start, by " + apart(i), where(i),
+                   "give start values at which it is closed, or leave out 'assemble = false'");
+  }
+  const double worst = *std::max_element(residuals.begin(), residuals.end());
+  if (worst <= left_as_given && loop_velocities_open(tree, workspace) <= left_as_given) return std::nullopt;
+  std::vector<double> q(state.q().begin(), state.q().end()), u(state.u().begin(), state.u().end());
+  if (!assemble_loops(tree, q.data(), u.data(), workspace, residuals.data())) {
+    const auto i = static_cast<std::size_t>(std::max_element(residuals.begin(), residuals.end()) - residuals.begin());
+    return Error("it can't be closed from these start values: it stays open by " + apart(i), where(i),
+                 "check its bodies, 'at', 'child_at' and axes, or give start values nearer to a closed position");
+  }
+  for (std::size_t i = 0; i < residuals.size(); ++i)
+    if (loop_flipped(tree, workspace, static_cast<int>(i)))
+      return Error("it closes only with its axes in opposite directions", where(i),
+                   "turn one of its frames by half a turn, or give start values nearer to the intended position");
+  state.set_turns(workspace.loops->turns);
+  const State::Edit edit = state.edit();
+  std::copy(q.begin(), q.end(), edit.q.begin());
+  std::copy(u.begin(), u.end(), edit.u.begin());
+  return std::nullopt;
+}
+
+std::optional<Error> check_assembly(const Model& model) {
+  if (model.loops().empty()) return std::nullopt;
+  const Tree tree(model);
+  State state(tree, Variables::velocities);
+  {
+    const State::Edit edit = state.edit();
+    for (int b = 0; b < model.size(); ++b) {
+      const BodySpec& body = model[BodyId{b}];
+      std::copy(body.q.begin(), body.q.end(), edit.q.begin() + tree.first_q(b));
+      std::copy(body.v.begin(), body.v.end(), edit.u.begin() + tree.first_p(b));
+    }
+    follow_motions(tree, 0, edit.q.data(), edit.u.data());
+  }
+  return assemble(tree, model, Names(model), state);
+}
+
+}  // namespace momentree

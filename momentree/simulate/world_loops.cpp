@@ -1,0 +1,67 @@
+// Loop joints of a world.
+#include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/user_frames.hpp>
+#include <momentree/simulate/world.hpp>
+
+namespace momentree {
+
+namespace {
+
+std::size_t place_of(const Tree& tree, JointId joint) {
+  for (std::size_t i = 0; i < tree.loops().size(); ++i)
+    if (tree.loops()[i].id() == joint) return i;
+  MT_REQUIRE(false, "the loop joint is in this world");
+  return 0;
+}
+
+}  // namespace
+
+std::vector<JointId> World::loops() const {
+  std::vector<JointId> all;
+  for (const Loop& loop : tree_.loops()) all.push_back(loop.id());
+  return all;
+}
+
+LoopStatus World::loop_status() const { return momentree::loop_status(tree_, state_, workspace_); }
+
+JointView World::loop_view(JointId number) const {
+  const std::size_t i = place_of(tree_, number);
+  evaluate();
+  const Loop& loop = tree_.loops()[i];
+  const KindInfo& kind = info(loop.joint.kind);
+  if (loop_values_.size() < tree_.loops().size()) loop_values_.resize(tree_.loops().size());
+  LoopValues& own = loop_values_[i];
+  loop_coordinates(tree_, workspace_, static_cast<int>(i), own.q, own.v);
+  JointView view;
+  view.name = joint_name(number);
+  view.kind = loop.joint.kind;
+  view.child = {loop.body}, view.parent = {loop.to};
+  view.locked = loop.joint.locked;
+  view.at = loop.joint.at, view.child_at = loop.joint.child_at;
+  view.axis = loop.joint.axis, view.axis2 = loop.joint.axis2, view.pitch = loop.joint.pitch;
+  view.parameters = &loop.parameters;
+  view.q = {own.q, static_cast<std::size_t>(kind.nq)};
+  view.v = {own.v, static_cast<std::size_t>(kind.nv)};
+  view.loop = true;
+  return view;
+}
+
+JointForces World::loop_forces(JointId number) const {
+  const auto i = static_cast<int>(place_of(tree_, number));
+  accelerate(tree_, state_, workspace_);
+  const Loop& loop = tree_.loops()[static_cast<std::size_t>(i)];
+  const LoopReaction found = loop_reaction(tree_, state_.time(), workspace_, i);
+  const auto wrench = [&](const Wrench& W) {
+    const Force<double> on_child = to_user_frame(tree_.frame(loop.body), as_force(W));
+    return Wrench{on_child.l, on_child.h};
+  };
+  JointForces forces;
+  forces.reaction = wrench(found.total), forces.pure = wrench(found.constraint);
+  for (int k = 0; k < info(loop.joint.kind).nv; ++k) forces.effort.push_back(found.effort[k]);
+  forces.determined = loop_determined(tree_, workspace_, i);
+  return forces;
+}
+
+}  // namespace momentree

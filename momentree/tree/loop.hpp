@@ -1,0 +1,35 @@
+#pragma once
+// Loop joints: joints in addition to those of the tree, which close kinematic loops. They are equations between the bodies that
+// they join, not coordinates.
+#include <momentree/joint/closure.hpp>
+#include <momentree/tree/declared.hpp>
+#include <momentree/tree/ids.hpp>
+#include <momentree/tree/kernel_frame.hpp>
+
+namespace momentree {
+
+/// A loop joint between its declared child and parent (−1: the ground).
+struct Loop {
+  int number = -1;  ///< its handle is first_loop + number
+  int body = -1, to = -1;
+  Joint joint;  ///< its `parameters` are unused
+  JointParameters parameters;
+
+  JointId id() const { return {first_loop + number}; }
+};
+
+/// A loop as the recursions use it. Its equations are rows of one system, numbered consecutively in the order of the loops.
+struct LoopLink {
+  Closure closure;
+  KernelFrame child, parent;  ///< the joint's frames in the kernel frames of its bodies; for the ground in the world
+  int first_row = 0, rows = 0;
+};
+
+/// A body between an end of a loop and the ground, with memory for the loop's rows there.
+struct LoopStop {
+  int body = -1, loop = -1;  ///< the loop by its place in the list
+  int first_column = 0;      ///< of the loop's rows, consecutive
+  int inboard = -1;          ///< the stop of the same loop at the parent; −1 at a root
+};
+
+}  // namespace momentree

@@ -1,0 +1,87 @@
+// Loop joints of a tree, and what follows from them and the present topology.
+#include <algorithm>
+
+#include <momentree/joint/motion.hpp>
+#include <momentree/tree/kernel_run.hpp>
+#include <momentree/tree/tree.hpp>
+
+namespace momentree {
+
+namespace {
+
+// A frame given in a body's user frame, in its kernel frame.
+KernelFrame in_kernel_frame(const KernelFrame& kernel, const Pose& at) {
+  return {transpose(kernel.R) * rotation_matrix(at.rotation), transpose_times(kernel.R, at.position - kernel.r)};
+}
+
+}  // namespace
+
+int Tree::add_loop(Loop loop) {
+  MT_REQUIRE(alive(loop.body) && (loop.to == ground.index || alive(loop.to)) && loop.body != loop.to,
+             "a loop joint joins two different bodies, or a body and the ground");
+  MT_REQUIRE(loop.joint.kind != Kind::free, "a loop joint constrains something");
+  loop.number = next_loop_++;
+  loops_.push_back(std::move(loop));
+  list_loops();
+  revision_.renew();
+  return loops_.back().number;
+}
+
+void Tree::remove_loop(int number) {
+  MT_REQUIRE(find_loop(number) != nullptr, "the loop joint is in the tree");
+  std::erase_if(loops_, [number](const Loop& loop) { return loop.number == number; });
+  list_loops();
+  revision_.renew();
+}
+
+void Tree::set_loop(int number, const Joint& joint, const JointParameters& parameters) {
+  const Loop* const found = find_loop(number);
+  MT_REQUIRE(found != nullptr, "the loop joint is in the tree");
+  Loop& loop = loops_[static_cast<std::size_t>(found - loops_.data())];
+  loop.joint = joint, loop.parameters = parameters;
+  list_loops();
+  revision_.renew();
+}
+
+const Loop* Tree::find_loop(int number) const {
+  for (const Loop& loop : loops_)
+    if (loop.number == number) return &loop;
+  return nullptr;
+}
+
+// Rows, frames and stops. Called whenever the order or a kernel frame changes.
+void Tree::list_loops() {
+  loop_links_.clear(), loop_stops_.clear();
+  loop_rows_ = loop_columns_ = 0;
+  std::erase_if(loops_, [this](const Loop& loop) { return !alive(loop.body) || (loop.to >= 0 && !alive(loop.to)); });
+  for (std::size_t i = 0; i < loops_.size(); ++i) {
+    const Loop& loop = loops_[i];
+    LoopLink link{closure_of(spec_of(loop.joint)), in_kernel_frame(frame(loop.body), loop.joint.child_at),
+                  in_kernel_frame(loop.to < 0 ? KernelFrame{} : frame(loop.to), loop.joint.at), loop_rows_, 0};
+    link.rows = link.closure.rows();
+    loop_rows_ += link.rows;
+    loop_links_.push_back(link);
+    const auto place = static_cast<int>(i);
+    for (int b = loop.body; b >= 0; b = parent_[at(b)]) loop_stops_.push_back({b, place, 0, -1});
+    const auto found = [&](int b) {
+      return std::any_of(loop_stops_.begin(), loop_stops_.end(), [&](const LoopStop& s) { return s.body == b && s.loop == place; });
+    };
+    for (int b = loop.to; b >= 0 && !found(b); b = parent_[at(b)]) loop_stops_.push_back({b, place, 0, -1});
+  }
+  std::sort(loop_stops_.begin(), loop_stops_.end(), [this](const LoopStop& a, const LoopStop& b) {
+    return a.body == b.body ? a.loop < b.loop : place_[at(a.body)] < place_[at(b.body)];
+  });
+  for (LoopStop& stop : loop_stops_) {
+    stop.first_column = loop_columns_;
+    loop_columns_ += loop_links_[at(stop.loop)].rows;
+    const int outer = parent_[at(stop.body)];
+    if (outer < 0) continue;
+    const auto inner = std::lower_bound(loop_stops_.begin(), loop_stops_.end(), outer, [this](const LoopStop& s, int b) {
+      return place_[at(s.body)] < place_[at(b)];
+    });
+    for (auto s = inner; s != loop_stops_.end() && s->body == outer; ++s)
+      if (s->loop == stop.loop) stop.inboard = static_cast<int>(s - loop_stops_.begin());
+  }
+}
+
+}  // namespace momentree
