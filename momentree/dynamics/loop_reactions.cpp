@@ -13,6 +13,20 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
+LoopImpulse loop_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
+  LoopImpulse found;
+  const LoopWorkspace& loops = *workspace.loops;
+  if (!loops.impulsive || loops.topology != tree.revision()) return found;
+  const LoopLink& link = tree.loop_links()[at(place)];
+  for (int i = 0; i < link.rows; ++i) {
+    const auto row = at(link.first_row + i);
+    found.force += loops.lambda[row] * loops.rows[row].F;
+    found.torque += loops.lambda[row] * loops.rows[row].T;
+  }
+  found.at = loops.places[at(place)].xb;
+  return found;
+}
+
 LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& workspace, int place) noexcept {
   const Loop& loop = tree.loops()[at(place)];
   const LoopLink& link = tree.loop_links()[at(place)];

@@ -243,6 +243,16 @@ void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace
   detail::factorise_loops(loops);
   detail::solve_chosen(loops, [&](std::size_t row) { return -loops.b[row] - (velocities ? 0.0 : loops.rows[row].drift); });
   detail::apply_multipliers(tree, q, workspace);
+  loops.impulsive = velocities;
+}
+
+void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& workspace, double* u) noexcept {
+  for (const int b : tree.order()) workspace.biases[at(b)] = {};
+  std::copy_n(u, tree.nv(), workspace.a.get());
+  reduce_accelerations<double, true>(tree, q, workspace);
+  solve_loops(tree, q, workspace, {}, LoopRows::choose, true);
+  resolve_accelerations<double, true>(tree, q, workspace, {});
+  std::copy_n(workspace.a.get(), tree.nv(), u);
 }
 
 void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace<double>& to) noexcept {

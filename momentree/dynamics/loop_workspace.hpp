@@ -44,6 +44,7 @@ struct LoopWorkspace {
   std::vector<double> b, lambda;    ///< by row
   std::vector<int> order;           ///< scratch of the pivoted factorisation
   int rank = 0;
+  bool impulsive = false;  ///< the multipliers are impulses
 };
 
 }  // namespace momentree

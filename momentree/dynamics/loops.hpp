@@ -37,6 +37,17 @@ void load_turns(const Tree& tree, const State& state, Workspace<double>& workspa
 void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace, const Motion<double>& base, LoopRows rows,
                  bool velocities = false) noexcept;
 
+/// The velocities that generalised impulses cause if the loops stay closed, in place: `u` holds the impulses, packed as p. Requires
+/// an evaluated state at q.
+void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& workspace, double* u) noexcept;
+
+/// The impulse through a loop joint on its declared child (N s, N m s) in the last change: about the origin `at` of the joint's
+/// child-side frame, world axes. Zero if that change was no impact.
+struct LoopImpulse {
+  Vec3 force{}, torque{}, at{};
+};
+LoopImpulse loop_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
+
 /// The chosen rows, for evaluations in another workspace. Does nothing without loops.
 void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace<double>& to) noexcept;
 

@@ -61,7 +61,7 @@ class Names {
 
   /// The kind of the joint at that time, as far as the file determines it; null otherwise.
   const KindInfo* kind_of(const std::string& joint, double time) const {
-    const KindInfo* kind = model_.has_joint(joint) ? &info(model_[model_.joint(joint)].joint.kind) : nullptr;
+    const KindInfo* kind = model_.has_joint(joint) ? &info(model_.joint_spec(model_.joint(joint)).kind) : nullptr;
     const auto found = became_.find(joint);
     if (found == became_.end()) return kind;
     for (const Became& each : found->second)
@@ -72,7 +72,7 @@ class Names {
  private:
   // The free joint of a separated part is named after its body.
   void broken(const std::string& joint, double time) {
-    if (!model_.has_joint(joint)) return;
+    if (!model_.has_joint(joint) || is_loop(model_.joint(joint))) return;
     const BodyId child = model_.child(model_.joint(joint));
     const std::string& body = model_[child].name;
     const std::string name = body == joint || !model_.has_joint(body) ? body : body + "~free";

@@ -19,6 +19,7 @@ void write_joint_frame(JsonWriter& json, const JointRecord& joint) {
   if (kind.axis) json.member("axis", joint.axis);
   if (kind.axis2) json.member("axis2", joint.axis2);
   if (kind.pitch) json.member("pitch", joint.pitch);
+  if (joint.loop) json.member("loop", true);
 }
 
 void write_locked(JsonWriter& json, unsigned locked, int nv) {

@@ -139,7 +139,7 @@ void set_unit(momentree::Quantity& quantity, const Value& value, Reading& readin
   auto* of_joint = dynamic_cast<quantities::SingleDof*>(&quantity);
   const Model& model = reading.scenario.model;
   if (of_joint == nullptr || !model.has_joint(of_joint->joint)) return;
-  const KindInfo& kind = info(model[model.joint(of_joint->joint)].joint.kind);
+  const KindInfo& kind = info(model.joint_spec(model.joint(of_joint->joint)).kind);
   of_joint->turns = kind.v_units[0] != 'm';
   if (kind.nq != 1 || kind.nv != 1)
     reading.out.error(value.place,
@@ -296,10 +296,10 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
     TriggerMatch match{name, found, found};
     if (bodies && model.has_body(found)) match.joint = model[model.body(found)].joint_name;
     if (!bodies && model.has_joint(found)) {
-      const BodySpec& joint = model[model.joint(found)];
-      if (of_one && (info(joint.joint.kind).nv != 1 || info(joint.joint.kind).nq != 1) && ++others) continue;
-      match.body = joint.name;
-      if (of_one && !fits_unit(when->value, *what, info(joint.joint.kind).v_units[0] == 'm')) {
+      const KindInfo& kind = info(model.joint_spec(model.joint(found)).kind);
+      if (of_one && (kind.nv != 1 || kind.nq != 1) && ++others) continue;
+      match.body = model[model.body_of(model.joint(found))].name;
+      if (of_one && !fits_unit(when->value, *what, kind.v_units[0] == 'm')) {
         of_other_unit.push_back(std::move(match));
         continue;
       }

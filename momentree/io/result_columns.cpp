@@ -80,7 +80,7 @@ std::vector<JointKinds> joints_of(const Simulation& simulation, const DryRun& dr
           widen(made, action.resulting_kind().value_or(Kind::free));
         if (action.effect() != JointEffect::removed) continue;
         for (const std::string& joint : action.joints()) {
-          if (!model.has_joint(joint)) continue;
+          if (!model.has_joint(joint) || is_loop(model.joint(joint))) continue;
           const std::string& body = model[model.joint(joint)].name;
           widen(body == joint || !model.has_joint(body) ? body : body + "~free", Kind::free);
         }
@@ -91,6 +91,12 @@ std::vector<JointKinds> joints_of(const Simulation& simulation, const DryRun& dr
     if (world.tree().carrier(j) < 0) continue;  // the joint was removed together with its body
     const std::string name(world.joint_name({j}));
     widen(name, world.tree().joint(world.tree().carrier(j)).kind);
+    joints.push_back(std::move(all[name]));
+    all.erase(name);
+  }
+  for (const JointId loop : world.loops()) {
+    const std::string name(world.joint_name(loop));
+    widen(name, world.joint(loop).kind);
     joints.push_back(std::move(all[name]));
     all.erase(name);
   }
@@ -134,10 +140,13 @@ void append_cells(std::string& text, std::span<const double> values, int width) 
 
 void JointColumns::row(std::string& text, const World& world) {
   const auto joints = static_cast<std::size_t>(world.tree().bodies());
-  group_of_joint_.resize(joints, groups_.size());
+  const std::span<const Loop> loops = world.tree().loops();
+  group_of_joint_.resize(joints + loops.size(), groups_.size());
   std::fill(joint_of_group_.begin(), joint_of_group_.end(), -1);
   for (std::size_t j = 0; j < joints; ++j)
     joint_of_group_[group_of(j, world.joint_name({static_cast<int>(j)}))] = static_cast<int>(j);
+  for (std::size_t j = 0; j < loops.size(); ++j)
+    joint_of_group_[group_of(joints + j, world.joint_name(loops[j].id()))] = loops[j].id().index;
   append_number(text, world.time());
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const JointKinds& group = groups_[g];

@@ -169,6 +169,7 @@ std::optional<DescribedJoint> JointReader::describe(const Value::Entry& entry, c
   d.joint.axis = spec.axis, d.joint.axis2 = spec.axis2, d.joint.pitch = spec.pitch;
   d.parameters = spec.parameters;
   d.reversed = fields.boolean("reversed").value_or(false);
+  d.loop = fields.boolean("loop").value_or(false);
   if (d.reversed && d.parent == ground && errors == out_.errors())
     out_.error(fields.place_of("reversed"), "reversed: a joint that is attached to the ground cannot be reversed");
   read_locks(fields, d);
@@ -191,7 +192,10 @@ void JointReader::read_start(Fields& fields, DescribedJoint& d) {
   const KindInfo& kind = info(d.joint.kind);
   d.q = read_values(fields, "q", kind.nq);
   d.v = read_values(fields, "v", kind.nv);
-  d.p = read_values(fields, "p", kind.nv);
+  if (d.loop)
+    fields.find("p");
+  else
+    d.p = read_values(fields, "p", kind.nv);
   const std::size_t first = std::string_view(kind.q_units).find('n');
   if (first != std::string_view::npos && !d.q.empty() && !make_unit(&d.q[static_cast<int>(first)], 4))
     out_.error(fields.place_of("q"), "q: the length of the quaternion is not 1");

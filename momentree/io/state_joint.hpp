@@ -15,7 +15,7 @@ struct DescribedJoint {
   Joint joint;
   JointParameters parameters;
   BodyId child, parent;
-  bool reversed = false;
+  bool reversed = false, loop = false;
   unsigned resting = 0;
   std::vector<ActiveLimit> active_limits;  ///< joint numbers are not yet set
   Values q, v, p;                          ///< empty if they are absent or null

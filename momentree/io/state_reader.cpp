@@ -24,7 +24,7 @@ class Reader {
   }
 
   std::optional<RestoredState> read(const Value& root) {
-    const std::vector<std::string> known{"time", "mechanisms", "joints", "bodies", "armed", "integration", "totals"};
+    const std::vector<std::string> known{"time", "mechanisms", "joints", "bodies", "armed", "integration", "loops", "totals"};
     const auto meant = [&known](const Value::Entry& entry) { return !nearest(entry.key, known).empty(); };
     const Value::Table* const table = root.table();
     if (!table || (!table->empty() && std::none_of(table->begin(), table->end(), meant))) {
@@ -77,6 +77,7 @@ class Reader {
       return out_.error(entry.place, "unknown joint " + in_quotes(name), hint);
     }
     const JointId number = model_.joint(name);
+    if (is_loop(number)) return;  // its coordinates follow from those of the tree
     const BodyId child = model_.child(number);
     if (!mechanism_.empty() && !in_mechanism(child)) return;
     const auto joint = joints_.describe(entry, &spec(child), child);
@@ -98,7 +99,8 @@ class Reader {
   void describe(const Value::Entry& entry) {
     const std::string& name = entry.key;
     require_name(name, entry.place, "a joint");
-    const BodyId declared = model_.has_joint(name) ? model_.child(model_.joint(name)) : ground;
+    const bool of_tree = model_.has_joint(name) && !is_loop(model_.joint(name));
+    const BodyId declared = of_tree ? model_.child(model_.joint(name)) : ground;
     BodyId child = declared;
     if (const Value::Entry* given = entry.value.find("child")) {
       const auto body = read_string(given->value, "child", out_);
@@ -108,7 +110,25 @@ class Reader {
     if (child == ground && entry.value.table())
       return out_.error(entry.place, "joint " + in_quotes(name) + ", which the model does not have, has no 'child'");
     auto joint = joints_.describe(entry, declared != ground && child == declared ? &spec(declared) : nullptr, child);
-    if (joint) described_.push_back(std::move(*joint));
+    if (joint && joint->loop)
+      add_loop(*joint);
+    else if (joint)
+      described_.push_back(std::move(*joint));
+  }
+
+  void add_loop(const DescribedJoint& joint) {
+    Forest::LoopJoint loop;
+    loop.name = joint.name();
+    loop.loop.body = joint.child.index, loop.loop.to = joint.parent.index;
+    loop.loop.joint = joint.joint, loop.loop.parameters = joint.parameters;
+    LoopSpec spec;
+    spec.name = loop.name, spec.body = joint.child, spec.to = joint.parent, spec.joint = spec_of(joint.joint);
+    spec.joint.parameters = joint.parameters;
+    for (const BodyProblem& problem : check_loop(spec, model_.size()))
+      out_.error(joint.entry->place, "loop joint " + in_quotes(loop.name) + ": " + problem.field + ": " + problem.what, problem.hint);
+    const std::size_t angle = std::string_view(info(joint.joint.kind).q_units).find('r');
+    if (angle != std::string_view::npos && !joint.q.empty()) loop.turn = joint.q[static_cast<int>(angle)];
+    result_.forest.loops.push_back(std::move(loop));
   }
 
   void read_integration(const Value& value) {
@@ -180,7 +200,8 @@ class Reader {
     std::vector<char> taken(model_.bodies().size(), 0);
     std::vector<int> numbers;
     for (const DescribedJoint& joint : described_) {
-      const BodyId same = model_.has_joint(joint.name()) ? model_.child(model_.joint(joint.name())) : ground;
+      const bool of_tree = model_.has_joint(joint.name()) && !is_loop(model_.joint(joint.name()));
+      const BodyId same = of_tree ? model_.child(model_.joint(joint.name())) : ground;
       const bool ours = same != ground && same == joint.child && spec(same).parent == joint.parent;
       numbers.push_back(ours ? same.index : -1);
       if (ours) taken[static_cast<std::size_t>(same.index)] = 1;

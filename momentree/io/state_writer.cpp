@@ -37,7 +37,6 @@ void write_resting(JsonWriter& json, const World& world, int number, const Joint
 void write_joint(JsonWriter& json, const World& world, int number) {
   const JointView joint = world.joint({number});
   json.key(joint.name).begin_object();
-  if (joint.loop) json.member("loop", true);
   write_joint_frame(json, joint_record(world, {number}));
   write_locked(json, joint.locked, info(joint.kind).nv);
   json.member("reversed", joint.reversed);

@@ -59,6 +59,8 @@ std::optional<Error> unknown_name(const World& world, const EventQueue& queue, c
   const auto unknown = [&model](const char* what, const std::string& name, std::string BodySpec::*names) {
     std::vector<std::string> known;
     for (const BodySpec& body : model.bodies()) known.push_back(body.*names);
+    if (names == &BodySpec::joint_name)
+      for (const LoopSpec& loop : model.loops()) known.push_back(loop.name);
     return Error{"there is no " + std::string(what) + " '" + name + "'", "", did_you_mean(name, known)};
   };
   for (const std::string& body : bodies)
@@ -97,7 +99,7 @@ void check_quantity(const World& world, const EventQueue& queue, const Quantity&
   for (const std::string& name : what.joints()) {
     const int number = world.find_joint(name);
     if (number < 0 || has_single_dof(world.joint({number}).kind)) continue;
-    if (model.has_joint(name) && has_single_dof(model[model.joint(name)].joint.kind)) continue;
+    if (model.has_joint(name) && has_single_dof(model.joint_spec(model.joint(name)).kind)) continue;
     const auto changes = [&name](const EventQueue::Entry& e) {
       return std::any_of(e.event.actions.begin(), e.event.actions.end(), [&name](const Action& a) {
         const std::vector<std::string> joints = a->joints();

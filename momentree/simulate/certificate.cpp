@@ -55,6 +55,29 @@ void TopologyEditor::book_impulses(const Impulse* applied) {
       S.h -= transpose_times(R, applied->torque + cross(point - pose.position, applied->force));
     }
   }
+  // So are the impulses of loops, which are booked as those of their joints.
+  for (std::size_t i = 0; i < loop_impulses_now_.size(); ++i) {
+    const Loop& loop = tree().loops()[i];
+    const LoopImpulse& given = loop_impulses_now_[i];
+    const auto in_frame = [&](int b) {
+      const Pose pose = pose_of(b);
+      const Mat3 R = rotation_matrix(pose.rotation);
+      return Force<double>{transpose_times(R, given.force), transpose_times(R, given.torque + cross(given.at - pose.position, given.force))};
+    };
+    for (int a = loop.body; a >= 0; a = tree().parent(a)) {
+      const Force<double> W = in_frame(a);
+      Force<double>& S = before_[static_cast<std::size_t>(a)];
+      S.l -= W.l, S.h -= W.h;
+    }
+    for (int a = loop.to; a >= 0; a = tree().parent(a)) before_[static_cast<std::size_t>(a)] += in_frame(a);
+    const Force<double> on_child = in_frame(loop.body);
+    if (size(on_child) == 0) continue;
+    loop_impulses_[event_][joint_name(loop.id().index)] += on_child;
+    if (loop.to >= 0) continue;
+    const Force<double> W = outward(pose_of(loop.body), on_child);
+    const double w[6] = {W.l.x, W.l.y, W.l.z, W.h.x, W.h.y, W.h.z};
+    for (std::size_t k = 0; k < 6; ++k) event_->ground_impulse[k] += w[k];
+  }
   for (const int b : tree().order()) largest = std::max(largest, size(before_[static_cast<std::size_t>(b)]));
   for (const int b : tree().order()) {
     const Force<double>& S = before_[static_cast<std::size_t>(b)];
@@ -80,19 +103,21 @@ void TopologyEditor::certify(Event& event) {
   for (const int joint : touched_[&event]) {
     std::string& name = names_at_start_[joint];  // empty: another event at this instant has reported it
     if (!name.empty() && world_.find_joint(name) < 0) event.topology.gone.push_back(std::exchange(name, {}));
-    if (tree().carrier(joint) >= 0) event.topology.joints.push_back(joint_record(world_, {joint}));
+    const bool exists = is_loop({joint}) ? tree().find_loop(joint - first_loop) != nullptr : tree().carrier(joint) >= 0;
+    if (exists) event.topology.joints.push_back(joint_record(world_, {joint}));
   }
-  const auto found = impulses_.find(&event);
-  if (found == impulses_.end()) return;
-  for (std::size_t j = 0; j < found->second.size(); ++j) {
-    const Force<double>& S = found->second[j];
+  const auto add = [&event](const std::string& name, const Force<double>& S) {
     const double linear = norm(S.l), angular = norm(S.h);
-    if (linear == 0 && angular == 0) continue;
-    event.impulse.push_back({joint_name(static_cast<int>(j)), {S.l.x, S.l.y, S.l.z, S.h.x, S.h.y, S.h.z}});
+    if (linear == 0 && angular == 0) return;
+    event.impulse.push_back({name, {S.l.x, S.l.y, S.l.z, S.h.x, S.h.y, S.h.z}});
     if (event.hardest_joint.empty() || linear > event.hardest_linear ||
         (linear == event.hardest_linear && angular > event.hardest_angular))
-      event.hardest_joint = joint_name(static_cast<int>(j)), event.hardest_linear = linear, event.hardest_angular = angular;
-  }
+      event.hardest_joint = name, event.hardest_linear = linear, event.hardest_angular = angular;
+  };
+  if (const auto found = impulses_.find(&event); found != impulses_.end())
+    for (std::size_t j = 0; j < found->second.size(); ++j) add(joint_name(static_cast<int>(j)), found->second[j]);
+  if (const auto found = loop_impulses_.find(&event); found != loop_impulses_.end())
+    for (const auto& [name, S] : found->second) add(name, S);
 }
 
 }  // namespace momentree

@@ -10,6 +10,7 @@ DryRun Simulation::Impl::dry_run() {
   std::set<std::pair<std::string, Kind>> joints;
   const auto look_at_joints = [&, &tree = world.tree_] {
     for (const int b : tree.order()) joints.emplace(world.names_.joint(tree.joint_of(b)), tree.joint(b).kind);
+    for (const Loop& loop : tree.loops()) joints.emplace(world.names_.joint(loop.id().index), loop.joint.kind);
   };
   look_at_joints();
   // Events with known instants come first, in their order; the others follow one by one, and their order is not known.

@@ -34,6 +34,7 @@ struct JointRecord {
   Vec3 axis{}, axis2{};
   double pitch = 0;
   unsigned locked = 0;  ///< one bit per locked DoF
+  bool loop = false;    ///< it closes a loop
 };
 
 /// How an event changed the topology: all that a reader needs to follow it without implementing the actions.

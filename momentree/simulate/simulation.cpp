@@ -184,7 +184,9 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   event.work = event.after.kinetic + event.after.potential - event.before.kinetic - event.before.potential;
   event.actions = {{what, body, {}, body, {}, {}}};
   for (std::size_t i = 0; i < joints.size(); ++i)
-    if (world.tree().carrier(joints[i].index) < 0) event.topology.gone.push_back(std::move(names[i]));
+    if (is_loop(joints[i]) ? world.tree().find_loop(joints[i].index - first_loop) == nullptr
+                           : world.tree().carrier(joints[i].index) < 0)
+      event.topology.gone.push_back(std::move(names[i]));
   if (world.tree().bodies() > members.bodies()) event.topology.joints.push_back(joint_record(world, {world.tree().bodies() - 1}));
   event.topology.moved = members.moved(Membership(world));
   balance.work += event.work;
@@ -274,6 +276,9 @@ int Simulation::Impl::to_drive(std::string_view joint, bool function) const {
     world.model().joint(joint);  // throws if it never existed
     throw_error({"the joint '" + std::string(joint) + "' no longer exists", "", ""});
   }
+  if (is_loop({number}))
+    throw_error({"the joint '" + std::string(joint) + "' closes a loop, where functions can't drive it", "",
+                 "let another joint of the loop be the one that closes it"});
   const JointView view = world.joint({number});
   if (view.v.empty()) throw_error({"the joint '" + std::string(joint) + "' has no degree of freedom to drive", "", ""});
   const JointDrive* drive = view.parameters != nullptr ? view.parameters->drive.get() : nullptr;

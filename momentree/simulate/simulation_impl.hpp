@@ -45,6 +45,7 @@ struct Simulation::Impl {
         evaluate(world.tree_, world.workspace_),
         method(new_method()),
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
+    world.loops_allowed_ = takes_velocities(integration.method) && integration.variables != Variables::momenta;
     begin();
   }
 

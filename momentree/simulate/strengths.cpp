@@ -18,7 +18,9 @@ struct Load : Quantity {
   Dimension dimension() const override { return strength.torque ? dimension::torque : dimension::force; }
   bool is_load() const override { return true; }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
-    if (world.tree().carrier(strength.joint) < 0) return std::nullopt;
+    const bool exists = is_loop({strength.joint}) ? world.tree().find_loop(strength.joint - first_loop) != nullptr
+                                                  : world.tree().carrier(strength.joint) >= 0;
+    if (!exists) return std::nullopt;
     const Wrench wrench = world.reaction({strength.joint});
     return norm(strength.torque ? wrench.torque : wrench.force);
   }
@@ -33,6 +35,11 @@ std::vector<Strength> strengths(const World& world) {
     const JointStrength& s = tree.parameters(b)->strength;
     if (std::isfinite(s.force)) all.push_back({tree.joint_of(b), false, s.force});
     if (std::isfinite(s.torque)) all.push_back({tree.joint_of(b), true, s.torque});
+  }
+  for (const Loop& loop : tree.loops()) {
+    const JointStrength& s = loop.parameters.strength;
+    if (std::isfinite(s.force)) all.push_back({loop.id().index, false, s.force});
+    if (std::isfinite(s.torque)) all.push_back({loop.id().index, true, s.torque});
   }
   return all;
 }

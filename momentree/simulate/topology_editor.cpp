@@ -1,6 +1,5 @@
-#include <momentree/simulate/topology_editor.hpp>
+#include <momentree/simulate/topology_editor_impl.hpp>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 
@@ -61,42 +60,6 @@ std::vector<Motion<double>> TopologyEditor::dofs(const Joint& joint, const Value
   return all;
 }
 
-template <class Change>
-void TopologyEditor::carry_out(const Change& change, Nature nature) {
-  evaluate();
-  const Totals before = world_.totals();
-  if constexpr (std::is_same_v<Change, ChangeJoint>) {
-    if (!std::isfinite(before.kinetic))
-      throw_error({"joint '" + joint_name(change.joint.index) + "' can't change: the kinetic energy is not finite", "",
-                   "are the velocities and momenta in SI units?"});
-  }
-  if (nature != Nature::workless) remember_momenta();
-  const auto start = std::chrono::steady_clock::now();
-  Released released;
-  if constexpr (std::is_same_v<Change, Impact>)
-    apply(change, world_.tree_, world_.state_, world_.workspace_);
-  else
-    released = apply(change, world_.tree_, world_.state_, world_.workspace_);
-  const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  seconds += taken;
-  ++changes;
-  event_->duration_ns += taken * 1e9;
-  event_->released += released.energy;
-  if (nature == Nature::workless) return;
-  evaluate();
-  const Totals after = world_.totals();
-  const double gone = before.kinetic + before.potential - after.kinetic - after.potential - released.energy;
-  const double driven = nature == Nature::impact ? work_of_motions() : -gone;
-  event_->work += driven;
-  if (nature == Nature::impact) event_->lost += gone + driven;
-  if (nature == Nature::outside) brought += after.kinetic - before.kinetic;
-  if constexpr (std::is_same_v<Change, Impulse>) {
-    book_impulses(&change);
-  } else {
-    book_impulses(nullptr);
-  }
-}
-
 // Work done by prescribed motions in the last impact to keep their velocity: impulse along the DoF times its velocity. Pb before
 // the impact is in before_.
 double TopologyEditor::work_of_motions() {
@@ -116,6 +79,7 @@ double TopologyEditor::work_of_motions() {
 // the joint that broke: none of them may act on the free part instead.
 int TopologyEditor::joint(std::string_view name) const {
   const int found = world_.names_.find_joint(name);
+  if (is_loop({found})) return -1;
   if (found < 0 || loosened.contains(found)) return found;
   const int b = tree().carrier(found);
   const Joint& now = tree().joint(b);
@@ -126,7 +90,7 @@ int TopologyEditor::joint(std::string_view name) const {
   };
   if (now.kind != Kind::free || tree().parent(b) >= 0 || moved(now.at) || moved(now.child_at)) return found;
   const Model& model = world_.model();
-  const bool broke = model.has_joint(name) && model[model.joint(name)].joint.kind != Kind::free;
+  const bool broke = model.has_joint(name) && model.joint_spec(model.joint(name)).kind != Kind::free;
   return broke ? -1 : found;
 }
 
@@ -143,6 +107,7 @@ void TopologyEditor::break_off(int joint) {
   const std::string& body = world_.model_[BodyId{b}].name;
   world_.names_.name_joint(joint, world_.names_.free_joint(body, joint));
   if (!was_root) world_.names_.name_mechanism(b, body);
+  if (tree().has_loops()) hold_by_loop(b);
 }
 
 void TopologyEditor::unlock(int joint, unsigned dofs) {
@@ -226,20 +191,11 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
       return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' are already joined by joint '" +
                                        joint_name(tree().joint_of(below ? body : to)) + "'",
                                    "lock that joint, or change its kind");
-    return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' both belong to mechanism '" +
-                                     mechanism_of(body) + "': that would close a loop",
-                                 "loops are not supported: break a joint between them first");
+    return close_loop(body, to, spec, at);
   }
-  const auto held_by = [this](int b) { return joint_name(tree().joint_of(root_of(tree(), {b}).index)); };
   const bool floats_here = drifts(body), floats_there = to >= 0 && drifts(to);
-  if (!floats_here && !floats_there) {
-    const std::string one = "mechanism '" + mechanism_of(body) + "' is attached to the ground by joint '" + held_by(body) + "'";
-    if (to < 0)
-      return ActionResult::refused(one + ": a second joint to the ground would close a loop", "break one of them first");
-    return ActionResult::refused(one + ", and '" + mechanism_of(to) + "' by joint '" + held_by(to) + "': that would close a loop",
-                                 "break one of them first");
-  }
-  if (joint(made_name_) >= 0)
+  if (!floats_here && !floats_there) return close_loop(body, to, spec, at);
+  if (world_.find_joint(made_name_) >= 0)
     return ActionResult::refused("there is already a joint '" + made_name_ + "'", "give the event another name");
 
   const int carrier = floats_here ? body : to, other = floats_here ? to : body;

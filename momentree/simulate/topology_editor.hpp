@@ -39,6 +39,13 @@ class TopologyEditor {
   const Tree& tree() const { return world_.tree_; }
   /// Number of the joint that has that name now; −1: there is none.
   int joint(std::string_view name) const;
+  /// The result of an action on a joint that joint() does not find: it no longer exists, or it closes a loop, where the action is not
+  /// supported.
+  ActionResult missing(std::string_view joint) const;
+  /// The loop joint that has that name now; index −1: there is none.
+  JointId loop(std::string_view name) const;
+  /// The parameters of the joint of that name, in the tree or closing a loop; null: there are none.
+  const JointParameters* parameters(std::string_view name) const;
   /// Number of a body of this world; −1: the ground; −2: there is none.
   int body(std::string_view name) const;
   const std::string& joint_name(int number) const { return world_.names_.joint(number); }
@@ -55,7 +62,10 @@ class TopologyEditor {
   std::vector<Motion<double>> dofs(const Joint& joint, const Values& q) const;
 
   // Changes of no velocity: energy is removed only with springs and armatures.
+  /// If a loop still holds the part that comes off, the loop's joint takes the place of this one in the tree.
   void break_off(int joint);
+  void break_loop(JointId loop);
+  void set_loop(JointId loop, const JointParameters& parameters);
   void unlock(int joint, unsigned dofs);
   void loosen(int joint, const JointPlan& plan);
   void reroot(int body);
@@ -63,7 +73,7 @@ class TopologyEditor {
   void lock(int joint, unsigned dofs);
   void become(int joint, const JointPlan& plan);
   /// Joins `body` to `to` (−1: the ground) by a joint at `at` in `to`'s frame, with the present pose as its zero; a floating
-  /// mechanism is re-rooted if necessary. Refused if this would close a loop.
+  /// mechanism is re-rooted if necessary. Within a mechanism, or between grounded ones, the joint closes a loop.
   ActionResult attach(int body, int to, const JointSpec& joint, const std::optional<Pose>& at);
   /// A stop of the joint makes the DoF rebound; locks it; releases it.
   void apply_restitution(int joint, int dof, double restitution);
@@ -90,6 +100,8 @@ class TopologyEditor {
 
  private:
   bool drifts(int body) const;
+  ActionResult close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at);
+  void hold_by_loop(int body);
   enum class Nature { workless, impact, outside };
   template <class Change>
   void carry_out(const Change& change, Nature nature);
@@ -107,6 +119,8 @@ class TopologyEditor {
   std::string made_name_;
   std::vector<Force<double>> before_;                            // Pb by body, user frames
   std::map<const Event*, std::vector<Force<double>>> impulses_;  // by joint number, declared child's frame
+  std::map<const Event*, std::map<std::string, Force<double>>> loop_impulses_;  // by the name of the loop joint
+  std::vector<LoopImpulse> loop_impulses_now_;                   // of the last change, by loop
   std::map<const Event*, std::set<int>> touched_;                // numbers of joints that the event makes or changes
   std::map<int, std::string> names_at_start_;                    // of these joints, before the first of all events
 };

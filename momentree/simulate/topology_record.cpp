@@ -8,13 +8,15 @@ JointRecord joint_record(const World& world, JointId joint) {
   const JointView view = world.joint(joint);
   const auto name = [&world](BodyId body) { return body == ground ? "ground" : world.model()[body].name; };
   return {std::string(view.name), view.kind, name(view.parent), name(view.child), view.at,
-          view.child_at,          view.axis, view.axis2,        view.pitch,       view.locked & ~view.resting};
+          view.child_at,          view.axis, view.axis2,        view.pitch,       view.locked & ~view.resting,
+          view.loop};
 }
 
 std::vector<JointId> present_joints(const World& world) {
   std::vector<JointId> all;
   for (int j = 0; j < world.tree().bodies(); ++j)
     if (world.tree().carrier(j) >= 0) all.push_back({j});
+  for (const JointId loop : world.loops()) all.push_back(loop);
   return all;
 }
 

@@ -48,6 +48,13 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   motions_of_ = accelerations_of_ = {};
 
   put_values(time, forest, joints, state);
+  if (!forest.loops.empty()) {
+    std::vector<double> turns;
+    for (const Loop& loop : tree_.loops())
+      for (const Forest::LoopJoint& each : forest.loops)
+        if (each.name == names_.joint(loop.id().index)) turns.push_back(each.turn);
+    state.set_turns(turns);
+  }
   if (tree_.has_loops())
     if (std::optional<Error> error = assemble(tree_, model_, names_, state)) throw_error(std::move(*error));
   state_ = std::move(state);
@@ -125,6 +132,16 @@ void World::put_together(const Forest& forest) {
     topology.changed.push_back({c.joint, joint});
     names_.name_joint(c.joint, c.name);
   }
+  topology.loops.clear();
+  for (const LoopSpec& loop : model_.loops()) names_.remove_joint(model_.joint(loop.name).index);
+  for (const Forest::LoopJoint& each : forest.loops) {
+    Loop loop = each.loop;  // a loop of the model keeps its number
+    const bool declared = model_.has_joint(each.name) && is_loop(model_.joint(each.name));
+    loop.number = (declared ? model_.joint(each.name).index : names_.loops_end()) - first_loop;
+    names_.add_loop(loop.id().index, each.name);
+    topology.loops.push_back(std::move(loop));
+  }
+  std::sort(topology.loops.begin(), topology.loops.end(), [](const Loop& a, const Loop& b) { return a.number < b.number; });
   tree_.restore(topology);
   for (int b = 0; b < model_.size(); ++b) names_.name_mechanism(b, {});
   for (const auto& [root, name] : forest.mechanisms) names_.name_mechanism(root, name);
@@ -244,6 +261,8 @@ WorldSnapshot World::snapshot() const {
     if (names_.joint(k) != declared_.joint(k)) all.joint_names.emplace_back(k, names_.joint(k));
     if (names_.mechanism(k) != declared_.mechanism(k)) all.mechanism_names.emplace_back(k, names_.mechanism(k));
   }
+  for (int k = first_loop; k < names_.loops_end(); ++k)
+    if (k >= declared_.loops_end() || names_.joint(k) != declared_.joint(k)) all.joint_names.emplace_back(k, names_.joint(k));
   return all;
 }
 
@@ -257,7 +276,8 @@ void World::restore(const WorldSnapshot& snapshot) {
   }
   names_ = declared_;
   active_limits_ = snapshot.active_limits;
-  for (const auto& [number, name] : snapshot.joint_names) names_.name_joint(number, name);
+  for (const auto& [number, name] : snapshot.joint_names)
+    number >= first_loop ? names_.add_loop(number, name) : names_.name_joint(number, name);
   for (const auto& [root, name] : snapshot.mechanism_names) names_.name_mechanism(root, name);
 }
 

@@ -86,6 +86,13 @@ struct Forest {
   std::vector<Changed> changed;                         ///< in the order of numbers
   std::vector<std::pair<int, std::string>> mechanisms;  ///< by root
   std::vector<ActiveLimit> active_limits;
+  /// All loop joints, with their names and angles; their own numbers are unused.
+  struct LoopJoint {
+    std::string name;
+    Loop loop;
+    double turn = 0;
+  };
+  std::vector<LoopJoint> loops;
 };
 
 /// The state of one joint in a state document: empty lists keep the start value. If p is given, it is used instead of v; in a
@@ -207,6 +214,7 @@ class World {
 
   Model model_;
   Variables variables_ = Variables::momenta;
+  bool loops_allowed_ = true;  // a run in momenta, as asked for or because its method requires it, has no loops
   int first_bodies_ = 0;    // number of bodies that the world was made with
   Names declared_, names_;  // as in the model, and now
   std::vector<ActiveLimit> active_limits_;

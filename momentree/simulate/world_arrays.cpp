@@ -6,6 +6,7 @@
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
+#include <momentree/simulate/assembly.hpp>
 #include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/world.hpp>
 #include <momentree/tree/packed.hpp>
@@ -105,6 +106,8 @@ void World::set_values(double time, std::span<const double> q, std::span<const d
   clear_locked(tree_, rates.data());
   follow_motions(tree_, time, coordinates.data(), rates.data());
   assign(time, coordinates, rates, given);
+  if (tree_.has_loops())
+    if (std::optional<Error> error = assemble(tree_, model_, names_, state_)) throw_error(std::move(*error));
 }
 
 // Sets a state in velocities, or one in momenta from momenta.

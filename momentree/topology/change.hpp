@@ -92,6 +92,23 @@ struct SetParameters {
   JointParameters parameters;
 };
 
+/// Adds a loop joint between two bodies, or a body and the ground, whose frames are closed in the present pose: a plastic impact in
+/// the directions that it blocks. `turn`: its present angle, if it has one. A state in momenta continues in velocities. May allocate.
+struct MakeLoop {
+  Loop loop;
+  double turn = 0;
+};
+/// Removes a loop joint: no velocity changes. `keeps_energy`: its spring takes part in a joint that replaces it.
+struct BreakLoop {
+  JointId joint;
+  bool keeps_energy = false;
+};
+/// Sets new parameters of a loop joint; velocities are kept.
+struct SetLoop {
+  JointId joint;
+  JointParameters parameters;
+};
+
 /// Removes `body` and all outboard ones from the world: a whole floating mechanism with `body` as its root (break it off first if
 /// it is attached). The others are not affected. Body numbers are not used again: `Tree::alive` is then false, and any other use
 /// stops the program.
@@ -121,6 +138,9 @@ Released apply(const Join& change, Tree& tree, State& state, Workspace<double>& 
 Released apply(const Attach& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const Impulse& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+JointId apply(const MakeLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const BreakLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const SetLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 /// Returns the impulse on the DoF (N s, or N m s). The topology does not change.
 double apply(const Impact& change, const Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;

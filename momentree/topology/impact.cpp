@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/topology/change.hpp>
 
 namespace momentree {
@@ -19,7 +20,10 @@ double apply(const Impact& change, const Tree& tree, State& state, Workspace<dou
     double* const y = workspace.impulse.get();
     std::fill_n(y, tree.nv(), 0.0);
     y[i] = 1;
-    solve_with_factors<double>(tree, state.q().data(), workspace, y);
+    if (tree.has_loops())
+      solve_with_loops(tree, state.q().data(), workspace, y);
+    else
+      solve_with_factors<double>(tree, state.q().data(), workspace, y);
     const double impulse = -(1 + change.restitution) * u / y[i];
     const State::Edit edit = state.edit();
     for (std::size_t k = 0; k < edit.u.size(); ++k) edit.u[k] += impulse * y[k];

@@ -11,6 +11,7 @@ Snapshot take_snapshot(const Tree& tree, const State& state) {
           state.time(),
           {state.q().begin(), state.q().end()},
           {state.y().begin(), state.y().end()},
+          state.turns(),
           state.variables()};
 }
 
@@ -19,6 +20,7 @@ void restore(const Snapshot& snapshot, Tree& tree, State& state) {
   MT_REQUIRE(static_cast<int>(snapshot.q.size()) == tree.nq() && static_cast<int>(snapshot.y.size()) == tree.nv(),
              "the coordinates and momenta or velocities are of this topology");
   state.assign(snapshot.time, snapshot.q, snapshot.y, tree);
+  state.set_turns(snapshot.turns);
   if (state.variables() != snapshot.variables) state.change_variables(snapshot.variables, snapshot.y);
 }
 

@@ -24,8 +24,12 @@ void settle_velocities(const Tree& tree, State& state, Workspace<double>& worksp
   double* const u = workspace.impulse.get();
   std::copy_n(state.u().data(), tree.nv(), u);
   project_velocities(tree, state.q().data(), u, workspace);
-  const int root = root_of(tree, {b}).index;
   const State::Edit edit = state.edit();
+  if (tree.has_loops()) {  // which may join several trees
+    std::copy_n(u, tree.nv(), edit.u.data());
+    return;
+  }
+  const int root = root_of(tree, {b}).index;
   for (const int x : tree.order()) {  // inboard before outboard
     const auto i = static_cast<std::size_t>(x);
     const int outer = tree.parent(x);

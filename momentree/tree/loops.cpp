@@ -20,7 +20,9 @@ int Tree::add_loop(Loop loop) {
   MT_REQUIRE(alive(loop.body) && (loop.to == ground.index || alive(loop.to)) && loop.body != loop.to,
              "a loop joint joins two different bodies, or a body and the ground");
   MT_REQUIRE(loop.joint.kind != Kind::free, "a loop joint constrains something");
-  loop.number = next_loop_++;
+  if (loop.number < 0) loop.number = next_loop_;
+  MT_REQUIRE(find_loop(loop.number) == nullptr, "a number that no loop joint has");
+  next_loop_ = std::max(next_loop_, loop.number + 1);
   loops_.push_back(std::move(loop));
   list_loops();
   revision_.renew();

@@ -107,6 +107,18 @@ class Model {
     return (*this)[child(joint)];
   }
 
+  /// The joint of that number, in the tree or closing a loop.
+  const JointSpec& joint_spec(JointId joint) const {
+    return is_loop(joint) ? loop(joint).joint : (*this)[child(joint)].joint;
+  }
+  const LoopSpec& loop(JointId joint) const {
+    const int place = joint.index - first_loop;
+    MT_REQUIRE(place >= 0 && place < static_cast<int>(loops_.size()), "a loop joint of this model, as add_loop() returned it");
+    return loops_[static_cast<std::size_t>(place)];
+  }
+  /// The child of a joint, in the tree or closing a loop.
+  BodyId body_of(JointId joint) const { return is_loop(joint) ? loop(joint).body : child(joint); }
+
   /// The body or joint of that name; throws Error with a suggestion.
   BodyId body(std::string_view name) const;
   JointId joint(std::string_view name) const;

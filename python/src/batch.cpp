@@ -185,7 +185,7 @@ nb::object layout(BatchObject& self, int world, const std::string& joint) {
 
 nb::tuple start_layout(BatchObject& self, const std::string& joint) {
   const Model& model = self.start.model();
-  const KindInfo& kind = info(model[model.joint(joint)].joint.kind);
+  const KindInfo& kind = info(model.joint_spec(model.joint(joint)).kind);
   return nb::make_tuple(kind.name, kind.nq, kind.nv);
 }
 

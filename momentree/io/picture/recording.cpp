@@ -60,6 +60,7 @@ int find(const Numbers& numbers, const Value& name) {
 void read_joints(const Value::Table& joints, const Numbers& numbers, Recording& run, Diagnostics& out) {
   for (const Value::Entry& entry : joints) {
     Record joint(entry.value, "joint", out);
+    if (joint.find("loop") != nullptr) continue;  // in addition to the body's inboard joint
     const int child = find(numbers, joint["child"]);
     if (child < 0) continue;  // bodies.csv may have fewer bodies than the world
     RecordedBody& body = run.bodies[static_cast<std::size_t>(child)];

@@ -51,7 +51,7 @@ double angle_hint(const KindInfo& kind, const Values& q) {
 
 ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
   const int number = editor.joint(name);
-  if (number < 0) return ActionResult::skipped("the joint no longer exists");
+  if (number < 0) return editor.missing(name);
   const Joint old = editor.declared(number);
   const Values q = editor.coordinates(number);
   const KindInfo &before = info(old.kind), &now = info(to.spec.kind);
