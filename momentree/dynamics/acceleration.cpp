@@ -1,6 +1,8 @@
 #include <momentree/dynamics/evaluate.hpp>
 
 #include <momentree/dynamics/body_forces.hpp>
+#include <momentree/dynamics/loop_workspace.hpp>
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -25,6 +27,7 @@ Wrench on_declared_child(const Tree& tree, const State& state, const Workspace<d
 
 void accelerate(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
   forward_dynamics(tree, state, workspace);
+  if (tree.has_loops() && !workspace.loops->least) find_least_reactions(tree, workspace);
   if (workspace.accelerated == state.stamp()) return;
   joint_forces(tree, state.time(), state.q().data(), workspace, workspace.a.get());
   clear_other_loads(tree, workspace);

@@ -68,78 +68,140 @@ bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int plac
 
 namespace {
 
-// The null space of the rows, one vector after the other, in lambda: multipliers that move nothing. Calls f() for each.
-template <class F>
-void each_null_vector(LoopWorkspace& loops, const F& f) {
-  const std::size_t m = loops.rows.size();
-  std::vector<double> kept = loops.lambda;
-  for (std::size_t row = 0; row < m; ++row) {
-    if (std::binary_search(loops.chosen.begin(), loops.chosen.end(), static_cast<int>(row))) continue;
-    // Jᵀ of the dropped row is a combination of those of the chosen ones.
-    detail::solve_chosen(loops, [&](std::size_t i) {
-      return -(i >= row ? loops.A[i * m + row] : loops.A[row * m + i]);
-    });
-    loops.lambda[row] = 1;
-    f();
-  }
-  loops.lambda = kept;
-}
+constexpr double undetermined_above = 1e-7;  // of the wrench that a unit null vector causes in a joint
 
-// Sum of the rows' wrenches on a loop's child, per unit of size.
-double wrench_size(const LoopWorkspace& loops, const LoopLink& link, double size) {
+// A wrench in world axes, about the world's origin or about a point.
+struct WorldWrench {
   Vec3 F{}, T{};
+  void add(double x, const WorldWrench& w) { F += x * w.F, T += x * w.T; }
+  WorldWrench about(const Vec3& x) const { return {F, T - cross(x, F)}; }
+};
+double product(const WorldWrench& a, const WorldWrench& b, double size) { return dot(a.F, b.F) + dot(a.T, b.T) / (size * size); }
+
+// The wrenches of multipliers λ (by row) on the child of each loop, about the world's origin.
+WorldWrench loop_wrench(const Tree& tree, const LoopWorkspace& loops, std::size_t loop, const double* lambda) {
+  WorldWrench sum;
+  const LoopLink& link = tree.loop_links()[loop];
   for (int i = 0; i < link.rows; ++i) {
     const auto row = at(link.first_row + i);
-    F += loops.lambda[row] * loops.rows[row].F;
-    T += loops.lambda[row] * loops.rows[row].T;
+    sum.F += lambda[row] * loops.rows[row].F;
+    sum.T += lambda[row] * (loops.rows[row].T + cross(loops.places[loop].xb, loops.rows[row].F));
   }
-  return norm(F) + norm(T) / std::max(size, 1e-300);
+  return sum;
 }
 
-constexpr double undetermined_above = 1e-7;
+// What multipliers add to the wrench of each joint on its child: of the inboard joints of bodies at stops, then of the loops. A
+// joint of the tree carries the opposite of what the loops exert on the bodies outboard.
+void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* lambda, std::vector<WorldWrench>& by_body,
+                    std::vector<WorldWrench>& by_loop) {
+  by_body.assign(at(tree.bodies()), {});
+  by_loop.assign(tree.loops().size(), {});
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    by_loop[i] = loop_wrench(tree, loops, i, lambda);
+    by_body[at(tree.loops()[i].body)].add(-1, by_loop[i]);
+    if (tree.loops()[i].to >= 0) by_body[at(tree.loops()[i].to)].add(1, by_loop[i]);
+  }
+  const auto stops = tree.loop_stops();
+  for (std::size_t s = stops.size(); s-- > 0;) {
+    if (s > 0 && stops[s - 1].body == stops[s].body) continue;  // once per body
+    if (const int outer = tree.parent(stops[s].body); outer >= 0) by_body[at(outer)].add(1, by_body[at(stops[s].body)]);
+  }
+}
 
 }  // namespace
 
-bool loop_determined(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
+// Rows that were not chosen are combinations of the chosen ones: each gives a vector of multipliers that moves nothing, but shifts
+// reactions from joint to joint. Of all possible reactions the least ones are reported, in the norm Σ |force|² + |torque / size|²
+// over all joints, which depends neither on the tree nor on the chosen rows.
+void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
   LoopWorkspace& loops = *workspace.loops;
-  if (loops.rank == tree.loop_rows()) return true;
-  bool determined = true;
-  each_null_vector(loops, [&] {
-    const double size = loops.places[at(place)].size;
-    determined = determined && !(wrench_size(loops, tree.loop_links()[at(place)], size) > undetermined_above);
-  });
-  return determined;
+  loops.open_bodies.assign(at(tree.bodies()), 0);
+  loops.open_loops.assign(tree.loops().size(), 0);
+  loops.least = true;
+  const std::size_t m = loops.rows.size();
+  std::vector<std::vector<double>> null;
+  const std::vector<double> lambda = loops.lambda;
+  for (std::size_t row = 0; row < m; ++row) {
+    if (std::binary_search(loops.chosen.begin(), loops.chosen.end(), static_cast<int>(row))) continue;
+    detail::solve_chosen(loops, [&](std::size_t i) { return -(i >= row ? loops.A[i * m + row] : loops.A[row * m + i]); });
+    loops.lambda[row] = 1;
+    null.push_back(loops.lambda);
+  }
+  loops.lambda = lambda;
+  if (null.empty()) return;
+  double size = 1e-300;
+  for (const LoopPlace& place : loops.places) size = std::max(size, place.size);
+
+  struct Carried {
+    int body, loop;
+    Vec3 at;
+    WorldWrench now;
+    std::vector<WorldWrench> by_null;
+  };
+  std::vector<Carried> joints;
+  const auto stops = tree.loop_stops();
+  for (std::size_t s = 0; s < stops.size(); ++s) {
+    if (s > 0 && stops[s - 1].body == stops[s].body) continue;
+    const Kinematics<double>& body = workspace.bodies[at(stops[s].body)];
+    const Force<double> W = transmitted_wrench(tree, workspace, stops[s].body);
+    joints.push_back({stops[s].body, -1, body.r, {body.R * W.l, body.R * W.h}, {}});
+  }
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Vec3 x = loops.places[i].xb;
+    joints.push_back({-1, static_cast<int>(i), x, loop_wrench(tree, loops, i, lambda.data()).about(x), {}});
+  }
+  std::vector<WorldWrench> by_body, by_loop;
+  for (const std::vector<double>& vector : null) {
+    joint_wrenches(tree, loops, vector.data(), by_body, by_loop);
+    for (Carried& joint : joints)
+      joint.by_null.push_back((joint.body >= 0 ? by_body[at(joint.body)] : by_loop[at(joint.loop)]).about(joint.at));
+  }
+  const std::size_t d = null.size();
+  std::vector<double> G(d * d, 0.0), c(d, 0.0);
+  for (const Carried& joint : joints) {
+    for (std::size_t i = 0; i < d; ++i) {
+      const double own = product(joint.by_null[i], joint.by_null[i], size);
+      unsigned char& open = joint.body >= 0 ? loops.open_bodies[at(joint.body)] : loops.open_loops[at(joint.loop)];
+      if (own > undetermined_above * undetermined_above) open = 1;
+      c[i] -= product(joint.by_null[i], joint.now, size);
+      for (std::size_t k = 0; k <= i; ++k) G[i * d + k] += product(joint.by_null[i], joint.by_null[k], size);
+    }
+  }
+  for (std::size_t i = 0; i < d; ++i) {  // Cholesky, with zeros for vectors without effect
+    for (std::size_t k = 0; k <= i; ++k) {
+      double x = G[i * d + k];
+      for (std::size_t j = 0; j < k; ++j) x -= G[i * d + j] * G[k * d + j];
+      if (k < i)
+        G[i * d + k] = G[k * d + k] > 0 ? x / G[k * d + k] : 0;
+      else
+        G[i * d + i] = x > 1e-20 ? std::sqrt(x) : 0;
+    }
+    for (std::size_t j = 0; j < i; ++j) c[i] -= G[i * d + j] * c[j];
+    c[i] = G[i * d + i] > 0 ? c[i] / G[i * d + i] : 0;
+  }
+  for (std::size_t i = d; i-- > 0;) {
+    for (std::size_t j = i + 1; j < d; ++j) c[i] -= G[j * d + i] * c[j];
+    c[i] = G[i * d + i] > 0 ? c[i] / G[i * d + i] : 0;
+  }
+  for (std::size_t i = 0; i < d; ++i)
+    for (std::size_t row = 0; row < m; ++row) loops.lambda[row] += c[i] * null[i][row];
+  for (const Carried& joint : joints) {
+    if (joint.body < 0) continue;
+    WorldWrench more;
+    for (std::size_t i = 0; i < d; ++i) more.add(c[i], joint.by_null[i]);
+    const Mat3& R = workspace.bodies[at(joint.body)].R;
+    workspace.reduced_bias_wrenches[at(joint.body)] += Force<double>{transpose_times(R, more.F), transpose_times(R, more.T)};
+  }
 }
 
-// A null vector changes the wrench of a body's inboard joint by the sum of the loops' wrenches on the body and all outboard.
+bool loop_determined(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
+  MT_REQUIRE(!tree.has_loops() || workspace.loops->least, "accelerate was called for this state");
+  return workspace.loops->open_loops[at(place)] == 0;
+}
+
 bool joint_determined(const Tree& tree, const Workspace<double>& workspace, int body) noexcept {
-  LoopWorkspace& loops = *workspace.loops;
-  if (loops.rank == tree.loop_rows()) return true;
-  bool determined = true;
-  each_null_vector(loops, [&] {
-    Vec3 F{}, T{};
-    double size = 0;
-    for (std::size_t i = 0; i < tree.loops().size(); ++i) {
-      const Loop& loop = tree.loops()[i];
-      const auto outboard = [&](int b) {
-        while (b >= 0 && b != body) b = tree.parent(b);
-        return b == body;
-      };
-      const int side = (outboard(loop.body) ? 1 : 0) - (loop.to >= 0 && outboard(loop.to) ? 1 : 0);
-      if (side == 0) continue;
-      const LoopLink& link = tree.loop_links()[i];
-      const Vec3 x = loops.places[i].xb;
-      size = std::max(size, loops.places[i].size);
-      for (int k = 0; k < link.rows; ++k) {
-        const auto row = at(link.first_row + k);
-        const double l = side * loops.lambda[row];
-        F += l * loops.rows[row].F;
-        T += l * (loops.rows[row].T + cross(x, loops.rows[row].F));
-      }
-    }
-    determined = determined && !(norm(F) + norm(T) / std::max(size, 1e-300) > undetermined_above);
-  });
-  return determined;
+  MT_REQUIRE(!tree.has_loops() || workspace.loops->least, "accelerate was called for this state");
+  return workspace.loops->open_bodies[at(body)] == 0;
 }
 
 }  // namespace momentree

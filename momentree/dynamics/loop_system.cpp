@@ -244,6 +244,7 @@ void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace
   detail::solve_chosen(loops, [&](std::size_t row) { return -loops.b[row] - (velocities ? 0.0 : loops.rows[row].drift); });
   detail::apply_multipliers(tree, q, workspace);
   loops.impulsive = velocities;
+  loops.least = false;
 }
 
 void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& workspace, double* u) noexcept {

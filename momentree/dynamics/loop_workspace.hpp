@@ -45,6 +45,8 @@ struct LoopWorkspace {
   std::vector<int> order;           ///< scratch of the pivoted factorisation
   int rank = 0;
   bool impulsive = false;  ///< the multipliers are impulses
+  bool least = false;      ///< the multipliers are those of the least reactions
+  std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by loop: 1 if the loops leave the joint's reaction open
 };
 
 }  // namespace momentree

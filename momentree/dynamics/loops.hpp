@@ -85,8 +85,10 @@ LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& 
 double loop_velocities_open(const Tree& tree, const Workspace<double>& workspace) noexcept;
 bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 
-/// True if the multipliers determine the reactions of a joint: that of a loop, by its place, or of the inboard joint of a body. Else
-/// the same motion is possible with other reactions. Requires an evaluated state.
+/// Where the loops leave reactions open, chooses the least ones; part of `accelerate`. Allocates if there are redundant rows.
+void find_least_reactions(const Tree& tree, Workspace<double>& workspace);
+/// False if the loops leave the reaction of a joint open: of a loop, by its place, or of the inboard joint of a body. Other reactions
+/// then cause the same motion. Requires `accelerate`.
 bool loop_determined(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 bool joint_determined(const Tree& tree, const Workspace<double>& workspace, int body) noexcept;
 

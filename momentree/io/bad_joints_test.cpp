@@ -70,8 +70,8 @@ TEST_CASE("mechanisms that are not trees are refused") {
       {pinned + "parent = \"a\"\n", "s.toml:10:10: error: body 'a' is its own parent"},
       {pinned + "parent = \"b\"\n[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = "
                 "\"revolute\"\nparent = \"a\"\n",
-       "s.toml:10:10: error: the joints form a cycle: 'a' on 'b' on 'a'; a mechanism is a tree; closed loops are not "
-       "supported"},
+       "s.toml:10:10: error: the joints form a cycle: 'a' on 'b' on 'a'; a mechanism is a tree: close the loop by a "
+       "[[loop]] instead of one of these joints"},
       {pinned + "[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = \"revolute\"\nparent = "
                 "\"a\"\n[[mechanism.body]]\nname = \"c\"\nmass = 1\ninertia = 1\n[mechanism.body.joint]\nkind = "
                 "\"revolute\"\nparent = \"bb\"\n",

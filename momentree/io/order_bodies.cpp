@@ -30,7 +30,7 @@ void report_circle(const std::vector<BodyEntry>& bodies, const std::vector<std::
     out.error(bodies[start].parent_place, "body " + in_quotes(bodies[start].bare_name) + " is its own parent");
   else
     out.error(bodies[start].parent_place, "the joints form a cycle: " + names,
-              "a mechanism is a tree; closed loops are not supported");
+              "a mechanism is a tree: close the loop by a [[loop]] instead of one of these joints");
 }
 
 }  // namespace

@@ -20,6 +20,8 @@ constexpr KeyTable after_table{"after", "", "A delay after another event", after
 constexpr Key condition_entries[] = {
     {"exceeds", number("the unit of the quantity"), "Threshold: the event happens when the quantity rises above it"},
     {"below", number("the unit of the quantity"), "Threshold: the event happens when the quantity falls below it"},
+    {"undetermined", choice("least_norm"),
+     "For a reaction that closed loops leave open: take the one for which the sum of squares over all joints is least"},
 };
 
 constexpr Key event_entries[] = {
@@ -175,7 +177,6 @@ std::shared_ptr<momentree::Quantity> quantity_in(Fields& fields, const std::stri
   }
   fields.later({"touch", "gap", "contact_force", "contact_impulse", "slip"},
                "there is no contact: bodies pass through each other");
-  fields.later({"undetermined"}, "closed loops are not supported: a mechanism is a tree");
   return quantity;
 }
 
@@ -195,6 +196,9 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
   const bool above = fields.has("exceeds"), below = fields.has("below");
   const Value *over = fields.find("exceeds"), *under = fields.find("below");
   const Value* threshold = below ? under : over;
+  const auto undetermined = fields.string("undetermined");
+  if (undetermined && *undetermined != "least_norm")
+    out.error(fields.place_of("undetermined"), "undetermined: there is no " + in_quotes(*undetermined), "\"least_norm\"");
   fields.finish();
   if (!quantity && out.errors() == errors) out.error(fields.place(), "when: names no quantity", one_of(keys));
   if (above == below && out.errors() == errors)
@@ -206,7 +210,9 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
     out.error(threshold->place, "when: " + std::string(quantity->key()) + " is never negative: the threshold must be positive");
     return std::nullopt;
   }
-  return Condition(quantity, *number, above);
+  Condition condition(quantity, *number, above);
+  condition.least_norm = undetermined.has_value();
+  return condition;
 }
 
 // What a quantity belongs to.

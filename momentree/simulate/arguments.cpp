@@ -120,6 +120,14 @@ void check_condition(const World& world, const EventQueue& queue, const Conditio
   const Quantity& what = *condition.what;
   if (std::optional<Error> error = unknown_name(world, queue, what.joints(), what.bodies())) throw_error(std::move(*error));
   check_quantity(world, queue, what);
+  if (what.is_load() && what.key() != "reaction_impulse" && !condition.least_norm && world.tree().has_loops())
+    for (const std::string& name : what.joints()) {
+      const int number = world.find_joint(name);
+      if (number >= 0 && !world.joint_forces({number}).determined)
+        throw_error({std::string(what.key()) + ": the closed loops do not determine the reaction of joint '" + name + "'", "",
+                     "add undetermined = \"least_norm\" to take the least of all possible reactions, or let a loop block fewer "
+                     "directions, for example by a ball joint instead of a revolute one"});
+    }
   if (!std::isfinite(condition.threshold)) throw_error({"the threshold must be finite", "", ""});
   if (what.never_negative() && !(condition.threshold > 0))
     throw_error({"a threshold of " + text(condition.threshold) + " must be positive: the quantity is never negative", "", ""});

@@ -104,6 +104,8 @@ class Condition {
   double threshold;
   bool above;
   bool repeats = false, exact = true;
+  /// For a reaction that closed loops leave open: the least of all possible ones is meant. Otherwise such a condition is an error.
+  bool least_norm = false;
   double hysteresis = -1, duration = 0;
 
  private:

@@ -24,7 +24,8 @@ ActionResult TopologyEditor::missing(std::string_view name) const {
 
 ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
   if (!world_.loops_allowed_)
-    return ActionResult::refused("that closes a loop, and closed loops are integrated in velocities",
+    return ActionResult::refused("joining '" + body_name(body) + "' to '" + body_name(to) +
+                                     "' would close a loop, and closed loops are integrated in velocities",
                                  "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853");
   if (world_.find_joint(made_name_) >= 0)
     return ActionResult::refused("there is already a joint '" + made_name_ + "'", "give the event another name");

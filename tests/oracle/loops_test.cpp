@@ -1,0 +1,224 @@
+// Closed loops: accelerations, impacts and changes of random mechanisms with random loops, against the equations of motion as
+// dense matrices. The rows of the oracle come from Jacobians of points and from the directions that a joint allows; they share no
+// code with the rows of the engine.
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/motion.hpp>
+#include <momentree/simulate/simulation.hpp>
+#include <tests/oracle/random_model.hpp>
+
+using namespace momentree;
+using namespace momentree::oracle;
+
+namespace {
+
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Vector = Eigen::VectorXd;
+
+Eigen::Vector3d eigen(const Vec3& a) { return {a.x, a.y, a.z}; }
+
+// Pose of a joint's side: `at` in the frame of a body, or of the ground.
+Pose side(const World& world, BodyId body, const Pose& at) {
+  return body == ground ? at : world.motions()[static_cast<std::size_t>(body.index)].pose * at;
+}
+
+// J of one loop joint, with as many rows as it blocks directions: components of the relative velocity of its frames, in world axes
+// about the child's, that are orthogonal to the joint's own motions.
+Matrix rows_of(const World& world, JointId loop) {
+  const JointView joint = world.joint(loop);
+  const int n = world.tree().nv();
+  const Pose child = side(world, joint.child, joint.child_at);
+  const auto jacobian = [&](BodyId body) -> Matrix {
+    Matrix J = Matrix::Zero(6, n);
+    if (body == ground) return J;
+    const Pose pose = world.motions()[static_cast<std::size_t>(body.index)].pose;
+    world.point_jacobian(body, inverse(pose) * child.position, J.data());
+    return J;
+  };
+  const Matrix relative = jacobian(joint.child) - jacobian(joint.parent);
+  JointSpec spec;
+  spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
+  const std::vector<Motion<double>> dofs = joint_dofs(spec, joint.q.data());
+  Matrix allowed(6, static_cast<int>(dofs.size()));
+  const Mat3 R = rotation_matrix(child.rotation);
+  for (std::size_t i = 0; i < dofs.size(); ++i) {
+    allowed.block<3, 1>(0, static_cast<int>(i)) = eigen(R * dofs[i].v);
+    allowed.block<3, 1>(3, static_cast<int>(i)) = eigen(R * dofs[i].w);
+  }
+  Matrix blocked = Matrix::Identity(6, 6);
+  if (!dofs.empty()) {
+    const Eigen::FullPivLU<Matrix> lu(allowed.transpose());
+    blocked = lu.kernel();
+  }
+  return blocked.transpose() * relative;
+}
+
+Matrix rows_of(const World& world) {
+  Matrix all(0, world.tree().nv());
+  for (const JointId loop : world.loops()) {
+    const Matrix own = rows_of(world, loop);
+    Matrix more(all.rows() + own.rows(), all.cols());
+    more << all, own;
+    all = more;
+  }
+  return all;
+}
+
+Matrix null_space(const Matrix& J) {
+  const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeFullV);
+  int rank = 0;
+  for (int i = 0; i < svd.singularValues().size(); ++i) rank += svd.singularValues()(i) > 1e-9 * svd.singularValues()(0) ? 1 : 0;
+  return svd.matrixV().rightCols(J.cols() - rank);
+}
+
+Vector as_vector(Numbers numbers) { return Eigen::Map<const Vector>(numbers.data(), static_cast<int>(numbers.size())); }
+
+Matrix mass_of(const World& world) {
+  Matrix M(world.tree().nv(), world.tree().nv());
+  world.mass_matrix(M.data());
+  return M;
+}
+
+// A random tree with one to three random loops that are closed at its start.
+Model with_loops(std::uint64_t seed, bool parameters) {
+  RandomTreeOptions options;
+  options.min_bodies = 3, options.max_bodies = 9, options.parameters = parameters;
+  Model model = random_tree(seed, options).model;
+  Prng random(seed + 1000);
+  const World world(model);
+  const int count = random.integer(1, 3);
+  for (int k = 0; k < count; ++k) {
+    LoopSpec loop;
+    loop.name = "loop" + std::to_string(k);
+    loop.body = {random.integer(0, model.size() - 1)}, loop.to = {random.integer(-1, model.size() - 1)};
+    if (loop.body == loop.to) continue;
+    const std::vector<Kind>& kinds = every_kind();
+    do loop.joint = random_joint(random, kinds[static_cast<std::size_t>(random.integer(0, static_cast<int>(kinds.size()) - 1))], options);
+    while (loop.joint.kind == Kind::free);
+    loop.joint.parameters.armature = {};
+    loop.child_at.position = random.vector(0.5);
+    const Vec3 axis = random.direction();
+    loop.child_at.rotation = from_axis_angle(axis, random.uniform(-2, 2));
+    const Values q = random_coordinates(random, loop.joint.kind);
+    loop.at = inverse(side(world, loop.to, {})) * side(world, loop.body, loop.child_at) * inverse(joint_motion(loop.joint, q.begin()));
+    model.add_loop(loop);
+  }
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("loops: accelerations obey the equations of motion with random loops of every kind") {
+  int moving = 0, redundant = 0;
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    CAPTURE(seed);
+    const World world(with_loops(seed, true), Variables::velocities);
+    const int n = world.tree().nv();
+    if (world.loops().empty() || n == 0) continue;
+    const Matrix J = rows_of(world), N = null_space(J), M = mass_of(world);
+    const Vector u = as_vector(world.v());
+    const double speed = 1 + u.cwiseAbs().maxCoeff();
+    CHECK((J * u).cwiseAbs().maxCoeff() < 1e-11 * speed);
+    CHECK(world.loop_status().residual < 1e-12);
+    CHECK(world.loop_status().rows == J.rows());
+    CHECK(world.loop_status().rank == n - N.cols());
+    redundant += world.loop_status().rank < J.rows() ? 1 : 0;
+    if (N.cols() == 0) continue;
+    ++moving;
+    Vector c(n), tau(n), a = as_vector(world.a());
+    world.bias(c.data());
+    world.efforts(tau.data());
+    // D'Alembert: what is left does no work on motions that the loops allow. Loop joints with springs and dampers are left out.
+    bool forces = false;
+    for (const JointId loop : world.loops()) forces = forces || world.joint(loop).parameters->any();
+    const Vector left = M * a + c - tau;
+    if (!forces) CHECK((N.transpose() * left).cwiseAbs().maxCoeff() < 1e-9 * (1 + left.cwiseAbs().maxCoeff()));
+  }
+  CHECK(moving > 300);
+  CHECK(redundant > 5);
+}
+
+TEST_CASE("loops: making one is a plastic impact, breaking one changes no velocity, and a loop takes the place of a broken joint") {
+  int made = 0, replaced = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    CAPTURE(seed);
+    RandomTreeOptions options;
+    options.min_bodies = 4, options.max_bodies = 9, options.conservative = true;
+    const Model model = random_tree(seed, options).model;
+    Simulation sim(model, {.method = "dop853"});
+    Prng random(seed + 5000);
+    const int body = random.integer(0, model.size() - 1), to = random.integer(-1, model.size() - 1);
+    if (body == to) continue;
+    const std::string one = model[BodyId{body}].name, other = to < 0 ? "ground" : model[BodyId{to}].name;
+    const Matrix M = mass_of(sim.world());
+    const Vector before = as_vector(sim.world().v());
+    JointSpec spec;
+    spec.kind = random.chance(0.5) ? Kind::ball : Kind::revolute;
+    spec.axis = random.direction();
+    const Action attach_them = attach(one, other, spec);
+    if (!sim.try_apply({&attach_them, 1}, "grasp")) continue;  // already joined
+    const Event& event = sim.events().back();
+    const double scale = 1 + event.before.kinetic;
+    CHECK(event.lost >= -1e-12 * scale);
+    if (sim.world().loops().empty()) continue;
+    ++made;
+    const Matrix J = rows_of(sim.world()), N = null_space(J);
+    const Vector after = as_vector(sim.world().v()), jump = after - before;
+    CHECK((J * after).cwiseAbs().maxCoeff() < 1e-10 * (1 + before.cwiseAbs().maxCoeff()));
+    const Vector impulse = M * jump;
+    if (N.cols() > 0) CHECK((N.transpose() * impulse).cwiseAbs().maxCoeff() < 1e-9 * (1 + impulse.cwiseAbs().maxCoeff()));
+    CHECK(std::fabs(0.5 * jump.dot(M * jump) - event.lost) < 1e-9 * scale);
+
+    // A joint between the two bodies breaks: the mechanism moves on as before.
+    const std::vector<BodyMotion> motions = sim.world().motions();
+    const JointId inboard = sim.world().tree().inboard_joint({body});
+    const std::string name(sim.world().joint_name(inboard));
+    const Action cut = break_joint(name);
+    if (!sim.try_apply({&cut, 1}, "cut")) continue;
+    replaced += sim.world().loops().empty() ? 1 : 0;
+    double moved = 0, fastest = 1;
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      const BodyMotion& now = sim.world().motions()[b];
+      moved = std::max({moved, norm(now.linear - motions[b].linear), norm(now.angular - motions[b].angular),
+                        norm(now.pose.position - motions[b].pose.position)});
+      fastest = std::max({fastest, norm(now.linear), norm(now.angular)});
+    }
+    CHECK(moved < 1e-9 * fastest);
+    CHECK(std::fabs(sim.events().back().lost) < 1e-9 * scale);
+  }
+  CHECK(made > 150);
+  CHECK(replaced > 80);
+}
+
+TEST_CASE("loops: energy and momenta of free mechanisms with loops are conserved, and the loops stay closed") {
+  int runs = 0;
+  for (std::uint64_t seed = 0; seed < 300 && runs < 40; ++seed) {
+    CAPTURE(seed);
+    RandomTreeOptions options;
+    options.min_bodies = 3, options.max_bodies = 7, options.all_free = true, options.gravity = false, options.parameters = false;
+    options.several_mechanisms = false;
+    Model model = random_tree(seed, options).model;
+    Prng random(seed + 9000);
+    LoopSpec loop;
+    loop.name = "clasp", loop.body = {model.size() - 1}, loop.to = {0};
+    loop.joint.kind = Kind::ball;
+    const World open(model);
+    loop.at = inverse(side(open, loop.to, {})) * side(open, loop.body, {});
+    model.add_loop(loop);
+    Simulation sim(model, {.method = "dop853", .rtol = 1e-11, .atol = 1e-12});
+    const Totals start = sim.world().totals();
+    if (start.kinetic < 1e-6) continue;
+    const RunResult run = sim.run_until(0.5);
+    if (run.status == Status::stalled) continue;
+    REQUIRE_MESSAGE(run.status == Status::ok, run.reason);
+    ++runs;
+    const Totals end = sim.world().totals();
+    CHECK(std::fabs(end.kinetic - start.kinetic) < 1e-8 * start.kinetic);
+    CHECK(norm(end.linear - start.linear) < 1e-9 * (1e-3 + norm(start.linear)));
+    CHECK(norm(end.angular - start.angular) < 1e-8 * (1e-3 + norm(start.angular)));
+    CHECK(sim.world().loop_status().residual < 1e-12);
+  }
+  CHECK(runs >= 40);
+}
