@@ -259,7 +259,7 @@ class Tree {
   /// Adds a loop joint, whose `number` is assigned if it is negative, and returned; removes one; replaces joint and parameters. May allocate.
   int add_loop(Loop loop);
   void remove_loop(int number);
-  void set_loop(int number, const Joint& joint, const JointParameters& parameters);
+  void set_loop(int number, const Joint& joint, const JointParameters& parameters, const Values& held = {});
   /// Removes root b and all bodies outboard of it; their numbers are not used again.
   void remove(int b);
   /// Adds a body, given in the complete form of Model::operator[], and returns the new number of the body and its joint. Storage
