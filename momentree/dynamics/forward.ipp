@@ -120,7 +120,7 @@ struct Sweep {
           return cross(a.velocity, Pb);
         };
         const Force<T> wrench = weight - gyroscopic();                                        // (9), (20)
-        K::template momentum_rate<T>(link, joint, u, Pb, wrench, workspace.pdot.get() + at);    // (20)
+        K::template momentum_rate<T>(link, joint, u, Pb, wrench, workspace.pdot.get() + at);  // (20)
         K::template coordinate_rate<T>(joint.q, u, workspace.qdot.get() + tree.first_q(b));
       }
       buffers.store_for_children(b, flags, a);

@@ -11,8 +11,8 @@ namespace momentree {
 
 namespace {
 
-// The kernel frame of b relative to its centre of mass, in the axes of its user frame. The momentum about the centre is that of the
-// spin alone: about any other point, rounding the rest would turn a light body.
+// The kernel frame of b relative to its centre of mass, in the axes of its user frame. The momentum about the centre is that of
+// the spin alone: about any other point, rounding the rest would turn a light body.
 KernelFrame at_centre(const Tree& tree, int b) {
   const RigidMass& body = tree.link(b).body;
   const Mat3& R = tree.frame(b).R;

@@ -2,8 +2,8 @@
 // Free (six DoFs): position in parent-side axes and a unit quaternion; u = (v; ω) relative to the parent, in child axes, v being
 // that of the joint's child-side origin. The kernel frame of a floating body is at its centre of mass, c from there: E = (I, −c×;
 // 0, I), constant, with the inverse (I, c×; 0, I). Elsewhere, and for joints with armature or locked DoFs, c = 0. Eᵀ Pb = p
-// determines Pb. Only Pb passes inboard: M̂ = 0 exactly. The generic subtraction would leave round-off there and couple bodies that
-// are uncoupled.
+// determines Pb. Only Pb passes inboard: M̂ = 0 exactly. The generic subtraction would leave round-off there and couple bodies
+// that are uncoupled.
 #include <momentree/joint/joint.hpp>
 
 namespace momentree {
@@ -125,9 +125,9 @@ struct GenericFree : SixDofs<GenericFree> {};
 
 template <class T>
 struct FreeRecord {
-  Motion<T> a0;       ///< E u if the parent is at rest
-  Force<T> P;         ///< Pb
-  Vector3<T> offset;  ///< c
+  Motion<T> a0;        ///< E u if the parent is at rest
+  Force<T> P;          ///< Pb
+  Vector3<T> offset;   ///< c
   JointMass<T, 6> Mj;  ///< in terms of velocities of the kernel frame: Mb
   Vector3<T> mc;
   DenseTransform<T> x;
