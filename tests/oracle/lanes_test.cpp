@@ -1,5 +1,6 @@
 // Evaluations of many worlds in SIMD lanes against evaluations one at a time: random trees of all joint kinds in all variants,
 // with every instruction set that this CPU supports.
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <momentree/batch/stepper.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/velocity.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/joint/joint.hpp>
 #include <tests/oracle/random_model.hpp>
@@ -20,7 +22,7 @@ using namespace momentree::oracle;
 namespace {
 
 struct Worst {
-  double q = 0, p = 0;  // of q̇ and v, and of ṗ: error relative to the tolerance
+  double q = 0, p = 0;  // of q̇ and v, and of ṗ or u̇: error relative to the tolerance
 };
 
 double largest(const double* a, int n) {
@@ -70,6 +72,52 @@ Worst compare(const Tree& tree, const State& middle, Prng& random, batch::Steppe
   return worst;
 }
 
+// The same for velocities: the scalar evaluation without joint forces.
+Worst compare_velocities(const Tree& tree, const State& middle, Prng& random, batch::Stepper& stepper, double epsilon) {
+  const int lanes = stepper.lanes(), nq = tree.nq(), nv = tree.nv();
+  const auto numbers = [&](int n) { return std::vector<double>(static_cast<std::size_t>(n * lanes)); };
+  auto q = numbers(nq), u = numbers(nv), qdot = numbers(nq), udot = numbers(nv), v = numbers(nv);
+  Workspace<double> workspace(tree);
+  std::vector<double> one_q(static_cast<std::size_t>(nq)), one_u(static_cast<std::size_t>(nv));
+  const auto take = [&](int lane) {
+    for (int i = 0; i < nq; ++i) one_q[static_cast<std::size_t>(i)] = q[static_cast<std::size_t>(i * lanes + lane)];
+    for (int i = 0; i < nv; ++i) one_u[static_cast<std::size_t>(i)] = u[static_cast<std::size_t>(i * lanes + lane)];
+  };
+  for (int lane = 0; lane < lanes; ++lane) {
+    for (int i = 0; i < nq; ++i)
+      q[static_cast<std::size_t>(i * lanes + lane)] = middle.q()[static_cast<std::size_t>(i)] + random.uniform(-0.1, 0.1);
+    for (int i = 0; i < nv; ++i) u[static_cast<std::size_t>(i * lanes + lane)] = random.uniform(-1, 1);
+  }
+  for (const int b : tree.order())
+    for (int i = 0; i < batch::dofs_of(tree, b); ++i)
+      for (int lane = 0; lane < lanes; ++lane)
+        if (((tree.link(b).locked & ~tree.link(b).driven) >> i & 1u) != 0)
+          u[static_cast<std::size_t>((tree.first_p(b) + i) * lanes + lane)] = 0;
+  if (epsilon > 1e-10)
+    for (auto* list : {&q, &u})
+      for (double& x : *list) x = static_cast<float>(x);
+  stepper.rates(tree, q.data(), u.data(), qdot.data(), udot.data(), v.data());
+  Worst worst;
+  for (int lane = 0; lane < lanes; ++lane) {
+    take(lane);
+    const double allowed = std::fmax(1e4 * epsilon, 30 * epsilon * velocity_resolution(tree, one_q) / 1e-16);
+    sweep_velocities<double, false>(tree, one_q.data(), one_u.data(), workspace);
+    std::fill_n(workspace.a.get(), nv, 0.0);
+    solve_accelerations<double, false>(tree, one_q.data(), workspace, {-tree.gravity(), {}});
+    const double speed = largest(workspace.qdot.get(), nq) + 1e-3, rate = largest(workspace.a.get(), nv) + 1e-3;
+    for (int i = 0; i < nv; ++i) {
+      const auto at = static_cast<std::size_t>(i * lanes + lane), here = static_cast<std::size_t>(i);
+      if (v[at] != u[at] || !std::isfinite(udot[at])) worst.q = HUGE_VAL;
+      worst.p = std::fmax(worst.p, std::fabs(udot[at] - workspace.a[here]) / (allowed * rate));
+    }
+    for (int i = 0; i < nq; ++i) {
+      const auto at = static_cast<std::size_t>(i * lanes + lane), here = static_cast<std::size_t>(i);
+      worst.q = std::fmax(worst.q, std::fabs(qdot[at] - workspace.qdot[here]) / (allowed * speed));
+    }
+  }
+  return worst;
+}
+
 }  // namespace
 
 TEST_CASE("a lane gives the scalar's rates, on trees of all kinds and variants") {
@@ -78,34 +126,37 @@ TEST_CASE("a lane gives the scalar's rates, on trees of all kinds and variants")
       MESSAGE("this CPU does not have instruction set number " << static_cast<int>(isa));
       continue;
     }
-    for (const Precision precision : {Precision::float64, Precision::float32}) {
-      const bool wide = precision == Precision::float64;
-      // The tolerance is 1e-12 in double precision. In single precision, trees of light and heavy bodies are inaccurate: only
-      // short trees.
-      const double epsilon = wide ? 1e-16 : 6e-8;
-      bool seen[9][5] = {};
-      Worst all;
-      for (std::uint64_t seed = 0; seed < 600; ++seed) {
-        const RandomTree random = random_tree(seed, {.max_bodies = wide ? 40 : 6, .drives = true});
-        Tree tree(random.model);
-        Prng draw(seed + 500);
-        Workspace<double> workspace(tree);
-        State state = start_state(random.model, tree);
-        if (seed % 2 == 1) rearrange(draw, tree, state, workspace);
-        for (const KernelRun& s : tree.kernel_runs()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
-        const auto stepper = batch::make_stepper(isa, precision, tree);
-        const Worst worst = compare(tree, state, draw, *stepper, epsilon);
-        CAPTURE(seed);
-        CHECK(worst.q <= 1);
-        CHECK(worst.p <= 1);
-        all = {std::fmax(all.q, worst.q), std::fmax(all.p, worst.p)};
+    for (const Variables variables : {Variables::momenta, Variables::velocities})
+      for (const Precision precision : {Precision::float64, Precision::float32}) {
+        const bool wide = precision == Precision::float64;
+        // The tolerance is 1e-12 in double precision. In single precision, trees of light and heavy bodies are inaccurate: only
+        // short trees.
+        const double epsilon = wide ? 1e-16 : 6e-8;
+        bool seen[9][5] = {};
+        Worst all;
+        for (std::uint64_t seed = 0; seed < 600; ++seed) {
+          const RandomTree random = random_tree(seed, {.max_bodies = wide ? 40 : 6, .drives = true});
+          Tree tree(random.model);
+          Prng draw(seed + 500);
+          Workspace<double> workspace(tree);
+          State state = start_state(random.model, tree);
+          if (seed % 2 == 1) rearrange(draw, tree, state, workspace);
+          for (const KernelRun& s : tree.kernel_runs()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
+          const auto stepper = batch::make_stepper(isa, precision, tree, variables);
+          const Worst worst = variables == Variables::momenta ? compare(tree, state, draw, *stepper, epsilon)
+                                                              : compare_velocities(tree, state, draw, *stepper, epsilon);
+          CAPTURE(seed);
+          CHECK(worst.q <= 1);
+          CHECK(worst.p <= 1);
+          all = {std::fmax(all.q, worst.q), std::fmax(all.p, worst.p)};
+        }
+        MESSAGE("instruction set " << static_cast<int>(isa) << std::string(wide ? ", double" : ", float")
+                                   << (variables == Variables::momenta ? ", momenta" : ", velocities") << ": worst of velocities "
+                                   << all.q << " of what is allowed, of the variables' rates " << all.p);
+        int combinations = 0;
+        for (const auto& kind : seen)
+          for (const bool variant : kind) combinations += variant ? 1 : 0;
+        CHECK(combinations >= (wide ? 25 : 18));
       }
-      MESSAGE("instruction set " << static_cast<int>(isa) << std::string(wide ? ", double" : ", float")
-                                 << ": worst of velocities " << all.q << " of what is allowed, of momenta's rates " << all.p);
-      int combinations = 0;
-      for (const auto& kind : seen)
-        for (const bool variant : kind) combinations += variant ? 1 : 0;
-      CHECK(combinations >= (wide ? 25 : 18));
-    }
   }
 }
