@@ -150,9 +150,11 @@ TEST_CASE("a lane gives the scalar's rates, on trees of all kinds and variants")
           CHECK(worst.p <= 1);
           all = {std::fmax(all.q, worst.q), std::fmax(all.p, worst.p)};
         }
-        MESSAGE("instruction set " << static_cast<int>(isa) << std::string(wide ? ", double" : ", float")
-                                   << (variables == Variables::momenta ? ", momenta" : ", velocities") << ": worst of velocities "
-                                   << all.q << " of what is allowed, of the variables' rates " << all.p);
+        MESSAGE("instruction set " << static_cast<int>(isa)
+                                   << std::string(wide ? ", double" : ", float") +
+                                          (variables == Variables::momenta ? ", momenta" : ", velocities")
+                                   << ": worst of velocities " << all.q << " of what is allowed, of the variables' rates "
+                                   << all.p);
         int combinations = 0;
         for (const auto& kind : seen)
           for (const bool variant : kind) combinations += variant ? 1 : 0;
