@@ -69,16 +69,14 @@ void batch_step(benchmark::State& run, Model (*make)(int), Precision precision, 
   count(run, bodies, batch.worlds(), 4, batch.isa());
 }
 
-#define MOMENTREE_STEPS(model, variables, ...)                                                                 \
-  BENCHMARK_CAPTURE(batch_step, model##_##variables##_double, model, Precision::float64, Variables::variables) \
-      ->ArgsProduct({{__VA_ARGS__}});                                                                          \
-  BENCHMARK_CAPTURE(batch_step, model##_##variables##_float, model, Precision::float32, Variables::variables)  \
-      ->ArgsProduct({{__VA_ARGS__}})
+#define MOMENTREE_STEPS(model, name, precision, ...)                                                                 \
+  BENCHMARK_CAPTURE(batch_step, model##_##name, model, precision, Variables::momenta)->ArgsProduct({{__VA_ARGS__}}); \
+  BENCHMARK_CAPTURE(batch_step, model##_velocities_##name, model, precision, Variables::velocities)->ArgsProduct({{__VA_ARGS__}})
 #define MOMENTREE_LANES(model, ...)                                                                             \
   BENCHMARK_CAPTURE(lanes, model##_double, model, Precision::float64)->ArgsProduct({{__VA_ARGS__}, {0, 1, 2}}); \
   BENCHMARK_CAPTURE(lanes, model##_float, model, Precision::float32)->ArgsProduct({{__VA_ARGS__}, {0, 1, 2}});  \
-  MOMENTREE_STEPS(model, momenta, __VA_ARGS__);                                                                 \
-  MOMENTREE_STEPS(model, velocities, __VA_ARGS__)
+  MOMENTREE_STEPS(model, double, Precision::float64, __VA_ARGS__);                                              \
+  MOMENTREE_STEPS(model, float, Precision::float32, __VA_ARGS__)
 MOMENTREE_LANES(planar_chain, 10, 100);
 MOMENTREE_LANES(spatial_chain, 10, 100);
 MOMENTREE_LANES(bushy_tree, 100);

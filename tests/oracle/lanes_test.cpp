@@ -2,17 +2,22 @@
 // with every instruction set that this CPU supports.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include <bench/models.hpp>
+#include <momentree/base/error.hpp>
+#include <momentree/batch/batch.hpp>
 #include <momentree/batch/stepper.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/joint/joint.hpp>
+#include <momentree/simulate/simulation.hpp>
 #include <tests/oracle/random_model.hpp>
 #include <tests/oracle/rearrange.hpp>
 
@@ -161,4 +166,62 @@ TEST_CASE("a lane gives the scalar's rates, on trees of all kinds and variants")
         CHECK(combinations >= (wide ? 25 : 18));
       }
   }
+}
+
+TEST_CASE("steps in velocities: as a world alone, and as steps in momenta, on mechanisms of all kinds") {
+  constexpr int worlds = 5, steps = 5;
+  constexpr double h = 1e-4;
+  double alone = 0, momenta = 0;
+  int batches = 0, planes = 0;
+  for (std::uint64_t seed = 0; seed < 240; ++seed) {
+    CAPTURE(seed);
+    const Model model = seed % 6 == 0 ? bench::planar_chain(2 + static_cast<int>(seed) % 20)
+                                      : random_tree(seed, {.max_bodies = 20, .drives = true}).model;
+    std::optional<Batch> u, p;
+    try {
+      u.emplace(model, worlds, BatchOptions{.variables = Variables::velocities});
+      p.emplace(model, worlds);
+    } catch (const Error&) {
+      continue;  // it has what batches do not support
+    }
+    ++batches;
+    const Tree& tree = u->tree(0);
+    for (const KernelRun& run : tree.kernel_runs()) planes += run.planar ? 1 : 0;
+    const auto nq = static_cast<std::size_t>(tree.nq()), nv = static_cast<std::size_t>(tree.nv());
+    Prng random(seed + 77);
+    const std::vector<int> all = {0, 1, 2, 3, 4};
+    std::vector<double> q(worlds * nq), v(worlds * nv), v_of_p(worlds * nv), q_of_p(worlds * nq);
+    for (double& x : v) x = random.uniform(-1, 1);
+    for (Batch* batch : {&*u, &*p}) batch->write(all, nullptr, nullptr, v.data(), Variables::velocities);
+    u->read(all, nullptr, q.data(), nullptr, v.data());
+    std::vector<Simulation> single;
+    for (std::size_t i = 0; i < worlds; ++i) {
+      single.emplace_back(model, Integration{.method = "rk4", .variables = Variables::velocities, .step = h});
+      single.back().set_state(0, {q.data() + i * nq, nq}, {v.data() + i * nv, nv}, Variables::velocities);
+      for (int k = 0; k < steps; ++k) REQUIRE(single.back().step(h).status == Status::ok);
+    }
+    for (int k = 0; k < steps; ++k) u->step(h), p->step(h);
+    const double resolution = std::fmax(1e-13, 30 * velocity_resolution(tree, {q.data(), nq}));
+    u->read(all, nullptr, q.data(), nullptr, v.data());
+    p->read(all, nullptr, q_of_p.data(), nullptr, v_of_p.data());
+    for (std::size_t i = 0; i < worlds; ++i) {
+      REQUIRE_FALSE(u->ran_away(static_cast<int>(i)));
+      const double speed = largest(v.data() + i * nv, static_cast<int>(nv)) + 1;
+      for (std::size_t k = 0; k < nv; ++k) {
+        const double own = v[i * nv + k];
+        alone = std::fmax(alone, std::fabs(own - single[i].world().v()[k]) / (resolution * speed));
+        momenta = std::fmax(momenta, std::fabs(own - v_of_p[i * nv + k]) / (resolution * speed + 1e-8 * speed));
+      }
+      for (std::size_t k = 0; k < nq; ++k) {
+        alone = std::fmax(alone, std::fabs(q[i * nq + k] - single[i].world().state().q()[k]) / (resolution * speed));
+        momenta = std::fmax(momenta, std::fabs(q[i * nq + k] - q_of_p[i * nq + k]) / (resolution * speed + 1e-8 * speed));
+      }
+    }
+    CHECK(alone <= 1);
+    CHECK(momenta <= 1);
+  }
+  MESSAGE("worst: " << alone << " of what is allowed to a world alone, " << momenta << " to momenta, of " << batches
+                    << " batches");
+  CHECK(batches > 100);
+  CHECK(planes > 30);
 }
