@@ -30,9 +30,9 @@ enum class RevoluteOrder { fewest, reduce_first, rotate_first };
 /// Allocates; time and memory are proportional to the number of bodies.
 KernelExpressions kernel_expressions(const Tree& tree, RevoluteOrder order = RevoluteOrder::fewest);
 
-/// Runs the passes in velocities on symbols: from q, u and further joint forces tau (packed as u) to q̇ and u̇, with gravity. For a
-/// prescribed motion tau has its acceleration; u and tau of locked DoFs are taken as zero. `plain_forces`: with the joint forces
-/// that are plain expressions.
+/// Runs the passes in velocities on symbols: from q, u and further joint forces tau (packed as u) to q̇ and u̇, with gravity. For
+/// a prescribed motion tau has its acceleration; u and tau of locked DoFs are taken as zero. `plain_forces`: also with those
+/// joint forces that add_plain_forces() adds.
 KernelExpressions velocity_expressions(const Tree& tree, bool plain_forces = false, RevoluteOrder order = RevoluteOrder::fewest);
 
 /// Adds the joint forces that are plain expressions to pdot: dampers, springs, constant efforts. `other_forces` lists all
