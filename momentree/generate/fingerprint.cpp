@@ -35,8 +35,9 @@ class Bytes {
 
 }  // namespace
 
-std::string fingerprint(const Tree& tree) {
+std::string fingerprint(const Tree& tree, Variables variables) {
   Bytes bytes;
+  bytes.add(static_cast<unsigned char>(variables));
   bytes.add(tree.gravity());
   bytes.add(tree.nq()), bytes.add(tree.nv());
   for (std::size_t i = 0; i < tree.order().size(); ++i) {
