@@ -2,6 +2,7 @@
 
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
+#include <momentree/dynamics/springs.hpp>
 
 namespace momentree {
 
@@ -33,6 +34,8 @@ Totals totals(const Tree& tree, const State& state, Workspace<double>& workspace
   double force[6];
   for (int b : tree.spring_joints()) sum.potential += joint_spring(tree, state.q().data(), b, force);
   for (int b : tree.forced_joints()) sum.potential += stop_energy(tree, state, b);
+  for (int s = 0; s < tree.spring_count(); ++s)
+    if (tree.spring_acts(s)) sum.potential += tree.spring_law(s).energy(spring_motion(tree, workspace, s).length);
   return sum;
 }
 

@@ -92,6 +92,17 @@ struct SetParameters {
   JointParameters parameters;
 };
 
+/// Removes a spring between two points, which must not be broken. No velocity changes; the energy that it stored is released.
+struct BreakSpring {
+  SpringId spring;
+};
+
+/// Sets the law of a spring between two points, which must not be broken. No velocity changes.
+struct SetSpring {
+  SpringId spring;
+  SpringLaw law;
+};
+
 /// Removes `body` and all outboard ones from the world: a whole floating mechanism with `body` as its root (break it off first if
 /// it is attached). The others are not affected. Body numbers are not used again: `Tree::alive` is then false, and any other use
 /// stops the program.
@@ -107,7 +118,7 @@ struct Add {
   const BodySpec* spec;
 };
 
-/// Energy that a change released from a joint's spring and armature, beyond the energy of the bodies (J).
+/// Energy that a change released from springs and armatures, beyond the energy of the bodies (J).
 struct Released {
   double energy = 0;
 };
@@ -121,6 +132,8 @@ Released apply(const Join& change, Tree& tree, State& state, Workspace<double>& 
 Released apply(const Attach& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const Impulse& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const BreakSpring& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const SetSpring& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 /// Returns the impulse on the DoF (N s, or N m s). The topology does not change.
 double apply(const Impact& change, const Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
