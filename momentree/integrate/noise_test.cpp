@@ -52,8 +52,8 @@ TEST_CASE("noise: a body whose inertia is far below that of its mass about its o
     const Motion<double> start{{0.1, 0.2, 0.3}, {1, 2, 3}};
     const Vec3 c{0.7, 0.5, std::sqrt(0.26)}, g{0.3, -9.81, 2};
     const Vec3 fallen = c + 5.0 * (start.v + cross(start.w, c)) + 12.5 * g;
-    const Quat turned = rotation_about(normalized(start.w), 5 * norm(start.w));
-    const Pose now = sim.world().pose(light);
+    const Quat turned = from_axis_angle(normalized(start.w), 5 * norm(start.w));
+    const Pose now = sim.world().motions()[light.index].pose;
     CHECK(norm(now.position + rotation_matrix(now.rotation) * c - fallen) < 1e-10);
     CHECK(norm(log_rotation(conjugate(turned) * now.rotation)) < 1e-10);
   }
