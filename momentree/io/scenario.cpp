@@ -25,6 +25,7 @@ constexpr Key keys_entries[] = {
     {"state", string, "State document to start from, such as the final.json of another run"},
     {"mechanism", tables(mechanism_table), "The mechanisms", nullptr, "add [[mechanism]] tables"},
     {"force", tables(force_table), "External forces on bodies"},
+    {"spring", tables(spring_table), "Springs and ropes between points of bodies"},
     {"coupling", tables(coupling_table), "Joints that follow others"},
     {"event", tables(event_table), "The events"},
     {"integrate", table(integrate_table), ""},
@@ -103,6 +104,12 @@ void read_document(const Value& document, Reading& reading) {
       read_force(*force, reading);
     }
   }
+  if (const Value* springs = fields.find("spring")) {
+    for (const Value* spring : tables_of(*springs, "spring", out)) {
+      if (out.full()) break;
+      read_spring(*spring, reading);
+    }
+  }
   if (const Value* couplings = fields.find("coupling")) {
     for (const Value* coupling : tables_of(*couplings, "coupling", out)) {
       if (out.full()) break;
@@ -120,7 +127,7 @@ void read_document(const Value& document, Reading& reading) {
   finish_events(reading);
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
   if (const Value* output = fields.find("output")) read_output(*output, reading);
-  fields.later({"loop", "spring"}, "closed loops are not supported: a mechanism is a tree");
+  fields.later({"loop"}, "closed loops are not supported: a mechanism is a tree");
   fields.later({"contact", "cable"}, "there is no contact: bodies pass through each other");
   fields.later({"scenario", "worlds", "seed", "vary", "measure"}, "this is a scenario of one world, not a sweep");
   fields.finish();
