@@ -17,6 +17,7 @@ struct PartReading {
   PartReading(const std::string& what, const Model& model) : PartReading(what) {
     scenario.model = model;
     for (int b = 0; b < model.size(); ++b) reading.bodies.emplace(model[BodyId{b}].name, Place{});
+    for (const Spring& spring : model.springs()) reading.springs.emplace(spring.name, Place{});
   }
   PartReading(const std::string& what, const World& world) : PartReading(what, world.model()) {
     for (const JointId number : present_joints(world)) {
@@ -72,6 +73,17 @@ std::vector<BodyForce> PartReader::forces(const Value& table, const Model& model
   part.check();
   const std::vector<BodyForce>& all = part.scenario.model.forces();
   return {all.begin() + static_cast<std::ptrdiff_t>(before), all.end()};
+}
+
+Spring PartReader::spring(const std::string& name, const Value& table, const Model& model) const {
+  PartReading part(what_, model);
+  for (int b = 0; b < model.size(); ++b) part.reading.joints.emplace(model[BodyId{b}].joint_name, Place{});
+  const std::size_t before = model.springs().size();
+  const Value complete = with_entry(table, "name", name);
+  read_spring(complete, part.reading);
+  part.check();
+  MT_REQUIRE(part.scenario.model.springs().size() == before + 1, "a spring without errors is added");
+  return part.scenario.model.springs().back();
 }
 
 std::vector<TriggerPart> PartReader::triggers(const Value& event, const World& world) const {

@@ -18,13 +18,13 @@ struct Load : Quantity {
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     const int number = world.find_joint(joint, number_);
     if (number >= 0) return of(world.reaction({number}));
-    const int spring = takes_springs() ? world.find_spring(joint) : -1;
+    const int spring = takes_springs() ? world.find_spring(joint, spring_) : -1;
     if (spring < 0 || !world.tree().spring_acts(spring)) return std::nullopt;
     return std::fabs(world.spring({spring}).tension);
   }
 
  private:
-  mutable std::atomic<int> number_ = -1;  // a condition may be shared by worlds in several threads
+  mutable std::atomic<int> number_ = -1, spring_ = -1;  // a condition may be shared by worlds in several threads
 };
 
 }  // namespace momentree::quantities

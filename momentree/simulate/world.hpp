@@ -132,6 +132,8 @@ class World {
   int springs() const { return tree_.spring_count(); }
   /// Number of the spring of that name, broken or not; −1 if there is none.
   int find_spring(std::string_view name) const;
+  /// The same for repeated look-ups: `number`, −1 at first, caches the result.
+  int find_spring(std::string_view name, std::atomic<int>& number) const;
   /// Coordinate (rad, m) and velocity (rad/s, m/s) of a joint with one DoF; nothing for other joints.
   std::optional<std::pair<double, double>> single_dof(JointId joint) const;
   /// Number of the joint that has that name now; −1 if there is none.

@@ -19,6 +19,16 @@ int World::find_spring(std::string_view name) const {
   return -1;
 }
 
+int World::find_spring(std::string_view name, std::atomic<int>& number) const {
+  const std::vector<Spring>& springs = model_.springs();
+  const int last = number.load(std::memory_order_relaxed);
+  if (last >= 0 && static_cast<std::size_t>(last) < springs.size() && springs[static_cast<std::size_t>(last)].name == name)
+    return last;
+  const int found = springs.empty() ? -1 : find_spring(name);
+  number.store(found, std::memory_order_relaxed);
+  return found;
+}
+
 SpringView World::spring(SpringId number) const {
   const int s = number.index;
   MT_REQUIRE(s >= 0 && s < tree_.spring_count(), "the world has a spring of that number");

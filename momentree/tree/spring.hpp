@@ -47,7 +47,9 @@ struct SpringLaw {
   double energy(double length) const { return slack(length) ? 0 : 0.5 * stiffness * (length - rest) * (length - rest); }
   /// Power that it dissipates (W), never negative.
   double dissipated(double length, double rate) const {
-    return slack(length) ? 0 : (tension(length, rate) - stiffness * (length - rest)) * rate;
+    if (slack(length)) return 0;
+    const double elastic = stiffness * (length - rest), damper = damping * rate;
+    return tension_only && !(elastic + damper > 0) ? -elastic * rate : damper * rate;
   }
 };
 

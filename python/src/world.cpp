@@ -323,8 +323,12 @@ void register_world(nb::module_& m) {
   register_body(m);
   register_joint(m);
   register_context(m);
-  nb::class_<WorldObject>(
-      m, "World", "The world of a simulation at its present instant. One that was passed to a function is valid during the call.")
+  register_spring(m);
+  nb::class_<WorldObject> world(
+      m, "World",
+      "The world of a simulation at its present instant. One that was passed to a function is valid during the call.");
+  add_springs_to(world);
+  world
       .def_prop_ro(
           "time", [](const WorldPtr& w) { return Reading(w)->time(); }, "Time (s).")
       .def_prop_ro(

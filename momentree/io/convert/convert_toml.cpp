@@ -81,6 +81,11 @@ class Converter {
         continue;
       }
       const Value::Entry* entry = scenario_.document->find(key);
+      if (const std::size_t own = springs_of(entry);
+          std::string_view(key) == "spring" && own < scenario_.model.springs().size()) {
+        add(document, key, springs(entry, own));
+        continue;
+      }
       if (!entry) continue;
       Value value = entry->value;
       if (entry->key == "mechanism") value = mechanisms(value);
@@ -141,6 +146,18 @@ class Converter {
       if (each.damping != 0) add(table, "damping", number(each.damping));
       all.push_back(value(std::move(table)));
     }
+    return value(std::move(all));
+  }
+
+  static std::size_t springs_of(const Value::Entry* entry) {
+    return entry != nullptr && entry->value.array() ? entry->value.array()->size() : 0;
+  }
+  // The springs of model files, which come first in the model, then the scenario's `own`.
+  Value springs(const Value::Entry* entry, std::size_t own) const {
+    Value::Array all;
+    for (std::size_t s = 0; s + own < scenario_.model.springs().size(); ++s)
+      all.push_back(value(describe_spring(scenario_.model.springs()[s], scenario_.model)));
+    if (own > 0) all.insert(all.end(), entry->value.array()->begin(), entry->value.array()->end());
     return value(std::move(all));
   }
 
