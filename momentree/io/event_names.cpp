@@ -17,11 +17,11 @@ struct Became {
   Kind kind;
 };
 
-// The kind of joint whose parameters have the units of those of a spring: one DoF along an axis.
+// The kind of joint whose parameters have the units of those of a spring: with one length as its coordinate.
 const KindInfo& spring_parameters() {
   for (const KindInfo& kind : all_kinds())
     if (kind.nv == 1 && kind.v_units[0] == 'm') return kind;
-  MT_REQUIRE(false, "a kind of joint slides along an axis");
+  MT_REQUIRE(false, "a kind of joint has one length as its coordinate");
   return all_kinds().front();
 }
 

@@ -22,6 +22,8 @@ SpringEnd = Union[str, _core.ModelBody, tuple[Union[str, _core.ModelBody], Vecto
 
 
 def _spring_end(end: SpringEnd) -> Any:
+    if isinstance(end, tuple) and len(end) != 2:
+        raise Error("an end of a spring is a body, or a pair of a body and a point", hint="for example ('arm/hand', (0, 0, 0.1))")
     body, point = end if isinstance(end, tuple) else (end, None)
     return given(body=body.name if isinstance(body, _core.ModelBody) else body, point=point)
 
