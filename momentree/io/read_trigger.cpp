@@ -56,7 +56,7 @@ class QuantityReader final : public QuantityFields {
     const auto text = value ? read_string(*value, key_, out_) : std::nullopt;
     if (!text) return;
     name = matched(*text, &TriggerMatch::joint);
-    reading_.joint_uses.push_back({name, key_, value->place, unknown_time});
+    reading_.joint_uses.push_back({name, key_, value->place, unknown_time, false, springs_too_});
   }
 
   void mechanism(std::string& name) override {

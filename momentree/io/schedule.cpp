@@ -38,7 +38,7 @@ class ScheduleChecker {
   const ActionBase& action(const At& at) const { return *event(at.first).actions[at.second]; }
   std::string key(const At& at) const { return std::string(action(at).key()); }
   std::string thing(const At& at) const {
-    const std::string& name = action(at).joints().front();
+    const std::string name = action(at).joints().front();
     return (schedule_.springs.contains(name) ? "spring " : "joint ") + in_quotes(name);
   }
   std::string described(const At& at) const {

@@ -96,7 +96,7 @@ constexpr Mistake mistakes_in_events[] = {
     {"[[spring]]", "c d damper viscosity dampingcoefficient", "damping", "damping = \"10 N s/m\""},
     {"[[spring]]", "length l l0 springlength freelength restlength unstretchedlength naturallength reference equilibrium", "rest",
      "rest = \"1.5 m\""},
-    {"[[spring]]", "unilateral rope cable tensiononly pullonly onlytension", "tension_only", "tension_only = true"},
+    {"[[spring]]", "unilateral rope cable pullonly onlytension ropelike", "tension_only", "tension_only = true"},
     {"[[spring]]", "maxforce breakforce breakingforce breakload maxload breakingload limit", "strength", "strength = \"4 kN\""},
     {"[[spring]]", "joint", "", "a spring of a joint is given by its own keys: stiffness and rest in [mechanism.body.joint]"},
 

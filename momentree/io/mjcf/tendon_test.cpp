@@ -19,7 +19,8 @@ std::string arm(const std::string& tendons, const std::string& defaults = "") {
   return "<mujoco model='m'>" + defaults +
          "<worldbody><site name='top' pos='0 0 3'/><body name='a' pos='1 0 0'><geom size='0.1'/>"
          "<joint type='slide' axis='1 0 0' ref='0.5'/><site name='one' pos='0 0 1'/>"
-         "<body name='b' pos='0 2 0'><geom size='0.1'/><joint name='x'/><joint type='ball'/><site name='two' pos='0 1 0'/>"
+         "<body name='b' pos='0 2 0'><geom size='0.1'/><joint name='x' axis='1 0 0'/><joint name='y' axis='0 1 0'/><site "
+         "name='two' pos='0 1 0'/>"
          "<site fromto='0 0 0 2 0 0' name='three'/></body></body></worldbody>\n<tendon>" +
          tendons + "</tendon></mujoco>";
 }
@@ -79,11 +80,11 @@ TEST_CASE("MJCF: springlength, ropes, classes of tendons, and the mechanism's po
 TEST_CASE("MJCF: tendons that are no springs are left out, by name and with the reason") {
   const std::string hint = "; only a straight tendon between two sites is a spring here";
   CHECK(warnings("<spatial name='t' stiffness='1'><site site='top'/><geom geom='g'/><site site='two'/></spatial>") ==
-        "m.xml:2:68: warning: tendon 't' is left out: its path has a geom around which it wraps" + hint);
+        "m.xml:2:59: warning: tendon 't' is left out: its path has a geom around which it wraps" + hint);
   CHECK(warnings("<spatial name='t' stiffness='1'><site site='top'/><site site='one'/><site site='two'/></spatial>") ==
         "m.xml:2:9: warning: tendon 't' is left out: its path has 3 sites" + hint);
   CHECK(warnings("<spatial name='t' stiffness='1'><site site='top'/><pulley divisor='2'/><site site='two'/></spatial>") ==
-        "m.xml:2:50: warning: tendon 't' is left out: its path has a pulley" + hint);
+        "m.xml:2:59: warning: tendon 't' is left out: its path has a pulley" + hint);
   CHECK(warnings(spatial("name='t' stiffness='1' springlength='0.2 0.5'")) ==
         "m.xml:2:55: warning: tendon 't' is left out: there is no force between the two lengths of springlength; "
         "springlength=\"0 LENGTH\" is a rope, and one number a spring");
@@ -98,7 +99,7 @@ TEST_CASE("MJCF: tendons that are no springs are left out, by name and with the 
 
 TEST_CASE("MJCF: wrong tendons are errors") {
   CHECK(errors_of(arm(spatial("name='t' stiffness='1'", "top", "tow")), "m.xml") ==
-        "m.xml:2:68: error: site: there is no site 'tow'; did you mean 'two'?");
+        "m.xml:2:71: error: site: there is no site 'tow'; did you mean 'top'?");
   CHECK(errors_of(arm(spatial("name='t' stiffness='-1'")), "m.xml").find("stiffness: must not be negative") != std::string::npos);
   CHECK(errors_of(arm(spatial("name='t' stiffness='1'") + spatial("name='t' stiffness='1'")), "m.xml")
             .find("duplicate tendon 't'") != std::string::npos);
