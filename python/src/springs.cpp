@@ -82,9 +82,8 @@ void register_spring(nb::module_& m) {
       });
 }
 
-void add_springs_to(nb::class_<WorldObject>& world) {
-  world
-      .def_prop_ro(
+void add_springs_to(nb::class_<WorldObject>& type) {
+  type.def_prop_ro(
           "springs", [](const WorldPtr& w) { return python_class("_world", "Springs")(w); },
           "The springs between points of bodies, by name: a mapping. Those that are broken stay in it.")
       .def("_spring",

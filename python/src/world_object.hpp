@@ -48,7 +48,7 @@ BodyId body_of(const World& world, const SimulationObject& object, nb::handle na
 JointId joint_of(const World& world, const SimulationObject& object, nb::handle name);
 /// springs.cpp
 void register_spring(nb::module_& m);
-void add_springs_to(nb::class_<WorldObject>& world);
+void add_springs_to(nb::class_<WorldObject>& type);
 
 /// Names in place of handles, in arguments of actions and conditions.
 nb::object name_of(nb::handle handle);
