@@ -145,7 +145,7 @@ class Model(_core.ModelBase):
 
         Its force is along the line between the points: stiffness·(length − rest) + damping·(rate of the length) pulls them
         together. It stays with the bodies, whatever they are joined to. ``sim.world.springs[name]`` has its length and tension;
-        ``break_joint`` breaks it, ``reaction_force`` is the size of its force.
+        ``break_joint`` breaks it, and ``reaction(name).force`` is the size of its force.
 
         Args:
             name: Unique among springs and joints.

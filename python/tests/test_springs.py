@@ -22,7 +22,7 @@ def hung(**keys: Any) -> mt.Model:
 
 def test_a_mass_on_a_spring_swings_as_the_closed_form_says() -> None:
     sim = mt.Simulation(hung(), method="dop853", rtol=1e-12, atol=1e-13)
-    run = sim.run(2.0, every=0.01)
+    run = sim.run(2.0, record_every=0.01)
     w, sag = math.sqrt(25), 2 * 9.81 / 50
     rope = run.springs["rope"]
     length = 1 + sag * (1 - np.cos(w * run.time))
@@ -41,7 +41,7 @@ def test_a_mass_on_a_spring_swings_as_the_closed_form_says() -> None:
 def test_springs_break_by_events_conditions_and_their_strength() -> None:
     by_event = mt.Simulation(hung(), method="dopri5")
     by_event.at(0.3).then(mt.break_joint("rope"))
-    run = by_event.run(0.5, every=0.1)
+    run = by_event.run(0.5, record_every=0.1)
     assert by_event.world.springs["rope"].broken and by_event.world.springs["rope"].tension == 0
     assert np.isnan(run.springs["rope"].tension[-1]) and not np.isnan(run.springs["rope"].tension[0])
     event = run.events[0]
@@ -52,7 +52,7 @@ def test_springs_break_by_events_conditions_and_their_strength() -> None:
     time = math.acos(1 - 30 / (2 * 9.81)) / 5
     assert by_strength.events[0].name == "strength of rope" and math.isclose(by_strength.events[0].time, time, abs_tol=1e-6)
     by_condition = mt.Simulation(hung(), method="dopri5")
-    by_condition.when(mt.reaction_force("rope") > "30 N").then(mt.set_parameters("rope", stiffness=0, damping=3))
+    by_condition.when(mt.reaction("rope").force > "30 N").then(mt.set_parameters("rope", stiffness=0, damping=3))
     by_condition.run(1.0)
     assert math.isclose(by_condition.events[0].time, time, abs_tol=1e-6)
     assert by_condition.world.springs["rope"].stiffness == 0
