@@ -50,7 +50,7 @@ export class SpringLines {
   }
 
   fit(camera: THREE.PerspectiveCamera, height: number, radius: number) {
-    this.lines.fit(camera, height, 0.3 * radius, this.faded > 0 ? 1 : 1.8);
+    this.lines.fit(camera, height, 0.1 * radius, this.faded > 0 ? 1 : 2);
   }
 
   dispose() {
