@@ -5,7 +5,9 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/springs.hpp>
+#include <momentree/integrate/stiffness.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
 
@@ -370,4 +372,53 @@ TEST_CASE("tensions, rates and energies agree with the power of the forces in a 
   CHECK(spring.rate == doctest::Approx(dot(direction, velocity_of(motion, {0.4, 0.1, 0}))).epsilon(1e-12));
   CHECK(spring.tension == doctest::Approx(300 * (spring.length - 1.5) + 8 * spring.rate).epsilon(1e-12));
   CHECK(std::fabs(sim.energy().error) < 1e-8);
+}
+
+TEST_CASE("springs that are too stiff for fixed steps: the mass that they move, and steps on both sides of the limit") {
+  const auto judged = [](const Model& model, std::string_view method, double step) {
+    const Tree tree(model);
+    return too_stiff_spring(tree, start_state(model, tree).q(), method, step);
+  };
+  const Model model = pair_of_masses();  // 40 N/m on 1.2 kg
+  const double w = std::sqrt(40 / 1.2);
+  CHECK(!judged(model, "rk4", 0.1));
+  CHECK(!judged(model, "dopri5", 10));
+  const auto stiff = judged(model, "rk4", 1);
+  REQUIRE(stiff);
+  CHECK(stiff->mass == doctest::Approx(1.2));
+  CHECK(stiff->longest_step * w == doctest::Approx(2 * std::numbers::sqrt2).epsilon(0.06));  // not before it is certain
+  CHECK(stiff->what("rod", 1) == "spring 'rod' (stiffness = 40 N/m on 1.2 kg) is too stiff for steps of 1 s");
+  for (const double factor : {0.93, 1.05}) {
+    Simulation sim(model, {.method = "rk4", .variables = Variables::momenta, .step = factor * stiff->longest_step});
+    const RunResult run = sim.run_until(400 * stiff->longest_step);
+    const bool stays = run && sim.world().totals().potential < 100;
+    CHECK(stays == (factor < 1));
+  }
+  const auto damper = judged(pair_of_masses(300), "rk4", 0.05);
+  REQUIRE(damper);
+  CHECK(damper->damper);
+  CHECK(damper->longest_step == doctest::Approx(2.785 * 1.2 / 300).epsilon(0.01));
+  Model rope({.gravity = {}});
+  const BodyId a = rope.add(hanging(1, -1));
+  rope.add_spring({.name = "s", .from = {ground, {}}, .to = {a, {}}, .stiffness = 1e9, .rest = 2, .tension_only = true});
+  CHECK(!judged(rope, "rk4", 1));  // slack
+}
+
+TEST_CASE("with fixed steps the error that the kink of a rope causes falls with the square of the step") {
+  double errors[2] = {};
+  for (int k = 0; k < 20; ++k) {
+    const double L = 1 + 0.01 * k;
+    Model model({.gravity = {0, 0, -9.81}});
+    const BodyId a = model.add(hanging(2, -0.4));
+    model.add_spring({.name = "cord", .from = {ground, {}}, .to = {a, {}}, .stiffness = 500, .rest = L, .tension_only = true});
+    Simulation exact(model, precise(Variables::momenta));
+    REQUIRE(exact.run_until(1));
+    for (const int fine : {0, 1}) {
+      Simulation sim(model, {.method = "rk4", .variables = Variables::momenta, .step = fine != 0 ? 1e-3 : 8e-3});
+      REQUIRE(sim.run_until(1));
+      errors[fine] += std::fabs(sim.world().state().q()[0] - exact.world().state().q()[0]);
+    }
+  }
+  CHECK(errors[0] / errors[1] > 20);
+  CHECK(errors[0] / errors[1] < 250);
 }
