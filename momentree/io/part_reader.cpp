@@ -134,7 +134,9 @@ std::shared_ptr<momentree::Quantity> PartReader::quantity(const Value& table, co
   for (const std::string& joint : joints) part.reading.joints.emplace(joint, Place{});
   std::shared_ptr<momentree::Quantity> found = read_quantity(table, "a measure", part.reading);
   for (const Reading::JointUse& use : part.reading.joint_uses)
-    if (!part.reading.joints.contains(use.name))
+    if (part.reading.springs.contains(use.name)) {
+      if (!use.springs_too) part.out.error(use.place, use.key + ": " + in_quotes(use.name) + " is a spring, not a joint", "");
+    } else if (!part.reading.joints.contains(use.name))
       part.out.error(use.place, use.key + ": there is no joint " + in_quotes(use.name),
                      part.reading.suggest(use.name, part.reading.joints));
   part.check();

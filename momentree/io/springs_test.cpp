@@ -194,10 +194,17 @@ TEST_CASE("a run that is continued from a document, or from a checkpoint, has th
       Session third(scenario);
       static_cast<void>(third.schedule());
       third.simulation().observe(0.01, [](const World&) { return true; });
+      require_fit(third.simulation(), back, "c");
       continue_run(third.simulation(), back);
       REQUIRE(third.simulation().run_until(2));
       CHECK(document(third) == end);
       CHECK(third.simulation().events().size() == 3);
+
+      Checkpoint damaged = back;
+      damaged.run.world.engine.topology.springs.push_back({7, true, {}});
+      CHECK(test::error_of([&] { require_fit(third.simulation(), damaged, "c"); }).find("is damaged") != std::string::npos);
+      damaged.run.world.engine.topology.springs.back() = {0, false, {.stiffness = -1}};
+      CHECK(test::error_of([&] { require_fit(third.simulation(), damaged, "c"); }).find("is damaged") != std::string::npos);
     }
   }
 }
