@@ -17,8 +17,11 @@ void add_springs(Draft& draft) {
     entries.emplace_back("to", end(exchanged ? from : to));
     entries.emplace_back("stiffness", choose.magnitude(-1, 0));
     if (choose.chance(0.5)) entries.emplace_back("rest", choose.number(0, 2));
-    if (choose.chance(0.5)) entries.emplace_back("damping", choose.magnitude(-2, -1));
-    if (choose.chance(0.3)) entries.emplace_back("tension_only", "true");
+    // Not both: where the damper keeps such a spring from pulling, the ledger depends on the step more than the motion does.
+    if (const bool damped = choose.chance(0.5); damped)
+      entries.emplace_back("damping", choose.magnitude(-2, -1));
+    else if (choose.chance(0.6))
+      entries.emplace_back("tension_only", "true");
     if (!draft.certain && choose.chance(0.3)) entries.emplace_back("strength", choose.magnitude(-1, 0));
     draft.text += "\n[[spring]]\n" + lines(entries);
     if (choose.chance(0.5))
