@@ -47,10 +47,21 @@ std::string evaluation_text(const World& world, const Style& style) {
     bodies.row({model[BodyId{b}].name, vector_text(a.linear), vector_text(a.angular)});
   }
   for (const JointId loop : world.loops()) show_joint(loop);
+  std::string springs;
+  if (world.springs() > 0) {
+    Table table;
+    table.row({"spring", "length", "rate", "tension"});
+    for (int s = 0; s < world.springs(); ++s) {
+      const SpringView spring = world.spring({s});
+      table.row({std::string(spring.name), format("%.9g", spring.length), format("%.9g", spring.rate),
+                 spring.broken ? "broken" : format("%.9g", spring.tension)});
+    }
+    springs = '\n' + style.heading("Springs") + " (m, m/s, N)\n" + table.text("  ");
+  }
   return style.heading("World") + '\n' + sums.text("  ") + '\n' + style.heading("Joints") + " (m, rad, s, kg)\n" +
          joints.text("  ") + '\n' + style.heading("Reactions") + " (N, N m; about the body's origin, in its axes)\n" +
          reactions.text("  ") + '\n' + style.heading("Accelerations") +
-         " (m/s², rad/s²; of the body's origin, in the world's axes)\n" + bodies.text("  ");
+         " (m/s², rad/s²; of the body's origin, in the world's axes)\n" + bodies.text("  ") + springs;
 }
 
 }  // namespace

@@ -153,6 +153,7 @@ std::string totals_text(const World& world) {
   row("bodies", format("%d", world.model().size()));
   row("joints", joints_by_kind(world));
   row("degrees of freedom", format("%d", world.tree().nv()));
+  if (world.springs() > 0) row("springs", format("%d", world.springs()));
   row("mass", mass_text(mass));
   const Vec3 g = world.model().gravity();
   row("gravity", format("%g %g %g m/s²", g.x, g.y, g.z));
@@ -181,6 +182,25 @@ std::string when_text(const io::ScenarioEvent& event) {
 
 }  // namespace
 
+namespace {
+
+std::string springs_text(const World& world, const Style& style) {
+  if (world.springs() == 0) return "";
+  std::string text = '\n' + style.heading("Springs") + '\n';
+  const auto name = [&](const SpringEnd& end) { return end.body == ground ? "ground" : world.model()[end.body].name; };
+  for (int s = 0; s < world.springs(); ++s) {
+    const SpringView spring = world.spring({s});
+    text += "  " + std::string(spring.name) + ": from " + name(spring.from) + " to " + name(spring.to) +
+            format(", %g N/m, %g m long, %g m at rest", spring.law.stiffness, spring.length, spring.law.rest);
+    if (spring.law.tension_only) text += ", pulls only";
+    if (std::isfinite(spring.law.strength)) text += format(", breaks at %g N", spring.law.strength);
+    text += spring.broken ? ", broken\n" : "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
 int explain(const ExplainOptions& options) {
   const std::shared_ptr<const io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
@@ -202,6 +222,7 @@ int explain(const ExplainOptions& options) {
             count_text(dofs, "degree of freedom", "degrees of freedom") + ", " + mass_text(mass) + '\n' +
             drawing.of(mechanism.root);
   }
+  text += springs_text(world, style);
   if (!scenario->events.empty()) text += '\n' + style.heading("Events") + '\n';
   for (const io::ScenarioEvent& event : scenario->events)
     for (const Action& action : event.actions) text += "  " + when_text(event) + ": " + action.text() + '\n';

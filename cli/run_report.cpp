@@ -68,7 +68,9 @@ std::string event_text(const Event& event, const Style& style) {
   add_conserved(table, "linear momentum", "N s", a.linear, b.linear);
   add_conserved(table, "angular momentum", "N m s", a.angular, b.angular);
   text += '\n' + table.text("    ");
-  if (event.released != 0) text += format("    released with the degree of freedom: %.9g J\n", event.released);
+  if (event.released != 0)
+    text += format("    released with %s: %.9g J\n",
+                   event.topology.broken_springs.empty() ? "the degree of freedom" : "what broke", event.released);
   return text;
 }
 

@@ -173,6 +173,32 @@ TEST_CASE("crane: the trolley keeps to its plan, the rope parts at its strength,
   CHECK(run.final_state.at("armed").at("lands").at("done") == true);
 }
 
+TEST_CASE("guyed_mast: the guys hold it in the wind, the west one parts at its strength, the mast stays where it lands") {
+  const Run run("guyed_mast");
+  REQUIRE(run.events.size() == 2);
+  CHECK(run.events[0].at("event") == "strength of west guy");
+  CHECK(run.events[0].at("actions") == Json{"break west guy"});
+  CHECK(run.events[0].at("changes")[0].at("spring") == "west guy");
+  CHECK(run.events[0].at("topology").at("broken_springs") == Json{"west guy"});
+  CHECK(run.events[0].at("released").get<double>() == doctest::Approx(0.5 * 1e8 / 250e3).epsilon(0.05));  // but for its damper
+  CHECK(run.events[1].at("event") == "lands");
+  CHECK(std::fabs(run.energy("error")) < 1e-2);
+  const auto springs = run.table("springs.csv"), bodies = run.table("bodies.csv");
+  const double parts = run.events[0].at("time");
+  const std::vector<double>& time = springs.at("time");
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    CHECK(springs.at("north guy.tension")[k] >= 0);
+    CHECK(std::isnan(springs.at("west guy.tension")[k]) == (time[k] >= parts));
+    if (time[k] >= parts) continue;
+    CHECK(springs.at("west guy.tension")[k] < 10e3);
+    CHECK(std::fabs(bodies.at("mast/pole.qw")[k]) > std::cos(0.5 * std::numbers::pi / 180));  // upright to a degree
+  }
+  CHECK(springs.at("north guy.tension")[0] == doctest::Approx(5e3).epsilon(0.1));
+  CHECK(run.final_state.at("springs").at("west guy").at("broken") == true);
+  CHECK(run.final_state.at("springs").at("north guy").at("broken") == false);
+  REQUIRE(run.command("view '" + run.path("") + "' --svg '" + run.path("mast.svg") + "' >/dev/null") == 0);
+}
+
 TEST_CASE("servo_arm: soft stops give way a little, a jam holds, the motors bring the arm to its target") {
   const Run run("servo_arm");
   REQUIRE(run.events.size() == 2);

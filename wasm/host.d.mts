@@ -69,6 +69,8 @@ export interface Topology {
     bodies: readonly number[];
   }[];
   readonly joints: readonly TopologyJoint[];
+  /** Absent if the model has no springs. */
+  readonly broken_springs?: readonly string[];
 }
 
 export interface WorldTotals {

@@ -66,7 +66,14 @@ std::string topology_json(const World& world) {
     json.member("damping", p.damping.of(0)).member("force", p.strength.force).member("torque", p.strength.torque);
     json.end_object();
   }
-  json.end_array().end_object();
+  json.end_array();
+  if (world.springs() > 0) {
+    json.key("broken_springs").begin_array();
+    for (int s = 0; s < world.springs(); ++s)
+      if (const SpringView spring = world.spring({s}); spring.broken) json.value(spring.name);
+    json.end_array();
+  }
+  json.end_object();
   return text;
 }
 

@@ -4,6 +4,7 @@
 
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/evaluation_context.hpp>
+#include <momentree/dynamics/springs.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -14,8 +15,9 @@ Vec3 value(const std::array<Signal, 3>& signals, double t) noexcept {
   return {signals[0].value(t), signals[1].value(t), signals[2].value(t)};
 }
 
-// Orientations and velocities of the loaded bodies and of all bodies inboard of them.
+// Poses and velocities of the loaded bodies and of all bodies inboard of them; the places only for springs.
 void move_loaded_bodies(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept {
+  const bool places = tree.spring_count() > 0;
   for (const int b : tree.loaded_bodies()) {
     const int outer = tree.parent(b);
     Kinematics<double>& own = workspace.bodies[static_cast<std::size_t>(b)];
@@ -25,6 +27,10 @@ void move_loaded_bodies(const Tree& tree, const double* q, Workspace<double>& wo
       using K = typename decltype(tag)::type;
       const DenseTransform<double> x = dense_transform<K, double>(tree.link(b), joint);
       own.R = outer < 0 ? x.R : workspace.bodies[static_cast<std::size_t>(outer)].R * x.R;
+      if (places) {
+        const Kinematics<double>* const from = outer < 0 ? nullptr : &workspace.bodies[static_cast<std::size_t>(outer)];
+        own.r = from == nullptr ? x.r : from->r + from->R * x.r;
+      }
       x.outboard(own.velocity);
       own.velocity = K::template spatial_velocity<double>(tree.link(b), joint, own.velocity, workspace.v.get() + tree.first_p(b));
     });
@@ -77,6 +83,7 @@ void find_loads(const Tree& tree, double t, const double* q, Workspace<double>& 
     const auto i = static_cast<std::size_t>(b);
     workspace.loads[i] += wrench_of(force, tree.frame(b), workspace.bodies[i], t, workspace.power);
   }
+  add_spring_loads(tree, workspace);
   if (!tree.body_functions().empty()) call_functions(tree, t, q, workspace);
 }
 

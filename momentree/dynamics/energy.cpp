@@ -3,6 +3,7 @@
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
 #include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/springs.hpp>
 
 namespace momentree {
 
@@ -36,6 +37,8 @@ Totals totals(const Tree& tree, const State& state, Workspace<double>& workspace
   for (int b : tree.forced_joints()) sum.potential += stop_energy(tree, state, b);
   if (tree.has_loops()) sum.loops = loop_status(tree, state, workspace);
   for (std::size_t i = 0; i < tree.loops().size(); ++i) sum.potential += loop_energy(tree, workspace, static_cast<int>(i));
+  for (int s = 0; s < tree.spring_count(); ++s)
+    if (tree.spring_acts(s)) sum.potential += tree.spring_law(s).energy(spring_motion(tree, workspace, s).length);
   return sum;
 }
 

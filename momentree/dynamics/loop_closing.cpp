@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/springs.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/joint/dispatch.hpp>
 
@@ -78,6 +79,8 @@ double energy_at(const Tree& tree, const double* q, Workspace<double>& workspace
   }
   for (int i = 0; i < tree.nv(); ++i) energy += 0.5 * tree.armature()[i] * workspace.v[at(i)] * workspace.v[at(i)];
   for (const int b : tree.spring_joints()) energy += joint_spring(tree, q, b, force);
+  for (int s = 0; s < tree.spring_count(); ++s)
+    if (tree.spring_acts(s)) energy += tree.spring_law(s).energy(spring_motion(tree, workspace, s).length);
   for (std::size_t i = 0; i < tree.loops().size(); ++i) energy += loop_energy(tree, workspace, static_cast<int>(i));
   return energy;
 }

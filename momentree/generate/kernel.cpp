@@ -155,6 +155,10 @@ std::vector<OtherForce> other_forces(const Tree& tree) {
     if (tree.alive(body)) found.push_back({body, what, true});
   };
   for (const BodyForce& force : tree.body_forces()) on_body(force.body.index, "a force that acts on it");
+  for (int s = 0; s < tree.spring_count(); ++s)
+    for (const SpringEnd* end :
+         {&tree.springs()[static_cast<std::size_t>(s)].from, &tree.springs()[static_cast<std::size_t>(s)].to})
+      if (tree.spring_acts(s) && end->body != ground) on_body(end->body.index, "a spring that pulls it");
   for (const Topology::Loaded& load : tree.body_functions()) on_body(load.body, "a function that acts on it");
   return found;
 }

@@ -5,7 +5,10 @@
 #include <cstdio>
 #include <vector>
 
+#include <momentree/dynamics/equations.hpp>
 #include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/springs.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/integrate/method_list.hpp>
 #include <momentree/integrate/methods.hpp>
 
@@ -127,6 +130,57 @@ std::optional<StiffJoint> too_stiff(const Tree& tree, std::span<const double> q,
     };
     consider(true, damping * mobility, limits.damper);
     consider(false, swing(method == "damped"), limits.spring);
+  }
+  return worst;
+}
+
+std::string StiffSpring::what(std::string_view name, double step) const {
+  return std::string(damper ? "the damper of spring '" : "spring '") + std::string(name) + "' (" +
+         (damper ? "damping = " : "stiffness = ") + text(coefficient) + (damper ? " N s/m" : " N/m") + " on " + text(mass) +
+         " kg) is too stiff for steps of " + text(step) + " s";
+}
+
+std::string StiffSpring::cure() const { return "use a step below " + text(longest_step) + " s, or an adaptive method: dopri5"; }
+
+std::optional<StiffSpring> too_stiff_spring(const Tree& tree, std::span<const double> q, std::string_view method, double step) {
+  const Limits limits = limits_of(method);
+  if (tree.spring_count() == 0 || tree.nv() == 0 || !std::isfinite(limits.spring)) return {};
+  const auto n = static_cast<std::size_t>(tree.nv());
+  State state(tree);
+  state.assign(0, q, std::vector<double>(n), tree);
+  Workspace<double> workspace(tree);
+  std::vector<double> J(6 * n), p(n), u(n);
+  constexpr std::size_t most_numbers = 20'000'000;
+  int left = static_cast<int>(std::min<std::size_t>(1 + most_numbers / (6 * n), 100'000));
+  std::optional<StiffSpring> worst;
+  double worst_excess = 1;
+  for (int s = 0; s < tree.spring_count() && left > 0; ++s) {
+    if (!tree.spring_acts(s)) continue;
+    locate_bodies(tree, state, workspace);
+    const SpringMotion motion = spring_motion(tree, workspace, s);
+    const SpringLaw& law = tree.spring_law(s);
+    if (!(motion.length > 0) || law.slack(motion.length)) continue;
+    --left;
+    std::fill(p.begin(), p.end(), 0.0);  // momenta of unit impulses at both ends
+    const Spring& spring = tree.springs()[static_cast<std::size_t>(s)];
+    for (const auto& [end, sign] : {std::pair{spring.from, -1.0}, {spring.to, 1.0}}) {
+      if (end.body == ground) continue;
+      point_jacobian(tree, state, workspace, end.body, end.point, J.data());
+      const Vec3 along = sign * motion.direction;
+      for (std::size_t i = 0; i < n; ++i) p[i] += along.x * J[i] + along.y * J[n + i] + along.z * J[2 * n + i];
+    }
+    solve_mass(tree, state, workspace, p.data(), u.data());
+    double mobility = 0;
+    for (std::size_t i = 0; i < n; ++i) mobility += p[i] * u[i];
+    if (!(mobility > 0) || !std::isfinite(mobility)) continue;
+    const auto consider = [&](bool damper, double rate, double limit) {
+      const double excess = rate * step / limit;
+      if (!(excess > worst_excess)) return;
+      worst_excess = excess;
+      worst = StiffSpring{s, damper, damper ? law.damping : law.stiffness, 1 / mobility, limit / rate};
+    };
+    if (method != "damped") consider(true, law.damping * mobility, limits.damper);
+    consider(false, std::sqrt(law.stiffness * mobility), limits.spring);
   }
   return worst;
 }

@@ -32,4 +32,21 @@ struct StiffJoint {
 /// fixed-step methods. In very large worlds it checks only those with the largest coefficients. Set-up only: allocates.
 std::optional<StiffJoint> too_stiff(const Tree& tree, std::span<const double> q, std::string_view method, double step);
 
+/// A spring between two points, or its damper, that makes steps of some length unstable.
+struct StiffSpring {
+  int spring = -1;
+  bool damper = false;      ///< true: its damper
+  double coefficient = 0;   ///< damping (N s/m) or stiffness (N/m)
+  double mass = 0;          ///< mass against a force along the spring, with all joints free (kg)
+  double longest_step = 0;  ///< longest stable step (s)
+
+  /// "spring 'rope' (stiffness = 1e+06 N/m on 0.5 kg) is too stiff for steps of 0.01 s".
+  std::string what(std::string_view name, double step) const;
+  /// "use a step below 0.002 s, or an adaptive method".
+  std::string cure() const;
+};
+
+/// The same for springs between two points that are not slack at coordinates q; their dampers are explicit in every method.
+std::optional<StiffSpring> too_stiff_spring(const Tree& tree, std::span<const double> q, std::string_view method, double step);
+
 }  // namespace momentree

@@ -1,5 +1,6 @@
 // Checks that need all events: parts without mass, and actions that are impossible or have no effect when they happen.
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include <momentree/io/number_text.hpp>
@@ -91,6 +92,8 @@ std::unordered_map<std::string, double> earliest_instants(const Scenario& scenar
   };
   for (const BodySpec& body : scenario.model.bodies())  // joints break by themselves, too
     if (body.joint.parameters.strength.any()) take("strength of " + body.joint_name, 0);
+  for (const Spring& spring : scenario.model.springs())
+    if (std::isfinite(spring.strength)) take("strength of " + spring.name, 0);
   std::unordered_map<std::string_view, std::vector<const ScenarioEvent*>> followers;
   for (const ScenarioEvent& event : scenario.events) {
     if (event.after.empty())

@@ -96,6 +96,9 @@ class IntegrationChecker {
     if (const auto stiff = too_stiff(tree, state.q(), how_.method, step)) {
       const std::string& name = model[BodyId{stiff->joint}].joint_name;
       out_.warning(at_.step, stiff->what(name, step) + " by " + how_.method, stiff->cure());
+    } else if (const auto spring = too_stiff_spring(tree, state.q(), how_.method, step)) {
+      const std::string& name = model.springs()[static_cast<std::size_t>(spring->spring)].name;
+      out_.warning(at_.step, spring->what(name, step) + " by " + how_.method, spring->cure());
     } else {
       first_step(tree, state, step);
     }

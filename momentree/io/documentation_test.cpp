@@ -93,6 +93,7 @@ TEST_CASE("the tables of the documentation have the keys of the schema") {
                                           {"### `[mechanism.body.joint]`", "/definitions/joint"},
                                           {"### `[[coupling]]`", "/definitions/coupling"},
                                           {"### `[[force]]`", "/definitions/force"},
+                                          {"### `[[spring]]`", "/definitions/spring"},
                                           {"### `[[event]]`", "/definitions/event"},
                                           {"### `[integrate]` and `[output]`", "/properties/integrate"}}) {
     CAPTURE(heading);

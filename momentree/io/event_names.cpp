@@ -17,6 +17,14 @@ struct Became {
   Kind kind;
 };
 
+// The kind of joint whose parameters have the units of those of a spring: with one length as its coordinate.
+const KindInfo& spring_parameters() {
+  for (const KindInfo& kind : all_kinds())
+    if (kind.nv == 1 && kind.v_units[0] == 'm') return kind;
+  MT_REQUIRE(false, "a kind of joint has one length as its coordinate");
+  return all_kinds().front();
+}
+
 class Names {
  public:
   explicit Names(Reading& reading) : reading_(reading), model_(reading.scenario.model) {
@@ -61,6 +69,7 @@ class Names {
 
   /// The kind of the joint at that time, as far as the file determines it; null otherwise.
   const KindInfo* kind_of(const std::string& joint, double time) const {
+    if (model_.has_spring(joint)) return &spring_parameters();
     const KindInfo* kind = model_.has_joint(joint) ? &info(model_.joint_spec(model_.joint(joint)).kind) : nullptr;
     const auto found = became_.find(joint);
     if (found == became_.end()) return kind;
@@ -173,7 +182,10 @@ void report_unknown(const Reading::JointUse& use, Reading& reading) {
   if (hint.empty() && reading.events.contains(target)) hint = "the event of that name makes no joint, or several";
   if (hint.empty()) hint = reading.suggest(target, reading.made);
   if (hint.empty()) hint = reading.suggest(target, reading.joints);
-  reading.out.error(use.place, use.key + ": there is no joint " + in_quotes(target), std::move(hint));
+  const bool springs = use.springs_too && !reading.springs.empty();
+  if (hint.empty() && springs) hint = reading.suggest(target, reading.springs);
+  reading.out.error(use.place, use.key + ": there is no joint " + (springs ? "or spring " : "") + in_quotes(target),
+                    std::move(hint));
 }
 
 }  // namespace
@@ -191,7 +203,11 @@ void finish_events(Reading& reading) {
   }
   wild.drop_idle(reading.scenario.events);
   for (const Reading::JointUse& use : reading.joint_uses)
-    if (!names.known(use.name))
+    if (reading.springs.contains(use.name)) {
+      if (!use.springs_too)
+        reading.out.error(use.place, use.key + ": " + in_quotes(use.name) + " is a spring, not a joint",
+                          "a spring can break and be set, and has a reaction_force");
+    } else if (!names.known(use.name))
       report_unknown(use, reading);
     else if (names.still_to_come(use))
       reading.out.error(use.place, use.key + ": joint " + in_quotes(use.name) + " does not exist yet: it is made later, on " +

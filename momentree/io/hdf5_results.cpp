@@ -14,7 +14,7 @@ void write_hdf5_results(const std::filesystem::path& folder, const RunOrigin& or
   if (!origin.title.empty()) file->file_attribute("title", origin.title);
   file->file_attribute("scenario", origin.file);
   file->file_attribute("scenario_hash", origin.hash);
-  for (const std::string name : {"bodies", "joints", "energy"}) {
+  for (const std::string name : {"bodies", "joints", "energy", "springs"}) {
     const std::filesystem::path csv = folder / (name + ".csv");
     if (!is_there(csv)) continue;
     const NumberTable table(csv);

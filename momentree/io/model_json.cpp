@@ -63,6 +63,25 @@ void write_mechanisms(JsonWriter& json, const World& world) {
   json.end_array();
 }
 
+// `model.json` of a model without springs has no such member.
+void write_springs(JsonWriter& json, const World& world) {
+  const Model& model = world.model();
+  if (model.springs().empty()) return;
+  json.key("springs").begin_object();
+  for (int s = 0; s < world.springs(); ++s) {
+    const SpringView spring = world.spring({s});
+    json.key(spring.name).begin_object();
+    for (const auto& [key, end] : {std::pair{"from", spring.from}, {"to", spring.to}}) {
+      json.key(key).begin_object().key("body");
+      json.value(end.body == ground ? "ground" : model[end.body].name).member("point", end.point).end_object();
+    }
+    json.member("stiffness", spring.law.stiffness).member("rest", spring.law.rest).member("damping", spring.law.damping);
+    json.member("tension_only", spring.law.tension_only).member("strength", spring.law.strength).member("broken", spring.broken);
+    json.end_object();
+  }
+  json.end_object();
+}
+
 }  // namespace
 
 std::string model_json(const World& world, const std::string& title, const std::vector<Shape>& shapes) {
@@ -103,7 +122,9 @@ std::string model_json(const World& world, const std::string& title, const std::
     write_joint_frame(json, joint);
     json.end_object();
   }
-  json.end_object().end_object();
+  json.end_object();
+  write_springs(json, world);
+  json.end_object();
   text += '\n';
   return text;
 }

@@ -17,6 +17,7 @@ struct PartReading {
   PartReading(const std::string& what, const Model& model) : PartReading(what) {
     scenario.model = model;
     for (int b = 0; b < model.size(); ++b) reading.bodies.emplace(model[BodyId{b}].name, Place{});
+    for (const Spring& spring : model.springs()) reading.springs.emplace(spring.name, Place{});
   }
   PartReading(const std::string& what, const World& world) : PartReading(what, world.model()) {
     for (const JointId number : present_joints(world)) {
@@ -74,6 +75,17 @@ std::vector<BodyForce> PartReader::forces(const Value& table, const Model& model
   return {all.begin() + static_cast<std::ptrdiff_t>(before), all.end()};
 }
 
+Spring PartReader::spring(const std::string& name, const Value& table, const Model& model) const {
+  PartReading part(what_, model);
+  for (int b = 0; b < model.size(); ++b) part.reading.joints.emplace(model[BodyId{b}].joint_name, Place{});
+  const std::size_t before = model.springs().size();
+  const Value complete = with_entry(table, "name", name);
+  read_spring(complete, part.reading);
+  part.check();
+  MT_REQUIRE(part.scenario.model.springs().size() == before + 1, "a spring without errors is added");
+  return part.scenario.model.springs().back();
+}
+
 std::vector<TriggerPart> PartReader::triggers(const Value& event, const World& world) const {
   PartReading part(what_, world);
   std::optional<std::vector<TriggerMatch>> matches = matches_of_trigger(event, part.reading);
@@ -122,7 +134,9 @@ std::shared_ptr<momentree::Quantity> PartReader::quantity(const Value& table, co
   for (const std::string& joint : joints) part.reading.joints.emplace(joint, Place{});
   std::shared_ptr<momentree::Quantity> found = read_quantity(table, "a measure", part.reading);
   for (const Reading::JointUse& use : part.reading.joint_uses)
-    if (!part.reading.joints.contains(use.name))
+    if (part.reading.springs.contains(use.name)) {
+      if (!use.springs_too) part.out.error(use.place, use.key + ": " + in_quotes(use.name) + " is a spring, not a joint", "");
+    } else if (!part.reading.joints.contains(use.name))
       part.out.error(use.place, use.key + ": there is no joint " + in_quotes(use.name),
                      part.reading.suggest(use.name, part.reading.joints));
   part.check();

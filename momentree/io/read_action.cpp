@@ -80,7 +80,7 @@ void ActionReader::joint(const char* key, std::string& name) {
   const auto text = this->name(key, true, place);
   if (!text) return;
   name = match_.empty() ? *text : match_;
-  if (match_.empty()) reading_.joint_uses.push_back({name, key_, place, time_, sets_parameters_});
+  if (match_.empty()) reading_.joint_uses.push_back({name, key_, place, time_, sets_parameters_, action_.takes_springs()});
 }
 
 void ActionReader::body(const char* key, std::string& name, bool ground_too) {
@@ -199,7 +199,8 @@ void read_actions(const Value& value, const std::string& key, ScenarioEvent& eve
       add(entry, bodies ? trigger->body : trigger->joint, event);
       continue;
     }
-    const std::vector<std::string> found = bodies ? matching_bodies(name, reading) : matching_joints(name, reading);
+    const std::vector<std::string> found =
+        bodies ? matching_bodies(name, reading) : matching_joints(name, any->takes_springs(), reading);
     if (found.empty() && !reading.opaque.contains(mechanism_of(name)))
       out.error(pattern->place, key + ": no " + (bodies ? "body" : "joint") + " matches " + in_quotes(name),
                 "* matches within a name: \"chain/*\"");

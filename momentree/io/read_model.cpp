@@ -189,6 +189,22 @@ void couple_followers(const Import& import, const ModelChoice& choice, int first
                  choice.mimic_place, reading);
 }
 
+// Springs of the file, named after the mechanism; `first`: the number of its first body.
+void add_springs(const Import& import, const ModelChoice& choice, const std::string& mechanism, int first, Reading& reading) {
+  for (const ImportedSpring& each : import.model.springs) {
+    Spring spring = each.spring;
+    spring.name = mechanism + "/" + spring.name;
+    while (reading.joints.contains(spring.name) || reading.springs.contains(spring.name)) spring.name += "~spring";
+    for (SpringEnd* end : {&spring.from, &spring.to})
+      if (end->body == ground)
+        end->point = choice.pose * end->point;
+      else
+        end->body.index += first;
+    reading.springs.emplace(spring.name, choice.model_place);
+    reading.scenario.model.add_spring(std::move(spring));
+  }
+}
+
 }  // namespace
 
 void read_model(const Value& file, const std::string& mechanism, const ModelChoice& choice, JointTables& joints,
@@ -264,6 +280,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
     shapes.back().more.assign(given.begin() + 1, given.end());
   }
   if (coupled && errors == reading.out.errors()) couple_followers(*import, choice, first, reading);
+  if (errors == reading.out.errors()) add_springs(*import, choice, mechanism, first, reading);
 }
 
 }  // namespace momentree::io

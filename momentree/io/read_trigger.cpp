@@ -50,15 +50,15 @@ using momentree::Quantity;  // not that of joint parameters
 
 class QuantityReader final : public QuantityFields {
  public:
-  QuantityReader(const Value& value, std::string key, const TriggerMatch* match, Reading& reading)
-      : value_(value), key_(std::move(key)), match_(match), reading_(reading), out_(reading.out) {}
+  QuantityReader(const Value& value, std::string key, bool springs_too, const TriggerMatch* match, Reading& reading)
+      : value_(value), key_(std::move(key)), springs_too_(springs_too), match_(match), reading_(reading), out_(reading.out) {}
 
   void joint(std::string& name) override {
     const Value* value = field("joint");
     const auto text = value ? read_string(*value, key_, out_) : std::nullopt;
     if (!text) return;
     name = matched(*text, &TriggerMatch::joint);
-    reading_.joint_uses.push_back({name, key_, value->place, unknown_time});
+    reading_.joint_uses.push_back({name, key_, value->place, unknown_time, false, springs_too_});
   }
 
   void mechanism(std::string& name) override {
@@ -130,6 +130,7 @@ class QuantityReader final : public QuantityFields {
 
   const Value& value_;
   std::string key_;
+  bool springs_too_;
   const TriggerMatch* match_;
   Reading& reading_;
   Diagnostics& out_;
@@ -170,7 +171,7 @@ std::shared_ptr<momentree::Quantity> quantity_in(Fields& fields, const std::stri
       continue;
     }
     quantity = make_quantity(key);
-    QuantityReader reader(*value, key, match, reading);
+    QuantityReader reader(*value, key, quantity->takes_springs(), match, reading);
     quantity->fields(reader);
     reader.finish();
     if (out.errors() == errors) set_unit(*quantity, *value, reading);
@@ -298,7 +299,8 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
   std::vector<TriggerMatch> of_other_unit;
   const Model& model = reading.scenario.model;
   const bool bodies = subject.bodies, of_one = what->of_single_dof();
-  for (const std::string& found : bodies ? matching_bodies(name, reading) : matching_joints(name, reading)) {
+  for (const std::string& found :
+       bodies ? matching_bodies(name, reading) : matching_joints(name, what->takes_springs(), reading)) {
     TriggerMatch match{name, found, found};
     if (bodies && model.has_body(found)) match.joint = model[model.body(found)].joint_name;
     if (!bodies && model.has_joint(found)) {

@@ -7,6 +7,7 @@
 #include <momentree/base/error.hpp>
 #include <momentree/io/energy_columns.hpp>
 #include <momentree/io/json_writer.hpp>
+#include <momentree/io/spring_columns.hpp>
 
 namespace momentree::io {
 
@@ -91,7 +92,20 @@ std::optional<ResultColumn> ResultColumn::find(std::string_view name, const Worl
     column.unit_ = energy_unit(name);
     return column;
   }
+  const bool is_spring = model.has_spring(owner);
+  if (const auto found = std::find(spring_column_names.begin(), spring_column_names.end(), last);
+      is_spring && found != spring_column_names.end()) {
+    column.of_ = Of::spring;
+    column.owner_ = owner;
+    column.place_ = static_cast<std::size_t>(found - spring_column_names.begin());
+    column.unit_ = spring_column_units[column.place_];
+    return column;
+  }
   problem.what = "there is no column " + in_quotes(name);
+  if (is_spring) {
+    problem.hint = in_quotes(owner) + " has length rate tension";
+    return std::nullopt;
+  }
   if (is_body || joint != joints.end()) {
     problem.hint = is_body ? in_quotes(owner) + " has x y z qw qx qy qz" : in_quotes(owner) + " has";
     if (joint != joints.end()) {
@@ -105,6 +119,7 @@ std::optional<ResultColumn> ResultColumn::find(std::string_view name, const Worl
   std::vector<std::string> owners = energies;
   for (const BodySpec& body : model.bodies()) owners.push_back(body.name);
   for (const JointKinds& each : joints) owners.push_back(each.name);
+  for (const Spring& each : model.springs()) owners.push_back(each.name);
   problem.hint = did_you_mean(owner.empty() ? std::string(name) : owner, owners);
   if (problem.hint.empty())
     problem.hint = "a column is named as in the tables of a run: \"tug/gripper.x\", \"arm/elbow.q0\", \"kinetic\"";
@@ -129,6 +144,10 @@ double ResultColumn::value(const Simulation& simulation) const {
       const Quat turn = with_positive_w(pose.rotation);
       const double all[] = {pose.position.x, pose.position.y, pose.position.z, turn.w, turn.x, turn.y, turn.z};
       return all[place_];
+    }
+    case Of::spring: {
+      const int spring = world.find_spring(owner_);
+      return spring < 0 ? NAN : spring_numbers(world, spring)[place_];
     }
     case Of::joint: break;
   }

@@ -1,5 +1,5 @@
 #pragma once
-// One column of bodies.csv, joints.csv or energy.csv, read from a running simulation.
+// One column of bodies.csv, joints.csv, energy.csv or springs.csv, read from a running simulation.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,7 +11,8 @@ namespace momentree::io {
 
 class ResultColumn {
  public:
-  /// Finds a column by its name in a table: "time", "tug/gripper.x", "arm/elbow.q0", "kinetic". Joints have the columns of
+  /// Finds a column by its name in a table: "time", "tug/gripper.x", "arm/elbow.q0", "kinetic",
+  /// "rope.tension". Joints have the columns of
   /// reactions, too. `joints`: those that exist or that events will make. If there is none, `problem` gets the reason and a hint.
   static std::optional<ResultColumn> find(std::string_view name, const World& world, const std::vector<JointKinds>& joints,
                                           Diagnostic& problem);
@@ -26,13 +27,13 @@ class ResultColumn {
   bool of_ledger() const;
 
  private:
-  enum class Of { time, body, joint, energy };
+  enum class Of { time, body, joint, energy, spring };
   ResultColumn() = default;
 
   std::string name_, unit_;
   Of of_ = Of::time;
   BodyId body_{-1};    ///< where it was found
-  std::string owner_;  ///< the name of the body or the joint
+  std::string owner_;  ///< the name of the body, the joint or the spring
   char group_ = 0;     ///< of a joint: q, v, p, f or m
   std::size_t place_ = 0;
 };

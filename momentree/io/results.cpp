@@ -8,14 +8,16 @@
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/energy_columns.hpp>
 #include <momentree/io/hdf5_results.hpp>
+#include <momentree/io/spring_columns.hpp>
 
 namespace momentree::io {
 
 namespace {
 
-std::vector<std::string> files_of(const RecordOptions& options) {
+std::vector<std::string> files_of(const Simulation& simulation, const RecordOptions& options) {
   std::vector<std::string> files = {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv", "final.json"};
   if (options.energy) files.emplace_back("energy.csv");
+  if (simulation.world().springs() > 0) files.emplace_back("springs.csv");
   if (options.report) files.emplace_back("report.html");
   if (options.hdf5) files.insert(files.end(), {"results.h5", "results.h5.partial"});
   if (options.input) files.emplace_back(checkpoint_file);
@@ -36,7 +38,7 @@ TextFile open_table(ResultDirectory& folder, const char* name, const RecordOptio
 
 std::unique_ptr<ResultDirectory> take_up(Interrupted& from, const Simulation& simulation, const RecordOptions& options) {
   const RecorderState& record = from.checkpoint.record;
-  if (record.energy.has_value() != options.energy ||
+  if (record.energy.has_value() != options.energy || record.springs.has_value() != (simulation.world().springs() > 0) ||
       record.body_quaternions.size() != static_cast<std::size_t>(simulation.world().model().size()) ||
       record.joint_quaternions.size() != options.joints.size() + 1 || record.events_taken > from.checkpoint.run.events.size())
     throw_error({"this checkpoint is of other tables", from.path, "run without --resume to start again from the beginning"});
@@ -60,11 +62,13 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, RecordOptions
       joint_columns_(options_.joints, options_.reactions) {
   if (options_.energy)
     energy_.emplace(open_table(*directory_, "energy.csv", options_, from != nullptr ? &*from->energy : nullptr));
+  if (simulation.world().springs() > 0)
+    springs_.emplace(open_table(*directory_, "springs.csv", options_, from != nullptr ? &*from->springs : nullptr));
 }
 
 Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_view model_json, RecordOptions options)
     : Recorder(simulation, std::move(origin), options,
-               std::make_unique<ResultDirectory>(options.directory, files_of(options), options.lasting), nullptr) {
+               std::make_unique<ResultDirectory>(options.directory, files_of(simulation, options), options.lasting), nullptr) {
   try {
     write_running_summary();
     directory_->write("model.json", model_json);
@@ -75,8 +79,8 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_v
     BodyColumns::header(bodies_.text(), simulation.world().model());
     joint_columns_.header(joints_.text());
     if (energy_) energy_header(energy_->text());
-    for (TextFile* table : {&bodies_, &joints_}) table->flush();
-    if (energy_) energy_->flush();
+    if (springs_) spring_header(springs_->text(), simulation.world().model());
+    each_table([](TextFile& table, std::size_t&) { table.flush(); });
     directory_->keep();
   } catch (...) {
     status_ = "not begun";
@@ -91,6 +95,15 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, RecordOptions
   body_columns_.quaternions().continue_from(record.body_quaternions);
   joint_columns_.quaternions().continue_from(record.joint_quaternions);
   write_running_summary();
+}
+
+// Calls f with each table of rows, and the offset of its last row in its buffer.
+template <class F>
+void Recorder::each_table(const F& f) {
+  f(bodies_, body_row_);
+  f(joints_, joint_row_);
+  if (energy_) f(*energy_, energy_row_);
+  if (springs_) f(*springs_, spring_row_);
 }
 
 void Recorder::write_running_summary() {
@@ -113,6 +126,7 @@ RecorderState Recorder::state() {
   state.bodies = table(bodies_, body_row_);
   state.joints = table(joints_, joint_row_);
   if (energy_) state.energy = table(*energy_, energy_row_);
+  if (springs_) state.springs = table(*springs_, spring_row_);
   state.next = next_, state.row_time = row_time_, state.events_taken = events_taken_;
   state.body_quaternions = body_columns_.quaternions().last();
   state.joint_quaternions = joint_columns_.quaternions().last();
@@ -150,24 +164,20 @@ void Recorder::take_events() {
 void Recorder::write_out_where_due() {
   using namespace std::chrono_literals;
   const Clock::time_point now = Clock::now();
-  if (!bodies_.is_full() && !joints_.is_full() && !(energy_ && energy_->is_full()) && now - written_out_ < 1s) return;
+  bool full = false;
+  each_table([&](TextFile& table, std::size_t&) { full = full || table.is_full(); });
+  if (!full && now - written_out_ < 1s) return;
   written_out_ = now;
   events_.flush();
-  bodies_.flush();
-  joints_.flush();
-  if (energy_) energy_->flush();
+  each_table([](TextFile& table, std::size_t&) { table.flush(); });
 }
 
 void Recorder::write_row(const World& world) {
   if (row_time_ == world.time()) {
-    bodies_.text().resize(body_row_);
-    joints_.text().resize(joint_row_);
-    if (energy_) energy_->text().resize(energy_row_);
+    each_table([](TextFile& table, std::size_t& row) { table.text().resize(row); });
   } else {
     write_out_where_due();  // the last row is final: no other row has its time
-    body_row_ = bodies_.text().size();
-    joint_row_ = joints_.text().size();
-    if (energy_) energy_row_ = energy_->text().size();
+    each_table([](TextFile& table, std::size_t& row) { row = table.text().size(); });
     row_time_ = world.time();
   }
   try {
@@ -175,10 +185,9 @@ void Recorder::write_row(const World& world) {
     body_columns_.row(bodies_.text(), world);
     joint_columns_.row(joints_.text(), world);
     if (energy_) energy_row(energy_->text(), simulation_.world(), simulation_.energy());
+    if (springs_) spring_row(springs_->text(), world);
   } catch (...) {  // out of memory: no table has a partial row, or one row more than another
-    bodies_.text().resize(body_row_);
-    joints_.text().resize(joint_row_);
-    if (energy_) energy_->text().resize(energy_row_);
+    each_table([](TextFile& table, std::size_t& row) { table.text().resize(row); });
     throw;
   }
 }
@@ -221,11 +230,10 @@ bool Recorder::observe(const World& world) noexcept {
 // Rows whose events are not in events.jsonl would show a topology that did not exist.
 void Recorder::close_tables() {
   const bool events = attempt([&] { events_.close(options_.lasting); });
-  for (TextFile* table : {&bodies_, &joints_, energy_ ? &*energy_ : nullptr}) {
-    if (table == nullptr) continue;
-    if (!events) table->text().clear();
-    attempt([&] { table->close(options_.lasting); });
-  }
+  each_table([&](TextFile& table, std::size_t&) {
+    if (!events) table.text().clear();
+    attempt([&] { table.close(options_.lasting); });
+  });
 }
 
 // summary.json comes last: the report contains its text, and all files it refers to are complete.
@@ -275,7 +283,7 @@ void Recorder::finish(const std::string& status, const Armed& armed, const Repor
   published_ = attempt([&] {
     std::vector<const char*> temporary;
     if (options_.input) temporary.push_back(checkpoint_file);
-    if (options_.hdf5) temporary.insert(temporary.end(), {"bodies.csv", "joints.csv", "energy.csv"});
+    if (options_.hdf5) temporary.insert(temporary.end(), {"bodies.csv", "joints.csv", "energy.csv", "springs.csv"});
     warnings = directory_->publish(temporary);
   });
   if (!published_) return seal(outcome, report);

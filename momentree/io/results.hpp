@@ -1,6 +1,6 @@
 #pragma once
-// Writes the files of a run: bodies.csv, joints.csv, energy.csv (or these as results.h5), events.jsonl, final.json, summary.json,
-// model.json, report.html.
+// Writes the files of a run: bodies.csv, joints.csv, energy.csv and, of a model with springs, springs.csv (or these as
+// results.h5), events.jsonl, final.json, summary.json, model.json, report.html.
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -29,7 +29,7 @@ struct RecordOptions {
   bool energy = true;                   ///< write energy.csv
   bool report = false;                  ///< finish() will be given a report page
   bool lasting = true;                  ///< see ResultDirectory
-  bool hdf5 = false;                    ///< a complete run gets results.h5 in place of the three tables
+  bool hdf5 = false;                    ///< a complete run gets results.h5 in place of the tables
   std::optional<RunInput> input = {};   ///< given: checkpoints of this input can be written
 };
 
@@ -93,6 +93,8 @@ class Recorder {
   RecorderState state();
   void write_out_where_due();
   void take_events();
+  template <class F>
+  void each_table(const F& f);
   void close_tables();
   std::string reason() const;
   void seal(const std::string& status, const ReportPage& report);
@@ -105,13 +107,13 @@ class Recorder {
   const RecordOptions options_;
   const std::unique_ptr<ResultDirectory> directory_;
   TextFile events_, bodies_, joints_;  // declared after the folder that contains them
-  std::optional<TextFile> energy_;
+  std::optional<TextFile> energy_, springs_;
   BodyColumns body_columns_;
   JointColumns joint_columns_;
   double next_ = -std::numeric_limits<double>::infinity();  ///< multiple of options_.every at which the next row is due
   std::optional<double> row_time_;
-  std::size_t body_row_ = 0, joint_row_ = 0, energy_row_ = 0;  ///< the offset of the last row in each buffer
-  std::size_t events_taken_ = 0;                               ///< the number of events in events.jsonl or its buffer
+  std::size_t body_row_ = 0, joint_row_ = 0, energy_row_ = 0, spring_row_ = 0;  ///< the offset of the last row in each buffer
+  std::size_t events_taken_ = 0;  ///< the number of events in events.jsonl or its buffer
   Clock::time_point written_out_ = Clock::now();
   std::optional<Error> error_;
   std::string status_, summary_;

@@ -8,6 +8,7 @@
 
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/energy_columns.hpp>
+#include <momentree/io/spring_columns.hpp>
 
 namespace momentree::io {
 
@@ -206,6 +207,16 @@ std::vector<double> RunRecord::body(BodyId body) const {
   return all;
 }
 
+std::vector<double> RunRecord::spring(std::string_view name) const {
+  const SpringId spring = model_.spring(name);
+  std::vector<double> all(rows() * 3, absent);
+  each_world([&](const World& world, std::size_t row) {
+    const auto numbers = spring_numbers(world, spring.index);
+    std::copy(numbers.begin(), numbers.end(), all.begin() + static_cast<std::ptrdiff_t>(row * 3));
+  });
+  return all;
+}
+
 const std::vector<std::string>& RunRecord::energy_columns() {
   static const std::vector<std::string> names = energy_column_names();
   return names;
@@ -226,6 +237,8 @@ std::vector<double> RunRecord::energies() const {
 std::string RunRecord::write(const std::string& folder, const ReportPage& report) const {
   std::vector<std::string> files = {"summary.json", "model.json", "events.jsonl", "bodies.csv",
                                     "joints.csv",   "final.json", "energy.csv"};
+  const bool with_springs = !model_.springs().empty();
+  if (with_springs) files.emplace_back("springs.csv");
   if (report) files.emplace_back("report.html");
   ResultDirectory directory(folder, files);
   directory.write("model.json", model_json_);
@@ -246,6 +259,8 @@ std::string RunRecord::write(const std::string& folder, const ReportPage& report
     BodyColumns::header(bodies.text(), model_);
     joint_columns.header(joints.text());
     energy_header(energy.text());
+    std::optional<TextFile> springs;
+    if (with_springs) spring_header(springs.emplace(directory.file("springs.csv")).text(), model_);
     each_world([&](const World& world, std::size_t row) {
       const Ledger& l = ledger_[row];
       body_columns.row(bodies.text(), world);
@@ -253,10 +268,12 @@ std::string RunRecord::write(const std::string& folder, const ReportPage& report
       energy_row(
           energy.text(), world,
           {.dissipated = l.dissipated, .work = l.work, .lost_in_impacts = l.lost, .released = l.released, .error = l.error});
-      for (TextFile* table : {&bodies, &joints, &energy})
+      if (springs) spring_row(springs->text(), world);
+      for (TextFile* table : {&bodies, &joints, &energy, springs ? &*springs : &energy})
         if (table->is_full()) table->flush();
     });
     for (TextFile* table : {&events, &bodies, &joints, &energy}) table->close(false);
+    if (springs) springs->close(false);
   }
   directory.write("final.json", final_);
   if (report) directory.write("report.html", report(directory.working(), summary_));

@@ -53,6 +53,9 @@ class RunRecord {
   /// Rows of 14 numbers, as in energy.csv without `time`.
   [[nodiscard]] std::vector<double> energies() const;
   static const std::vector<std::string>& energy_columns();
+  /// Rows of 3 numbers, as in springs.csv: length (m), rate (m/s) and tension (N) of a spring; NaN once it is broken. Throws
+  /// Error, with the nearest name, for an unknown one.
+  [[nodiscard]] std::vector<double> spring(std::string_view name) const;
   /// The state of a row, which a simulation of the same model can be restored to.
   [[nodiscard]] WorldSnapshot state(std::size_t row) const;
 

@@ -26,6 +26,7 @@ constexpr Key keys_entries[] = {
     {"mechanism", tables(mechanism_table), "The mechanisms", nullptr, "add [[mechanism]] tables"},
     {"force", tables(force_table), "External forces on bodies"},
     {"loop", tables(loop_table), "Joints that close loops"},
+    {"spring", tables(spring_table), "Springs and ropes between points of bodies"},
     {"coupling", tables(coupling_table), "Joints that follow others"},
     {"event", tables(event_table), "The events"},
     {"integrate", table(integrate_table), ""},
@@ -111,6 +112,12 @@ void read_document(const Value& document, Reading& reading) {
       read_loop(*loop, reading);
     }
   }
+  if (const Value* springs = fields.find("spring")) {
+    for (const Value* spring : tables_of(*springs, "spring", out)) {
+      if (out.full()) break;
+      read_spring(*spring, reading);
+    }
+  }
   if (const Value* couplings = fields.find("coupling")) {
     for (const Value* coupling : tables_of(*couplings, "coupling", out)) {
       if (out.full()) break;
@@ -128,7 +135,6 @@ void read_document(const Value& document, Reading& reading) {
   finish_events(reading);
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
   if (const Value* output = fields.find("output")) read_output(*output, reading);
-  fields.later({"spring"});
   fields.later({"contact", "cable"}, "there is no contact: bodies pass through each other");
   fields.later({"scenario", "worlds", "seed", "vary", "measure"}, "this is a scenario of one world, not a sweep");
   fields.finish();

@@ -33,7 +33,7 @@ struct Reading {
   std::unordered_map<std::string, BodySpots> from_model{};
 
   /// First places of complete names ("mechanism/joint"), for reporting duplicates and for finding the targets of events.
-  std::unordered_map<std::string, Place> mechanisms{}, bodies{}, joints{}, events{};
+  std::unordered_map<std::string, Place> mechanisms{}, bodies{}, joints{}, springs{}, events{};
   std::unordered_map<std::string, std::string> body_of_joint{};  ///< if the names differ
   /// Mechanisms whose bodies cannot be determined: names in them are not checked.
   std::unordered_set<std::string> opaque{};
@@ -46,6 +46,7 @@ struct Reading {
     Place place{};
     double time = 0;
     bool of_parameters = false;  ///< of an action that sets parameters, which comes after the other actions of its instant
+    bool springs_too = false;    ///< the name may be that of a spring
   };
   struct LateEntry {
     std::shared_ptr<ActionBase> action;
@@ -151,11 +152,12 @@ bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& 
 
 /// `*` matches any sequence of characters except '/'.
 bool matches_wildcard(std::string_view pattern, std::string_view name);
-/// The joints that match a name with `*`, in the order of the model.
-std::vector<std::string> matching_joints(const std::string& pattern, Reading& reading);
+/// The joints that match a name with `*`, in the order of the model; with `springs_too` then the springs.
+std::vector<std::string> matching_joints(const std::string& pattern, bool springs_too, Reading& reading);
 std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading);
 
 void read_force(const Value& table, Reading& reading);
+void read_spring(const Value& table, Reading& reading);
 
 void read_loop(const Value& table, Reading& reading);
 /// Reports loops that cannot be closed at the start.

@@ -37,6 +37,10 @@ class ScheduleChecker {
   const ScenarioEvent& event(std::size_t e) const { return *schedule_.events[e]; }
   const ActionBase& action(const At& at) const { return *event(at.first).actions[at.second]; }
   std::string key(const At& at) const { return std::string(action(at).key()); }
+  std::string thing(const At& at) const {
+    const std::string name = action(at).joints().front();
+    return (schedule_.springs.contains(name) ? "spring " : "joint ") + in_quotes(name);
+  }
   std::string described(const At& at) const {
     const ScenarioEvent& e = event(at.first);
     return e.actions[at.second].text() + " (event " + in_quotes(e.name) + ", " + name_of_(e.places[at.second]) + ")";
@@ -57,10 +61,10 @@ class ScheduleChecker {
     const JointEffect effect = action(at).effect();
     const bool removed = before != nullptr && action(*before).effect() == JointEffect::removed;
     if (removed && effect == JointEffect::removed)
-      add(at, "joint " + in_quotes(action(at).joints().front()) + " is broken already on " + place(*before),
-          "a joint can break only once");
+      add(at, thing(at) + " is broken already on " + place(*before),
+          std::string(schedule_.springs.contains(action(at).joints().front()) ? "a spring" : "a joint") + " can break only once");
     else if (removed && (effect == JointEffect::held || effect == JointEffect::replaced))
-      add(at, "joint " + in_quotes(action(at).joints().front()) + " will be broken by then, by " + described(*before),
+      add(at, thing(at) + " will be broken by then, by " + described(*before),
           "to hold the separated part where it is, weld its body to the ground");
     else if (before != nullptr)
       add(at, "does nothing: " + issue.result.why + ", after " + described(*before));
@@ -126,8 +130,11 @@ namespace {
 Schedule with_followers(std::vector<const ScenarioEvent*> events, const Simulation& simulation) {
   Schedule all;
   std::set<std::string> names;
+  for (const Spring& spring : simulation.world().model().springs()) all.springs.insert(spring.name);
   for (const BodySpec& body : simulation.world().model().bodies())  // joints break by themselves, too
     if (body.joint.parameters.strength.any()) names.insert("strength of " + body.joint_name);
+  for (const Spring& spring : simulation.world().model().springs())
+    if (std::isfinite(spring.strength)) names.insert("strength of " + spring.name);
   std::vector<const ScenarioEvent*> waiting;
   for (const ScenarioEvent* event : events) {
     if (!event->after.empty()) {

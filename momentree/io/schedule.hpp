@@ -1,6 +1,7 @@
 #pragma once
 // Converts the events of a scenario into events of a simulation, and the findings of a dry run into places in the file.
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct EventProblem {
 struct Schedule {
   std::vector<const ScenarioEvent*> events;
   std::vector<EventProblem> problems;  ///< unknown names
+  std::set<std::string> springs{};     ///< names of the model's springs
 };
 /// Conditions and actions may name joints that any of these events makes, or one of `past`: events that have happened already.
 Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> events, const std::vector<ScenarioEvent>& past = {});

@@ -84,6 +84,7 @@ const std::vector<Table>& tables() {
       {start + "/properties/velocity", {state("{ velocity = { " + value + " } }")}},
       {d + "joint_start", {state("{ joints = { a = { " + value + " } } }")}},
       {d + "force", {one_body + "[[force]]\nbody = \"m/a\"\n" + value}},
+      {d + "spring", {one_body + "[[spring]]\nname = \"s\"\n" + value}},
       {d + "force/properties/drag", {one_body + "[[force]]\nbody = \"m/a\"\ndrag = { " + value + " }"}},
       {d + "coupling", {one_body + "[[coupling]]\njoint = \"m/a\"\nfollows = \"m/a\"\nstiffness = 1\n" + value}},
       {d + "mechanism/properties/mimic", {head + "mimic = { stiffness = 1, " + value + " }\n" + one_body.substr(head.size())}},

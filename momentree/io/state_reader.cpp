@@ -9,6 +9,7 @@
 #include <momentree/io/json.hpp>
 #include <momentree/io/state_document.hpp>
 #include <momentree/io/state_joint.hpp>
+#include <momentree/io/state_spring.hpp>
 
 namespace momentree::io {
 
@@ -24,7 +25,8 @@ class Reader {
   }
 
   std::optional<RestoredState> read(const Value& root) {
-    const std::vector<std::string> known{"time", "mechanisms", "joints", "bodies", "armed", "integration", "loops", "totals"};
+    const std::vector<std::string> known{"time",  "mechanisms",  "joints", "springs", "bodies",
+                                         "armed", "integration", "loops",  "totals"};
     const auto meant = [&known](const Value::Entry& entry) { return !nearest(entry.key, known).empty(); };
     const Value::Table* const table = root.table();
     if (!table || (!table->empty() && std::none_of(table->begin(), table->end(), meant))) {
@@ -39,6 +41,9 @@ class Reader {
       for (const Value::Entry& joint : read_table(*joints, "joints", out_)) whole ? describe(joint) : read_partial(joint);
     if (mechanism_.empty()) {
       result_.time = fields.real("time");
+      if (const Value* springs = fields.find("springs"))
+        for (const Value::Entry& spring : read_table(*springs, "springs", out_))
+          read_spring_state(spring, model_, result_.forest, out_);
       if (const Value* bodies = fields.find("bodies"))
         for (const Value::Entry& body : read_table(*bodies, "bodies", out_)) joints_.body_named(body.key, body.place);
       if (const Value* armed = fields.find("armed"))

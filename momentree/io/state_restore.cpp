@@ -86,7 +86,11 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
                      document.where[i], "restore the whole world from one document"});
       entries[static_cast<std::size_t>(number)] = {&document.joints[i], &document.where[i]};
     }
-    if (!document.forest.places.empty()) forest = document.forest;
+    if (!document.forest.places.empty()) {
+      forest = document.forest;
+    } else if (!document.forest.springs.empty()) {
+      forest.springs = document.forest.springs;
+    }
     time = document.time.value_or(time);
   }
   std::vector<JointStart> starts;

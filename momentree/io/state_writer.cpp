@@ -60,6 +60,16 @@ void write_body(JsonWriter& json, const std::string& name, const BodyMotion& mot
   json.end_object();
 }
 
+void write_spring(JsonWriter& json, const World& world, int number) {
+  const SpringView spring = world.spring({number});
+  json.key(spring.name).begin_object();
+  json.member("broken", spring.broken).member("stiffness", spring.law.stiffness).member("rest", spring.law.rest);
+  json.member("damping", spring.law.damping).member("tension_only", spring.law.tension_only);
+  json.member("strength", spring.law.strength);  // unbounded: null
+  json.member("length", spring.length).member("rate", spring.rate).member("tension", spring.tension);
+  json.end_object();
+}
+
 // The state of a condition; values as at the start are omitted.
 void write_condition(JsonWriter& json, const EventStatus& armed) {
   if (armed.done) json.member("done", true);
@@ -110,6 +120,12 @@ std::string state_json(const World& world, const Armed& armed, const StepMemory&
     if (world.tree().carrier(j) >= 0) write_joint(json, world, j);
   for (const JointId loop : world.loops()) write_joint(json, world, loop.index);
   json.end_object();
+
+  if (world.springs() > 0) {
+    json.key("springs").begin_object();
+    for (int s = 0; s < world.springs(); ++s) write_spring(json, world, s);
+    json.end_object();
+  }
 
   const std::vector<BodyMotion>& motions = world.motions();
   const std::vector<BodyAcceleration>& accelerations = world.accelerations();

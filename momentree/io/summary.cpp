@@ -49,6 +49,7 @@ void write_changes(JsonWriter& json, const std::vector<ActionRecord>& actions) {
   for (const ActionRecord& action : actions) {
     json.begin_object().member("kind", action.kind);
     if (!action.joint.empty()) json.member("joint", action.joint);
+    if (!action.spring.empty()) json.member("spring", action.spring);
     if (!action.body.empty()) json.member("body", action.body);
     if (!action.to.empty()) json.member("to", action.to);
     if (!action.skipped.empty()) json.member("skipped", action.skipped);
@@ -74,7 +75,13 @@ void write_topology(JsonWriter& json, const TopologyRecord& topology) {
     for (const auto& [first, count] : moved.bodies) json.begin_array().value(first).value(count).end_array();
     json.end_array();
   }
-  json.end_object().end_object();
+  json.end_object();
+  if (!topology.broken_springs.empty()) {
+    json.key("broken_springs").begin_array();
+    for (const std::string& spring : topology.broken_springs) json.value(spring);
+    json.end_array();
+  }
+  json.end_object();
 }
 
 }  // namespace

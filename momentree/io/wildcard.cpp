@@ -45,10 +45,14 @@ std::vector<std::string> matching(const std::string& pattern, const std::unorder
 
 }  // namespace
 
-std::vector<std::string> matching_joints(const std::string& pattern, Reading& reading) {
+std::vector<std::string> matching_joints(const std::string& pattern, bool springs_too, Reading& reading) {
   const Model& model = reading.scenario.model;
-  return matching(pattern, reading.joints, reading.sorted_joints,
-                  [&](std::string_view name) { return model.has_joint(name) ? model.joint(name).index : -1; });
+  std::vector<std::string> found = matching(pattern, reading.joints, reading.sorted_joints, [&](std::string_view name) {
+    return model.has_joint(name) ? model.joint(name).index : -1;
+  });
+  for (const Spring& spring : model.springs())
+    if (springs_too && matches_wildcard(pattern, spring.name)) found.push_back(spring.name);
+  return found;
 }
 
 std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading) {

@@ -81,6 +81,8 @@ class ActionBase {
   /// Names of joints and bodies that it refers to ("ground" is not listed).
   virtual std::vector<std::string> joints() const { return {}; }
   virtual std::vector<std::string> bodies() const { return {}; }
+  /// True if the name of a spring may take the place of a joint's.
+  virtual bool takes_springs() const { return false; }
   /// DoFs of its joint that it locks, unlocks or replaces, one bit each: two actions of one instant must not share any.
   virtual unsigned reshapes() const { return 0; }
   virtual JointEffect effect() const { return JointEffect::none; }
@@ -119,8 +121,9 @@ std::shared_ptr<ActionBase> make_action(std::string_view key);
 /// Keys of all actions.
 std::vector<std::string> action_keys();
 
-/// Removes a joint: the child's subtree becomes a separate mechanism.
+/// Removes a joint: the child's subtree becomes a separate mechanism. Of a spring: it exerts no force from then on.
 Action break_joint(std::string joint);
+inline Action break_spring(std::string spring) { return break_joint(std::move(spring)); }
 /// Replaces the joint by a six-DoF joint relative to the same parent.
 Action free_joint(std::string joint);
 /// Changes the kind of a joint; its axes stay. Coordinates that the new kind can represent are kept; otherwise the present pose
@@ -139,7 +142,7 @@ Action weld(std::string body, std::string to = "ground");
 Action attach(std::string body, std::string to, JointSpec joint, std::optional<Pose> at = {});
 /// An impulsive wrench on a body: force (N s) at `point` (in the body's frame) and torque (N m s), both in world axes.
 Action impulse(std::string body, Vec3 force, Vec3 torque = {}, Vec3 point = {});
-/// Sets those parameters of a joint that are not empty.
+/// Sets those parameters of a joint that are not empty; of a spring: `stiffness`, `rest`, `damping` and the force of `strength`.
 Action set_parameters(std::string joint, JointParameters parameters);
 /// Makes a body the root of its free mechanism; this does not affect the motion.
 Action reroot(std::string body);

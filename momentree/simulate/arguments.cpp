@@ -54,7 +54,7 @@ std::optional<Error> wrong_period(double period, double clock, const char* what)
 }
 
 std::optional<Error> unknown_name(const World& world, const EventQueue& queue, const std::vector<std::string>& joints,
-                                  const std::vector<std::string>& bodies) {
+                                  const std::vector<std::string>& bodies, bool springs) {
   const Model& model = world.model();
   const auto unknown = [&model](const char* what, const std::string& name, std::string BodySpec::*names) {
     std::vector<std::string> known;
@@ -66,6 +66,10 @@ std::optional<Error> unknown_name(const World& world, const EventQueue& queue, c
   for (const std::string& body : bodies)
     if (body != "ground" && !model.has_body(body)) return unknown("body", body, &BodySpec::name);
   for (const std::string& joint : joints) {
+    if (model.has_spring(joint)) {
+      if (springs) continue;
+      return Error{"'" + joint + "' is a spring, not a joint", "", "a spring can break and be set, and has a reaction_force"};
+    }
     if (model.has_joint(joint) || world.find_joint(joint) >= 0 || queue.expected.contains(joint)) continue;
     const std::size_t tail = joint.rfind("~free");
     if (model.has_body(tail == std::string::npos ? joint : joint.substr(0, tail))) continue;
@@ -74,7 +78,15 @@ std::optional<Error> unknown_name(const World& world, const EventQueue& queue, c
         if (made_joint_name(e.event, a) == joint) return true;
       return false;
     };
-    if (std::none_of(queue.entries.begin(), queue.entries.end(), made)) return unknown("joint", joint, &BodySpec::joint_name);
+    if (std::any_of(queue.entries.begin(), queue.entries.end(), made)) continue;
+    Error error = unknown("joint", joint, &BodySpec::joint_name);
+    if (springs && !model.springs().empty()) {
+      std::vector<std::string> known;
+      for (const Spring& spring : model.springs()) known.push_back(spring.name);
+      error.problem = "there is no joint or spring '" + joint + "'";
+      if (const std::string hint = did_you_mean(joint, known); error.hint.empty()) error.hint = hint;
+    }
+    return error;
   }
   return std::nullopt;
 }
@@ -118,7 +130,8 @@ void check_quantity(const World& world, const EventQueue& queue, const Quantity&
 
 void check_condition(const World& world, const EventQueue& queue, const Condition& condition) {
   const Quantity& what = *condition.what;
-  if (std::optional<Error> error = unknown_name(world, queue, what.joints(), what.bodies())) throw_error(std::move(*error));
+  if (std::optional<Error> error = unknown_name(world, queue, what.joints(), what.bodies(), what.takes_springs()))
+    throw_error(std::move(*error));
   check_quantity(world, queue, what);
   if (what.is_load() && what.key() != "reaction_impulse" && !condition.least_norm && world.tree().has_loops())
     for (const std::string& name : what.joints()) {

@@ -24,9 +24,10 @@ const Integration& checked(const Integration& how);
 /// period is valid. `what` names the period in the message.
 std::optional<Error> wrong_period(double period, double clock, const char* what);
 
-/// An error if a name can never exist: neither a joint that exists, existed or will be made, nor a body.
+/// An error if a name can never exist: neither a joint that exists, existed or will be made, nor a body. `springs`: names of
+/// springs may take the place of those of joints.
 std::optional<Error> unknown_name(const World& world, const EventQueue& queue, const std::vector<std::string>& joints,
-                                  const std::vector<std::string>& bodies);
+                                  const std::vector<std::string>& bodies, bool springs);
 
 /// Throws Error for a condition that can never be met or is meaningless.
 void check_condition(const World& world, const EventQueue& queue, const Condition& condition);

@@ -44,6 +44,8 @@ class Quantity {
   virtual std::vector<std::string> joints() const { return {}; }
   virtual std::vector<std::string> bodies() const { return {}; }
   virtual std::vector<std::string> mechanisms() const { return {}; }
+  /// True if the name of a spring may take the place of a joint's.
+  virtual bool takes_springs() const { return false; }
   /// True for quantities of joints with one DoF.
   virtual bool of_single_dof() const { return false; }
   /// True if the quantity cannot be negative, so that a threshold below zero is an error.
@@ -128,7 +130,8 @@ class Measure {
   std::shared_ptr<const Quantity> what_;
 };
 
-/// Norm of the force (N) or of the torque (N m) that a joint transmits, about the child's origin.
+/// Norm of the force (N) or of the torque (N m) that a joint transmits, about the child's origin. The force also of a spring: the
+/// magnitude of its tension.
 Measure reaction_force(std::string joint);
 Measure reaction_torque(std::string joint);
 /// One component of that wrench, in the child's axes: "fx", "fy", "fz" (N), "mx", "my" or "mz" (N m).

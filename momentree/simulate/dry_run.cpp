@@ -35,7 +35,7 @@ DryRun Simulation::Impl::dry_run() {
     for (const Strength& s : strengths(world)) {
       std::string name = event_name(world, s);
       if (std::any_of(breaks.begin(), breaks.end(), [&](const DueEvent& known) { return known.name == name; })) continue;
-      breaks.push_back({std::move(name), false, {break_joint(std::string(world.joint_name({s.joint})))}});
+      breaks.push_back({std::move(name), false, {break_joint(name_of(world, s))}});
       order.push_back({HUGE_VAL, false, queue.entries.size() + breaks.size() - 1});
       certain = false;
     }

@@ -19,6 +19,7 @@ struct ActionRecord {
   std::string joint;     ///< the joint that it acted on or made; empty: none
   std::string body, to;  ///< the body that it acted on, and the body that was joined to it (may be "ground"); empty: none
   std::string skipped;   ///< why nothing was done; empty: the action was carried out
+  std::string spring{};  ///< the spring that it acted on, which then is in the place of a joint; empty: none
 
   /// "break chain/41", "break chain/41 skipped: the joint no longer exists".
   std::string text() const { return kind + " " + target + (skipped.empty() ? "" : " skipped: " + skipped); }
@@ -48,7 +49,8 @@ struct TopologyRecord {
     std::vector<std::pair<int, int>> bodies;  ///< first number, count
   };
   std::vector<Moved> moved;
-  bool empty() const { return gone.empty() && joints.empty() && moved.empty(); }
+  std::vector<std::string> broken_springs{};  ///< names of springs that broke, or lost a body with which they left the world
+  bool empty() const { return gone.empty() && joints.empty() && moved.empty() && broken_springs.empty(); }
 };
 
 /// An event that happened, with its certificate: the quantities that it conserved and the energy that it lost.

@@ -33,7 +33,7 @@ std::vector<std::size_t> EventQueue::due(double time) const {
 }
 
 bool EventQueue::watching(const World& world) const {
-  return !strengths_.empty() || !world.tree().strength_joints().empty() ||
+  return !strengths_.empty() || has_strengths(world) ||
          std::any_of(entries.begin(), entries.end(), [](const Entry& e) { return e.condition && !e.done; });
 }
 
@@ -41,7 +41,7 @@ bool EventQueue::watching(const World& world) const {
 // broke no longer exists: the joint that now has its number, and its strength, are new.
 void EventQueue::renew_strengths(const World& world) {
   strengths_of_ = world.tree().revision();
-  if (strengths_.empty() && world.tree().strength_joints().empty()) return;
+  if (strengths_.empty() && !has_strengths(world)) return;
   const std::vector<Strength> now = strengths(world);
   std::vector<Borne> before = std::move(strengths_);
   strengths_.clear();
@@ -52,7 +52,7 @@ void EventQueue::renew_strengths(const World& world) {
       strengths_.push_back(std::move(*known));
       continue;
     }
-    strengths_.push_back(borne(s, event_name(world, s), std::string(world.joint_name({s.joint}))));
+    strengths_.push_back(borne(s, event_name(world, s), name_of(world, s)));
   }
 }
 

@@ -50,6 +50,8 @@ std::string divergence_text(const World& world, const Integrator& method, const 
   const std::string when = "diverged at t = " + text(world.time()) + " s: ";
   if (const auto stiff = too_stiff(world.tree(), world.state().q(), integration.method, h))
     return when + stiff->what(world.joint_name({stiff->joint}), h) + "; " + stiff->cure();
+  if (const auto stiff = too_stiff_spring(world.tree(), world.state().q(), integration.method, h))
+    return when + stiff->what(world.spring({stiff->spring}).name, h) + "; " + stiff->cure();
   return when + what_ran_away(world, method, h) + "; use " +
          (method.adaptive() ? "larger tolerances rtol and atol"
                             : "a smaller step, such as " + text(integration.step / 4) + " s") +

@@ -118,9 +118,12 @@ bool has_thin_bodies(const Model& model) {
   });
 }
 
-ActionRecord record_of(const ActionBase& action, const std::string& made_joint, const ActionResult& result) {
+ActionRecord record_of(const ActionBase& action, const std::string& made_joint, const ActionResult& result, const World& world) {
   ActionRecord record{std::string(action.key()), action.target(), made_joint, {}, {}, {}};
-  if (const std::vector<std::string> joints = action.joints(); !joints.empty()) record.joint = joints.front();
+  if (const std::vector<std::string> joints = action.joints(); !joints.empty()) {
+    const bool spring = action.takes_springs() && world.find_spring(joints.front()) >= 0;
+    (spring ? record.spring : record.joint) = joints.front();
+  }
   if (const std::vector<std::string> bodies = action.bodies(); !bodies.empty()) {
     record.body = bodies.front();
     if (!made_joint.empty()) record.to = bodies.size() > 1 ? bodies[1] : "ground";
@@ -218,7 +221,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
     if (changed) steps.push_back({item.event, before, after});
     event.mechanisms_after = world.mechanism_names();
     if (prepares) return true;
-    event.actions.push_back(record_of(action, made_joint_name(due[item.event], item.action), result));
+    event.actions.push_back(record_of(action, made_joint_name(due[item.event], item.action), result, world));
     report.actions.push_back({item.event, item.action, std::move(result)});
     return true;
   };

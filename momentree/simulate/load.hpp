@@ -1,5 +1,7 @@
 #pragma once
-// Common base of the quantities that are loads on a joint.
+// Common base of the quantities that are loads on a joint or, where that makes sense, on a spring.
+#include <cmath>
+
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/world.hpp>
 
@@ -15,11 +17,14 @@ struct Load : Quantity {
   virtual std::optional<double> of(const Wrench& wrench) const = 0;
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     const int number = world.find_joint(joint, number_);
-    return number < 0 ? std::nullopt : of(world.reaction({number}));
+    if (number >= 0) return of(world.reaction({number}));
+    const int spring = takes_springs() ? world.find_spring(joint, spring_) : -1;
+    if (spring < 0 || !world.tree().spring_acts(spring)) return std::nullopt;
+    return std::fabs(world.spring({spring}).tension);
   }
 
  private:
-  mutable std::atomic<int> number_ = -1;  // a condition may be shared by worlds in several threads
+  mutable std::atomic<int> number_ = -1, spring_ = -1;  // a condition may be shared by worlds in several threads
 };
 
 }  // namespace momentree::quantities

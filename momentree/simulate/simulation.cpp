@@ -66,10 +66,11 @@ Simulation::Scheduled Simulation::after(std::string event, double delay) {
   std::vector<std::string> names;
   for (const EventQueue::Entry& e : scheduling().queue.entries) names.push_back(e.event.name);
   for (const Strength& s : strengths(impl_->world)) names.push_back(event_name(impl_->world, s));
-  // A joint that an event will give a strength, or that broke before this run began.
+  // A joint or spring that an event will give a strength, or that broke before this run began.
   const std::string_view prefix = "strength of ";
   const bool of_joint =
-      event.starts_with(prefix) && impl_->world.model().has_joint(std::string_view(event).substr(prefix.size()));
+      event.starts_with(prefix) && (impl_->world.model().has_joint(std::string_view(event).substr(prefix.size())) ||
+                                    impl_->world.model().has_spring(std::string_view(event).substr(prefix.size())));
   if (!of_joint && std::find(names.begin(), names.end(), event) == names.end())
     throw_error({"there is no event '" + event + "' to follow", "", did_you_mean(event, names)});
   if (!(delay >= 0) || !std::isfinite(delay))
@@ -107,7 +108,7 @@ Simulation::Scheduled& Simulation::Scheduled::then(Action action) {
   if (entry.done)
     throw_error({"event '" + entry.event.name + "' has already happened: " + action.text() + " would not happen", "",
                  "schedule another event"});
-  all->check_names(action->joints(), action->bodies());
+  all->check_names(action);
   entry.event.actions.push_back(std::move(action));
   return *this;
 }
@@ -126,7 +127,7 @@ Simulation::Scheduled& Simulation::Scheduled::ranked(std::size_t rank) {
 }
 
 Event Simulation::apply(std::span<const Action> actions, std::string name) {
-  for (const Action& action : actions) changing().check_names(action->joints(), action->bodies());
+  for (const Action& action : actions) changing().check_names(action);
   const std::size_t place = changing().events.size();  // events of its stops follow it
   if (!impl_->act(actions, name)) throw_error({impl_->message, "", ""});
   return impl_->events[place];
@@ -143,9 +144,7 @@ RunResult Simulation::try_apply(std::span<const Action> actions, std::string nam
   return impl.result = {};
 }
 
-std::optional<Error> Simulation::check(const Action& action) const {
-  return impl().unknown_name(action->joints(), action->bodies());
-}
+std::optional<Error> Simulation::check(const Action& action) const { return impl().unknown_name(action); }
 
 void Simulation::set_gravity(Vec3 gravity) {
   Impl& impl = changing();
@@ -171,6 +170,9 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   const std::vector<JointId> joints = present_joints(world);
   std::vector<std::string> names;
   for (const JointId joint : joints) names.emplace_back(world.joint_name(joint));
+  std::vector<int> springs;  // that act
+  for (int s = 0; s < world.springs(); ++s)
+    if (world.tree().spring_acts(s)) springs.push_back(s);
   event.mechanisms_before = world.mechanism_names();
   event.before = world.totals();
   std::optional<SimulationSnapshot> past;
@@ -187,6 +189,9 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
     if (is_loop(joints[i]) ? world.tree().find_loop(joints[i].index - first_loop) == nullptr
                            : world.tree().carrier(joints[i].index) < 0)
       event.topology.gone.push_back(std::move(names[i]));
+  for (const int s : springs)
+    if (!world.tree().spring_acts(s))
+      event.topology.broken_springs.push_back(world.model().springs()[static_cast<std::size_t>(s)].name);
   if (world.tree().bodies() > members.bodies()) event.topology.joints.push_back(joint_record(world, {world.tree().bodies() - 1}));
   event.topology.moved = members.moved(Membership(world));
   balance.work += event.work;

@@ -363,11 +363,11 @@ struct Simulation::Impl {
   RunState run_state();
   void continue_from(const RunState& from);
 
-  std::optional<Error> unknown_name(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
-    return momentree::unknown_name(world, queue, joints, bodies);
+  std::optional<Error> unknown_name(const Action& action) const {
+    return momentree::unknown_name(world, queue, action->joints(), action->bodies(), action->takes_springs());
   }
-  void check_names(const std::vector<std::string>& joints, const std::vector<std::string>& bodies) const {
-    if (std::optional<Error> error = unknown_name(joints, bodies)) throw_error(std::move(*error));
+  void check_names(const Action& action) const {
+    if (std::optional<Error> error = unknown_name(action)) throw_error(std::move(*error));
   }
 
   bool look(bool force) {

@@ -18,6 +18,10 @@ struct Load : Quantity {
   Dimension dimension() const override { return strength.torque ? dimension::torque : dimension::force; }
   bool is_load() const override { return true; }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
+    if (strength.spring >= 0) {
+      if (!world.tree().spring_acts(strength.spring)) return std::nullopt;
+      return std::fabs(world.spring({strength.spring}).tension);
+    }
     const bool exists = is_loop({strength.joint}) ? world.tree().find_loop(strength.joint - first_loop) != nullptr
                                                   : world.tree().carrier(strength.joint) >= 0;
     if (!exists) return std::nullopt;
@@ -27,6 +31,8 @@ struct Load : Quantity {
 };
 
 }  // namespace
+
+bool has_strengths(const World& world) { return !world.tree().strength_joints().empty() || world.tree().has_spring_strengths(); }
 
 std::vector<Strength> strengths(const World& world) {
   std::vector<Strength> all;
@@ -41,13 +47,19 @@ std::vector<Strength> strengths(const World& world) {
     if (std::isfinite(s.force)) all.push_back({loop.id().index, false, s.force});
     if (std::isfinite(s.torque)) all.push_back({loop.id().index, true, s.torque});
   }
+  for (int s = 0; s < tree.spring_count(); ++s)
+    if (std::isfinite(tree.spring_law(s).strength) && tree.spring_acts(s))
+      all.push_back({-1, false, tree.spring_law(s).strength, s});
   return all;
+}
+
+std::string name_of(const World& world, const Strength& strength) {
+  if (strength.spring >= 0) return world.model().springs()[static_cast<std::size_t>(strength.spring)].name;
+  return std::string(world.joint_name({strength.joint}));
 }
 
 Condition condition_of(const Strength& strength) { return {std::make_shared<Load>(strength), strength.most, true}; }
 
-std::string event_name(const World& world, const Strength& strength) {
-  return "strength of " + std::string(world.joint_name({strength.joint}));
-}
+std::string event_name(const World& world, const Strength& strength) { return "strength of " + name_of(world, strength); }
 
 }  // namespace momentree

@@ -1,22 +1,27 @@
 #pragma once
-// Joint strengths (JointStrength): each is monitored as if an event "strength of <joint>" had been scheduled that breaks the
-// joint when its reaction exceeds the strength.
+// Strengths of joints (JointStrength) and springs: each is monitored as if an event "strength of <joint>" had been scheduled that
+// breaks the joint when its reaction exceeds the strength, or the spring when its force does.
 #include <vector>
 
 #include <momentree/simulate/condition.hpp>
 
 namespace momentree {
 
-/// A strength of one joint.
+/// A strength of one joint or spring.
 struct Strength {
-  int joint;
+  int joint;    ///< or −1
   bool torque;  ///< torque or force
   double most;  ///< N m, N
+  int spring = -1;
   friend bool operator==(const Strength&, const Strength&) = default;
 };
 
-/// The strengths of all joints of a world, in the order of joint numbers, forces first.
+/// True if a joint or a spring of the world has a strength.
+bool has_strengths(const World& world);
+/// The strengths of all joints of a world, in the order of joint numbers, forces first; then those of the springs.
 std::vector<Strength> strengths(const World& world);
+/// The joint or spring.
+std::string name_of(const World& world, const Strength& strength);
 Condition condition_of(const Strength& strength);
 std::string event_name(const World& world, const Strength& strength);
 

@@ -1,5 +1,6 @@
 #include <momentree/simulate/topology_editor_impl.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -120,6 +121,31 @@ void TopologyEditor::break_off(int joint) {
   if (tree().has_loops()) hold_by_loop(b);
 }
 
+void TopologyEditor::break_spring(int spring) {
+  carry_out(BreakSpring{{spring}}, Nature::workless);
+  event_->topology.broken_springs.push_back(world_.model_.springs()[static_cast<std::size_t>(spring)].name);
+}
+
+ActionResult TopologyEditor::set_spring(int spring, const JointParameters& given) {
+  if (!tree().spring_acts(spring)) return ActionResult::skipped("the spring is broken");
+  Spring all = world_.model_.springs()[static_cast<std::size_t>(spring)];
+  const SpringLaw& now = tree().spring_law(spring);
+  const auto value = [](const Values& from, double kept) { return from.empty() ? kept : from[0]; };
+  all.stiffness = value(given.stiffness, now.stiffness);
+  all.damping = value(given.damping, now.damping);
+  all.rest = value(given.rest, now.rest);
+  all.strength = std::isfinite(given.strength.force) ? given.strength.force : now.strength;
+  JointParameters others = given;
+  others.stiffness = others.damping = others.rest = {};
+  others.strength.force = HUGE_VAL;
+  if (!(others == JointParameters{}) || std::max({given.stiffness.size(), given.damping.size(), given.rest.size()}) > 1)
+    return ActionResult::refused("a spring has only 'stiffness', 'rest', 'damping' and the force of 'strength', each a number");
+  for (const SpringProblem& problem : check_spring(all))
+    return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
+  carry_out(SetSpring{{spring}, law_of(all)}, Nature::outside);
+  return ActionResult::done();
+}
+
 void TopologyEditor::unlock(int joint, unsigned dofs) {
   touch(joint);
   if (is_loop({joint})) return lock_loop(joint, loop_of(joint).joint.locked & ~dofs, false);
@@ -213,6 +239,8 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
   }
   const bool floats_here = drifts(body), floats_there = to >= 0 && drifts(to);
   if (!floats_here && !floats_there) return close_loop(body, to, spec, at);
+  if (spring(made_name_) >= 0)
+    return ActionResult::refused("there is already a spring '" + made_name_ + "'", "give the event another name");
   if (world_.find_joint(made_name_) >= 0)
     return ActionResult::refused("there is already a joint '" + made_name_ + "'", "give the event another name");
 

@@ -44,6 +44,8 @@ class TopologyEditor {
   const JointParameters* parameters(int joint) const;
   /// Number of a body of this world; −1: the ground; −2: there is none.
   int body(std::string_view name) const;
+  /// Number of the spring of that name, broken or not; −1: there is none.
+  int spring(std::string_view name) const { return world_.find_spring(name); }
   const std::string& joint_name(int number) const { return world_.names_.joint(number); }
   std::string body_name(int body) const;
   std::string mechanism_of(int body) const;
@@ -67,6 +69,7 @@ class TopologyEditor {
   // Changes of no velocity: energy is removed only with springs and armatures.
   /// If a loop still holds the part that comes off, the loop's joint takes the place of this one in the tree.
   void break_off(int joint);
+  void break_spring(int spring);
   void unlock(int joint, unsigned dofs);
   void loosen(int joint, const JointPlan& plan);
   void reroot(int body);
@@ -83,6 +86,8 @@ class TopologyEditor {
   // Energy from outside.
   void push(int body, const Vec3& force, const Vec3& torque, const Vec3& point);
   void set(int joint, const JointParameters& parameters);
+  /// Sets the law of a spring from those parameters that are given; refuses those that a spring does not have.
+  ActionResult set_spring(int spring, const JointParameters& given);
   /// The same parameters, with a motion that is to begin at the joint's present position anchored there.
   JointParameters begun(int joint, JointParameters parameters) const;
   /// Whether a motion that these parameters prescribe can begin or resume at the joint's present position.

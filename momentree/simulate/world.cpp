@@ -33,6 +33,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   declared_ = names_ = Names(model_);
   active_limits_ = forest.active_limits;
   put_together(forest);
+  put_springs(forest.springs);
   for (const ActiveLimit& h : active_limits_)
     MT_REQUIRE(h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv, "a degree of freedom of the joint");
   for (auto& [joint, f] : functions) {

@@ -52,6 +52,18 @@ struct JointForces {
   bool determined = true;
 };
 
+/// A spring between two points as its user sees it. The name points into the world.
+struct SpringView {
+  std::string_view name;
+  SpringEnd from{}, to{};
+  SpringLaw law{};                      ///< as the model or a change set it
+  bool broken = false;                  ///< it broke, or a body at one of its ends left the world: it exerts no force
+  double length = 0;                    ///< distance between its ends (m); 0 if one of them left the world
+  double rate = 0;                      ///< of the length (m/s)
+  double tension = 0;                   ///< N; negative: it pushes its ends apart; 0 if it is broken
+  Vec3 place_of_from{}, place_of_to{};  ///< of its ends in the world (m)
+};
+
 struct Mechanism {
   std::string_view name;
   BodyId root;
@@ -93,6 +105,7 @@ struct Forest {
     double turn = 0;
   };
   std::vector<LoopJoint> loops;
+  std::vector<Topology::SpringChange> springs;  ///< that broke or whose law was set; also where places are empty
 };
 
 /// The state of one joint in a state document: empty lists keep the start value. If p is given, it is used instead of v; in a
@@ -126,6 +139,13 @@ class World {
   const std::vector<BodyAcceleration>& accelerations() const;
   JointForces joint_forces(JointId joint) const;
   Wrench reaction(JointId joint) const;  ///< the reaction alone
+  /// A spring of the model, with its length and tension. Costs no further evaluation.
+  SpringView spring(SpringId spring) const;
+  int springs() const { return tree_.spring_count(); }
+  /// Number of the spring of that name, broken or not; −1 if there is none.
+  int find_spring(std::string_view name) const;
+  /// The same for repeated look-ups: `number`, −1 at first, caches the result.
+  int find_spring(std::string_view name, std::atomic<int>& number) const;
   /// Coordinate (rad, m) and velocity (rad/s, m/s) of a joint with one DoF; nothing for other joints.
   std::optional<std::pair<double, double>> single_dof(JointId joint) const;
   /// Number of the joint that has that name now; −1 if there is none.
@@ -193,6 +213,7 @@ class World {
   friend class TopologyEditor;
   friend class Stops;
   void put_together(const Forest& forest);
+  void put_springs(const std::vector<Topology::SpringChange>& changes);
   void set_values(double time, std::span<const double> q, std::span<const double> y, Variables given);
   void assign(double time, std::span<const double> q, std::span<const double> y, Variables given);
   bool stays_resting(const ActiveLimit& limit, std::span<const double> q, std::span<const double> rates) const;

@@ -115,6 +115,17 @@ struct SetLoop {
   bool keeps_energy = true;  ///< the energy of its spring stays with the joint
 };
 
+/// Removes a spring between two points, which must not be broken. No velocity changes; the energy that it stored is released.
+struct BreakSpring {
+  SpringId spring;
+};
+
+/// Sets the law of a spring between two points, which must not be broken. No velocity changes.
+struct SetSpring {
+  SpringId spring;
+  SpringLaw law;
+};
+
 /// Removes `body` and all outboard ones from the world: a whole floating mechanism with `body` as its root (break it off first if
 /// it is attached). The others are not affected. Body numbers are not used again: `Tree::alive` is then false, and any other use
 /// stops the program.
@@ -130,7 +141,7 @@ struct Add {
   const BodySpec* spec;
 };
 
-/// Energy that a change released from a joint's spring and armature, beyond the energy of the bodies (J).
+/// Energy that a change released from springs and armatures, beyond the energy of the bodies (J).
 struct Released {
   double energy = 0;
 };
@@ -147,6 +158,8 @@ Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<
 JointId apply(const MakeLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const BreakLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const SetLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const BreakSpring& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const SetSpring& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 /// Returns the impulse on the DoF (N s, or N m s). The topology does not change.
 double apply(const Impact& change, const Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;

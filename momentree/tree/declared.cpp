@@ -58,6 +58,12 @@ auto words(const JointParameters& p) {
   return some(p.limits.upper.of(0) + 0.0)(p.friction.coulomb.of(0) + 0.0).all();
 }
 
+auto words(const Spring& s) {
+  return Words<12>()(pair(s.from.body.index, s.to.body.index))(s.from.point)(s.to.point)(s.stiffness)(s.rest.value_or(0))(
+             s.damping)(s.strength)(std::uint64_t{s.tension_only})
+      .all();
+}
+
 // FNV-1a over whole words.
 struct Fingerprint {
   std::uint64_t value = 14695981039346656037u;
@@ -74,6 +80,7 @@ std::uint64_t fingerprint_of(const Declared& d) {
   for (const Joint& joint : d.joints) all.add(words(joint));
   for (const MassProperties& mass : d.masses) all.add(words(mass));
   for (const JointParameters& p : d.parameters) all.add(words(p));
+  for (const Spring& s : d.springs) all.add(words(s));
   return all.value;
 }
 
@@ -117,6 +124,7 @@ std::shared_ptr<Declared> declare(const Model& model) {
   auto declared = std::make_shared<Declared>();
   Declared& d = *declared;
   d.forces = model.forces();
+  d.springs = model.springs();
   d.bodies.resize(static_cast<std::size_t>(model.size()));
   d.joints.reserve(d.bodies.size()), d.masses.reserve(d.bodies.size());
   Distinct joints, masses, parameters;

@@ -60,6 +60,7 @@ struct Declared {
   std::vector<DofParameters> dofs;  ///< the parameters per DoF, by the same indices
   SharedLinks links;                ///< of the declared topology
   std::vector<BodyForce> forces;
+  std::vector<Spring> springs;
   /// Hash of everything that a snapshot of coordinates and momenta depends on: equal for models with the same bodies and joints.
   std::uint64_t fingerprint = 0;
 };

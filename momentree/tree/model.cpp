@@ -79,8 +79,10 @@ BodyId Model::add_unjudged(BodySpec spec) {
   if (spec.q.size() == 1) begin_motion(spec.joint.parameters.drive, spec.q[0], 0);
   if (by_body_->contains(spec.name))
     throw_error({"there is already a body with that name", spec.name, "body names must be unique in a model"});
-  if (by_joint_->contains(spec.joint_name))
-    throw_error({"there is already a joint '" + spec.joint_name + "'", spec.name, "joint names must be unique in a model"});
+  if (by_joint_->contains(spec.joint_name) || has_spring(spec.joint_name))
+    throw_error(
+        {"there is already a " + std::string(has_spring(spec.joint_name) ? "spring" : "joint") + " '" + spec.joint_name + "'",
+         spec.name, "joint names must be unique in a model"});
 
   const int index = size();
   by_body_.own().emplace(spec.name, index);
@@ -107,8 +109,8 @@ JointId Model::add_loop(LoopSpec spec) {
   if (spec.name.empty()) throw_error({"a loop needs a name", "", "events and results refer to it by that name"});
   for (const BodyProblem& problem : check_loop(spec, size()))
     throw_error({problem.field + ": " + problem.what, "loop '" + spec.name + "'", problem.hint});
-  if (by_joint_->contains(spec.name))
-    throw_error({"there is already a joint '" + spec.name + "'", "", "joint names must be unique in a model"});
+  if (by_joint_->contains(spec.name) || has_spring(spec.name))
+    throw_error({"there is already a joint or spring '" + spec.name + "'", "", "names of joints and springs are unique in a model"});
   const KindInfo& kind = info(spec.joint.kind);
   if (kind.axis) spec.joint.axis = unit(spec.joint.axis);
   if (kind.axis2) spec.joint.axis2 = unit(spec.joint.axis2);
@@ -119,6 +121,35 @@ JointId Model::add_loop(LoopSpec spec) {
   by_joint_.own().emplace(spec.name, number);
   loops_.push_back(std::move(spec));
   return {number};
+}
+
+SpringId Model::add_spring(Spring spring) {
+  const auto wrong = [&](const std::string& what, std::string hint) {
+    throw_error({what, "spring '" + spring.name + "'", std::move(hint)});
+  };
+  if (spring.name.empty() || spring.name == "ground")
+    wrong("a spring needs a name of its own", "events and results refer to it by its name");
+  if (has_spring(spring.name)) wrong("there is already a spring with that name", "spring names must be unique in a model");
+  if (has_joint(spring.name)) wrong("there is already a joint with that name", "springs and joints need different names");
+  for (const SpringEnd* end : {&spring.from, &spring.to})
+    if (end->body.index < ground.index || end->body.index >= size())
+      wrong("an end is on no body of this model", "give what add() returned for the body, or ground");
+  for (SpringProblem& problem : check_spring(spring)) wrong(problem.field + ": " + problem.what, std::move(problem.hint));
+  if (!spring.rest) spring.rest = norm(start_place(bodies(), spring.to) - start_place(bodies(), spring.from));
+  springs_.push_back(std::move(spring));
+  return {static_cast<int>(springs_.size()) - 1};
+}
+
+bool Model::has_spring(std::string_view name) const {
+  return std::any_of(springs_.begin(), springs_.end(), [&](const Spring& spring) { return spring.name == name; });
+}
+
+SpringId Model::spring(std::string_view name) const {
+  for (std::size_t s = 0; s < springs_.size(); ++s)
+    if (springs_[s].name == name) return {static_cast<int>(s)};
+  std::vector<std::string> known;
+  for (const Spring& spring : springs_) known.push_back(spring.name);
+  throw_error({"there is no spring '" + std::string(name) + "'", "", did_you_mean(name, known)});
 }
 
 void Model::reserve(int count) {
@@ -136,6 +167,7 @@ void Model::keep(int count) {
     by_joint_.own().erase(loops_.back().name);
     loops_.pop_back();
   }
+  std::erase_if(springs_, [count](const Spring& s) { return std::max(s.from.body.index, s.to.body.index) >= count; });
   while (size() > count) {
     const BodySpec& last = bodies_.own().back();
     by_body_.own().erase(last.name);

@@ -15,6 +15,7 @@
 #include <momentree/math/vec.hpp>
 #include <momentree/tree/body_force.hpp>
 #include <momentree/tree/ids.hpp>
+#include <momentree/tree/spring.hpp>
 
 namespace momentree {
 
@@ -80,11 +81,20 @@ class Model {
   /// joint, parameters that loop joints do not support.
   JointId add_loop(LoopSpec spec);
   const std::vector<LoopSpec>& loops() const { return loops_; }
+  /// Adds a spring between two points of different bodies of this model, or of the ground. Throws Error: no name, or one that
+  /// another spring or a joint has; no such body; an end that is not finite, or both ends on one body; a negative stiffness,
+  /// damping or rest length; a strength that is not positive; neither stiffness nor damping.
+  SpringId add_spring(Spring spring);
+  /// The springs as added, with their rest lengths.
+  const std::vector<Spring>& springs() const { return springs_; }
+  /// The spring of that name; throws Error with a suggestion.
+  SpringId spring(std::string_view name) const;
+  bool has_spring(std::string_view name) const;
 
   /// Reserves space for that many bodies in total.
   void reserve(int count);
 
-  /// Removes all bodies but the first `count` (≥ 0), with the forces on them and their loops.
+  /// Removes all bodies but the first `count` (≥ 0), with the forces and springs on them and their loops.
   void keep(int count);
 
   Vec3 gravity() const { return gravity_; }
@@ -136,6 +146,7 @@ class Model {
   detail::CopyOnWrite<std::vector<BodySpec>> bodies_;
   std::vector<BodyForce> forces_;
   std::vector<LoopSpec> loops_;
+  std::vector<Spring> springs_;
   detail::CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: the first root with that name
 };
 

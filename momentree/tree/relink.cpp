@@ -301,7 +301,7 @@ void Tree::build_runs() {
 // Allocates only the first time and after bodies were added.
 void Tree::list_loaded_bodies() {
   loaded_.clear();
-  if (body_forces().empty() && body_functions_.empty()) return;
+  if (body_forces().empty() && body_functions_.empty() && spring_states_.empty()) return;
   loaded_.reserve(at(bodies()));
   loaded_mark_.assign(at(bodies()), 0);
   const auto mark = [this](int body) {
@@ -310,6 +310,8 @@ void Tree::list_loaded_bodies() {
   };
   for (const BodyForce& force : body_forces()) mark(force.body.index);
   for (const Topology::Loaded& load : body_functions_) mark(load.body);
+  for (int s = 0; s < spring_count(); ++s)
+    if (spring_acts(s)) mark(springs()[at(s)].from.body.index), mark(springs()[at(s)].to.body.index);
   for (const int b : order_)
     if (loaded_mark_[at(b)] != 0) loaded_.push_back(b);
 }

@@ -50,6 +50,7 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
     joint_of_[at(b)] = carrier_[at(b)] = b;
     joint_at_[at(b)] = declared->bodies[at(b)].joint;
   }
+  put_springs({});
   revision_.renew();
   for (const LoopSpec& spec : model.loops()) {
     Loop loop;
@@ -79,6 +80,8 @@ Topology Tree::topology() const {
   t.functions = functions_;
   t.loads = body_functions_;
   t.loops = loops_;
+  for (const Topology::SpringChange& s : spring_states_)
+    if (s.broken || s.law != law_of(springs()[at(s.spring)])) t.springs.push_back(s);
   t.added = added_masses_;
   t.model = declared_ ? declared_->fingerprint : 0;
   return t;
@@ -106,6 +109,8 @@ void Tree::require_valid(const Topology& topology) const {
   }
   for (const Topology::Own& own : topology.own) MT_REQUIRE(has(own.joint), "parameters are those of a joint of the topology");
   for (const auto& function : topology.functions) MT_REQUIRE(function != nullptr, "a function is not null");
+  for (const Topology::SpringChange& s : topology.springs)
+    MT_REQUIRE(s.spring >= 0 && at(s.spring) < springs().size(), "a changed spring is one of the model's");
   for (const Topology::Loaded& load : topology.loads)
     MT_REQUIRE(has(load.body) && load.function != nullptr, "a function acts on a body of the topology");
 }
@@ -136,6 +141,7 @@ void Tree::restore(const Topology& topology) {
   for (const Loop& loop : loops_) next_loop_ = std::max(next_loop_, loop.number + 1);
   loop_links_.clear(), loop_stops_.clear();
   loop_rows_ = loop_columns_ = 0;
+  put_springs(topology.springs);
   revision_.renew();
   link_all();
 }

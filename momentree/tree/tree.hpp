@@ -46,6 +46,13 @@ struct Topology {
     int body = -1;
     std::shared_ptr<const BodyFunction> function;
   };
+  /// A spring that broke, or that has another law than the model's.
+  struct SpringChange {
+    int spring = -1;
+    bool broken = false;
+    SpringLaw law{};
+    friend bool operator==(const SpringChange&, const SpringChange&) = default;
+  };
   std::vector<Place> places;                                    ///< by body
   std::vector<Changed> changed;                                 ///< in the order of joint numbers
   std::vector<Own> own;                                         ///< in the order in which they were set
@@ -53,6 +60,7 @@ struct Topology {
   std::vector<std::shared_ptr<const JointFunction>> functions;  ///< drives, indexed by Joint::function
   std::vector<Loaded> loads;                                    ///< at most one per body
   std::vector<Loop> loops;                                      ///< all loop joints, the model's too
+  std::vector<SpringChange> springs;                            ///< in the order of spring numbers
   std::uint64_t model = 0;                                      ///< fingerprint of the model
 };
 
@@ -179,7 +187,23 @@ class Tree {
   }
   /// Functions that act on bodies, at most one per body; also including removed bodies.
   std::span<const Topology::Loaded> body_functions() const { return body_functions_; }
-  /// Bodies on which such a force or function acts, and all bodies inboard of them, inboard before outboard.
+  /// The model's springs between points of bodies, by number, including those without effect: see spring_acts().
+  std::span<const Spring> springs() const {
+    return declared_ ? std::span<const Spring>(declared_->springs) : std::span<const Spring>();
+  }
+  int spring_count() const { return static_cast<int>(spring_states_.size()); }
+  /// False for a spring that is broken or was attached to a body that was removed.
+  bool spring_acts(int spring) const {
+    const Spring& s = springs()[at(spring)];
+    const auto holds = [this](BodyId body) { return body == ground || alive(body.index); };
+    return !spring_broken(spring) && holds(s.from.body) && holds(s.to.body);
+  }
+  bool spring_broken(int spring) const { return spring_state(spring).broken; }
+  /// Its present law: the model's, or as a change set it.
+  const SpringLaw& spring_law(int spring) const { return spring_state(spring).law; }
+  /// True if a spring that acts has a strength.
+  bool has_spring_strengths() const;
+  /// Bodies on which such a force, function or spring acts, and all bodies inboard of them, inboard before outboard.
   std::span<const int> loaded_bodies() const { return loaded_; }
   /// Bodies whose joint has friction, soft stops, or a drive other than a constant effort.
   std::span<const int> forced_joints() const { return forced_joints_; }
@@ -263,6 +287,9 @@ class Tree {
   int add_loop(Loop loop);
   void remove_loop(int number);
   void set_loop(int number, const Joint& joint, const JointParameters& parameters, const Values& held = {});
+  /// Removes a spring, or sets its law.
+  void break_spring(int spring);
+  void set_spring_law(int spring, const SpringLaw& law);
   /// Removes root b and all bodies outboard of it; their numbers are not used again.
   void remove(int b);
   /// Adds a body, given in the complete form of Model::operator[], and returns the new number of the body and its joint. Storage
@@ -327,6 +354,9 @@ class Tree {
 
   void list_loaded_bodies();
   void list_loops();
+
+  // springs.cpp
+  void put_springs(const std::vector<Topology::SpringChange>& changes);
 
   // edits.cpp
   void unlink(int b);
@@ -401,6 +431,11 @@ class Tree {
   detail::Reserved<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false, has_functions_ = false, has_pairs_ = false, has_planes_ = false;
   std::vector<Topology::Loaded> body_functions_;
+  std::vector<Topology::SpringChange> spring_states_;  // by spring
+  const Topology::SpringChange& spring_state(int spring) const {
+    MT_REQUIRE(at(spring) < spring_states_.size(), "the model has a spring of that number");
+    return spring_states_[at(spring)];
+  }
   detail::Reserved<int> loaded_;
   std::vector<unsigned char> loaded_mark_;  // scratch, by body
   std::vector<Loop> loops_;

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from momentree import distributions, events, joints
-from momentree._core import Body, Context, Joint, ModelBody, Snapshot, World, __version__
+from momentree._core import Body, Context, Joint, ModelBody, Snapshot, Spring, World, __version__
 from momentree._errors import Diagnostic, Error, RunError
 from momentree._records import ActionRecord, Energy, Event, Mechanism, MissedEvent, Momentum, Rates, Totals, Wrench
 from momentree._views import StateView
@@ -21,7 +21,7 @@ from momentree.events import *
 from momentree.function_sweep import sweep
 from momentree.joints import *
 from momentree.model import Model
-from momentree.run import BodyRows, JointRows, Run
+from momentree.run import BodyRows, JointRows, Run, SpringRows
 from momentree.simulation import Scheduled, Simulation, load, loads
 from momentree.sweeps import Share, Sweep, SweepResults
 
@@ -57,6 +57,8 @@ __all__: list[str] = [
     "Share",
     "Simulation",
     "Snapshot",
+    "Spring",
+    "SpringRows",
     "StateView",
     "Sweep",
     "SweepResults",

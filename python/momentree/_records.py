@@ -105,6 +105,8 @@ class ActionRecord:
     """The body that ``body`` was joined to, ``"ground"`` or an empty string."""
     skipped: str
     """Why nothing was done; empty: it was carried out."""
+    spring: str = ""
+    """The spring that it acted on, or an empty string."""
 
     def __str__(self) -> str:
         return f"{self.kind} {self.target}" + (f" skipped: {self.skipped}" if self.skipped else "")

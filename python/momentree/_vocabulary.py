@@ -217,7 +217,7 @@ class Reaction:
 
     @property
     def force(self) -> Quantity:
-        """Norm of the force (N)."""
+        """Norm of the force (N); of a spring, the size of its force."""
         return Quantity("reaction_force", self._joint, [self._joint])
 
     @property

@@ -1,11 +1,11 @@
-"""Bodies and joints by name."""
+"""Bodies, joints and springs by name."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, TypeVar, overload
 
-from momentree._core import Body, Joint, World
+from momentree._core import Body, Joint, Spring, World
 
 
 Value = TypeVar("Value")
@@ -105,3 +105,28 @@ class Joints(Named[Joint]):
 
     def __repr__(self) -> str:
         return f"<momentree.Joints: {', '.join(self)}>"
+
+
+class Springs(Named[Spring]):
+    """The springs of a world by name, in the order of adding; those that are broken stay.
+
+    An unknown name is an Error that suggests the nearest one.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+
+    def __getitem__(self, name: str) -> Spring:
+        return self._world._spring(name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._world._spring_names()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._world._spring_names())
+
+    def __len__(self) -> int:
+        return len(self._world._spring_names())
+
+    def __repr__(self) -> str:
+        return f"<momentree.Springs: {', '.join(self)}>"

@@ -70,7 +70,7 @@ def attach(
 def break_joint(
     joint: JointName,
 ) -> Action:
-    """Removes a joint: the child's subtree becomes a separate mechanism.
+    """Removes a joint: the child's subtree becomes a separate mechanism; or a spring.
 
     Args:
         joint: Name of the joint, or its handle.
@@ -157,7 +157,7 @@ def set_parameters(
     strength: Mapping[str, Any] | None = None,
     drive: Mapping[str, Any] | None = None,
 ) -> Action:
-    """Sets new parameters of a joint; those that are not given stay.
+    """Sets new parameters of a joint or a spring; those that are not given stay.
 
     Args:
         joint: Name of the joint, or its handle.

@@ -17,6 +17,15 @@ Shape = Union[Mapping[str, Any], Sequence[Mapping[str, Any]]]
 """As in scenario files: ``{"box": [x, y, z]}``, ``{"sphere": r}`` …, or a list of them."""
 Axes = Literal["world", "body"]
 """The axes in which a force is given."""
+SpringEnd = Union[str, _core.ModelBody, tuple[Union[str, _core.ModelBody], Vector]]
+"""An end of a spring: a body or ``"ground"``, or a pair of it and a point in its frame (m)."""
+
+
+def _spring_end(end: SpringEnd) -> Any:
+    if isinstance(end, tuple) and len(end) != 2:
+        raise Error("an end of a spring is a body, or a pair of a body and a point", hint="for example ('arm/hand', (0, 0, 0.1))")
+    body, point = end if isinstance(end, tuple) else (end, None)
+    return given(body=body.name if isinstance(body, _core.ModelBody) else body, point=point)
 
 
 def body_fields(
@@ -119,6 +128,40 @@ class Model(_core.ModelBase):
         """
         name = body if isinstance(body, str) else body.name
         self._add_force(name, given(body=name, force=force, torque=torque, point=point, axes=axes, drag=drag))
+
+    def add_spring(
+        self,
+        name: str,
+        *,
+        start: SpringEnd,
+        end: SpringEnd,
+        stiffness: Number | None = None,
+        rest: Number | None = None,
+        damping: Number | None = None,
+        tension_only: bool | None = None,
+        strength: Number | None = None,
+    ) -> None:
+        """Add a spring or a rope between two points of different bodies, or of a body and the ground.
+
+        Its force is along the line between the points: stiffness·(length − rest) + damping·(rate of the length) pulls them
+        together. It stays with the bodies, whatever they are joined to. ``sim.world.springs[name]`` has its length and tension;
+        ``break_joint`` breaks it, and ``reaction(name).force`` is the size of its force.
+
+        Args:
+            name: Unique among springs and joints.
+            start: One end: a body, or ``"ground"``; or a pair of it and a point in its frame (m): ``("arm/hand", (0, 0, 0.1))``.
+            end: The other end, likewise.
+            stiffness: N/m.
+            rest: Length without force (m); default: the distance at the start.
+            damping: N s/m.
+            tension_only: True for a rope: it pulls and never pushes.
+            strength: It breaks when its force exceeds this (N).
+
+        Raises:
+            Error: A value is impossible or a name unknown or used twice; the model is unchanged.
+        """
+        table = given(stiffness=stiffness, rest=rest, damping=damping, tension_only=tension_only, strength=strength)
+        self._add_spring(name, {"from": _spring_end(start), "to": _spring_end(end), **table})
 
     def copy(self) -> Model:
         """An independent copy: what is added to one is not in the other."""

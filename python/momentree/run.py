@@ -102,6 +102,33 @@ class BodyRows:
         return f"<momentree.BodyRows '{self.name}', {len(self._rows)} rows>"
 
 
+class SpringRows:
+    """What a spring did in a run, row by row; NaN once it was broken."""
+
+    def __init__(self, name: str, rows: Array) -> None:
+        self.name: str = name
+        """Name of the spring."""
+        self._rows = rows
+
+    @property
+    def length(self) -> Array:
+        """Distance between its ends (m), shape (rows,)."""
+        return self._rows[:, 0]
+
+    @property
+    def rate(self) -> Array:
+        """Rate of the length (m/s), shape (rows,)."""
+        return self._rows[:, 1]
+
+    @property
+    def tension(self) -> Array:
+        """Force with which it pulls its ends together (N), shape (rows,); negative: it pushes."""
+        return self._rows[:, 2]
+
+    def __repr__(self) -> str:
+        return f"<momentree.SpringRows '{self.name}', {len(self._rows)} rows>"
+
+
 class Run:
     """A recorded run. Columns are computed when they are first asked for and kept.
 
@@ -128,6 +155,8 @@ class Run:
         """Columns of the joints that the run had, by name."""
         self.bodies: Mapping[str, BodyRows] = Columns(record.body_names, self._body)
         """Motions of the bodies, by name."""
+        self.springs: Mapping[str, SpringRows] = Columns(record.spring_names, self._spring)
+        """Lengths and tensions of the springs, by name."""
         self._energy: NDArray[np.void] | None = None
 
     def _recorded(self) -> _Record:
@@ -140,6 +169,9 @@ class Run:
 
     def _body(self, name: str) -> BodyRows:
         return BodyRows(name, self._recorded().body(name))
+
+    def _spring(self, name: str) -> SpringRows:
+        return SpringRows(name, self._recorded().spring(name))
 
     def __len__(self) -> int:
         return len(self.time)
@@ -254,7 +286,7 @@ class Run:
     # Tables and plots
 
     def _column(self, name: str) -> tuple[Array, list[str]]:
-        """Numbers and labels of ``"energy"``, ``"kinetic"``, ``"arm/elbow.q"``, ``"arm/hand.position"`` …"""
+        """Numbers and labels of ``"energy"``, ``"kinetic"``, ``"arm/elbow.q"``, ``"arm/hand.position"``, ``"rope.tension"`` …"""
         if name == "energy":
             e = self.energy
             parts = {"kinetic": e["kinetic"], "potential": e["gravity"] + e["elastic"]}
@@ -271,10 +303,12 @@ class Run:
             values = getattr(self.joints[owner].reaction, field)
         elif owner in self.bodies and field in ("position", "quaternion", "linear", "angular"):
             values = getattr(self.bodies[owner], field)
+        elif owner in self.springs and field in ("length", "rate", "tension"):
+            return getattr(self.springs[owner], field)[:, None], [name]
         else:
             raise Error(
                 f"the run has no column '{name}'",
-                hint="for example 'energy', 'kinetic', 'arm/elbow.q', 'arm/elbow.v', 'arm/hand.position'",
+                hint="for example 'energy', 'kinetic', 'arm/elbow.q', 'arm/elbow.v', 'arm/hand.position', 'rope.tension'",
             )
         width = values.shape[1]
         letters = "wxyz" if width == 4 else "xyz" if field not in ("q", "v", "p", "a") else "0123456"
@@ -344,6 +378,7 @@ class Run:
             state["_energy"] = self.energy
             state["joints"] = {name: self.joints[name] for name in self.joints}
             state["bodies"] = {name: self.bodies[name] for name in self.bodies}
+            state["springs"] = {name: self.springs[name] for name in self.springs}
         state["_record"] = None
         state["_functions"] = []
         return state

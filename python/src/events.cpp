@@ -117,7 +117,8 @@ nb::list dry_run(const SimulationPtr& self) {
 nb::object event_record(const Event& event) {
   nb::list actions;
   const nb::object action_type = python_class("_records", "ActionRecord");
-  for (const ActionRecord& a : event.actions) actions.append(action_type(a.kind, a.target, a.joint, a.body, a.to, a.skipped));
+  for (const ActionRecord& a : event.actions)
+    actions.append(action_type(a.kind, a.target, a.joint, a.body, a.to, a.skipped, a.spring));
   nb::dict impulse;
   for (const auto& [joint, six] : event.impulse) impulse[joint.c_str()] = impulse_of(six);
   return python_class("_records", "Event")("time"_a = event.time, "name"_a = event.name, "actions"_a = nb::tuple(actions),

@@ -189,6 +189,14 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
                      for (const BodySpec& body : r.record->model().bodies()) names.push_back(body.name);
                      return names;
                    })
+      .def_prop_ro("spring_names",
+                   [](const RecordObject& r) {
+                     std::vector<std::string> names;
+                     for (const Spring& spring : r.record->model().springs()) names.push_back(spring.name);
+                     return names;
+                   })
+      .def("spring",
+           [](const RecordObject& r, const std::string& name) { return matrix(r.record->spring(name), r.record->rows(), 3); })
       .def_prop_ro("energy_columns", [](const RecordObject&) { return io::RunRecord::energy_columns(); })
       .def_prop_ro("events",
                    [](const RecordObject& r) {

@@ -1,4 +1,4 @@
-// Model: bodies, joints and forces, added one by one.
+// Model: bodies, joints, forces and springs, added one by one.
 #include "model_object.hpp"
 
 #include <utility>
@@ -78,6 +78,10 @@ std::shared_ptr<ModelObject> in_order(const ModelObject& self, const std::vector
     force.body = now(force.body.index);
     sorted->model.add_force(std::move(force));
   }
+  for (Spring spring : self.model.springs()) {
+    for (SpringEnd* end : {&spring.from, &spring.to}) end->body = now(end->body.index);
+    sorted->model.add_spring(std::move(spring));
+  }
   for (io::JointCoupling coupling : self.couplings) {
     coupling.joint = {now(coupling.joint.index).index}, coupling.leader = {now(coupling.leader.index).index};
     sorted->couplings.push_back(coupling);
@@ -112,6 +116,7 @@ void register_model(nb::module_& m) {
           "gravity"_a)
       .def("_add", &add, "name"_a, "parent"_a.none(), "fields"_a)
       .def("_add_force", &add_force)
+      .def("_add_spring", &add_spring)
       .def("__len__", [](const ModelObject& self) { return self.model.size(); })
       .def_prop_ro(
           "body_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.name; }); },
@@ -119,6 +124,14 @@ void register_model(nb::module_& m) {
       .def_prop_ro(
           "joint_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.joint_name; }); },
           "Names of the joints, in the order of adding, a copy.")
+      .def_prop_ro(
+          "spring_names",
+          [](const ModelObject& self) {
+            std::vector<std::string> all;
+            for (const Spring& spring : self.model.springs()) all.push_back(spring.name);
+            return all;
+          },
+          "Names of the springs, in the order of adding, a copy.")
       .def_prop_rw(
           "gravity", [](const ModelObject& self) { return from_vec3(self.model.gravity()); },
           [](ModelObject& self, nb::handle gravity) { self.model.set_gravity(to_vec3(gravity, "gravity")); }, nb::arg().none(),

@@ -28,6 +28,8 @@ struct ModelBody {
 std::shared_ptr<const io::Scenario> scenario_of(const ModelObject& model, const Integration& integration);
 /// The parent that a user named: None, "ground", a name or a ModelBody of this model.
 BodyId parent_in(const ModelPtr& model, nb::handle parent);
+/// Adds a spring from the keyword arguments of add_spring(). springs.cpp
+void add_spring(ModelObject& model, const std::string& name, nb::handle fields);
 /// The complete table of a body and its joint from the keyword arguments of add().
 io::BodyPart body_part(const std::string& call, const std::string& name, nb::handle fields);
 

@@ -323,9 +323,12 @@ void register_world(nb::module_& m) {
   register_body(m);
   register_joint(m);
   register_context(m);
-  nb::class_<WorldObject>(
-      m, "World", "The world of a simulation at its present instant. One that was passed to a function is valid during the call.")
-      .def_prop_ro(
+  register_spring(m);
+  nb::class_<WorldObject> type(
+      m, "World",
+      "The world of a simulation at its present instant. One that was passed to a function is valid during the call.");
+  add_springs_to(type);
+  type.def_prop_ro(
           "time", [](const WorldPtr& w) { return Reading(w)->time(); }, "Time (s).")
       .def_prop_ro(
           "gravity", [](const WorldPtr& w) { return from_vec3(Reading(w)->model().gravity()); },

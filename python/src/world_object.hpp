@@ -46,6 +46,10 @@ struct ContextObject {
 /// The number of a body or joint from its name, or from a handle of this very simulation.
 BodyId body_of(const World& world, const SimulationObject& object, nb::handle name);
 JointId joint_of(const World& world, const SimulationObject& object, nb::handle name);
+/// springs.cpp
+void register_spring(nb::module_& m);
+void add_springs_to(nb::class_<WorldObject>& type);
+
 /// Names in place of handles, in arguments of actions and conditions.
 nb::object name_of(nb::handle handle);
 

@@ -4,9 +4,9 @@ import os
 import re
 
 OWN = {".momentree", "bodies.csv", "joints.csv", "energy.csv", "events.jsonl", "final.json", "summary.json", "model.json",
-       "report.html", "checkpoint"}
+       "report.html", "checkpoint", "springs.csv"}
 HELPERS = {".momentree", ".momentree.new", ".momentree.reserve", ".momentree.former"}
-TABLES = {"bodies.csv", "joints.csv", "energy.csv", "events.jsonl"}
+TABLES = {"bodies.csv", "joints.csv", "energy.csv", "springs.csv", "events.jsonl"}
 
 
 def read_tree(folder):

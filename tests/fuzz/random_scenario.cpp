@@ -29,6 +29,7 @@ std::string random_scenario(Choices& choose) {
   for (int left = most, m = 0; m < mechanisms && left > 0; ++m) left -= add_mechanism(draft, left);
   add_couplings(draft);
   add_forces(draft);
+  add_springs(draft);
   for (int left = choose.integer(0, 7); left > 0; --left) add_event(draft);
   return draft.text;
 }

@@ -52,6 +52,7 @@ inline std::string quoted(const std::string& text) { return '"' + text + '"'; }
 int add_mechanism(Draft& draft, int most);
 void add_couplings(Draft& draft);
 void add_forces(Draft& draft);
+void add_springs(Draft& draft);
 void add_event(Draft& draft);
 
 /// Start values: coordinates of a joint kind; angles and lengths up to `size`.

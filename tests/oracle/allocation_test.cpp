@@ -48,8 +48,16 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { s
 using namespace momentree;
 
 namespace {
-// Wind on every third body.
+// Wind on every third body, and springs between neighbours.
 Model in_the_wind(Model model) {
+  for (int b = 0; b + 1 < model.size(); b += 2)
+    model.add_spring({.name = "spring " + std::to_string(b),
+                      .from = {{b}, {0.1, 0, 0}},
+                      .to = {{b + 1}, {0, 0.2, 0}},
+                      .stiffness = 10,
+                      .damping = 0.1,
+                      .tension_only = b % 4 == 0,
+                      .strength = 1e9});
   for (int b = 0; b < model.size(); b += 3)
     model.add_force(
         {.body = {b}, .point = {0.1, 0, 0}, .force = {Signal::table({{0, 1}, {1, 2}}), 0.0, 0.0}, .drag = {.linear = 0.1}});
@@ -121,7 +129,13 @@ TEST_CASE("no change allocates, in the original or in a copy") {
     const BodyId body{draw.integer(0, tree.bodies() - 1)};
     const BodyId to{draw.integer(0, tree.bodies() - 1)};
     forward_dynamics(tree, state, workspace);
-    switch (draw.integer(0, 5)) {
+    switch (draw.integer(0, 6)) {
+      case 6: {
+        const int spring = draw.integer(0, tree.spring_count() - 1);
+        if (k % 20 == 0 && tree.spring_acts(spring)) apply(BreakSpring{{spring}}, tree, state, workspace), ++changes;
+        if (tree.spring_acts(spring)) apply(SetSpring{{spring}, {.stiffness = 3, .rest = 1}}, tree, state, workspace), ++changes;
+        break;
+      }
       case 0:
         if (can_break(tree, tree.inboard_joint(body))) apply(Break{tree.inboard_joint(body)}, tree, state, workspace), ++changes;
         break;

@@ -40,12 +40,27 @@ export interface Joint {
   readonly locked?: boolean;
 }
 
+/** A spring between points of two bodies, in their frames (of the ground in the world). */
+export interface Spring {
+  readonly name: string;
+  readonly from: number;
+  readonly to: number;
+  readonly fromPoint: Vec3;
+  readonly toPoint: Vec3;
+  readonly stiffness: number;
+  readonly rest: number;
+  readonly tensionOnly: boolean;
+  /** The force at which it breaks; null: it never breaks. */
+  readonly strength: number | null;
+}
+
 /** A model at the start of a run. */
 export interface Model {
   readonly title: string;
   readonly gravity: Vec3;
   readonly bodies: readonly Body[];
   readonly joints: readonly Joint[];
+  readonly springs?: readonly Spring[];
 }
 
 /** The topology from a time on until the next phase. */
@@ -54,6 +69,8 @@ export interface Phase {
   /** By body: an index into `Recording.mechanisms`. */
   readonly mechanism: ArrayLike<number>;
   readonly joints: readonly Joint[];
+  /** Springs that act; absent: those of the model. */
+  readonly springs?: readonly Spring[];
 }
 
 export interface Totals {
@@ -71,6 +88,7 @@ export interface RunEvent {
   readonly changes: readonly {
     readonly kind: string;
     readonly joint?: string;
+    readonly spring?: string;
     readonly body?: string;
     readonly skipped?: string;
   }[];

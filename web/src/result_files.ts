@@ -1,5 +1,5 @@
 // The documents of a result that pages read: model.json, and the topology records of events.jsonl (docs/results.md).
-import type { Joint, Model, Phase, Pose, RunEvent, Shape, Vec3 } from "./recording";
+import type { Joint, Model, Phase, Pose, RunEvent, Shape, Spring, Vec3 } from "./recording";
 
 interface JointFile {
   kind: string;
@@ -10,16 +10,32 @@ interface JointFile {
   locked?: boolean | boolean[];
 }
 
+interface SpringFile {
+  from: { body: string; point: Vec3 };
+  to: { body: string; point: Vec3 };
+  stiffness: number;
+  rest: number;
+  tension_only: boolean;
+  strength: number | null;
+  broken: boolean;
+}
+
 export interface ModelFile {
   title: string;
   gravity: Vec3;
   mechanisms: { name: string; bodies: string[] }[];
   bodies: Record<string, { mass: number; com: Vec3; extent: [Vec3, Vec3][]; shape: Shape | null; more_shapes?: Shape[] }>;
   joints: Record<string, JointFile>;
+  springs?: Record<string, SpringFile>;
 }
 
 export interface EventFile extends RunEvent {
-  topology?: { gone: string[]; joints: Record<string, JointFile>; moved: Record<string, [first: number, count: number][]> };
+  topology?: {
+    gone: string[];
+    joints: Record<string, JointFile>;
+    moved: Record<string, [first: number, count: number][]>;
+    broken_springs?: string[];
+  };
 }
 
 /** Joints of which the child is among the bodies. */
@@ -36,6 +52,24 @@ function jointsOf(file: Record<string, JointFile>, bodies: ReadonlyMap<string, n
   return joints.filter(({ child }) => child >= 0);
 }
 
+/** Springs that act, of which both ends are on the ground or among the bodies. */
+function springsOf(file: Record<string, SpringFile>, bodies: ReadonlyMap<string, number>): Spring[] {
+  const known = (body: string) => body === "ground" || bodies.has(body);
+  return Object.entries(file)
+    .filter(([, { from, to, broken }]) => !broken && known(from.body) && known(to.body))
+    .map(([name, { from, to, stiffness, rest, tension_only, strength }]) => ({
+      name,
+      from: bodies.get(from.body) ?? -1,
+      to: bodies.get(to.body) ?? -1,
+      fromPoint: from.point,
+      toPoint: to.point,
+      stiffness,
+      rest,
+      tensionOnly: tension_only,
+      strength,
+    }));
+}
+
 const numbered = (names: readonly string[]) => new Map(names.map((name, b) => [name, b]));
 
 /** `names`: of the bodies, in the order in which they are numbered. */
@@ -45,7 +79,9 @@ export function modelOf(file: ModelFile, names: readonly string[] = Object.keys(
     const shapes = [body?.shape, ...(body?.more_shapes ?? [])].filter((shape): shape is Shape => Boolean(shape));
     return { name, mass: body?.mass ?? 0, com: body?.com ?? [0, 0, 0], extent: body?.extent ?? [], shapes };
   });
-  return { title: file.title, gravity: file.gravity, bodies, joints: jointsOf(file.joints, numbered(names)) };
+  const numbers = numbered(names);
+  const [joints, springs] = [jointsOf(file.joints, numbers), springsOf(file.springs ?? {}, numbers)];
+  return { title: file.title, gravity: file.gravity, bodies, joints, springs };
 }
 
 /** The phases of a run, and its mechanisms in the order of appearance. */
@@ -59,7 +95,8 @@ export function phasesOf(file: ModelFile, model: Model, events: readonly EventFi
   const atStart = new Map(file.mechanisms.flatMap(({ name, bodies: members }) => members.map((body) => [body, name])));
   let mechanism = Int32Array.from(model.bodies, ({ name }) => numberOf(atStart.get(name) ?? name));
   let joints = model.joints;
-  const phases: Phase[] = [{ from: 0, mechanism, joints }];
+  let springs = model.springs ?? [];
+  const phases: Phase[] = [{ from: 0, mechanism, joints, springs }];
   for (const { time, topology } of events) {
     if (!topology) continue;
     const replaced = new Set([...topology.gone, ...Object.keys(topology.joints)]);
@@ -67,7 +104,9 @@ export function phasesOf(file: ModelFile, model: Model, events: readonly EventFi
     mechanism = mechanism.slice();
     for (const [name, ranges] of Object.entries(topology.moved))
       for (const [first, count] of ranges) mechanism.fill(numberOf(name), first, first + count);
-    phases.push({ from: time, mechanism, joints });
+    const broken = topology.broken_springs;
+    if (broken) springs = springs.filter(({ name }) => !broken.includes(name));
+    phases.push({ from: time, mechanism, joints, springs });
   }
   return { phases, mechanisms: [...mechanisms.keys()] };
 }

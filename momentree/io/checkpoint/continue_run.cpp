@@ -27,7 +27,9 @@ class Fit {
     check_places();
     check_joints();
     check_state();
-    for (const QueueState::Borne& b : run_.queue.strengths) require(joint(b.strength.joint), whole);
+    check_springs();
+    for (const QueueState::Borne& b : run_.queue.strengths)
+      require(b.strength.spring < 0 ? joint(b.strength.joint) : spring(b.strength.spring), whole);
     for (const auto* names : {&run_.world.joint_names, &run_.world.mechanism_names})
       for (const auto& [number, name] : *names) require(body(number), whole);
   }
@@ -41,6 +43,7 @@ class Fit {
   }
   bool body(int number) const { return number >= 0 && number < bodies_; }
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  bool spring(int number) const { return number >= 0 && number < world_.springs(); }
   bool joint(int number) const { return body(number) && carried_[at(number)] != 0; }
 
   void check_places() {
@@ -80,6 +83,16 @@ class Fit {
       kinds_[at(c.joint)] = c.as.kind;
     }
     for (const Topology::Own& o : topology_.own) require(body(o.joint), whole);
+  }
+
+  void check_springs() const {
+    for (const Topology::SpringChange& change : topology_.springs) {
+      require(spring(change.spring), whole);
+      Spring as = world_.model().springs()[at(change.spring)];
+      as.stiffness = change.law.stiffness, as.rest = change.law.rest, as.damping = change.law.damping;
+      as.tension_only = change.law.tension_only, as.strength = change.law.strength;
+      require(check_spring(as).empty(), whole);
+    }
   }
 
   void check_state() const {

@@ -35,10 +35,10 @@ RunInput run_input(const Scenario& scenario, bool reactions) {
 
 std::optional<Interrupted> find_checkpoint(const std::string& destination, const RunInput& input) {
   Interrupted found;
-  found.directory = ResultDirectory::reopen(
-      destination,
-      {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv", "energy.csv", "final.json", checkpoint_file},
-      checkpoint_file);
+  found.directory = ResultDirectory::reopen(destination,
+                                            {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv",
+                                             "energy.csv", "springs.csv", "final.json", checkpoint_file},
+                                            checkpoint_file);
   if (!found.directory) return std::nullopt;
   const std::filesystem::path& folder = found.directory->working();
   found.path = (folder / checkpoint_file).string();
@@ -52,6 +52,7 @@ std::optional<Interrupted> find_checkpoint(const std::string& destination, const
   require("bodies.csv", record.bodies);
   require("joints.csv", record.joints);
   if (record.energy) require("energy.csv", *record.energy);
+  if (record.springs) require("springs.csv", *record.springs);
   return found;
 }
 

@@ -126,10 +126,18 @@ template <class Archive>
 void fields(Archive& archive, Part<Archive, Topology::Own>& o) {
   archive(o.joint, o.parameters);
 }
+template <class Archive>
+void fields(Archive& archive, Part<Archive, SpringLaw>& l) {
+  archive(l.stiffness, l.rest, l.damping, l.tension_only, l.strength);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, Topology::SpringChange>& s) {
+  archive(s.spring, s.broken, s.law);
+}
 /// Without functions and added bodies.
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Topology>& t) {
-  archive(t.places, t.changed, t.own, t.model);
+  archive(t.places, t.changed, t.own, t.springs, t.model);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Snapshot>& s) {

@@ -19,7 +19,7 @@ void fields(Archive& archive, Part<Archive, QueueState::Entry>& e) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Strength>& s) {
-  archive(s.joint, s.torque, s.most);
+  archive(s.joint, s.torque, s.most, s.spring);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, QueueState::Borne>& b) {
@@ -50,7 +50,7 @@ void fields(Archive& archive, Part<Archive, Totals>& t) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, ActionRecord>& a) {
-  archive(a.kind, a.target, a.joint, a.body, a.to, a.skipped);
+  archive(a.kind, a.target, a.joint, a.body, a.to, a.skipped, a.spring);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, JointRecord>& j) {
@@ -64,7 +64,7 @@ void fields(Archive& archive, Part<Archive, TopologyRecord::Moved>& m) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, TopologyRecord>& t) {
-  archive(t.gone, t.joints, t.moved);
+  archive(t.gone, t.joints, t.moved, t.broken_springs);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Event>& e) {

@@ -25,9 +25,9 @@ struct Comparison {
   bool equal() const { return differences.empty(); }
 };
 
-/// Compares bodies.csv, joints.csv, events.jsonl (without wall-clock times), final.json and model.json (without its title).
-/// Numbers are equal if they differ by at most `tolerance`, times the larger of their sizes if that exceeds 1. Result folders of
-/// runs that ended early, DIR.partial, are compared as far as they go. Throws Error for a folder that is no result.
+/// Compares bodies.csv, joints.csv, springs.csv, events.jsonl (without wall-clock times), final.json and model.json (without its
+/// title). Numbers are equal if they differ by at most `tolerance`, times the larger of their sizes if that exceeds 1. Result
+/// folders of runs that ended early, DIR.partial, are compared as far as they go. Throws Error for a folder that is no result.
 Comparison compare_results(const std::string& one, const std::string& other, double tolerance = 0);
 
 }  // namespace momentree::io

@@ -122,7 +122,9 @@ std::optional<Difference> other_cell(const RowReader& one, const RowReader& othe
 
 TableEnds compare_tables(const Compared& folders, const char* file, std::vector<Difference>& found) {
   RowReader one(folders.one / file), other(folders.other / file);
-  const char* const thing = std::string_view(file) == "bodies.csv" ? "body" : "joint";
+  const char* const thing = std::string_view(file) == "bodies.csv"    ? "body"
+                            : std::string_view(file) == "springs.csv" ? "spring"
+                                                                      : "joint";
   TableEnds ends;
   if (std::optional<Difference> columns = other_columns(one, other, file, thing)) {
     found.push_back(std::move(*columns));

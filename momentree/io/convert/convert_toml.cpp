@@ -75,12 +75,17 @@ class Converter {
   Converted convert() {
     Value::Table document;
     for (const char* key :
-         {"format", "title", "state", "world", "mechanism", "force", "coupling", "event", "integrate", "output"}) {
+         {"format", "title", "state", "world", "mechanism", "force", "spring", "coupling", "event", "integrate", "output"}) {
       if (mimics_ && std::string_view(key) == "coupling") {
         add(document, key, couplings());
         continue;
       }
       const Value::Entry* entry = scenario_.document->find(key);
+      if (const std::size_t own = springs_of(entry);
+          std::string_view(key) == "spring" && own < scenario_.model.springs().size()) {
+        add(document, key, springs(entry, own));
+        continue;
+      }
       if (!entry) continue;
       Value value = entry->value;
       if (entry->key == "mechanism") value = mechanisms(value);
@@ -141,6 +146,18 @@ class Converter {
       if (each.damping != 0) add(table, "damping", number(each.damping));
       all.push_back(value(std::move(table)));
     }
+    return value(std::move(all));
+  }
+
+  static std::size_t springs_of(const Value::Entry* entry) {
+    return entry != nullptr && entry->value.array() ? entry->value.array()->size() : 0;
+  }
+  // The springs of model files, which come first in the model, then the scenario's `own`.
+  Value springs(const Value::Entry* entry, std::size_t own) const {
+    Value::Array all;
+    for (std::size_t s = 0; s + own < scenario_.model.springs().size(); ++s)
+      all.push_back(value(describe_spring(scenario_.model.springs()[s], scenario_.model)));
+    if (own > 0) all.insert(all.end(), entry->value.array()->begin(), entry->value.array()->end());
     return value(std::move(all));
   }
 
@@ -217,7 +234,7 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
     add(document, "world", value(std::move(world)));
   }
   LeftOut left_out;
-  Value::Array mechanisms, forces;
+  Value::Array mechanisms, forces, springs;
   const auto bodies = by_mechanism(model);
   for (int b = 0; b < model.size(); ++b) {
     const std::string& name = model[BodyId{b}].name;
@@ -227,8 +244,10 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
     explain_carriers(mechanisms.back());
   }
   for (const BodyForce& force : model.forces()) forces.push_back(value(describe_force(force, model)));
+  for (const Spring& spring : model.springs()) springs.push_back(value(describe_spring(spring, model)));
   add(document, "mechanism", value(std::move(mechanisms)));
   if (!forces.empty()) add(document, "force", value(std::move(forces)));
+  if (!springs.empty()) add(document, "spring", value(std::move(springs)));
   return toml_text(value(std::move(document)));
 }
 

@@ -1,4 +1,4 @@
-// Events, conditions, actions, forces and couplings.
+// Events, conditions, actions, forces, springs and couplings.
 #include <momentree/io/mistakes/keys.hpp>
 
 namespace momentree::io::mistakes {
@@ -88,6 +88,17 @@ constexpr Mistake mistakes_in_events[] = {
      "with an area, quadratic is half of density times drag coefficient: drag = { quadratic = \"0.6 kg/m^3\", area = \"0.5 m^2\" "
      "}"},
     {"drag", "k c damping viscous", "linear", "linear = \"0.1 N s/m\""},
+
+    {"[[spring]]", "start begin body1 bodya first a child anchor origin site1", "from",
+     "from = { body = \"crane/jib\", point = [2, 0, 0] }"},
+    {"[[spring]]", "end body2 bodyb second b parent site2", "to", "to = { body = \"ground\", point = [0, 0, 3] }"},
+    {"[[spring]]", "k spring stiff springstiffness springconstant springrate", "stiffness", "stiffness = \"2 kN/m\""},
+    {"[[spring]]", "c d damper viscosity dampingcoefficient", "damping", "damping = \"10 N s/m\""},
+    {"[[spring]]", "length l l0 springlength freelength restlength unstretchedlength naturallength reference equilibrium", "rest",
+     "rest = \"1.5 m\""},
+    {"[[spring]]", "unilateral rope cable pullonly onlytension ropelike", "tension_only", "tension_only = true"},
+    {"[[spring]]", "maxforce breakforce breakingforce breakload maxload breakingload limit", "strength", "strength = \"4 kN\""},
+    {"[[spring]]", "joint", "", "a spring of a joint is given by its own keys: stiffness and rest in [mechanism.body.joint]"},
 
     {"[[coupling]]", "follower slave child joint2", "joint", "joint = \"hand/finger2\""},
     {"[[coupling]]", "leader master parent joint1 mimic follow driver", "follows", "follows = \"hand/finger1\""},

@@ -8,6 +8,6 @@ namespace momentree::io::mistakes {
 
 std::span<const Mistake> of_runs();    ///< the whole scenario, [world], [integrate], [output]
 std::span<const Mistake> of_models();  ///< mechanisms, bodies, joints and what they have
-std::span<const Mistake> of_events();  ///< events, conditions, actions, forces, couplings
+std::span<const Mistake> of_events();  ///< events, conditions, actions, forces, springs, couplings
 
 }  // namespace momentree::io::mistakes

@@ -43,6 +43,7 @@ constexpr Mistake mistakes_in_runs[] = {
      "a joint is given with the body that it carries: [mechanism.body.joint] below its [[mechanism.body]]"},
     {"a scenario", "events trigger triggers action actions", "event", "[[event]]"},
     {"a scenario", "forces load loads externalforce externalforces", "force", "[[force]]"},
+    {"a scenario", "springs rope ropes tendon tendons wire wires guy guys", "spring", "[[spring]]"},
     {"a scenario", "couplings gear gears transmission transmissions mimic", "coupling", "[[coupling]]"},
     {"a scenario", "constraint constraints equality closure closures", "",
      "closed loops are not supported yet; [[coupling]] makes a joint follow another"},

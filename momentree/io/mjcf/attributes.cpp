@@ -44,12 +44,13 @@ Attributes::Attributes(XmlElement element, const std::string& childclass, Readin
       name = childclass.empty() ? reading.outermost : childclass;
     }
   }
+  const std::string_view kind = element.name() == "spatial" ? "tendon" : element.name();  // as defaults call it
   for (int depth = 0; depth < 1000; ++depth) {
     const auto found = reading.classes.find(name);
     if (found == reading.classes.end()) break;
     const auto& parts = found->second.parts;
     for (auto part = parts.rbegin(); part != parts.rend(); ++part)
-      if (part->name() == element.name()) from_.push_back(*part);
+      if (part->name() == kind) from_.push_back(*part);
     if (found->second.parent.empty()) break;
     name = found->second.parent;
   }

@@ -224,7 +224,9 @@ class BodyReader {
     body.spec.inertia = mass.inertia;
     body.shapes = std::move(shapes_);
     reading_.import.model.bodies.push_back(std::move(body));
-    return static_cast<int>(reading_.import.model.bodies.size()) - 1;
+    const int number = static_cast<int>(reading_.import.model.bodies.size()) - 1;
+    for (const XmlElement site : sites_) read_site(site, childclass_, number, reading_);
+    return number;
   }
 
  private:
@@ -263,7 +265,9 @@ class BodyReader {
                name == "plugin") {
       reading_.file_of(child).error({child}, child.tag() + " is not supported",
                                     "save the model as MuJoCo compiled it (mj_saveLastXML)");
-    } else if (name != "site" && name != "camera" && name != "light") {
+    } else if (name == "site") {
+      sites_.push_back(child);
+    } else if (name != "camera" && name != "light") {
       reading_.file_of(child).once(Severity::note, child.tag() + " in <body> is ignored", "", {child});
     }
   }
@@ -332,7 +336,7 @@ class BodyReader {
   std::vector<Joint> joints_;
   std::vector<Mass> masses_;
   std::vector<Shape> shapes_;
-  std::vector<XmlElement> inner_;
+  std::vector<XmlElement> inner_, sites_;
   XmlElement inertial_{}, without_inertia_{};
 };
 
@@ -355,6 +359,8 @@ void read_world(XmlElement worldbody, Reading& reading) {
     const std::string_view name = child.name();
     if (name == "body")
       bodies.push_back(child);
+    else if (name == "site")
+      read_site(child, childclass, -1, reading);
     else if (name == "frame" || name == "replicate" || name == "composite" || name == "flexcomp" || name == "attach")
       reading.file_of(child).error({child}, child.tag() + " is not supported",
                                    "save the model as MuJoCo compiled it (mj_saveLastXML)");

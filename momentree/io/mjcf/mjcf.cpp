@@ -92,6 +92,7 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
     if (each.name() == "asset") read_materials(each, reading);
   }
   bool has_world = false;
+  std::vector<XmlElement> tendons;
   for (const XmlElement each : sections) {
     const std::string_view tag = each.name();
     XmlFile& file = reading.file_of(each);
@@ -103,7 +104,9 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
       refuse_loops(each, reading);
     } else if (tag == "contact") {
       leave_out(each, "contact is not simulated", reading);
-    } else if (tag == "tendon" || tag == "actuator" || tag == "sensor") {
+    } else if (tag == "tendon") {
+      tendons.push_back(each);
+    } else if (tag == "actuator" || tag == "sensor") {
       leave_out(each, tag == "actuator" ? "an event's set = { joint, drive } drives a joint" : "", reading);
     } else if (tag == "deformable") {
       file.error({each}, each.tag() + " is not supported: bodies are rigid", "leave it out");
@@ -120,6 +123,7 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
                                          "for example <worldbody><body><geom size=\"1\"/></body></worldbody>");
   if (reading.compiler.settotalmass > 0) scale_mass(import.model, reading.compiler.settotalmass);
   name_joints(import.model, reading);
+  for (const XmlElement each : tendons) read_tendons(each, reading);
 }
 
 }  // namespace momentree::io

@@ -36,6 +36,12 @@ struct Reading {
   std::unordered_map<std::string, Class> classes{};
   std::unordered_map<std::string, std::string> colours{};  ///< of materials
   std::unordered_map<std::string, XmlElement> body_names{}, joint_names{};
+  /// Named sites, which tendons connect.
+  struct Site {
+    XmlElement element{};
+    SpringEnd end{};
+  };
+  std::unordered_map<std::string, Site> sites{};
   int unnamed = 0;
 
   XmlFile& file_of(XmlElement element) { return import.file_of(element); }
@@ -88,6 +94,11 @@ Mass sum_of(const std::vector<Mass>& parts);
 
 /// Reads <worldbody> with everything in it, and adds its bodies to the model.
 void read_world(XmlElement worldbody, Reading& reading);
+
+/// Notes a <site> of a body, by its index; −1: of the ground.
+void read_site(XmlElement element, const std::string& childclass, int body, Reading& reading);
+/// Reads <tendon>, once all bodies are read.
+void read_tendons(XmlElement tendon, Reading& reading);
 
 void read_compiler(XmlElement compiler, Reading& reading);
 void read_defaults(XmlElement defaults, const std::string& parent, Reading& reading, int depth = 0);

@@ -35,6 +35,13 @@ struct Follower {
   XmlElement element{};
 };
 
+/// A spring between points of bodies of this model, or of the ground in the frame of the file. Its name is without a mechanism.
+struct ImportedSpring {
+  Spring spring;
+  XmlFile* file = nullptr;
+  XmlElement element{};
+};
+
 /// Files give dry friction without the speed over which it builds up (rad/s or m/s); this speed is used.
 inline constexpr double imported_friction_speed = 1e-2;
 
@@ -43,6 +50,7 @@ struct ImportedModel {
   /// parents before their children; a deque, since the elements are large and should not be moved
   std::deque<ImportedBody> bodies;
   std::vector<Follower> followers;
+  std::vector<ImportedSpring> springs;
   std::optional<Vec3> gravity;  ///< if the file has one (m/s²)
 };
 

@@ -38,7 +38,8 @@ class PathWriter {
   void close() {
     if (data_.empty()) return;
     const bool dashed = kind_ == Kind::displacement;
-    svg_ += "<path d=\"" + data_ + "\" stroke=\"" + colour_ + "\" stroke-width=\"" + pixels(dashed ? 1 : width_) + "\"" +
+    const double width = dashed ? 1 : kind_ == Kind::spring ? 1.5 : width_;
+    svg_ += "<path d=\"" + data_ + "\" stroke=\"" + colour_ + "\" stroke-width=\"" + pixels(width) + "\"" +
             (dashed ? " stroke-dasharray=\"3 3\"" : "") + "/>\n";
     data_.clear();
   }
@@ -93,7 +94,7 @@ void append_frame(std::string& svg, const SceneFrame& frame, const Placement& pl
   {
     PathWriter path(svg, width);
     for (const Primitive& p : frame.primitives) {
-      if (p.kind == Kind::line || p.kind == Kind::displacement) {
+      if (p.kind == Kind::line || p.kind == Kind::displacement || p.kind == Kind::spring) {
         path.add(p, placement);
         continue;
       }

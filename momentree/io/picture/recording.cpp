@@ -107,6 +107,42 @@ void read_model(const Value& document, const Numbers& numbers, Recording& run, s
   }
 }
 
+void read_springs(const Value& document, const Numbers& numbers, Recording& run, Diagnostics& out) {
+  Record model(document, "the model", out);
+  if (!model.find("springs")) return;
+  for (const Value::Entry& entry : model.table("springs")) {
+    Record spring(entry.value, "spring", out);
+    RecordedSpring recorded;
+    recorded.name = entry.key;
+    bool known = true;
+    const auto read_end = [&](const char* key, int& body, Vec3& point) {
+      Record end(spring[key], key, out);
+      const Value& name = end["body"];
+      body = find(numbers, name);
+      known = known && (body >= 0 || (name.string() && *name.string() == "ground"));
+      point = end.vec("point");
+    };
+    read_end("from", recorded.from, recorded.from_point);
+    read_end("to", recorded.to, recorded.to_point);
+    const Value* const broken = spring.find("broken");
+    if (broken != nullptr && broken->boolean() && *broken->boolean()) recorded.until = -HUGE_VAL;
+    if (known) run.springs.push_back(std::move(recorded));
+  }
+}
+
+// Springs that an event broke.
+void note_broken_springs(const Value& document, Recording& run, RecordedEvent& event) {
+  const Value::Entry* const topology = document.find("topology");
+  const Value::Entry* const broken = topology != nullptr ? topology->value.find("broken_springs") : nullptr;
+  if (broken == nullptr || !broken->value.array()) return;
+  for (const Value& name : *broken->value.array())
+    for (std::size_t s = 0; name.string() && s < run.springs.size(); ++s)
+      if (run.springs[s].name == *name.string()) {
+        run.springs[s].until = std::min(run.springs[s].until, event.time);
+        event.broken_springs.push_back(static_cast<int>(s));
+      }
+}
+
 void read_events(const std::filesystem::path& file, const std::vector<std::string>& mechanism_of, Recording& run) {
   TopologyHistory history(run, mechanism_of);
   for_each_event(file, [&](const Value& document, const std::string&, const std::string& where) {
@@ -117,6 +153,7 @@ void read_events(const std::filesystem::path& file, const std::vector<std::strin
     event.name = text_or_none(document, "event");
     for (const Value& action : record.list("actions")) event.actions.push_back(action.string() ? *action.string() : "");
     history.add(record, event, out);
+    note_broken_springs(document, run, event);
     out.throw_first();
     run.events.push_back(std::move(event));
   });
@@ -159,7 +196,7 @@ Recording read_recording(const std::filesystem::path& directory, double every) {
   const std::optional<Value> model = parse_file(directory / "model.json"), final_state = parse_file(directory / "final.json");
   Diagnostics out((directory / (model ? "model.json" : "final.json")).string(), "");
   if (model)
-    read_model(*model, numbers, run, mechanism_of, out);
+    read_model(*model, numbers, run, mechanism_of, out), read_springs(*model, numbers, run, out);
   else if (final_state)
     read_joints(Record(*final_state, "the state", out).table("joints"), numbers, run, out), guess_extents(run);
   out.throw_first();

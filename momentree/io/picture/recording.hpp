@@ -2,6 +2,7 @@
 // A run read back from its result files for a picture: bodies, poses at some instants, events, and the mechanism of each body
 // between the events.
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -24,6 +25,14 @@ struct RecordedBody {
   Shape shape;
 };
 
+/// A spring between points of two bodies; body −1: the ground.
+struct RecordedSpring {
+  std::string name;
+  int from = -1, to = -1;
+  Vec3 from_point{}, to_point{};  ///< in the body's frame, of the ground in the world (m)
+  double until = HUGE_VAL;        ///< when it broke (s)
+};
+
 struct RecordedFrame {
   double time = 0;
   std::vector<Pose> poses;  ///< by body
@@ -40,15 +49,17 @@ struct RecordedEvent {
   double time = 0;
   std::string name;
   std::vector<std::string> actions;
-  int impacts = 0;          ///< on joint limits
-  std::vector<int> broken;  ///< bodies whose inboard joint it broke
-  RecordedFrame frame;      ///< the poses of the bodies: the row nearest to its time; empty if there is none
+  int impacts = 0;                  ///< on joint limits
+  std::vector<int> broken;          ///< bodies whose inboard joint it broke
+  std::vector<int> broken_springs;  ///< indices in Recording::springs
+  RecordedFrame frame;              ///< the poses of the bodies: the row nearest to its time; empty if there is none
 };
 
 struct Recording {
   std::string title;
   Vec3 gravity{};
   std::vector<RecordedBody> bodies;
+  std::vector<RecordedSpring> springs;
   std::vector<RecordedFrame> frames;
   std::vector<RecordedEvent> events;
   std::vector<Phase> phases;            ///< at least one, ordered by time

@@ -68,6 +68,12 @@ void for_each_shape(const Shape& shape, const Action& action) {
   for (const Shape& more : shape.more) action(more);
 }
 
+constexpr const char* spring_colour = "#6b7684";
+
+Vec3 spring_end(const RecordedFrame& frame, int body, const Vec3& point) {
+  return body < 0 ? point : frame.poses[static_cast<std::size_t>(body)] * point;
+}
+
 double distance(const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 /// Draws one instant.
@@ -80,6 +86,8 @@ class FrameBuilder {
 
   SceneFrame build() {
     for (std::size_t b = 0; b < run_.bodies.size(); ++b) add_body(b);
+    for (const RecordedSpring& spring : run_.springs)
+      if (frame_.time < spring.until) add_spring(spring);
     for (std::size_t m = 0; m < run_.mechanisms.size(); ++m) add_end(static_cast<int>(m));
     if (has_area_)
       std::stable_sort(out_.primitives.begin(), out_.primitives.end(),
@@ -123,6 +131,12 @@ class FrameBuilder {
     if (body.parent >= 0 && moves(kind)) out_.joints.push_back(view_(here));
   }
 
+  void add_spring(const RecordedSpring& spring) {
+    const auto body = static_cast<std::size_t>(std::max(spring.from, spring.to));
+    add(Primitive::Kind::spring, body,
+        {spring_end(frame_, spring.from, spring.from_point), spring_end(frame_, spring.to, spring.to_point)}, 0, spring_colour);
+  }
+
   /// Adds the end of a mechanism's drawing, for its label.
   void add_end(int mechanism) {
     const auto member = std::find(phase_.mechanism.begin(), phase_.mechanism.end(), mechanism);
@@ -131,7 +145,7 @@ class FrameBuilder {
     const Point2 root = view_(frame_.poses[first] * run_.bodies[first].child_at);
     Point2 end = root;
     for (const Primitive& p : out_.primitives)
-      if (p.mechanism == mechanism)
+      if (p.mechanism == mechanism && p.kind != Primitive::Kind::spring)
         for (const Point2& at : p.points)
           if (distance(at, root) > distance(end, root)) end = at;
     out_.roots.push_back(root);
@@ -174,6 +188,11 @@ std::vector<Vec3> drawn_points(const Recording& run) {
           for (const Vec3& p : patch.points) points.push_back(frame.poses[b] * (shape.at * p));
       });
     }
+  for (const RecordedFrame& frame : run.frames)
+    for (const RecordedSpring& spring : run.springs) {
+      points.push_back(spring_end(frame, spring.from, spring.from_point));
+      points.push_back(spring_end(frame, spring.to, spring.to_point));
+    }
   return points;
 }
 
@@ -203,6 +222,14 @@ Scene build_scene(const Recording& run, const View& view) {
       if (event.frame.poses.empty()) break;
       shown.places.push_back(
           view(event.frame.poses[static_cast<std::size_t>(b)] * run.bodies[static_cast<std::size_t>(b)].child_at));
+      scene.bounds.add(shown.places.back());
+    }
+    for (const int s : event.broken_springs) {
+      if (event.frame.poses.empty()) break;
+      const RecordedSpring& spring = run.springs[static_cast<std::size_t>(s)];
+      const Vec3 from = spring_end(event.frame, spring.from, spring.from_point),
+                 to = spring_end(event.frame, spring.to, spring.to_point);
+      shown.places.push_back(view(0.5 * (from + to)));
       scene.bounds.add(shown.places.back());
     }
     scene.events.push_back(std::move(shown));

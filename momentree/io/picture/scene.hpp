@@ -10,7 +10,8 @@ namespace momentree::io {
 
 /// One primitive. A line joins the points, a dot marks one; an area is the convex hull of the points, enlarged by `radius` (m).
 struct Primitive {
-  enum class Kind { line, displacement, area, dot };  ///< displacement: from a joint in its parent to the joint in its child
+  /// displacement: from a joint in its parent to the joint in its child; spring: between its ends
+  enum class Kind { line, displacement, spring, area, dot };
   Kind kind = Kind::line;
   std::vector<Point2> points;
   double radius = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// New parameters for a joint; velocities stay.
+// New parameters for a joint or a spring; velocities stay.
 #include <momentree/simulate/topology_editor.hpp>
 
 namespace momentree::actions {
@@ -9,7 +9,7 @@ struct Set : ActionBase {
   JointParameters parameters;  ///< those given replace the joint's own; a drive or an effort replaces the whole drive
 
   std::string_view key() const override { return "set"; }
-  const char* summary() const override { return "Sets new parameters of a joint; those that are not given stay"; }
+  const char* summary() const override { return "Sets new parameters of a joint or a spring; those that are not given stay"; }
   const char* hint() const override { return R"(for example set = { joint = "arm/elbow", damping = 0.1 })"; }
   std::string target() const override { return name; }
   void fields(ActionFields& fields) override {
@@ -17,8 +17,10 @@ struct Set : ActionBase {
     fields.parameters(name, parameters);
   }
   std::vector<std::string> joints() const override { return {name}; }
+  bool takes_springs() const override { return true; }
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::parameters; }
   ActionResult apply(TopologyEditor& editor) const override {
+    if (const int spring = editor.spring(name); spring >= 0) return editor.set_spring(spring, parameters);
     const int joint = editor.joint(name);
     if (joint < 0) return ActionResult::skipped("the joint no longer exists");
     JointParameters all;

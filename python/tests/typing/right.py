@@ -29,6 +29,9 @@ def arm(length: mt.typing.Number = 1.0, shape: mt.typing.Shape | None = None, wi
     model.add("arm/hand", mass=0.1, inertia=1e-3, parent="arm/lower", at={"xyz": [1, 0, 0], "rpy": [0, 0, 0]})
     if wind:
         model.add_force(upper, force=(0, 0, {"sine": {"amplitude": 1, "frequency": 0.5}}), axes="body", drag={"linear": 0.1})
+        model.add_spring("rope", start=(upper, np.zeros(3)), end=("ground", (0, 0, 2)), stiffness="2 kN/m", tension_only=True)
+        model.add_spring("rod", start="arm/hand", end="ground", stiffness=10, rest=1, strength="5 N")
+    assert_type(model.spring_names, list[str])
     assert_type(upper, mt.ModelBody)
     assert_type(upper.name, str)
     assert_type(model.gravity, Array)
@@ -58,6 +61,10 @@ def read(sim: mt.Simulation) -> None:
     assert_type(sim.world.bodies.get("arm/foot"), mt.Body | None)
     assert_type(joint.reaction.force, Array)
     assert_type(joint.locked, tuple[int, ...])
+    spring = sim.world.springs["rope"]
+    assert_type(spring, mt.Spring)
+    assert_type(spring.tension, float)
+    assert_type(spring.end, tuple[str, Array])
     assert_type(body.position, Array)
     assert_type([mechanism.bodies for mechanism in sim.world.mechanisms], list[list[str]])
     assert_type(sim.snapshot(), mt.Snapshot)

@@ -88,7 +88,9 @@ export class LiveRecording implements Motion {
     }));
     const { phases } = this.current;
     while (phases.length > 0 && phases[phases.length - 1].from >= time) phases.pop();
-    phases.push({ from: time, mechanism, joints });
+    const broken = topology.broken_springs ?? [];
+    const springs = (this.model.springs ?? []).filter(({ name }) => !broken.includes(name));
+    phases.push({ from: time, mechanism, joints, springs });
   }
 
   addEvents(events: readonly RunEvent[]) {

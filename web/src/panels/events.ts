@@ -37,7 +37,8 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
   const least = before ? 1e-14 * Math.max(Math.abs(before.kinetic + before.potential), before.kinetic) : 0;
   const significant = (energy: number) => Math.abs(energy) > least; // otherwise it is round-off
   if (significant(event.lost)) notes.push(`Lost in the impact: ${digits(event.lost)} J`);
-  if (significant(event.released)) notes.push(`Released by removed degrees of freedom: ${digits(event.released)} J`);
+  const what = event.changes.some(({ spring }) => spring) ? "what broke" : "removed degrees of freedom";
+  if (significant(event.released)) notes.push(`Released by ${what}: ${digits(event.released)} J`);
   if (significant(event.work)) notes.push(`Work of the event: ${digits(event.work)} J`);
   if (event.hardest) {
     const { joint, linear, angular } = event.hardest;

@@ -2,6 +2,7 @@
 import * as THREE from "three";
 import type { Model, Motion } from "../recording";
 import { phaseAt } from "./frames";
+import { endsOf } from "./springs";
 
 export interface View {
   readonly box: THREE.Box3;
@@ -52,6 +53,9 @@ function points(run: Motion, reach: (body: number) => number, most = 40): THREE.
         else box.expandByPoint(end);
     });
   }
+  if (run.frames > 0)
+    for (const spring of run.model.springs ?? [])
+      for (const end of endsOf(spring, run.poses(0))) if (!Number.isNaN(end.x)) box.expandByPoint(end);
   // Parts that fly off are followed for some distance, but not so far that the remaining bodies become tiny.
   const centre = box.getCenter(new THREE.Vector3());
   const far = 1.6 * box.getSize(new THREE.Vector3()).length();

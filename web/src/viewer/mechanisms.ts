@@ -6,6 +6,7 @@ import { mechanismColour, mixed, type Theme } from "./colours";
 import { pointOf } from "./frames";
 import { outlineMaterial, type Resolution } from "./outline";
 import { pixelSize, Rods } from "./rods";
+import { SpringLines } from "./springs";
 import type { ShapeLibrary, ShapeMeshes } from "./shapes";
 
 /** The object under the pointer, at a point of the world. */
@@ -36,6 +37,7 @@ export function typicalLength(model: Model): number {
 export class MechanismsView {
   readonly group = new THREE.Group();
   private readonly rods: Rods;
+  private readonly springs: SpringLines;
   private readonly rodMaterial = new THREE.MeshLambertMaterial();
   private readonly bodies: (ShapeMeshes | null)[];
   private readonly materials = new Map<string, THREE.MeshLambertMaterial>();
@@ -73,7 +75,8 @@ export class MechanismsView {
     });
     this.setLayer(this.rodMaterial);
     this.rods = new Rods(this.rodMaterial, style.faded > 0 ? 0 : 5);
-    this.group.add(this.rods.group);
+    this.springs = new SpringLines(model.springs ?? [], style.faded);
+    this.group.add(this.rods.group, this.springs.group);
     const first = new THREE.MeshLambertMaterial();
     this.bodies = model.bodies.map((_body, b) => (shapes.has(b) ? shapes.copy(b, first, style.faded === 0) : null));
     for (const body of this.bodies) if (body) this.group.add(body.group);
@@ -161,6 +164,7 @@ export class MechanismsView {
       else if (this.style.joints && joint.kind !== "weld") this.rods.ball(at, ink, joint.locked ? 1.1 : 1.35, body);
       else if (this.lines[joint.child].length > 0) this.rods.ball(at, body, 1); // fills the bend
     }
+    this.springs.place(poses, phase, theme);
     this.placeDisks(phase, theme);
   }
 
@@ -194,6 +198,7 @@ export class MechanismsView {
   fit(camera: THREE.PerspectiveCamera, height: number) {
     this.resolution.value.set(height * camera.aspect, height);
     this.rods.fit(camera, height, this.radius, this.style.pixels);
+    this.springs.fit(camera, height, this.radius);
     this.disks.forEach((disk, i) => {
       const r = Math.max(2.4 * this.radius, 6 * pixelSize(camera, height, disk.position)) * (i % 2 === 0 ? 1 : 0.62);
       disk.scale.setScalar(r);
@@ -225,6 +230,7 @@ export class MechanismsView {
 
   dispose() {
     this.rods.dispose();
+    this.springs.dispose();
     this.group.removeFromParent();
     for (const material of [this.rodMaterial, this.rim, this.face, ...this.materials.values(), ...this.outlines.values()])
       material.dispose();

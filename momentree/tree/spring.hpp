@@ -1,0 +1,82 @@
+#pragma once
+// Springs between two points of bodies: ropes, guys, cables, suspension springs.
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <momentree/math/vec.hpp>
+#include <momentree/tree/ids.hpp>
+
+namespace momentree {
+
+struct BodySpec;
+
+/// Handle of a spring: its place in the order in which the springs of the model were added.
+struct SpringId {
+  int index = -1;
+  friend bool operator==(SpringId, SpringId) = default;
+};
+
+/// A point of a body, or of the ground.
+struct SpringEnd {
+  BodyId body = ground;
+  Vec3 point{};  ///< in the body's user frame, of the ground in the world (m)
+  friend bool operator==(const SpringEnd&, const SpringEnd&) = default;
+};
+
+/// What determines the force of a spring: tension = stiffness·(length − rest) + damping·rate of the length. With `tension_only`
+/// the tension is never negative, and zero while the length is below `rest`.
+struct SpringLaw {
+  double stiffness = 0;        ///< N/m
+  double rest = 0;             ///< m
+  double damping = 0;          ///< N s/m
+  bool tension_only = false;   ///< a rope: it pulls and never pushes
+  double strength = HUGE_VAL;  ///< the spring breaks when its tension, or its push, exceeds this force (N)
+  friend bool operator==(const SpringLaw&, const SpringLaw&) = default;
+
+  /// True if a spring of that length exerts no force whatever its rate.
+  bool slack(double length) const { return tension_only && !(length > rest); }
+  /// Tension (N; negative: it pushes) at a length (m) that changes at a rate (m/s).
+  double tension(double length, double rate) const {
+    if (slack(length)) return 0;
+    const double all = stiffness * (length - rest) + damping * rate;
+    return tension_only && !(all > 0) ? 0 : all;
+  }
+  /// The energy that it stores (J).
+  double energy(double length) const { return slack(length) ? 0 : 0.5 * stiffness * (length - rest) * (length - rest); }
+  /// Power that it dissipates (W), never negative.
+  double dissipated(double length, double rate) const {
+    if (slack(length)) return 0;
+    const double elastic = stiffness * (length - rest), damper = damping * rate;
+    return tension_only && !(elastic + damper > 0) ? -elastic * rate : damper * rate;
+  }
+};
+
+/// A spring with a damper between two points, with a force along the line between them. It belongs to the bodies, whatever these
+/// are attached to, until it breaks or one of the bodies leaves the world.
+struct Spring {
+  std::string name;  ///< unique among springs and joints
+  SpringEnd from{}, to{};
+  double stiffness = 0;          ///< N/m
+  std::optional<double> rest{};  ///< length without force (m); absent: the distance in the start values of the model
+  double damping = 0;            ///< N s/m
+  bool tension_only = false;     ///< a rope: it pulls and never pushes
+  double strength = HUGE_VAL;    ///< it breaks when its force exceeds this (N)
+  friend bool operator==(const Spring&, const Spring&) = default;
+};
+/// The law of a spring of a model, whose rest length is known.
+inline SpringLaw law_of(const Spring& s) { return {s.stiffness, s.rest.value_or(0), s.damping, s.tension_only, s.strength}; }
+
+/// The faults of a single spring, except its name and its bodies; empty if there are none. `field` is the key of the scenario
+/// file at fault.
+struct SpringProblem {
+  std::string field, what, hint;
+};
+std::vector<SpringProblem> check_spring(const Spring& spring);
+
+/// The place of a point of a body (or of the ground) in the world, at the start values of these bodies, each after its parent.
+/// Prescribed motions are at time 0.
+Vec3 start_place(const std::vector<BodySpec>& bodies, const SpringEnd& end);
+
+}  // namespace momentree
