@@ -48,6 +48,7 @@ struct VelocitySweep {
   /// First outward pass, from the velocities in workspace.v.
   template <class K>
   void velocities(const KernelRun& run) const {
+    if constexpr (K::rigid && !Keep) return rigid_velocities(run);
     const auto order = tree.order();
     const auto node_flags = tree.node_flags();
     auto* const records = workspace.template records_of<K>(tree, run);
@@ -88,6 +89,7 @@ struct VelocitySweep {
   /// Inward pass, with the joint forces τ in workspace.a.
   template <class K>
   void inboard(const KernelRun& run) const {
+    if constexpr (K::rigid && !Keep) return rigid_inboard(run);
     const auto order = tree.order();
     const auto node_flags = tree.node_flags();
     auto* const records = workspace.template records_of<K>(tree, run);
@@ -131,6 +133,7 @@ struct VelocitySweep {
   /// Second outward pass: u̇ to workspace.a.
   template <class K>
   void outboard(const KernelRun& run, const Motion<T>& base) const {
+    if constexpr (K::rigid && !Keep) return rigid_outboard(run, base);
     const auto order = tree.order();
     const auto node_flags = tree.node_flags();
     const auto* const records = workspace.template records_of<K>(tree, run);
@@ -156,6 +159,57 @@ struct VelocitySweep {
         K::joint_velocity(records[i - run.begin], a, udot);                          // (27)
         a = K::template spatial_velocity<T>(tree.link(b), joint_state(b), a, udot);  // (17)
       }
+      buffers.store_for_children(b, flags, a);
+    }
+    buffers.suspend_outward(run, a);
+  }
+
+  // The same for welds, in a stage: the frames of a body and its parent coincide, so that only its mass and the wrench of its
+  // motion are added.
+
+  void rigid_velocities(const KernelRun& run) const {
+    Motion<T> a;
+    buffers.resume_outward(run, a);
+    for (int i = run.begin; i < run.end; ++i) {
+      const int b = tree.order()[static_cast<std::size_t>(i)];
+      const unsigned flags = tree.node_flags()[static_cast<std::size_t>(i)];
+      buffers.load_parent(b, flags, {}, a);
+      Vector3<T>& angular = workspace.biases[static_cast<std::size_t>(b)].acceleration.w;
+      angular.x = a.w.x, angular.y = a.w.y, angular.z = a.w.z;
+      buffers.store_for_children(b, flags, a);
+    }
+    buffers.suspend_outward(run, a);
+  }
+  void rigid_inboard(const KernelRun& run) const {
+    const auto node_flags = tree.node_flags();
+    if (run.end == run.begin + 1 && (node_flags[static_cast<std::size_t>(run.begin)] & node::grounded) != 0) return;
+    Inboard<T> a;
+    buffers.resume_inward(run, a);
+    for (int i = run.end - 1; i >= run.begin; --i) {
+      const int b = tree.order()[static_cast<std::size_t>(i)];
+      const unsigned flags = node_flags[static_cast<std::size_t>(i)];
+      if ((flags & node::grounded) != 0) continue;  // it rests, and its children contribute nothing
+      const RigidMass& body = tree.link(b).body;
+      const Vector3<T> w = workspace.biases[static_cast<std::size_t>(b)].acceleration.w;
+      const Force<T> own{cross(w, cross(w, body.mc)), cross(w, body.J * w)};  // (9)
+      if ((flags & node::leaf) != 0) {
+        a.M = rigid_mass<T>(body), a.D = own;
+      } else {
+        buffers.gather_children(b, flags, a);
+        add_rigid_mass(a.M, body);  // (22)
+        a.D += own;                 // (23)
+      }
+      buffers.add_to_parent(b, flags, a);
+    }
+    buffers.suspend_inward(run, a);
+  }
+  void rigid_outboard(const KernelRun& run, const Motion<T>& base) const {
+    Motion<T> a;
+    buffers.resume_outward(run, a);
+    for (int i = run.begin; i < run.end; ++i) {
+      const int b = tree.order()[static_cast<std::size_t>(i)];
+      const unsigned flags = tree.node_flags()[static_cast<std::size_t>(i)];
+      buffers.load_parent(b, flags, base, a);
       buffers.store_for_children(b, flags, a);
     }
     buffers.suspend_outward(run, a);

@@ -4,8 +4,6 @@
 #include <string>
 #include <type_traits>
 
-#include <doctest/doctest.h>
-
 #include <momentree/joint/all_velocity_derived.hpp>
 #include <momentree/joint/derived_test_support.hpp>
 

@@ -1,3 +1,5 @@
+#include <doctest/doctest.h>
+
 #include <momentree/joint/derived_velocity_laws.hpp>
 
 using namespace momentree;

@@ -106,8 +106,8 @@ inline void reduced_remainder(const Six& E, std::size_t pivot, const Six& g, con
   D[pivot] = last;
 }
 
-/// (24)–(26) with armature I, which leaves M̂ E = I G. E is a unit vector. The armature may be arbitrarily large, so that Eᵀ D̂ is
-/// not computed as p − I u0.
+/// (24)–(26) with armature I, which leaves M̂ E = I G. E is a unit vector. The armature may be arbitrarily large, so that Eᵀ D̂
+/// is not computed as p − I u0.
 inline Eliminated reduce_with_armature(std::size_t pivot, const T& I, const Six& e, const T& p, SpatialMass<T>& M, Six& D,
                                        std::vector<int>& first) {
   const T inverse = T(1) / (e[pivot] + I), r = p - D[pivot];
