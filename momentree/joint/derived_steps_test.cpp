@@ -39,7 +39,7 @@ Results derived(const LinkConstants& k, double mass, const TestJoint<double>& of
 // The same by the functions of the recursions, with the generic reduction.
 template <class Kind>
 Results generic(const LinkConstants& k, double mass, bool leaf, bool root, const TestJoint<double>& joint, const Results& start) {
-  using K = typename KernelsFor<Kind, Variant::plain>::Generic;
+  using K = GenericOf<Kind>;
   Results r = start;
   if (leaf) r.in = {};
   if (root) r.out.velocity = {};

@@ -78,6 +78,12 @@ double relative(const A& a, const A& b) {
   return distance(a, b) / largest(b);
 }
 
+/// The generic functions; those of a free joint with the kernel frame away from the joint's origin.
+struct GenericFreeOfCentre : SixDofsOfCentre<GenericFreeOfCentre> {};
+template <class Kind>
+using GenericOf =
+    std::conditional_t<std::is_same_v<Kind, Free>, GenericFreeOfCentre, typename KernelsFor<Kind, Variant::plain>::Generic>;
+
 /// A body with a joint of this kind. Nothing for a universal joint with nearly parallel axes.
 template <class Kind>
 std::optional<TestJoint<double>> random_joint(Draw& draw, bool root, LinkConstants& k) {

@@ -38,7 +38,7 @@ Results derived(const LinkConstants& k, double armature, const TestJoint<double>
 // The same by the functions of the recursions, as in velocity.ipp, with the generic reduction.
 template <class Kind>
 Results generic(const LinkConstants& k, double armature, bool leaf, const TestJoint<double>& joint, const Results& start) {
-  using K = typename KernelsFor<Kind, Variant::plain>::Generic;
+  using K = GenericOf<Kind>;
   Results r = start;
   const DenseTransform<double> x = dense_transform<K, double>(k, joint.state());
   Motion<double>& velocity = r.velocity;

@@ -127,6 +127,9 @@ class Tree {
   bool reversed(int b) const { return reversed_[index(b)] != 0; }
   Variant variant(int b) const { return class_[index(b)].variant; }
   const KernelFrame& frame(int b) const;
+  /// True for a body that floats on the ground, whose kernel frame is at its centre of mass. Not with armature or locked DoFs,
+  /// whose joint-space mass belongs to the joint's own origin.
+  bool at_centre_of_mass(int b) const;
   /// Parameters of b's joint, or null.
   const JointParameters* parameters(int b) const {
     const int i = joint(b).parameters;

@@ -76,8 +76,8 @@ template <class Kind, bool Velocities>
 using TextOf = std::conditional_t<Velocities, VelocitySteps<typename Kind::Kernels, Kind::info.nq, Kind::info.nv>,
                                   MomentumSteps<typename Kind::Kernels, Kind::info.nq, Kind::info.nv>>;
 
-/// Momenta: in the order with the fewest operations. Velocities, which only single worlds have: that which takes the least time
-/// there; see docs/adr/0020-derived-steps.md.
+/// Momenta: in the order with the fewest operations. Velocities: in that which takes the least time for a single world; see
+/// docs/adr/0020-derived-steps.md.
 template <class Kind, bool Velocities>
 Written best(const Signatures& names, const Traits& traits, const Form& form, Place place) {
   using Text = TextOf<Kind, Velocities>;
