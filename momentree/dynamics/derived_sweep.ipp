@@ -1,23 +1,10 @@
 #pragma once
 // The passes over kernel runs of kinds with derived steps, in a stage; included as forward.ipp is.
+#include <momentree/dynamics/derived_place.hpp>
 #include <momentree/dynamics/forward.ipp>
 #include <momentree/joint/all_derived.hpp>  // generated: includes every file of derived/
 
 namespace momentree {
-
-namespace detail {
-MOMENTREE_INLINE Place place_of(unsigned flags) {
-  const bool root = (flags & node::grounded) != 0;
-  return (flags & node::leaf) != 0 ? root ? Place::single : Place::leaf : root ? Place::root : Place::inner;
-}
-/// The record of derived steps, in the memory of the kind's own.
-template <class T, class Steps, class Own>
-MOMENTREE_INLINE auto& derived_record(Own& own) {
-  using Record = typename Steps::template Record<T>;
-  static_assert(sizeof(Record) <= sizeof(Own) && alignof(Record) <= alignof(T) && std::is_trivially_copyable_v<Record>);
-  return reinterpret_cast<Record&>(own);
-}
-}  // namespace detail
 
 template <class T>
 template <class K>
@@ -31,24 +18,20 @@ void Sweep<T>::inboard_derived(const KernelRun& run) const {
     const int b = order[static_cast<std::size_t>(i)];
     const unsigned flags = node_flags[static_cast<std::size_t>(i)];
     const LinkConstants& link = tree.link(b);
-    const Place place = detail::place_of(flags);
     if ((flags & node::leaf) == 0) buffers.gather_children(b, flags, a);
-    // The contribution of a last child starts the sum of its parent in memory, and a leaf between it and the first child adds to
-    // it directly.
-    const bool last = (flags & (node::first_child | node::grounded | node::last_child)) == node::last_child;
-    const bool middle = (flags & (node::first_child | node::grounded | node::last_child)) == 0;
-    Inboard<T>& to = last || (middle && place == Place::leaf) ? buffers.child_sums[tree.parent(b)] : a;
-    with_derived_steps<K>(link.rotation, place, [&](auto tag) MOMENTREE_INLINE_LAMBDA {
+    const detail::Destinations to(flags);
+    Inboard<T>& sum = to.parent_sum ? buffers.child_sums[tree.parent(b)] : a;
+    with_derived_steps<DerivedSteps, K, momentum_forms<K>>(link, detail::place_of(flags), [&](auto tag) MOMENTREE_INLINE_LAMBDA {
       using Steps = typename decltype(tag)::type;
       const auto step = [&](auto adds) MOMENTREE_INLINE_LAMBDA {
         Steps::template inboard<adds(), T>(link, tree.subtree_mass(b), has_gravity, joint_state(b), p + tree.first_p(b), a,
-                                           detail::derived_record<T, Steps>(records[i - run.begin]), to);
+                                           detail::derived_record<T, Steps>(records[i - run.begin]), sum);
       };
       if constexpr (Steps::place == Place::leaf)
-        if (middle) return step(std::true_type{});
+        if (to.adds) return step(std::true_type{});
       step(std::false_type{});
     });
-    if (place == Place::inner) buffers.add_sibling(b, flags, a);
+    if (to.sibling) buffers.add_sibling(b, flags, a);
   }
   buffers.suspend_inward(run, a);
 }
@@ -67,7 +50,7 @@ void Sweep<T>::outboard_derived(const KernelRun& run, const Outboard<T>& base) c
     const LinkConstants& link = tree.link(b);
     const int at = tree.first_p(b);
     buffers.load_parent(b, flags, base, a);
-    with_derived_steps<K>(link.rotation, detail::place_of(flags), [&](auto tag) MOMENTREE_INLINE_LAMBDA {
+    with_derived_steps<DerivedSteps, K, momentum_forms<K>>(link, detail::place_of(flags), [&](auto tag) MOMENTREE_INLINE_LAMBDA {
       using Steps = typename decltype(tag)::type;
       Steps::template outboard<T>(link, tree.subtree_mass(b), joint_state(b), p + at,
                                   detail::derived_record<T, Steps>(records[i - run.begin]), a, workspace.v.get() + at,

@@ -161,11 +161,11 @@ TEST_CASE("steps by shape, planar kernels and generic kernels give the same rate
   for (const KindInfo& kind : all_kinds())
     dispatch(kind.kind, [&](auto tag) {
       using K = typename decltype(tag)::type::Kernels;
-      if constexpr (has_derived_steps<K>) {
+      if constexpr (momentum_forms<K>.any()) {
         CAPTURE(std::string(kind.name));
         const auto i = static_cast<std::size_t>(kind.kind);
         for (const int n : seen.places[i]) CHECK(n > 3);
-        constexpr unsigned rotations = derived_rotations<K>;
+        constexpr unsigned rotations = momentum_forms<K>.rotations;
         for (std::size_t r = 0; r < 4; ++r)
           if ((rotations >> r & 1u) != 0) CHECK_MESSAGE(seen.rotations[i][r] > 10, "rotation ", r);
       }

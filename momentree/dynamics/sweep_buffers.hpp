@@ -1,5 +1,6 @@
 #pragma once
 #include <momentree/base/inline.hpp>
+#include <momentree/joint/pass_data.hpp>
 #include <momentree/tree/unchecked_tree.hpp>
 
 namespace momentree {
@@ -16,18 +17,18 @@ struct SweepBuffers {
 
   /// Inward, after a kernel run: stores the sum for the parent of its first body, if that body is a first child …
   MOMENTREE_INLINE void suspend_inward(const KernelRun& run, const In& sum) const {
-    if ((flags_at(run.begin) & node::first_child) != 0) child_sums[body_at(run.begin)] = sum;
+    if ((flags_at(run.begin) & node::first_child) != 0) put(sum, child_sums[body_at(run.begin)]);
   }
   /// … and loads it before the next run, whose last body is that parent.
   MOMENTREE_INLINE void resume_inward(const KernelRun& run, In& sum) const {
-    if ((flags_at(run.end - 1) & node::leaf) == 0) sum = child_sums[body_at(run.end)];
+    if ((flags_at(run.end - 1) & node::leaf) == 0) put(child_sums[body_at(run.end)], sum);
   }
   /// The same for the outward pass.
   MOMENTREE_INLINE void suspend_outward(const KernelRun& run, const Out& value) const {
-    if ((flags_at(run.end - 1) & node::leaf) == 0) parent_states[body_at(run.end - 1)] = value;
+    if ((flags_at(run.end - 1) & node::leaf) == 0) put(value, parent_states[body_at(run.end - 1)]);
   }
   MOMENTREE_INLINE void resume_outward(const KernelRun& run, Out& value) const {
-    if ((flags_at(run.begin) & node::first_child) != 0) value = parent_states[body_at(run.begin - 1)];
+    if ((flags_at(run.begin) & node::first_child) != 0) put(parent_states[body_at(run.begin - 1)], value);
   }
 
   /// Inward, before a body: adds its other children to `sum`, which holds its first child's contribution (undefined for a leaf).
@@ -39,7 +40,7 @@ struct SweepBuffers {
     if ((flags & (node::first_child | node::root)) != 0) return;
     In& parent_sum = child_sums[tree.parent(b)];
     if ((flags & node::last_child) != 0)
-      parent_sum = sum;
+      put(sum, parent_sum);
     else
       parent_sum += sum;
   }
@@ -51,11 +52,11 @@ struct SweepBuffers {
   /// Outward, before a body: loads its parent's output, unless the parent came directly before.
   MOMENTREE_INLINE void load_parent(int b, unsigned flags, const Out& base, Out& value) const {
     if ((flags & node::first_child) != 0) return;
-    value = (flags & node::root) != 0 ? base : parent_states[tree.parent(b)];
+    put((flags & node::root) != 0 ? base : parent_states[tree.parent(b)], value);
   }
   /// Outward, after a body: stores its output for children that do not come next.
   MOMENTREE_INLINE void store_for_children(int b, unsigned flags, const Out& value) const {
-    if ((flags & node::branching) != 0) parent_states[b] = value;
+    if ((flags & node::branching) != 0) put(value, parent_states[b]);
   }
 
  private:

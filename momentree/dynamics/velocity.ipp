@@ -10,10 +10,28 @@
 //   outward   a′ = X Ω̇_parent + a,  u̇ = Mj⁻¹ (τ − Eᵀ Wb) − Gᵀ a′,  Ω̇ = a′ + E u̇                                 (27), (17)
 //
 // The ground accelerates against gravity, which gives every body its weight.
+//
+// In a stage the accelerations are those of points, v̇ + ω × v at the body's origin. Then velocities may be relative to a frame
+// that moves with the parent's origin: linear ones, which would only cancel, are not handed on.
 #include <momentree/dynamics/forward.ipp>
 #include <momentree/dynamics/velocity_in_plane.ipp>
+#include <momentree/joint/velocity_derived_list.hpp>  // generated: the kinds with derived steps in velocities
 
 namespace momentree {
+
+namespace detail {
+template <class K, class Type>
+constexpr bool is_kernels_of() {
+  if constexpr (requires { typename Type::ArmatureKernels; })
+    if (std::is_same_v<K, typename Type::ArmatureKernels>) return true;
+  return std::is_same_v<K, typename Type::Kernels>;
+}
+}  // namespace detail
+/// True for kernels with derived steps in velocities.
+#define MOMENTREE_IS_DERIVED(name, Type) detail::is_kernels_of<K, Type>() ||
+template <class K>
+inline constexpr bool is_velocity_derived = MOMENTREE_VELOCITY_DERIVED(MOMENTREE_IS_DERIVED) false;
+#undef MOMENTREE_IS_DERIVED
 
 /// `Keep`: for a state; also stores what changes and readers of accelerations use. Stages do not.
 template <class T, bool Keep>
@@ -30,6 +48,7 @@ struct VelocitySweep {
   /// First outward pass, from the velocities in workspace.v.
   template <class K>
   void velocities(const KernelRun& run) const {
+    if constexpr (K::rigid && !Keep) return rigid_velocities(run);
     const auto order = tree.order();
     const auto node_flags = tree.node_flags();
     auto* const records = workspace.template records_of<K>(tree, run);
@@ -42,6 +61,7 @@ struct VelocitySweep {
       const JointState<T> joint = joint_state(b);
       BodyBias<T>& bias = workspace.biases[static_cast<std::size_t>(b)];
       buffers.load_parent(b, flags, {}, a);
+      if constexpr (!Keep) a.v = {T(0), T(0), T(0)};
       if constexpr (K::rigid) {
         bias.acceleration = {};
       } else {
@@ -55,6 +75,10 @@ struct VelocitySweep {
         put(K::template acceleration_bias<T>(link, joint, a, u), bias.acceleration);  // (39)
         K::template coordinate_rate<T>(joint.q, u, workspace.qdot.get() + tree.first_q(b));
       }
+      if constexpr (!Keep) {
+        bias.acceleration.v += cross(a.w, a.v);
+        a.v = {T(0), T(0), T(0)};
+      }
       put(gyroscopic_wrench(link.body, a), bias.wrench);
       if constexpr (Keep) workspace.motions[static_cast<std::size_t>(b)].velocity = a;
       buffers.store_for_children(b, flags, a);
@@ -65,6 +89,7 @@ struct VelocitySweep {
   /// Inward pass, with the joint forces τ in workspace.a.
   template <class K>
   void inboard(const KernelRun& run) const {
+    if constexpr (K::rigid && !Keep) return rigid_inboard(run);
     const auto order = tree.order();
     const auto node_flags = tree.node_flags();
     auto* const records = workspace.template records_of<K>(tree, run);
@@ -108,6 +133,7 @@ struct VelocitySweep {
   /// Second outward pass: u̇ to workspace.a.
   template <class K>
   void outboard(const KernelRun& run, const Motion<T>& base) const {
+    if constexpr (K::rigid && !Keep) return rigid_outboard(run, base);
     const auto order = tree.order();
     const auto node_flags = tree.node_flags();
     const auto* const records = workspace.template records_of<K>(tree, run);
@@ -138,16 +164,75 @@ struct VelocitySweep {
     buffers.suspend_outward(run, a);
   }
 
-  // The same for kinds with whole steps by the shape of a link.
+  // The same for welds, in a stage: the frames of a body and its parent coincide, so that only its mass and the wrench of its
+  // motion are added.
+
+  void rigid_velocities(const KernelRun& run) const {
+    Motion<T> a;
+    buffers.resume_outward(run, a);
+    for (int i = run.begin; i < run.end; ++i) {
+      const int b = tree.order()[static_cast<std::size_t>(i)];
+      const unsigned flags = tree.node_flags()[static_cast<std::size_t>(i)];
+      buffers.load_parent(b, flags, {}, a);
+      Vector3<T>& angular = workspace.biases[static_cast<std::size_t>(b)].acceleration.w;
+      angular.x = a.w.x, angular.y = a.w.y, angular.z = a.w.z;
+      buffers.store_for_children(b, flags, a);
+    }
+    buffers.suspend_outward(run, a);
+  }
+  void rigid_inboard(const KernelRun& run) const {
+    const auto node_flags = tree.node_flags();
+    if (run.end == run.begin + 1 && (node_flags[static_cast<std::size_t>(run.begin)] & node::grounded) != 0) return;
+    Inboard<T> a;
+    buffers.resume_inward(run, a);
+    for (int i = run.end - 1; i >= run.begin; --i) {
+      const int b = tree.order()[static_cast<std::size_t>(i)];
+      const unsigned flags = node_flags[static_cast<std::size_t>(i)];
+      if ((flags & node::grounded) != 0) continue;  // it rests, and its children contribute nothing
+      const RigidMass& body = tree.link(b).body;
+      const Vector3<T> w = workspace.biases[static_cast<std::size_t>(b)].acceleration.w;
+      const Force<T> own{cross(w, cross(w, body.mc)), cross(w, body.J * w)};  // (9)
+      if ((flags & node::leaf) != 0) {
+        a.M = rigid_mass<T>(body), a.D = own;
+      } else {
+        buffers.gather_children(b, flags, a);
+        add_rigid_mass(a.M, body);  // (22)
+        a.D += own;                 // (23)
+      }
+      buffers.add_to_parent(b, flags, a);
+    }
+    buffers.suspend_inward(run, a);
+  }
+  void rigid_outboard(const KernelRun& run, const Motion<T>& base) const {
+    Motion<T> a;
+    buffers.resume_outward(run, a);
+    for (int i = run.begin; i < run.end; ++i) {
+      const int b = tree.order()[static_cast<std::size_t>(i)];
+      const unsigned flags = tree.node_flags()[static_cast<std::size_t>(i)];
+      buffers.load_parent(b, flags, base, a);
+      buffers.store_for_children(b, flags, a);
+    }
+    buffers.suspend_outward(run, a);
+  }
+
+  // The same for kinds with derived steps, in a stage: derived_velocity.ipp.
+
+  template <class K>
+  void velocities_derived(const KernelRun& run) const;
+  template <class K>
+  void inboard_derived(const KernelRun& run) const;
+  template <class K>
+  void outboard_derived(const KernelRun& run, const Motion<T>& base) const;
+
+  // The same for kinds with whole steps by the shape of a link that keep what others read.
 
   template <class K>
   void velocities_by_steps(const KernelRun& run) const {
     const int* order = tree.order().data();
     const unsigned char* node_flags = tree.node_flags().data();
-    auto* rates = workspace.template records_of<RevoluteRateKernels>(tree, run);
     Motion<T> a;
     buffers.resume_outward(run, a);
-    for (std::ptrdiff_t i = run.begin; i < run.end; ++i, ++rates) {
+    for (std::ptrdiff_t i = run.begin; i < run.end; ++i) {
       const int b = order[i];
       const unsigned flags = node_flags[i];
       const LinkConstants& link = tree.link(b);
@@ -155,21 +240,12 @@ struct VelocitySweep {
       const T u = workspace.v[tree.first_p(b)];
       workspace.qdot[tree.first_q(b)] = u;
       buffers.load_parent(b, flags, {}, a);
-      T vx, vy, wx, wy;
+      BodyBias<T>& bias = workspace.biases[b];
       dispatch_link<K::Steps::has_armature>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-        K::Steps::template velocity_outboard<shape(), Keep>(link, workspace.cos[angle], workspace.sin[angle], u, a, vx, vy, wx,
-                                                            wy);
+        K::Steps::template velocity_outboard<shape()>(link, workspace.cos[angle], workspace.sin[angle], u, a, bias.acceleration);
       });
-      const Force<T> Z = gyroscopic_wrench(link.body, a);
-      if constexpr (Keep) {
-        BodyBias<T>& bias = workspace.biases[b];
-        put(Z, bias.wrench);
-        put({{vx, vy, T(0)}, {wx, wy, T(0)}}, bias.acceleration);
-        workspace.motions[b].velocity = a;
-      } else {
-        put(Z, rates->wrench);
-        rates->vx = vx, rates->vy = vy, rates->wx = wx, rates->wy = wy;
-      }
+      put(gyroscopic_wrench(link.body, a), bias.wrench);
+      workspace.motions[b].velocity = a;
       buffers.store_for_children(b, flags, a);
     }
     buffers.suspend_outward(run, a);
@@ -181,7 +257,6 @@ struct VelocitySweep {
     const unsigned char* node_flags = tree.node_flags().data();
     [[maybe_unused]] const double* armature = tree.armature();
     auto* record = workspace.template records_of<K>(tree, run) + (run.end - run.begin);
-    [[maybe_unused]] auto* rates = workspace.template records_of<RevoluteRateKernels>(tree, run) + (run.end - run.begin);
     Inboard<T> a;
     buffers.resume_inward(run, a);
     for (std::ptrdiff_t i = run.end - 1; i >= run.begin; --i) {
@@ -189,38 +264,25 @@ struct VelocitySweep {
       const unsigned flags = node_flags[i];
       const LinkConstants& link = tree.link(b);
       const int angle = tree.first_angle(b), at = tree.first_p(b);
-      --record, --rates;
+      --record;
       const auto step = [&](auto shape, auto children, auto destination) MOMENTREE_INLINE_LAMBDA {
-        const auto to = [&](Inboard<T>& out, auto& w, const BodyBias<T>& bias) MOMENTREE_INLINE_LAMBDA {
-          K::Steps::template inboard<shape(), false, Keep, children(), destination() == Destination::none>(
+        const auto to = [&](Inboard<T>& out) MOMENTREE_INLINE_LAMBDA {
+          K::Steps::template inboard<shape(), false, true, children(), destination() == Destination::none>(
               link, tree.subtree_mass(b), K::Steps::has_armature ? armature[at] : 0.0, workspace.cos[angle], workspace.sin[angle],
-              workspace.a[at], a, buffers.child_sums[b], w, out, bias);
+              workspace.a[at], a, buffers.child_sums[b], *record, out, workspace.biases[b]);
         };
-        const auto from = [&](auto& w, const BodyBias<T>& bias) MOMENTREE_INLINE_LAMBDA {
-          if constexpr (destination() == Destination::parent_sum) {
-            Inboard<T>& parent_sum = buffers.child_sums[tree.parent(b)];
-            to(parent_sum, w, bias);
-            begin_moments<false>(parent_sum);
-          } else {
-            to(a, w, bias);
-          }
-        };
-        if constexpr (Keep) {
-          from(*record, workspace.biases[b]);
+        if constexpr (destination() == Destination::parent_sum) {
+          Inboard<T>& parent_sum = buffers.child_sums[tree.parent(b)];
+          to(parent_sum);
+          begin_moments<false>(parent_sum);
         } else {
-          typename K::template Record<T> w;  // most of it is not needed afterwards
-          from(w, BodyBias<T>{rates->wrench, {{rates->vx, rates->vy, T(0)}, {rates->wx, rates->wy, T(0)}}});
-          rates->gl.x = w.gl.x, rates->gl.y = w.gl.y, rates->gl.z = w.gl.z, rates->ghx = w.ghx, rates->ghy = w.ghy;
-          if constexpr (K::Steps::has_armature) rates->ghz = w.ghz;
-          rates->u0 = w.u0;
+          to(a);
         }
       };
       dispatch_inboard<K::Steps::has_armature>(link.shape, flags, step);
-      if constexpr (Keep) {
-        T hz = workspace.a[at];
-        if constexpr (K::Steps::has_armature) hz = record->hz;
-        put({record->l, {record->hx, record->hy, hz}}, workspace.reduced_bias_wrenches[b]);
-      }
+      T hz = workspace.a[at];
+      if constexpr (K::Steps::has_armature) hz = record->hz;
+      put({record->l, {record->hx, record->hy, hz}}, workspace.reduced_bias_wrenches[b]);
       buffers.add_sibling(b, flags, a);
     }
     buffers.suspend_inward(run, a);
@@ -230,36 +292,34 @@ struct VelocitySweep {
   void outboard_by_steps(const KernelRun& run, const Motion<T>& base) const {
     const int* order = tree.order().data();
     const unsigned char* node_flags = tree.node_flags().data();
-    [[maybe_unused]] const auto* record = workspace.template records_of<K>(tree, run);
-    [[maybe_unused]] const auto* rates = workspace.template records_of<RevoluteRateKernels>(tree, run);
+    const auto* record = workspace.template records_of<K>(tree, run);
     Motion<T> a;
     buffers.resume_outward(run, a);
-    for (std::ptrdiff_t i = run.begin; i < run.end; ++i, ++record, ++rates) {
+    for (std::ptrdiff_t i = run.begin; i < run.end; ++i, ++record) {
       const int b = order[i];
       const unsigned flags = node_flags[i];
       const LinkConstants& link = tree.link(b);
       const int angle = tree.first_angle(b);
-      T& udot = workspace.a[tree.first_p(b)];
       buffers.load_parent(b, flags, base, a);
-      const auto step = [&](const auto& r, Motion<T>* approach) MOMENTREE_INLINE_LAMBDA {
-        dispatch_link<K::Steps::has_armature>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-          K::Steps::template acceleration_outboard<shape(), Keep>(link, workspace.cos[angle], workspace.sin[angle], r, a, udot,
-                                                                  approach);
-        });
-      };
-      if constexpr (Keep) {
-        const Motion<T>& bias = workspace.biases[b].acceleration;
-        RevoluteRates<T> r{{}, bias.v.x, bias.v.y, bias.w.x, bias.w.y, record->gl, record->ghx, record->ghy, T(1), record->u0};
-        if constexpr (K::Steps::has_armature) r.ghz = record->ghz;
-        step(r, &workspace.inboard_accelerations[b]);
-      } else {
-        step(*rates, nullptr);
-      }
+      dispatch_link<K::Steps::has_armature>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
+        K::Steps::template acceleration_outboard<shape()>(link, workspace.cos[angle], workspace.sin[angle], *record,
+                                                          workspace.biases[b].acceleration, a, workspace.a[tree.first_p(b)],
+                                                          workspace.inboard_accelerations[b]);
+      });
       buffers.store_for_children(b, flags, a);
     }
     buffers.suspend_outward(run, a);
   }
 };
+
+/// True if kernels with derived steps serve a joint: those of most kinds are also used with armature, by the generic functions.
+template <class K>
+MOMENTREE_INLINE bool is_as_declared(Variant variant) {
+  if constexpr (requires { typename K::Steps; })
+    return true;
+  else
+    return variant == Variant::plain;
+}
 
 /// Calls f(run, tag of its kernels), or in_plane(run), for all kernel runs.
 template <bool Keep, bool Inward, class F, class P>
@@ -291,10 +351,12 @@ void sweep_velocities(const Tree& tree, const T* q, const T* u, Workspace<T>& wo
       tree, [&](const KernelRun& run) { planar.velocities(run); },
       [&](const KernelRun& run, auto tag) {
         using K = typename decltype(tag)::type;
-        if constexpr (requires { typename K::Steps; })
-          sweep.template velocities_by_steps<K>(run);
-        else
+        if constexpr (!Keep && is_velocity_derived<K>)
+          if (is_as_declared<K>(run.variant)) return sweep.template velocities_derived<K>(run);
+        if constexpr (!requires { typename K::Steps; })
           sweep.template velocities<K>(run);
+        else if constexpr (Keep)
+          sweep.template velocities_by_steps<K>(run);
       });
 }
 
@@ -306,10 +368,12 @@ void reduce_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace)
       tree, [&](const KernelRun& run) { planar.inboard(run); },
       [&](const KernelRun& run, auto tag) {
         using K = typename decltype(tag)::type;
-        if constexpr (requires { typename K::Steps; })
-          sweep.template inboard_by_steps<K>(run);
-        else
+        if constexpr (!Keep && is_velocity_derived<K>)
+          if (is_as_declared<K>(run.variant)) return sweep.template inboard_derived<K>(run);
+        if constexpr (!requires { typename K::Steps; })
           sweep.template inboard<K>(run);
+        else if constexpr (Keep)
+          sweep.template inboard_by_steps<K>(run);
       });
 }
 
@@ -321,10 +385,12 @@ void resolve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace
       tree, [&](const KernelRun& run) { planar.outboard(run); },
       [&](const KernelRun& run, auto tag) {
         using K = typename decltype(tag)::type;
-        if constexpr (requires { typename K::Steps; })
-          sweep.template outboard_by_steps<K>(run, base);
-        else
+        if constexpr (!Keep && is_velocity_derived<K>)
+          if (is_as_declared<K>(run.variant)) return sweep.template outboard_derived<K>(run, base);
+        if constexpr (!requires { typename K::Steps; })
           sweep.template outboard<K>(run, base);
+        else if constexpr (Keep)
+          sweep.template outboard_by_steps<K>(run, base);
       });
 }
 

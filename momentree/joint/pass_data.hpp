@@ -19,6 +19,20 @@ MOMENTREE_INLINE void operator+=(Inboard<T>& a, const Inboard<T>& b) {
   a.D += b.D;
   a.mc += b.mc;
 }
+/// Stores a contribution number by number, as spatial quantities are.
+template <class T>
+MOMENTREE_INLINE void put(const Inboard<T>& a, Inboard<T>& to) {
+  const auto symmetric = [](const Symmetric3<T>& m, Symmetric3<T>& x) MOMENTREE_INLINE_LAMBDA {
+    x.xx = m.xx, x.yy = m.yy, x.zz = m.zz, x.xy = m.xy, x.xz = m.xz, x.yz = m.yz;
+  };
+  const Matrix3<T>& B = a.M.B;
+  Matrix3<T>& x = to.M.B;
+  symmetric(a.M.A, to.M.A);
+  x.xx = B.xx, x.xy = B.xy, x.xz = B.xz, x.yx = B.yx, x.yy = B.yy, x.yz = B.yz, x.zx = B.zx, x.zy = B.zy, x.zz = B.zz;
+  symmetric(a.M.J, to.M.J);
+  put(a.D, to.D);
+  to.mc.x = a.mc.x, to.mc.y = a.mc.y, to.mc.z = a.mc.z;
+}
 /// Without gravity the revolute steps do not write first moments; a sum to which other contributions are added must still start
 /// from zero.
 template <bool Gravity, class T>
@@ -31,6 +45,11 @@ struct Outboard {
   Motion<T> velocity;
   Vector3<T> gravity;
 };
+template <class T>
+MOMENTREE_INLINE void put(const Outboard<T>& a, Outboard<T>& to) {
+  put(a.velocity, to.velocity);
+  to.gravity.x = a.gravity.x, to.gravity.y = a.gravity.y, to.gravity.z = a.gravity.z;
+}
 
 /// What the velocities of a body contribute to the equations of accelerations, in its kernel frame: its gyroscopic wrench less
 /// the external one, and the acceleration of the body that no acceleration of a joint causes, Ω × E u + Ė u (39).
@@ -73,9 +92,17 @@ MOMENTREE_INLINE void operator+=(InPlaneInboard<T>& a, const InPlaneInboard<T>& 
   a.mx = a.mx + b.mx, a.my = a.my + b.my;
 }
 template <class T>
+MOMENTREE_INLINE void put(const InPlaneInboard<T>& a, InPlaneInboard<T>& to) {
+  to = a;
+}
+template <class T>
 struct InPlaneOutboard {
   T vx, vy, w;
 };
+template <class T>
+MOMENTREE_INLINE void put(const InPlaneOutboard<T>& a, InPlaneOutboard<T>& to) {
+  to = a;
+}
 /// Quantities of a body in a plane mechanism that the inward pass stores; kept in the memory of a revolute record.
 template <class T>
 struct InPlaneRecord {

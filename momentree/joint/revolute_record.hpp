@@ -25,20 +25,6 @@ struct ArmatureRecord : RevoluteRecord<T> {
   T armature, hz, ghz;
 };
 
-/// What a stage in velocities keeps of a revolute body: the bias from the first outward pass, G and Mj⁻¹ (τ − Eᵀ W) from the
-/// inward pass. If the mass is rotated before it is reduced, G and the acceleration of the bias are those of the parent's side.
-template <class T>
-struct RevoluteRates {
-  Force<T> wrench;
-  T vx, vy, wx, wy;  // the bias has no z components
-  Vector3<T> gl;
-  T ghx, ghy, ghz, u0;
-};
-struct RevoluteRateKernels {
-  template <class T>
-  using Record = RevoluteRates<T>;
-};
-
 MOMENTREE_INLINE void part(const RevoluteRecord<BodyPair>& from, RevoluteRecord<double>& one, RevoluteRecord<double>& other) {
   part(from.A, one.A, other.A), part(from.l, one.l, other.l), part(from.gl, one.gl, other.gl), part(from.mc, one.mc, other.mc);
   part(from.Bxx, one.Bxx, other.Bxx), part(from.Bxy, one.Bxy, other.Bxy), part(from.Byx, one.Byx, other.Byx);

@@ -191,35 +191,31 @@ struct RevoluteStepsOf {
 
   // Velocities as the state: the two outward passes. The inward pass is the step above, with a bias.
 
-  /// (17), and the acceleration of the bias Ω × E u, which is the same on both sides of the rotation. In: the parent's velocity.
-  /// Out: that of the body.
-  template <PlacementShape S, bool Keep, class L, class T>
-  MOMENTREE_INLINE static void velocity_outboard(const L& k, const T& c, const T& s, const T& u, Motion<T>& a, T& vx, T& vy,
-                                                 T& wx, T& wy) {
+  /// (17), and the acceleration of the bias Ω × E u. In: the parent's velocity. Out: that of the body.
+  template <PlacementShape S, class L, class T>
+  MOMENTREE_INLINE static void velocity_outboard(const L& k, const T& c, const T& s, const T& u, Motion<T>& a, Motion<T>& bias) {
     detail::cross_placement<S>(k, a);
-    if constexpr (!rotate_then_reduce<T, Keep>) detail::cross_joint_outboard<S>(k, c, s, a);
-    vx = u * a.v.y, vy = -(u * a.v.x), wx = u * a.w.y, wy = -(u * a.w.x);
-    if constexpr (rotate_then_reduce<T, Keep>) detail::cross_joint_outboard<S>(k, c, s, a);
+    detail::cross_joint_outboard<S>(k, c, s, a);
+    put({{u * a.v.y, -(u * a.v.x), T(0)}, {u * a.w.y, -(u * a.w.x), T(0)}}, bias);
     a.w.z = a.w.z + u;
   }
-  /// (39), (47), with `r` as the inward step left it. In: the parent's acceleration. Out: that of the body in `a`, u̇ in `udot`.
-  /// With Keep, a′ goes to `approach`.
-  template <PlacementShape S, bool Keep, class L, class T, class R>
-  MOMENTREE_INLINE static void acceleration_outboard(const L& k, const T& c, const T& s, const R& r, Motion<T>& a, T& udot,
-                                                     Motion<T>* approach) {
+  /// (39), (47), with `w` as the inward step left it. In: the parent's acceleration. Out: that of the body in `a`, u̇ in `udot`,
+  /// a′ in `approach`.
+  template <PlacementShape S, class L, class T>
+  MOMENTREE_INLINE static void acceleration_outboard(const L& k, const T& c, const T& s, const Record<T>& w,
+                                                     const Motion<T>& bias, Motion<T>& a, T& udot, Motion<T>& approach) {
     Vector3<T>&v = a.v, &o = a.w;
     detail::cross_placement<S>(k, a);
-    if constexpr (!rotate_then_reduce<T, Keep>) detail::cross_joint_outboard<S>(k, c, s, a);
-    v.x = v.x + r.vx, v.y = v.y + r.vy, o.x = o.x + r.wx, o.y = o.y + r.wy;
-    if constexpr (Keep) *approach = a;
-    const T along = (r.gl.x * v.x + r.ghx * o.x) + (r.gl.y * v.y + r.ghy * o.y) + r.gl.z * v.z;
+    detail::cross_joint_outboard<S>(k, c, s, a);
+    v.x = v.x + bias.v.x, v.y = v.y + bias.v.y, o.x = o.x + bias.w.x, o.y = o.y + bias.w.y;
+    put(a, approach);
+    const T along = (w.gl.x * v.x + w.ghx * o.x) + (w.gl.y * v.y + w.ghy * o.y) + w.gl.z * v.z;
     T total;
     if constexpr (Armature)
-      udot = r.u0 - (along + r.ghz * o.z), total = udot + o.z;
+      udot = w.u0 - (along + w.ghz * o.z), total = udot + o.z;
     else
-      total = r.u0 - along, udot = total - o.z;
+      total = w.u0 - along, udot = total - o.z;
     o.z = total;
-    if constexpr (rotate_then_reduce<T, Keep>) detail::cross_joint_outboard<S>(k, c, s, a);
   }
 
   /// F += M̂ a for an acceleration without z components.

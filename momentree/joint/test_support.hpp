@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <momentree/joint/kernels.hpp>
+#include <momentree/joint/placement_shapes.hpp>
 
 namespace momentree {
 
@@ -34,6 +35,22 @@ inline LinkConstants random_link(Draw& draw, LinkRotation rotation) {
   k.cos_0 = std::cos(k.angle_0), k.sin_0 = std::sin(k.angle_0);
   k.r = draw.vector();
   find_rotation(k);
+  return k;
+}
+/// A link of a shape, for joints that rotate about z.
+inline LinkConstants random_link(Draw& draw, PlacementShape shape) {
+  LinkConstants k = random_link(draw, shape == PlacementShape::general   ? LinkRotation::any
+                                      : shape < PlacementShape::parallel ? LinkRotation::tilted
+                                                                         : LinkRotation::about_z);
+  k.shape = shape;
+  dispatch_shape(shape, [&](auto s) {
+    using Has = PlacementTerms<s()>;
+    if (Has::right) k.cos_a = 0, k.sin_a = 1, find_rotation(k);
+    if (Has::any_offset) return;
+    const double a = Has::a ? k.r.x : 0;
+    k.d = Has::d ? k.r.y : 0;
+    k.r = {a, -k.sin_a * k.d, k.cos_a * k.d};
+  });
   return k;
 }
 inline LinkConstants random_link(Draw& draw, bool aligned) {

@@ -3,6 +3,7 @@
 // fulfils M̂ E = 0 and the remainder Eᵀ D̂ = p (without armature); the entries that follow from this are not computed but set, so
 // that they are zeros for all later steps. A generic subtraction would leave round-off there, and the operations with it.
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -33,11 +34,12 @@ struct Basis {
   std::vector<Six> columns;
   std::vector<std::size_t> pivots;
   std::vector<std::vector<T>> Q;  ///< by column
+  std::optional<T> armature{};    ///< of a single DoF
 };
 
 inline Basis unit_basis(std::vector<Six> E) {
   const std::size_t n = E.size();
-  Basis basis{E, std::vector<std::size_t>(n, 6), {}};
+  Basis basis{E, std::vector<std::size_t>(n, 6), {}, {}};
   for (std::size_t i = 0; i < n; ++i) {
     basis.Q.emplace_back(n, T(0));
     basis.Q[i][i] = T(1);
@@ -104,6 +106,24 @@ inline void reduced_remainder(const Six& E, std::size_t pivot, const Six& g, con
   D[pivot] = last;
 }
 
+/// (24)–(26) with armature I, which leaves M̂ E = I G. E is a unit vector. The armature may be arbitrarily large, so that Eᵀ D̂
+/// is not computed as p − I u0.
+inline Eliminated reduce_with_armature(std::size_t pivot, const T& I, const Six& e, const T& p, SpatialMass<T>& M, Six& D,
+                                       std::vector<int>& first) {
+  const T inverse = T(1) / (e[pivot] + I), r = p - D[pivot];
+  Eliminated one{{}, inverse * r};
+  for (std::size_t j = 0; j < 6; ++j) one.g[j] = inverse * e[j];
+  first.push_back(inverse.node());
+  for (const T& x : one.g) first.push_back(x.node());
+  for (std::size_t j = 0; j < 6; ++j) {
+    for (std::size_t l = j; l < 6; ++l)
+      if (j != pivot && l != pivot) element(M, j, l) = element(M, j, l) - one.g[j] * e[l];
+    D[j] = D[j] + one.g[j] * r;
+  }
+  for (std::size_t j = 0; j < 6; ++j) element(M, pivot, j) = I * one.g[j];
+  return one;
+}
+
 /// (24)–(26) for one column after the other; `p` are the momenta p' of the columns. The divisions, which take longest, and the
 /// columns of G come `first`.
 inline std::vector<Eliminated> reduce(const Basis& basis, const std::vector<T>& p, SpatialMass<T>& M, Force<T>& remainder,
@@ -118,6 +138,10 @@ inline std::vector<Eliminated> reduce(const Basis& basis, const std::vector<T>& 
     for (std::size_t j = 0; j < 6; ++j) {
       e[j] = T(0);
       for (std::size_t l = 0; l < 6; ++l) e[j] = e[j] + E[l] * element(M, j, l);
+    }
+    if (basis.armature) {
+      all.push_back(reduce_with_armature(pivot, *basis.armature, e, p[i], M, D, first));
+      break;
     }
     const T Mj = joint_space_mass(E, e);
     for (std::size_t j = 0; j < 6; ++j) known = known + E[j] * D[j];

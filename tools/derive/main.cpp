@@ -1,5 +1,6 @@
-// Writes the steps of joints that are derived from the kinds' own functions: momentree/joint/derived/KIND.hpp.
-//   momentree-derive FOLDER          writes them
+// Writes the steps of joints that are derived from the kinds' own functions: KIND.hpp in derived/, for momenta, and in
+// derived_velocity/.
+//   momentree-derive FOLDER          writes them into folders of momentree/joint
 //   momentree-derive FOLDER --check  fails if one of them differs
 #include <cstdio>
 #include <filesystem>
@@ -8,6 +9,8 @@
 #include <string>
 
 #include <momentree/joint/kinds.hpp>
+#include <tools/derive/steps.hpp>
+#include <tools/derive/velocity_steps.hpp>
 #include <tools/derive/writer.hpp>
 
 namespace {
@@ -15,72 +18,154 @@ namespace {
 using namespace momentree;
 using namespace momentree::derive;
 
+/// What differs between steps in momenta and in velocities: their names and the signatures of their functions.
+struct Signatures {
+  const char *steps, *forms, *record;
+  std::vector<const char*> functions;
+};
+const Signatures momentum_signatures{
+    "DerivedSteps",
+    "momentum_forms",
+    "DerivedRecord",
+    {"  template <bool Add, class T>\n  MOMENTREE_INLINE static void inboard([[maybe_unused]] const LinkConstants& k,\n"
+     "                                       [[maybe_unused]] double mass, bool gravity,\n"
+     "                                       [[maybe_unused]] const JointState<T>& j, const T* p,\n"
+     "                                       [[maybe_unused]] const Inboard<T>& a, Record<T>& w,\n"
+     "                                       [[maybe_unused]] Inboard<T>& to) {\n",
+     "  template <class T>\n  MOMENTREE_INLINE static void outboard([[maybe_unused]] const LinkConstants& k, [[maybe_unused]] "
+     "double mass,\n"
+     "                                        [[maybe_unused]] const JointState<T>& j,\n"
+     "                                        [[maybe_unused]] const T* p, const Record<T>& w, Outboard<T>& out, T* u,\n"
+     "                                        T* pdot, T* qdot) {\n"}};
+const Signatures velocity_signatures{
+    "DerivedVelocitySteps",
+    "velocity_forms",
+    "DerivedVelocityRecord",
+    {"  template <class T>\n  MOMENTREE_INLINE static void velocities([[maybe_unused]] const LinkConstants& k,\n"
+     "                                          [[maybe_unused]] const JointState<T>& j, [[maybe_unused]] const T* u,\n"
+     "                                          [[maybe_unused]] Record<T>& w,\n"
+     "                                          [[maybe_unused]] Motion<T>& velocity, T* qdot) {\n",
+     "  template <bool Add, class T>\n  MOMENTREE_INLINE static void inboard([[maybe_unused]] const LinkConstants& k,\n"
+     "                                       [[maybe_unused]] double armature,\n"
+     "                                       [[maybe_unused]] const JointState<T>& j, const T* tau,\n"
+     "                                       [[maybe_unused]] const Inboard<T>& a, Record<T>& w,\n"
+     "                                       [[maybe_unused]] Inboard<T>& to) {\n",
+     "  template <class T>\n  MOMENTREE_INLINE static void outboard([[maybe_unused]] const LinkConstants& k,\n"
+     "                                        [[maybe_unused]] const JointState<T>& j, const Record<T>& w, Motion<T>& a,\n"
+     "                                        T* udot) {\n"}};
+
 struct Written {
-  std::string record, inboard, outboard;
+  std::string text;
   int operations = 0;
 };
 
-template <class Kind>
-Written write(const Traits& traits, LinkRotation rotation, Place place, const Order& order) {
+template <class Text>
+Written write(const Signatures& names, const Traits& traits, const Form& form, Place place, const Order& order) {
   Recorder in;
-  const Derived steps = Text<typename Kind::Kernels, Kind::info.nq, Kind::info.nv>(traits, rotation, place, order, in).run();
+  const Derived steps = Text(traits, form, place, order, in).run();
   Writer writer(in, steps);
-  Written written{std::to_string(steps.record.size()), writer.inboard(), writer.outboard(), 0};
+  Written written{std::string("  template <class T>\n  using Record = ") + names.record + "<T, " +
+                      std::to_string(steps.record.size()) + ">;\n",
+                  0};
+  for (std::size_t i = 0; i < names.functions.size(); ++i) written.text += names.functions[i] + writer.function(i) + "  }\n";
   written.operations = writer.operations();
   return written;
 }
 
-/// In the order with the fewest operations.
-template <class Kind>
-Written best(const Traits& traits, LinkRotation rotation, Place place) {
-  Written least = write<Kind>(traits, rotation, place, {});
-  if (!Kind::Kernels::rotates_about_z) return least;
-  for (const Order::Frame frame : {Order::child, Order::before_rotation, Order::before_displacement})
-    for (const bool one_shift : {false, true})
-      if (!one_shift || frame != Order::before_displacement) {
-        Written other = write<Kind>(traits, rotation, place, {frame, one_shift});
-        if (other.operations < least.operations) least = std::move(other);
-      }
+template <class Kind, bool Velocities>
+using TextOf = std::conditional_t<Velocities, VelocitySteps<typename Kind::Kernels, Kind::info.nq, Kind::info.nv>,
+                                  MomentumSteps<typename Kind::Kernels, Kind::info.nq, Kind::info.nv>>;
+
+/// Momenta: in the order with the fewest operations. Velocities: in that which takes the least time for a single world; see
+/// docs/adr/0020-derived-steps.md.
+template <class Kind, bool Velocities>
+Written best(const Signatures& names, const Traits& traits, const Form& form, Place place) {
+  using Text = TextOf<Kind, Velocities>;
+  constexpr Order::Frame frames[] = {Order::child, Order::before_rotation, Order::before_displacement};
+  Written least;
+  for (const Order::Frame frame : frames)
+    for (const bool one_shift : {false, true}) {
+      if (!Kind::Kernels::rotates_about_z ? frame != Order::child || one_shift : frame == Order::before_displacement && one_shift)
+        continue;
+      if (Velocities && Kind::Kernels::rotates_about_z && frame != traits.frame_in_velocities) continue;
+      Written other = write<Text>(names, traits, form, place, {frame, one_shift});
+      if (least.text.empty() || other.operations < least.operations) least = std::move(other);
+    }
   return least;
 }
 
-template <class Kind>
-std::string step(const Traits& traits, LinkRotation rotation, Place place) {
+std::string name_of(const Form& form) {
   static const char* const rotations[] = {"any", "tilted", "about_z", "none"};
-  static const char* const places[] = {"inner", "leaf", "root", "single"};
-  const Written written = best<Kind>(traits, rotation, place);
-  std::string s = "/// " + std::to_string(written.operations) + " operations.\ntemplate <>\nstruct DerivedSteps<" +
-                  traits.kernels + ", LinkRotation::" + rotations[static_cast<int>(rotation)] +
-                  ", Place::" + places[static_cast<int>(place)] + "> {\n";
-  s += std::string("  static constexpr Place place = Place::") + places[static_cast<int>(place)] +
-       ";\n  template <class T>\n  using Record = DerivedRecord<T, " + written.record + ">;\n";
-  s += "  template <bool Add, class T>\n  MOMENTREE_INLINE static void inboard([[maybe_unused]] const LinkConstants& k,\n"
-       "                                       [[maybe_unused]] double mass, bool gravity,\n"
-       "                                       [[maybe_unused]] const JointState<T>& j, const T* p,\n"
-       "                                       [[maybe_unused]] const Inboard<T>& a, Record<T>& w,\n"
-       "                                       [[maybe_unused]] Inboard<T>& to) {\n";
-  s += written.inboard + "  }\n";
-  s += "  template <class T>\n  MOMENTREE_INLINE static void outboard([[maybe_unused]] const LinkConstants& k, [[maybe_unused]] "
-       "double mass,\n"
-       "                                        [[maybe_unused]] const JointState<T>& j,\n"
-       "                                        [[maybe_unused]] const T* p, const Record<T>& w, Outboard<T>& out, T* u,\n"
-       "                                        T* pdot, T* qdot) {\n";
-  return s + written.outboard + "  }\n};\n";
+  static const char* const shapes[] = {"general", "tilted",  "screw",         "screw_a",  "screw_d",   "right",
+                                       "right_a", "right_d", "right_meeting", "parallel", "parallel_a"};
+  return form.shape ? std::string("PlacementShape::") + shapes[static_cast<int>(*form.shape)]
+                    : std::string("LinkRotation::") + rotations[static_cast<int>(form.rotation)];
 }
 
+template <class Kind, bool Velocities>
+std::string step(const Signatures& names, const Traits& traits, const Form& form, Place place) {
+  static const char* const places[] = {"inner", "leaf", "root", "single"};
+  const Written written = best<Kind, Velocities>(names, traits, form, place);
+  return "/// " + std::to_string(written.operations) + " operations.\ntemplate <>\nstruct " + names.steps + "<" + traits.kernels +
+         ", " + name_of(form) + ", Place::" + places[static_cast<int>(place)] +
+         "> {\n  static constexpr Place place = Place::" + places[static_cast<int>(place)] + ";\n" + written.text + "};\n";
+}
+
+template <class Kind, bool Velocities>
+std::string steps(const Traits& traits) {
+  const Signatures& names = Velocities ? velocity_signatures : momentum_signatures;
+  unsigned rotations = 0, shapes = 0;
+  for (const Form& form : traits.forms) {
+    if (form.shape)
+      shapes |= 1u << static_cast<unsigned>(*form.shape);
+    else
+      rotations |= 1u << static_cast<unsigned>(form.rotation);
+  }
+  std::string s = std::string("template <>\ninline constexpr DerivedForms ") + names.forms + "<" + traits.kernels + ">{" +
+                  std::to_string(rotations) + ", " + std::to_string(shapes) + "};\n\n";
+  for (const Form& form : traits.forms)
+    for (const Place place : {Place::inner, Place::leaf}) s += step<Kind, Velocities>(names, traits, form, place) + '\n';
+  for (const Place place : {Place::root, Place::single})
+    s += step<Kind, Velocities>(names, traits, traits.forms.front(), place) + '\n';
+  return s;
+}
+
+std::string file(const Traits& traits, const std::string& steps) {
+  const std::string declaration = traits.shared_kernels ? "" : "struct " + traits.kernels + ";\n";
+  return "#pragma once\n// Steps of a " + traits.name +
+         " joint. Written by momentree-derive from the functions of the kind: do not edit, run ./dev derive.\n"
+         "// clang-format off\n#include <momentree/joint/derived_steps.hpp>\n" +
+         (traits.shared_kernels ? "#include <momentree/joint/kinds/" + traits.name + ".hpp>\n" : "") +
+         "\nnamespace momentree {\n\n" + declaration + steps + "}  // namespace momentree\n";
+}
+
+using Files = std::vector<std::pair<std::string, std::string>>;
+
 template <class Kind>
-std::string header(const Traits& traits) {
-  unsigned bits = 0;
-  for (const LinkRotation rotation : traits.rotations) bits |= 1u << static_cast<unsigned>(rotation);
-  std::string s = "#pragma once\n// Steps of a " + traits.name +
-                  " joint. Written by momentree-derive from the functions of the kind: do not edit, run ./dev derive.\n"
-                  "// clang-format off\n#include <momentree/joint/derived_steps.hpp>\n\nnamespace momentree {\n\nstruct " +
-                  traits.kernels + ";\ntemplate <>\ninline constexpr unsigned derived_rotations<" + traits.kernels +
-                  "> = " + std::to_string(bits) + ";\n\n";
-  for (const LinkRotation rotation : traits.rotations)
-    for (const Place place : {Place::inner, Place::leaf}) s += step<Kind>(traits, rotation, place) + '\n';
-  for (const Place place : {Place::root, Place::single}) s += step<Kind>(traits, LinkRotation::any, place) + '\n';
-  return s + "}  // namespace momentree\n";
+void add(Files& files, const Traits& traits) {
+  files.emplace_back("derived/" + traits.name, file(traits, steps<Kind, false>(traits)));
+  files.emplace_back("derived_velocity/" + traits.name, file(traits, steps<Kind, true>(traits)));
+}
+
+/// Revolute joints, with and without armature, by the shape of the link.
+void add_revolute(Files& files) {
+  using enum PlacementShape;
+  const auto of = [](std::initializer_list<PlacementShape> shapes) {
+    std::vector<Form> forms;
+    for (const PlacementShape shape : shapes)
+      forms.push_back({shape == general    ? LinkRotation::any
+                       : shape >= parallel ? LinkRotation::about_z
+                                           : LinkRotation::tilted,
+                       shape});
+    return forms;
+  };
+  Traits plain{"revolute", "RevoluteKernels",
+               of({general, tilted, screw, screw_a, screw_d, right, right_a, right_d, right_meeting, parallel, parallel_a})};
+  Traits with_armature{"revolute", "ArmatureKernels", of({general, screw, right})};
+  plain.frame_in_velocities = with_armature.frame_in_velocities = Order::before_displacement;
+  plain.shared_kernels = with_armature.shared_kernels = with_armature.armature = true;
+  files.emplace_back("derived_velocity/revolute",
+                     file(plain, steps<Revolute, true>(plain) + steps<Revolute, true>(with_armature)));
 }
 
 }  // namespace
@@ -91,15 +176,15 @@ int main(int arguments, char** words) {
   const std::filesystem::path folder = words[1];
   using enum LinkRotation;
   // The list of the kinds with derived steps, and of the rotations of links that have their own.
-  const std::pair<std::string, std::string> files[] = {
-      {"ball", header<Ball>({"ball", "BallKernels", {any, none}})},
-      {"cylindrical", header<Cylindrical>({"cylindrical", "CylindricalKernels", {any, tilted, about_z}})},
-      {"free", header<Free>({"free", "FreeKernels", {any, none}})},
-      {"helical", header<Helical>({"helical", "HelicalKernels", {any, tilted, about_z}})},
-      {"planar", header<Planar>({"planar", "PlanarKernels", {any, about_z}, 0, 2})},
-      {"prismatic", header<Prismatic>({"prismatic", "PrismaticKernels", {any, tilted, about_z}})},
-      {"universal", header<Universal>({"universal", "UniversalKernels", {any, none}, 1, 1})},
-  };
+  Files files;
+  add<Ball>(files, {"ball", "BallKernels", {{any}, {none}}});
+  add<Cylindrical>(files, {"cylindrical", "CylindricalKernels", {{any}, {tilted}, {about_z}}});
+  add<Free>(files, {"free", "FreeKernels", {{any}, {none}}});
+  add<Helical>(files, {"helical", "HelicalKernels", {{any}, {tilted}, {about_z}}});
+  add<Planar>(files, {"planar", "PlanarKernels", {{any}, {about_z}}, 0, 2});
+  add<Prismatic>(files, {"prismatic", "PrismaticKernels", {{any}, {tilted}, {about_z}}});
+  add<Universal>(files, {"universal", "UniversalKernels", {{any}, {none}}, 1, 1});
+  add_revolute(files);
   int differ = 0;
   for (const auto& [name, text] : files) {
     const std::filesystem::path file = folder / (name + ".hpp");

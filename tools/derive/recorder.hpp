@@ -1,10 +1,11 @@
 #pragma once
 // The expressions of one step: its inputs by name, its outputs in sections, and comments where a part begins.
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <momentree/generate/symbolic.hpp>
-#include <momentree/joint/derived_steps.hpp>
+#include <momentree/joint/placement_shapes.hpp>
 
 namespace momentree::derive {
 
@@ -27,7 +28,51 @@ struct Function {
   std::vector<int> first;
   std::vector<Store> stores, last;
   std::vector<Comment> comments;
+  int end = 0;  ///< the first node that is not its own
 };
+
+/// The functions of a step in the order in which they run. `record`: the nodes that one of them stores for later ones.
+struct Derived {
+  std::vector<Function> functions;
+  std::vector<int> record;
+
+  /// The function in which a node was first computed.
+  std::size_t owner(int node) const {
+    std::size_t i = 0;
+    while (node >= functions[i].end) ++i;
+    return i;
+  }
+  void find_record(const std::vector<Expressions::Node>& nodes, const std::vector<std::string>& numbers);
+};
+
+/// A function reads from the record what it needs of the operations of those before it, and of numbers that are theirs alone.
+inline void Derived::find_record(const std::vector<Expressions::Node>& nodes, const std::vector<std::string>& numbers) {
+  const auto lasts = [&](const Expressions::Node& node) {
+    if (node.operation != Operation::q) return !binary(node.operation);
+    const std::string& name = numbers[static_cast<std::size_t>(node.a)];
+    return name.starts_with("j.") || name.starts_with("w.") || name.starts_with("p[");
+  };
+  std::vector<bool> recorded(nodes.size(), false);
+  for (std::size_t f = functions.size(); f-- > 0;) {
+    const int begin = f == 0 ? 0 : functions[f - 1].end;
+    std::vector<bool> needed(nodes.size(), false);
+    for (const auto* list : {&functions[f].stores, &functions[f].last})
+      for (const Store& one : *list) needed[static_cast<std::size_t>(one.node)] = true;
+    for (std::size_t i = nodes.size(); i-- > 0;) {
+      const auto& node = nodes[i];
+      if (recorded[i] && static_cast<int>(i) >= begin && static_cast<int>(i) < functions[f].end) needed[i] = true;
+      if (!needed[i]) continue;
+      if (!lasts(node) && static_cast<int>(i) < begin) {
+        recorded[i] = true;
+        continue;
+      }
+      if (unary(node.operation) || binary(node.operation)) needed[static_cast<std::size_t>(node.a)] = true;
+      if (binary(node.operation)) needed[static_cast<std::size_t>(node.b)] = true;
+    }
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (recorded[i]) record.push_back(static_cast<int>(i));
+}
 
 /// Records expressions while it exists.
 class Recorder {
@@ -60,6 +105,12 @@ class Recorder {
   }
 };
 
+/// What is known of a link: its rotation or, for steps by the shape of the link, more.
+struct Form {
+  LinkRotation rotation = LinkRotation::any;
+  std::optional<PlacementShape> shape{};
+};
+
 /// The constants of a link as symbols.
 struct Link {
   struct Body {
@@ -72,7 +123,16 @@ struct Link {
   Vector3<T> r;
   Body body;
   T geometry[3];
+  T d{0};  ///< offset along the joint's axis, if the shape has it apart from r
 
+  Link(Recorder& in, const Form& form) : Link(in, form.rotation) {
+    if (!form.shape) return;
+    dispatch_shape(*form.shape, [&](auto shape) {
+      using Has = PlacementTerms<shape()>;
+      if (!Has::any_offset) r = {Has::a ? r.x : T(0), T(0), T(0)}, d = Has::d ? in.constant("k.d") : T(0);
+      if (Has::right) cos_a = T(0), sin_a = T(1);
+    });
+  }
   Link(Recorder& in, LinkRotation rotation)
       : cos_a(rotation > LinkRotation::tilted ? T(1) : in.constant("k.cos_a")),
         sin_a(rotation > LinkRotation::tilted ? T(0) : in.constant("k.sin_a")),

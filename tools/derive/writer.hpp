@@ -1,13 +1,14 @@
 #pragma once
 // Writes recorded steps as C++: one statement per operation, in the order in which the text asked for them, so that few values
 // are live at a time.
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <map>
 #include <string>
 
-#include <tools/derive/steps.hpp>
+#include <tools/derive/recorder.hpp>
 
 namespace momentree::derive {
 
@@ -24,24 +25,29 @@ class Writer {
     for (std::size_t i = 0; i < steps.record.size(); ++i) record_[at(steps.record[i])] = static_cast<int>(i);
   }
 
-  std::string inboard() {
-    std::vector<Store> stores = steps_.inboard.stores;
-    for (const int node : steps_.record) stores.push_back({"w.x[" + std::to_string(record_[at(node)]) + ']', node, {}});
-    return function(steps_.inboard, stores, false);
+  /// The statements of one of the functions.
+  std::string function(std::size_t i) {
+    const Function& f = steps_.functions[i];
+    function_ = i;
+    std::vector<Store> stores = f.stores;
+    for (const int node : steps_.record)
+      if (steps_.owner(node) == i) stores.push_back({"w.x[" + std::to_string(record_[at(node)]) + ']', node, {}});
+    return function(f, stores);
   }
-  std::string outboard() { return function(steps_.outboard, steps_.outboard.stores, true); }
   /// Operations written so far.
   int operations() const { return operations_; }
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-  bool stops(std::size_t i) const { return named(static_cast<int>(i)) != nullptr || (reads_record_ && record_[i] >= 0); }
+  /// Whether a node is read from the record: it was stored there by a function that runs earlier.
+  bool recorded(int i) const { return record_[at(i)] >= 0 && steps_.owner(i) < function_; }
+  bool stops(std::size_t i) const { return named(static_cast<int>(i)) != nullptr || recorded(static_cast<int>(i)); }
 
   /// The statements of a function: each number is stored as soon as it is known, and no input in the same memory is still to be
   /// read.
-  std::string function(const Function& f, std::vector<Store> stores, bool reads_record) {
-    text_.clear(), comments_ = &f.comments, comment_ = 0, reads_record_ = reads_record;
+  std::string function(const Function& f, std::vector<Store> stores) {
+    text_.clear(), comments_ = &f.comments, comment_ = 0;
     std::vector<bool> needed(nodes_.size(), false);
     stores.insert(stores.end(), f.last.begin(), f.last.end());
     for (const Store& one : stores) needed[at(one.node)] = true;
@@ -145,6 +151,7 @@ class Writer {
   std::string operand(int i) const {
     const auto& n = nodes_[at(i)];
     if (const std::string* name = named(i)) return *name;
+    if (recorded(i)) return "w.x[" + std::to_string(record_[at(i)]) + ']';
     switch (n.operation) {
       case Operation::constant: return number(n.value);
       case Operation::q: return in_.numbers[at(n.a)];
@@ -152,7 +159,6 @@ class Writer {
       case Operation::negative: return "-" + operand(n.a);
       default: break;
     }
-    if (reads_record_ && record_[at(i)] >= 0) return "w.x[" + std::to_string(record_[at(i)]) + ']';
     return "x" + std::to_string(i);
   }
   static std::string number(double value) {
@@ -170,7 +176,7 @@ class Writer {
   std::string text_;
   const std::vector<Comment>* comments_ = nullptr;
   std::size_t comment_ = 0;
-  bool reads_record_ = false;
+  std::size_t function_ = 0;
   int operations_ = 0;
 };
 

@@ -1,4 +1,4 @@
-#include <momentree/dynamics/velocity.ipp>
+#include <momentree/dynamics/derived_velocity.ipp>
 #include <momentree/generate/symbolic.hpp>
 
 namespace momentree {

@@ -7,7 +7,7 @@ namespace momentree {
 
 struct BallKernels;
 template <>
-inline constexpr unsigned derived_rotations<BallKernels> = 9;
+inline constexpr DerivedForms momentum_forms<BallKernels>{9, 0};
 
 /// 541 operations.
 template <>

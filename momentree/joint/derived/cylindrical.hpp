@@ -7,7 +7,7 @@ namespace momentree {
 
 struct CylindricalKernels;
 template <>
-inline constexpr unsigned derived_rotations<CylindricalKernels> = 7;
+inline constexpr DerivedForms momentum_forms<CylindricalKernels>{7, 0};
 
 /// 498 operations.
 template <>

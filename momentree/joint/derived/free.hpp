@@ -7,7 +7,7 @@ namespace momentree {
 
 struct FreeKernels;
 template <>
-inline constexpr unsigned derived_rotations<FreeKernels> = 9;
+inline constexpr DerivedForms momentum_forms<FreeKernels>{9, 0};
 
 /// 489 operations.
 template <>

@@ -7,7 +7,7 @@ namespace momentree {
 
 struct HelicalKernels;
 template <>
-inline constexpr unsigned derived_rotations<HelicalKernels> = 7;
+inline constexpr DerivedForms momentum_forms<HelicalKernels>{7, 0};
 
 /// 547 operations.
 template <>

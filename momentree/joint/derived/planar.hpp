@@ -7,7 +7,7 @@ namespace momentree {
 
 struct PlanarKernels;
 template <>
-inline constexpr unsigned derived_rotations<PlanarKernels> = 5;
+inline constexpr DerivedForms momentum_forms<PlanarKernels>{5, 0};
 
 /// 571 operations.
 template <>

@@ -7,7 +7,7 @@ namespace momentree {
 
 struct PrismaticKernels;
 template <>
-inline constexpr unsigned derived_rotations<PrismaticKernels> = 7;
+inline constexpr DerivedForms momentum_forms<PrismaticKernels>{7, 0};
 
 /// 467 operations.
 template <>

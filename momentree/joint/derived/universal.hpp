@@ -7,7 +7,7 @@ namespace momentree {
 
 struct UniversalKernels;
 template <>
-inline constexpr unsigned derived_rotations<UniversalKernels> = 9;
+inline constexpr DerivedForms momentum_forms<UniversalKernels>{9, 0};
 
 /// 642 operations.
 template <>

@@ -40,11 +40,11 @@ template <class K>
 struct RevoluteKernelsBase : ScrewKernels<K, 1, 1> {
   static constexpr std::array<int, 1> angles{0};
   template <class T>
-  MOMENTREE_INLINE static Screw<T> screw(const LinkConstants&, const JointState<T>& j) {
+  MOMENTREE_INLINE static Screw<T> screw(const auto&, const JointState<T>& j) {
     return {j.c[0], j.s[0], T(0)};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 1> columns(const LinkConstants&, const JointState<T>&) {
+  MOMENTREE_INLINE static Columns<T, 1> columns(const auto&, const JointState<T>&) {
     return {{{{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}}};
   }
   static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
