@@ -123,49 +123,6 @@ struct SixDofsOfCentre : SixDofs<K> {
   }
 };
 
-/// With the kernel frame at c from the joint's child-side origin.
-template <class K>
-struct SixDofsOfCentre : SixDofs<K> {
-  /// c
-  template <class T>
-  MOMENTREE_INLINE static Vector3<T> offset(const auto& k) {
-    return {T(k.geometry[0]), T(k.geometry[1]), T(k.geometry[2])};
-  }
-  /// E⁻ᵀ f: forces or momenta of the DoFs as a wrench on the kernel frame.
-  template <class T>
-  MOMENTREE_INLINE static Force<T> wrench(const Vector3<T>& c, const T* f) {
-    const Vector3<T> l{f[0], f[1], f[2]};
-    return {l, Vector3<T>{f[3], f[4], f[5]} - cross(c, l)};
-  }
-  /// u = E⁻¹ a.
-  template <class T>
-  MOMENTREE_INLINE static void rates(const Vector3<T>& c, const Motion<T>& a, T* u) {
-    const Vector3<T> v = a.v + cross(c, a.w);
-    u[0] = v.x, u[1] = v.y, u[2] = v.z, u[3] = a.w.x, u[4] = a.w.y, u[5] = a.w.z;
-  }
-  template <class T>
-  MOMENTREE_INLINE static void pose(const auto& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
-    SixDofs<K>::template pose<T>(k, j, R, r);
-    r = r + R * offset<T>(k);
-  }
-  template <class T>
-  MOMENTREE_INLINE static Columns<T, 6> columns(const auto& k, const JointState<T>& j) {
-    Columns<T, 6> E = SixDofs<K>::template columns<T>(k, j);
-    const Vector3<T> c = offset<T>(k);
-    E[3].v = {T(0), -c.z, c.y}, E[4].v = {c.z, T(0), -c.x}, E[5].v = {-c.y, c.x, T(0)};
-    return E;
-  }
-  /// (17)
-  template <class T>
-  MOMENTREE_INLINE static Motion<T> spatial_velocity(const auto& k, const JointState<T>&, const Motion<T>& in, const T* u) {
-    const Vector3<T> w{u[3], u[4], u[5]};
-    return in + Motion<T>{Vector3<T>{u[0], u[1], u[2]} + cross(w, offset<T>(k)), w};
-  }
-  static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>&, const double* force) {
-    return wrench<double>(offset<double>(k), force);
-  }
-};
-
 struct GenericFree : SixDofs<GenericFree> {};
 
 template <class T>
