@@ -74,6 +74,12 @@ void check_loops(Reading& reading) {
   if (reading.scenario.model.loops().empty()) return;
   Integration& how = reading.scenario.integration;
   const Place at = reading.joints.at(reading.scenario.model.loops().front().name);
+  const auto report = [&reading](const std::string& loop, std::string what, std::string hint) {
+    if (const auto spots = reading.from_model.find(loop); spots != reading.from_model.end())
+      spots->second.file->error({spots->second.joint}, std::move(what), std::move(hint));
+    else
+      reading.out.error(reading.joints.at(loop), std::move(what), std::move(hint));
+  };
   if (how.variables == Variables::momenta)
     reading.out.error(at, "closed loops are integrated in velocities", "leave 'variables' out of [integrate]");
   if (!takes_velocities(how.method))
@@ -82,8 +88,7 @@ void check_loops(Reading& reading) {
   const std::optional<Error> error = check_assembly(reading.scenario.model);
   if (!error) return;
   for (const LoopSpec& loop : reading.scenario.model.loops())
-    if (error->where == "loop '" + loop.name + "'")
-      reading.out.error(reading.joints.at(loop.name), error->where + ": " + error->problem, error->hint);
+    if (error->where == "loop '" + loop.name + "'") report(loop.name, error->where + ": " + error->problem, error->hint);
 }
 
 }  // namespace momentree::io

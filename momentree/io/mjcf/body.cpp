@@ -263,7 +263,9 @@ class BodyReader {
                name == "plugin") {
       reading_.file_of(child).error({child}, child.tag() + " is not supported",
                                     "save the model as MuJoCo compiled it (mj_saveLastXML)");
-    } else if (name != "site" && name != "camera" && name != "light") {
+    } else if (name == "site") {
+      note_site(child, childclass_, name_, reading_);
+    } else if (name != "camera" && name != "light") {
       reading_.file_of(child).once(Severity::note, child.tag() + " in <body> is ignored", "", {child});
     }
   }
@@ -355,6 +357,8 @@ void read_world(XmlElement worldbody, Reading& reading) {
     const std::string_view name = child.name();
     if (name == "body")
       bodies.push_back(child);
+    else if (name == "site")
+      note_site(child, childclass, "", reading);
     else if (name == "frame" || name == "replicate" || name == "composite" || name == "flexcomp" || name == "attach")
       reading.file_of(child).error({child}, child.tag() + " is not supported",
                                    "save the model as MuJoCo compiled it (mj_saveLastXML)");

@@ -36,6 +36,11 @@ struct Reading {
   std::unordered_map<std::string, Class> classes{};
   std::unordered_map<std::string, std::string> colours{};  ///< of materials
   std::unordered_map<std::string, XmlElement> body_names{}, joint_names{};
+  struct Site {
+    XmlElement element{};
+    std::string childclass, body;  ///< the world: no body
+  };
+  std::unordered_map<std::string, Site> sites{};
   int unnamed = 0;
 
   XmlFile& file_of(XmlElement element) { return import.file_of(element); }
@@ -88,6 +93,11 @@ Mass sum_of(const std::vector<Mass>& parts);
 
 /// Reads <worldbody> with everything in it, and adds its bodies to the model.
 void read_world(XmlElement worldbody, Reading& reading);
+
+/// Reads all <equality> sections, once the bodies are known.
+void read_equalities(const std::vector<XmlElement>& sections, Reading& reading);
+/// Keeps a <site> for those.
+void note_site(XmlElement site, const std::string& childclass, const std::string& body, Reading& reading);
 
 void read_compiler(XmlElement compiler, Reading& reading);
 void read_defaults(XmlElement defaults, const std::string& parent, Reading& reading, int depth = 0);
