@@ -26,7 +26,9 @@ class EqualityReader {
       const BodySpec& spec = body.spec;
       const Values q = spec.q.empty() ? joint_zero(spec.joint.kind) : spec.q;
       const Pose parent = spec.parent == ground ? Pose{} : placed_[static_cast<std::size_t>(spec.parent.index)];
-      placed_.push_back(parent * spec.at * joint_motion(spec.joint, q.begin()) * inverse(spec.child_at));
+      JointSpec joint = spec.joint;
+      if (info(joint.kind).axis) joint.axis = normalized(joint.axis);
+      placed_.push_back(parent * spec.at * joint_motion(joint, q.begin()) * inverse(spec.child_at));
       const int number = static_cast<int>(placed_.size()) - 1;
       if (body.spots.body.name() == "body") bodies_.emplace(spec.name, number);
       joints_.emplace(spec.joint_name, number);

@@ -38,7 +38,7 @@ std::string four_bar_sdf(const std::string& dynamics = spring) {
 }
 std::string four_bar_mjcf(const std::string& equality = "<connect name='j3' body1='rocker' body2='coupler' anchor='-0.2 0 0.9'/>") {
   const std::string inertial = "<inertial pos='0.2 0 0.3' mass='2' diaginertia='0.3 0.2 0.25'/>";
-  return "<mujoco model='m'><worldbody>\n<site name='ground' pos='1 0 1'/><body name='crank'>" + inertial +
+  return "<mujoco model='m'><worldbody>\n<site name='ground' pos='1 0 0.9' euler='0 90 0'/><body name='crank'>" + inertial +
          "<joint name='j1' axis='0 1 0'/><body name='coupler' pos='0.3 0 0.4'>" + inertial +
          "<joint name='j2' axis='0 1 0'/><site name='C' pos='0.7 0 0.5'/></body></body>\n<body name='rocker' pos='1.2 0 0'>" + inertial +
          "<joint name='j4' axis='0 1 0'/><site name='C2' pos='-0.2 0 0.9' euler='0 90 0'/></body>\n</worldbody>\n<equality>" +
@@ -68,9 +68,10 @@ Model moving(const Model& model, const std::string& joint, double speed) {
   for (const LoopSpec& loop : model.loops()) moved.add_loop(loop);
   return moved;
 }
-/// Accelerations of joints, and the reaction of one.
-std::vector<double> values_of(const Model& model, const std::vector<std::string>& joints, const std::string& loop = "") {
-  const World world(moving(model, "m/j1", 3), Variables::velocities);
+/// Accelerations of joints, and the reaction of one. `speed`: of j1, before the velocities obey the loops.
+std::vector<double> values_of(const Model& model, const std::vector<std::string>& joints, const std::string& loop = "",
+                              double speed = 3) {
+  const World world(moving(model, "m/j1", speed), Variables::velocities);
   std::vector<double> all;
   for (const std::string& joint : joints) all.push_back(world.joint_forces(world.model().joint("m/" + joint)).a[0]);
   if (!loop.empty()) {
@@ -78,6 +79,11 @@ std::vector<double> values_of(const Model& model, const std::vector<std::string>
     for (const Vec3& part : {reaction.force, reaction.torque}) all.insert(all.end(), {part.x, part.y, part.z});
   }
   return all;
+}
+/// The speed of j1 that obeys the loops.
+double speed_of(const Model& model) {
+  const World world(moving(model, "m/j1", 3), Variables::velocities);
+  return world.joint(world.model().joint("m/j1")).v[0];
 }
 void check_near(const std::vector<double>& one, const std::vector<double>& other, double bound = 1e-12) {
   double largest = 0;
@@ -146,7 +152,10 @@ TEST_CASE("SDF: a loop through the ground, placed by the mechanism's pose") {
   CHECK(model.loops()[0].name == "m/j4");
   CHECK(model.loops()[0].to == ground);
   CHECK(norm(model.loops()[0].at.position - Vec3{2.2, 2, 3}) < 1e-15);
-  check_near(values_of(model, {"j1", "j2"}), values_of(model_of(four_bar_toml(revolute), "m.toml"), {"j1", "j2"}));
+  // Another tree gives another closed start velocity.
+  const Model same = model_of(four_bar_toml(revolute), "m.toml");
+  const double speed = speed_of(model);
+  check_near(values_of(model, {"j1", "j2"}), values_of(same, {"j1", "j2"}, "", 3 * speed / speed_of(same)));
 }
 
 TEST_CASE("SDF: joints that form a cycle without a root float, and close at their first link") {
@@ -182,7 +191,7 @@ TEST_CASE("MJCF: connect and weld between bodies, between sites and to the world
   const Model from_world = model_of(four_bar_mjcf("<weld site1='ground' site2='C2'/>"), "m.xml");
   CHECK(from_world[from_world.loops()[0].body].name == "m/rocker");
   CHECK(from_world.loops()[0].to == ground);
-  CHECK(norm(from_world.loops()[0].at.position - Vec3{1, 0, 1}) == 0);
+  CHECK(norm(from_world.loops()[0].at.position - Vec3{1, 0, 0.9}) == 0);
 }
 
 TEST_CASE("MJCF: a welded body moves as one that is part of the tree") {
@@ -208,7 +217,7 @@ TEST_CASE("MJCF: a welded body moves as one that is part of the tree") {
     const Model welded = arm("", free, weld);
     REQUIRE(welded.loops().size() == 1);
     CHECK(welded.loops()[0].joint.kind == Kind::weld);
-    check_near(values_of(welded, {"j1"}), values_of(tree, {"j1"}), 1e-11);
+    check_near(values_of(welded, {"j1"}), values_of(tree, {"j1"}, "", speed_of(welded)), 1e-11);
   }
 }
 
@@ -221,11 +230,9 @@ TEST_CASE("MJCF: an inactive equality is left out, one of joints is a joint that
   REQUIRE_MESSAGE(result.scenario, rendered(result.diagnostics));
   CHECK(said(result, Severity::note) ==
         "m.xml:6:1: note: <connect> in <equality> is left out: it is not active\n"
-        "m.xml:11:37: note: solref in <equality> is ignored; loops are closed exactly\n"
-        "m.xml:11:55: note: torquescale in <equality> is ignored; loops are closed exactly");
+        "m.xml:11:44: note: solref in <equality> is ignored; loops are closed exactly\n"
+        "m.xml:11:65: note: torquescale in <equality> is ignored; loops are closed exactly");
   CHECK(said(result, Severity::warning) ==
-        "<--set>:1:1: warning: joint 'm/j4' starts -0.1 rad from where it should follow 'm/j1'; the spring pulls it there from the "
-        "start\n"
         "m.xml:8:1: warning: <joint> in <equality> is left out: it holds a joint in its place; an event's lock does that\n"
         "m.xml:9:1: warning: <joint> in <equality> is left out: its polynomial is not linear; the joints move independently\n"
         "m.xml:10:1: warning: <tendon> in <equality> is left out: connect, weld and joint are read");
@@ -240,7 +247,7 @@ TEST_CASE("tables of a mechanism give parameters to joints that close loops") {
   const ReadResult result = folder.read(four_bar_sdf(),
                                         "[mechanism.joint.j3]\ndamping = 0.7\nstrength = { force = 100 }\n"
                                         "[mechanism.joint.\"*\"]\nstiffness = 5\narmature = 0.1\n"
-                                        "[[event]]\nwhen = { force = \"m/j3\", above = 50 }\nbreak = \"m/j3\"\n");
+                                        "[[event]]\nwhen = { reaction_force = \"m/j3\", exceeds = 50, undetermined = \"least_norm\" }\nbreak = \"m/j3\"\n");
   REQUIRE_MESSAGE(result.scenario, rendered(result.diagnostics));
   const Model& model = result.scenario->model;
   const JointParameters& p = model.loops()[0].joint.parameters;

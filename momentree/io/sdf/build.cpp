@@ -78,7 +78,7 @@ class Builder {
           continue;
         }
         frames_.error(part.child_spot,
-                      "child: " + in_quotes(part.child) + " belongs to a static model: the joint would close a loop",
+                      "child: " + in_quotes(part.child) + " belongs to a static model, and the joint would carry it",
                       "swap parent and child, or make the model non-static");
         continue;
       }
