@@ -253,7 +253,8 @@ void JointTables::apply(const std::string& joint, LoopSpec& loop) {
     if (!part) return;
     for (const auto& [name, value] : part->entries) {
       const std::string_view key(name);
-      const bool start = std::any_of(joint_starts.begin(), joint_starts.end(), [key](const Key& each) { return key == each.name; });
+      const bool start =
+          std::any_of(joint_starts.begin(), joint_starts.end(), [key](const Key& each) { return key == each.name; });
       LoopSpec tried = loop;
       take(tried.joint.parameters, part->parameters, key);
       auto [what, hint] = problem_with(key, check_loop(tried, any_bodies));
@@ -263,7 +264,8 @@ void JointTables::apply(const std::string& joint, LoopSpec& loop) {
         if (left_out_.insert(value).second)
           reading_.out.note(value->place, std::string(key) + ": joint " + in_quotes(joint) + " closes a loop and cannot have it");
       } else if (start) {
-        reading_.out.error(value->place, std::string(key) + ": joint " + in_quotes(joint) + " " + no_loop_start, no_loop_start_hint);
+        reading_.out.error(value->place, std::string(key) + ": joint " + in_quotes(joint) + " " + no_loop_start,
+                           no_loop_start_hint);
       } else if (sound_) {
         reading_.out.error(value->place, "joint " + in_quotes(joint) + ": " + std::string(key) + ": " + what, hint);
         sound_ = false;

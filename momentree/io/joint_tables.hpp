@@ -69,8 +69,8 @@ class JointTables {
             const std::unordered_map<std::string, std::string>& bodies = {});
   /// Applies every matching table to the joint.
   void apply(const std::string& joint, BodySpec& spec) const;
-  /// The same for a joint that closes a loop. What such joints don't have is an error in a table under its name, and left out with a
-  /// note if the name has a wildcard.
+  /// The same for a joint that closes a loop. What such joints don't have is an error in a table under its name, and left out
+  /// with a note if the name has a wildcard.
   void apply(const std::string& joint, LoopSpec& spec);
   /// Reports if the result is not a valid joint, for the first such joint. Call it once the joint has its initial values.
   void check(const std::string& joint, const BodySpec& spec);

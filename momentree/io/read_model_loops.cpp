@@ -11,18 +11,20 @@ bool check_loop_starts(const Import& import, const MechanismState& state, Readin
   const std::size_t errors = reading.out.errors();
   for (const ImportedLoop& loop : import.model.loops)
     if (const auto given = state.joints.find(loop.spec.name); given != state.joints.end())
-      reading.out.error(given->second->place, "state: joint " + in_quotes(loop.spec.name) + " " + no_loop_start, no_loop_start_hint);
+      reading.out.error(given->second->place, "state: joint " + in_quotes(loop.spec.name) + " " + no_loop_start,
+                        no_loop_start_hint);
   return errors == reading.out.errors();
 }
 
-void read_model_loops(const Import& import, const std::string& mechanism, const ModelChoice& choice, JointTables& joints, int first,
-                      std::size_t errors, Reading& reading) {
+void read_model_loops(const Import& import, const std::string& mechanism, const ModelChoice& choice, JointTables& joints,
+                      int first, std::size_t errors, Reading& reading) {
   for (const ImportedLoop& loop : import.model.loops) {
     LoopSpec spec = loop.spec;
     joints.apply(spec.name, spec);
     if (choice.limits.value_or(false) && loop.limits.any() && !spec.joint.parameters.limits.any())
       reading.out.warning(choice.limits_place,
-                          "limits: joint " + in_quotes(spec.name) + " does not use those of the model: it closes a loop, and hard " +
+                          "limits: joint " + in_quotes(spec.name) +
+                              " does not use those of the model: it closes a loop, and hard " +
                               "stops of such joints are not supported yet",
                           "give it soft stops in [mechanism.joint." + spec.name.substr(0, 60) +
                               "]: limits = { lower = …, upper = …, stiffness = … }");

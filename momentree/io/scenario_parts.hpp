@@ -135,8 +135,8 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
 void read_model(const Value& file, const std::string& mechanism, const ModelChoice& choice, JointTables& joints,
                 std::size_t errors, Reading& reading);
 /// Adds the loop joints of a model file, whose bodies begin at `first`. `errors`: as above.
-void read_model_loops(const Import& import, const std::string& mechanism, const ModelChoice& choice, JointTables& joints, int first,
-                      std::size_t errors, Reading& reading);
+void read_model_loops(const Import& import, const std::string& mechanism, const ModelChoice& choice, JointTables& joints,
+                      int first, std::size_t errors, Reading& reading);
 /// Reports start values that the mechanism's state gives to joints that close loops.
 bool check_loop_starts(const Import& import, const MechanismState& state, Reading& reading);
 /// Why a loop joint has no start values.

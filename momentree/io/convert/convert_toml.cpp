@@ -1,8 +1,8 @@
 #include <momentree/io/convert/convert.hpp>
 
 #include <filesystem>
-#include <system_error>
 #include <string_view>
+#include <system_error>
 #include <unordered_map>
 #include <unordered_set>
 

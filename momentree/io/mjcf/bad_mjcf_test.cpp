@@ -172,7 +172,8 @@ TEST_CASE("MJCF: impossible equalities and non-rigid bodies are refused") {
       {equality("<weld name='w' body1='a' body2='b'/>\n<weld name='w' body1='b' body2='a'/>"),
        "m.xml:7:13: error: duplicate equality 'w': the name is already used by another on line 6"},
       {equality("<weld name='w/x' body1='a' body2='b'/>"),
-       "m.xml:6:13: error: name: an equality cannot be named 'w/x': it has a character that is not allowed; a name has no / , \" * "
+       "m.xml:6:13: error: name: an equality cannot be named 'w/x': it has a character that is not allowed; a name has no / , \" "
+       "* "
        "and no control characters"},
       {equality("<joint joint1='j' joint2='l'/>"), "m.xml:6:27: error: there is no joint 'l'"},
       {equality("<joint joint1='k' joint2='j'/>"),

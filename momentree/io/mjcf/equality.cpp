@@ -38,7 +38,8 @@ class EqualityReader {
   void read(XmlElement each) {
     XmlFile& file = reading_.file_of(each);
     const std::string_view tag = each.name();
-    if (!is_active(each)) return file.once(Severity::note, each.tag() + " in <equality> is left out: it is not active", "", {each});
+    if (!is_active(each))
+      return file.once(Severity::note, each.tag() + " in <equality> is left out: it is not active", "", {each});
     for (const char* soft : {"solref", "solimp", "torquescale"})
       if (const auto i = each.find(soft))
         file.once(Severity::note, std::string(soft) + " in <equality> is ignored", "loops are closed exactly", {each, *i});
@@ -61,7 +62,8 @@ class EqualityReader {
       if (found == reading_.classes.end()) break;
       const auto& parts = found->second.parts;
       for (auto part = parts.rbegin(); part != parts.rend(); ++part)
-        if (const auto given = part->find("active"); given && part->name() == "equality") return part->attribute(*given) != "false";
+        if (const auto given = part->find("active"); given && part->name() == "equality")
+          return part->attribute(*given) != "false";
       if (found->second.parent.empty()) break;
       name = found->second.parent;
     }
@@ -136,8 +138,8 @@ class EqualityReader {
     const std::string name = name_of(each);
     if (!one || !other || errors != reading_.import.errors()) return;
     if (one->body == other->body)
-      return reading_.file_of(each).error({each}, each.tag() + " joins " +
-                                                      (one->body < 0 ? std::string("the world") : "a body") + " to itself");
+      return reading_.file_of(each).error(
+          {each}, each.tag() + " joins " + (one->body < 0 ? std::string("the world") : "a body") + " to itself");
     if (one->body < 0) std::swap(one, other);
     ImportedLoop& loop = model_.loops.emplace_back();
     loop.spec.name = name;
@@ -151,7 +153,8 @@ class EqualityReader {
   void set_relative(const std::vector<double>& r, XmlElement each, XmlFields& fields, Pose& at) {
     if (r[3] == 0 && r[4] == 0 && r[5] == 0 && r[6] == 0) return;
     const double length = std::hypot(std::hypot(r[3], r[4]), std::hypot(r[5], r[6]));
-    if (length < 1e-9) return reading_.file_of(each).error(fields.location("relpose"), "relpose: the quaternion has no direction");
+    if (length < 1e-9)
+      return reading_.file_of(each).error(fields.location("relpose"), "relpose: the quaternion has no direction");
     at = {{r[0], r[1], r[2]}, normalized(Quat{r[3] / length, r[4] / length, r[5] / length, r[6] / length})};
   }
 
@@ -186,8 +189,9 @@ class EqualityReader {
     const BodySpec& spec = model_.bodies[static_cast<std::size_t>(found->second)].spec;
     if (info(spec.joint.kind).nv == 1) return found->second;
     reading_.file_of(fields.location(key).element)
-        .error(fields.location(key), std::string(key) + ": joint " + in_quotes(*name) + " is a " +
-                                         std::string(info(spec.joint.kind).name) + " joint", "name a hinge or a slide");
+        .error(fields.location(key),
+               std::string(key) + ": joint " + in_quotes(*name) + " is a " + std::string(info(spec.joint.kind).name) + " joint",
+               "name a hinge or a slide");
     return {};
   }
 
@@ -204,9 +208,11 @@ class EqualityReader {
     fields.finish();
     if (!joint || (leads && !leader)) return;
     if (a[2] != 0 || a[3] != 0 || a[4] != 0)
-      return file.warning({each}, "<joint> in <equality> is left out: its polynomial is not linear", "the joints move independently");
+      return file.warning({each}, "<joint> in <equality> is left out: its polynomial is not linear",
+                          "the joints move independently");
     if (!leads || a[1] == 0)
-      return file.warning({each}, "<joint> in <equality> is left out: it holds a joint in its place", "an event's lock does that");
+      return file.warning({each}, "<joint> in <equality> is left out: it holds a joint in its place",
+                          "an event's lock does that");
     const auto start = [this](int body) {
       const Values& q = model_.bodies[static_cast<std::size_t>(body)].spec.q;
       return q.empty() ? 0 : q[0];

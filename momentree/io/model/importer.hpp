@@ -72,8 +72,8 @@ struct LinkTree {
 };
 /// How joints that form no tree are treated.
 enum class Loops { refused, closed };
-/// Reports duplicate names and unknown links. More than one root is allowed. If a link has several inboard joints, or joints form a
-/// cycle: `refused`: reports them, by name; `closed`: a spanning tree of spanning_joints(), whose other joints close loops.
+/// Reports duplicate names and unknown links. More than one root is allowed. If a link has several inboard joints, or joints form
+/// a cycle: `refused`: reports them, by name; `closed`: a spanning tree of spanning_joints(), whose other joints close loops.
 LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, Loops loops, Import& import);
 
 /// Format-independent checks of bodies, reported at their places in the file. Call it last.

@@ -20,11 +20,13 @@ namespace {
 
 // A four-bar linkage: crank AB, coupler BC, rocker DC.
 const std::string sdf_inertial =
-    "<inertial><pose>0.2 0 0.3 0 0 0</pose><mass>2</mass><inertia><ixx>0.3</ixx><iyy>0.2</iyy><izz>0.25</izz></inertia></inertial>";
+    "<inertial><pose>0.2 0 0.3 0 0 "
+    "0</pose><mass>2</mass><inertia><ixx>0.3</ixx><iyy>0.2</iyy><izz>0.25</izz></inertia></inertial>";
 std::string sdf_link(const std::string& name, const std::string& pose) {
   return "<link name='" + name + "'><pose>" + pose + "</pose>" + sdf_inertial + "</link>\n";
 }
-std::string sdf_joint(const std::string& name, const std::string& parent, const std::string& child, const std::string& more = "") {
+std::string sdf_joint(const std::string& name, const std::string& parent, const std::string& child,
+                      const std::string& more = "") {
   return "<joint name='" + name + "' type='revolute'><parent>" + parent + "</parent><child>" + child +
          "</child><axis><xyz>0 1 0</xyz>" + more + "</axis></joint>\n";
 }
@@ -36,21 +38,24 @@ std::string four_bar_sdf(const std::string& dynamics = spring) {
          sdf_link("rocker", "1.2 0 0 0 0 0") + sdf_joint("j1", "world", "crank") + sdf_joint("j2", "crank", "coupler") + closing +
          sdf_joint("j4", "world", "rocker") + "</model></sdf>";
 }
-std::string four_bar_mjcf(const std::string& equality = "<connect name='j3' body1='rocker' body2='coupler' anchor='-0.2 0 0.9'/>") {
+std::string four_bar_mjcf(
+    const std::string& equality = "<connect name='j3' body1='rocker' body2='coupler' anchor='-0.2 0 0.9'/>") {
   const std::string inertial = "<inertial pos='0.2 0 0.3' mass='2' diaginertia='0.3 0.2 0.25'/>";
   return "<mujoco model='m'><worldbody>\n<site name='ground' pos='1 0 0.9' euler='0 90 0'/><body name='crank'>" + inertial +
          "<joint name='j1' axis='0 1 0'/><body name='coupler' pos='0.3 0 0.4'>" + inertial +
-         "<joint name='j2' axis='0 1 0'/><site name='C' pos='0.7 0 0.5'/></body></body>\n<body name='rocker' pos='1.2 0 0'>" + inertial +
+         "<joint name='j2' axis='0 1 0'/><site name='C' pos='0.7 0 0.5'/></body></body>\n<body name='rocker' pos='1.2 0 0'>" +
+         inertial +
          "<joint name='j4' axis='0 1 0'/><site name='C2' pos='-0.2 0 0.9' euler='0 90 0'/></body>\n</worldbody>\n<equality>" +
          equality + "</equality></mujoco>";
 }
 std::string four_bar_toml(const std::string& loop, const std::string& gravity = "-9.81") {
   const auto body = [](const std::string& name, const std::string& joint, const std::string& more) {
-    return "[[mechanism.body]]\nname = \"" + name + "\"\nmass = 2\ncom = [0.2, 0, 0.3]\ninertia = [0.3, 0.2, 0.25]\njoint = { name = \"" +
-           joint + "\", kind = \"revolute\", axis = [0, 1, 0]" + more + " }\n";
+    return "[[mechanism.body]]\nname = \"" + name +
+           "\"\nmass = 2\ncom = [0.2, 0, 0.3]\ninertia = [0.3, 0.2, 0.25]\njoint = { name = \"" + joint +
+           "\", kind = \"revolute\", axis = [0, 1, 0]" + more + " }\n";
   };
-  return "format = 1\nworld = { gravity = [0, 0, " + gravity + "] }\n[[mechanism]]\nname = \"m\"\nroots = 2\n" + body("crank", "j1", "") +
-         body("coupler", "j2", ", parent = \"crank\", at = { xyz = [0.3, 0, 0.4] }") +
+  return "format = 1\nworld = { gravity = [0, 0, " + gravity + "] }\n[[mechanism]]\nname = \"m\"\nroots = 2\n" +
+         body("crank", "j1", "") + body("coupler", "j2", ", parent = \"crank\", at = { xyz = [0.3, 0, 0.4] }") +
          body("rocker", "j4", ", at = { xyz = [1.2, 0, 0] }") +
          "[[loop]]\nname = \"m/j3\"\nbody = \"m/rocker\"\nto = \"m/coupler\"\nchild_at = { xyz = [-0.2, 0, 0.9] }\n"
          "at = { xyz = [0.7, 0, 0.5] }\n" +
@@ -198,8 +203,8 @@ TEST_CASE("MJCF: a welded body moves as one that is part of the tree") {
   const std::string inertial = "<inertial pos='0.2 0 0.3' mass='2' diaginertia='0.3 0.2 0.25'/>";
   const auto arm = [&](const std::string& inner, const std::string& outer, const std::string& equality) {
     return model_of("<mujoco model='m'><worldbody><body name='arm' euler='10 20 30'>" + inertial +
-                        "<joint name='j1' axis='0 1 0.5' ref='30'/>" + inner + "</body>" + outer + "</worldbody><equality>" + equality +
-                        "</equality></mujoco>",
+                        "<joint name='j1' axis='0 1 0.5' ref='30'/>" + inner + "</body>" + outer + "</worldbody><equality>" +
+                        equality + "</equality></mujoco>",
                     "m.xml");
   };
   // The tip is where the arm has it in the pose of the file.
@@ -223,9 +228,10 @@ TEST_CASE("MJCF: a welded body moves as one that is part of the tree") {
 
 TEST_CASE("MJCF: an inactive equality is left out, one of joints is a joint that follows") {
   const ReadResult result = read_scenario_text(
-      four_bar_mjcf("\n<connect body1='rocker' anchor='0 0 0' active='false'/>\n<joint joint1='j4' joint2='j1' polycoef='0.1 2'/>\n"
-                    "<joint joint1='j2'/>\n<joint joint1='j2' joint2='j1' polycoef='0 1 1'/>\n<tendon/>\n"
-                    "<weld body1='crank' body2='rocker' solref='0.01 1' torquescale='2'/>"),
+      four_bar_mjcf(
+          "\n<connect body1='rocker' anchor='0 0 0' active='false'/>\n<joint joint1='j4' joint2='j1' polycoef='0.1 2'/>\n"
+          "<joint joint1='j2'/>\n<joint joint1='j2' joint2='j1' polycoef='0 1 1'/>\n<tendon/>\n"
+          "<weld body1='crank' body2='rocker' solref='0.01 1' torquescale='2'/>"),
       "m.xml", {"mechanism.m.mimic.stiffness=10"});
   REQUIRE_MESSAGE(result.scenario, rendered(result.diagnostics));
   CHECK(said(result, Severity::note) ==
@@ -244,10 +250,11 @@ TEST_CASE("MJCF: an inactive equality is left out, one of joints is a joint that
 
 TEST_CASE("tables of a mechanism give parameters to joints that close loops") {
   const Folder folder;
-  const ReadResult result = folder.read(four_bar_sdf(),
-                                        "[mechanism.joint.j3]\ndamping = 0.7\nstrength = { force = 100 }\n"
-                                        "[mechanism.joint.\"*\"]\nstiffness = 5\narmature = 0.1\n"
-                                        "[[event]]\nwhen = { reaction_force = \"m/j3\", exceeds = 50, undetermined = \"least_norm\" }\nbreak = \"m/j3\"\n");
+  const ReadResult result = folder.read(
+      four_bar_sdf(),
+      "[mechanism.joint.j3]\ndamping = 0.7\nstrength = { force = 100 }\n"
+      "[mechanism.joint.\"*\"]\nstiffness = 5\narmature = 0.1\n"
+      "[[event]]\nwhen = { reaction_force = \"m/j3\", exceeds = 50, undetermined = \"least_norm\" }\nbreak = \"m/j3\"\n");
   REQUIRE_MESSAGE(result.scenario, rendered(result.diagnostics));
   const Model& model = result.scenario->model;
   const JointParameters& p = model.loops()[0].joint.parameters;
@@ -262,9 +269,10 @@ TEST_CASE("tables of a mechanism give parameters to joints that close loops") {
   CHECK(folder.says(four_bar_sdf(), "[mechanism.joint.j3]\nangle = 1\n") ==
         "s.toml:6:9: error: angle: joint 'j3' closes a loop and has no start values: its position follows from the other joints; "
         "give start values to the joints of the tree");
-  CHECK(folder.says(four_bar_sdf(), "state = { joints = { j3 = 1 } }\n") ==
-        "s.toml:5:27: error: state: joint 'j3' closes a loop and has no start values: its position follows from the other joints; "
-        "give start values to the joints of the tree");
+  CHECK(
+      folder.says(four_bar_sdf(), "state = { joints = { j3 = 1 } }\n") ==
+      "s.toml:5:27: error: state: joint 'j3' closes a loop and has no start values: its position follows from the other joints; "
+      "give start values to the joints of the tree");
   CHECK(folder.says(four_bar_sdf(), "[mechanism.joint.j3]\narmature = 1\n")
             .starts_with("s.toml:6:12: error: joint 'j3': armature: is not supported for joints that close a loop yet"));
   CHECK(folder.says(four_bar_sdf(), "[mechanism.joint.\"j3*\"]\ndamping = -1\n")
@@ -272,9 +280,10 @@ TEST_CASE("tables of a mechanism give parameters to joints that close loops") {
   CHECK(folder.says(four_bar_sdf(), "[[coupling]]\njoint = \"m/j3\"\nfollows = \"m/j1\"\nstiffness = 1\n") ==
         "s.toml:6:9: error: joint: joint 'm/j3' closes a loop; couple joints of the tree");
   const std::string limits = "<limit><lower>-1</lower><upper>1</upper></limit>";
-  CHECK(folder.says(four_bar_sdf(limits), "limits = true\n", Severity::warning) ==
-        "s.toml:5:10: warning: limits: joint 'j3' does not use those of the model: it closes a loop, and hard stops of such joints "
-        "are not supported yet; give it soft stops in [mechanism.joint.j3]: limits = { lower = …, upper = …, stiffness = … }");
+  CHECK(
+      folder.says(four_bar_sdf(limits), "limits = true\n", Severity::warning) ==
+      "s.toml:5:10: warning: limits: joint 'j3' does not use those of the model: it closes a loop, and hard stops of such joints "
+      "are not supported yet; give it soft stops in [mechanism.joint.j3]: limits = { lower = …, upper = …, stiffness = … }");
   CHECK(folder.says(four_bar_sdf(limits), "", Severity::warning).find("the limits of 1 joint are not used") != std::string::npos);
 }
 

@@ -66,7 +66,8 @@ class Spanner {
       }
   }
 
-  // Among links that no root leads to, the first of each strongly connected component that no other component leads to (Kosaraju).
+  // Among links that no root leads to, the first of each strongly connected component that no other component leads to
+  // (Kosaraju).
   std::vector<std::size_t> cycle_roots() const {
     std::vector<char> seen(links_, 0);
     std::vector<std::size_t> finished, stack;
@@ -156,6 +157,8 @@ class Spanner {
 
 }  // namespace
 
-std::vector<int> spanning_joints(std::size_t links, const std::vector<SpanningEnds>& joints) { return Spanner(links, joints).span(); }
+std::vector<int> spanning_joints(std::size_t links, const std::vector<SpanningEnds>& joints) {
+  return Spanner(links, joints).span();
+}
 
 }  // namespace momentree::io

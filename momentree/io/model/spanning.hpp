@@ -12,9 +12,10 @@ struct SpanningEnds {
   std::size_t joint = 0;  ///< what spanning_joints() calls it
 };
 
-/// By link: the joint that joins it to its parent in the tree, −1 for a root. Joints keep their direction. A link with several inboard
-/// joints keeps the one that blocks most DoFs, as a loop joint with few rows costs less; among equal ones that with the parent nearest
-/// to the root, which makes paths short; then the first. Of a cycle that no other link leads to, the first link is a root.
+/// By link: the joint that joins it to its parent in the tree, −1 for a root. Joints keep their direction. A link with several
+/// inboard joints keeps the one that blocks most DoFs, as a loop joint with few rows costs less; among equal ones that with the
+/// parent nearest to the root, which makes paths short; then the first. Of a cycle that no other link leads to, the first link is
+/// a root.
 std::vector<int> spanning_joints(std::size_t links, const std::vector<SpanningEnds>& joints);
 
 }  // namespace momentree::io

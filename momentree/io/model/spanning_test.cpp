@@ -70,7 +70,8 @@ TEST_CASE("spanning trees: random graphs have as many roots as links that nothin
     const std::vector<int> inboard = chosen(static_cast<std::size_t>(links), joints);
     REQUIRE(is_forest(joints, inboard));
     // By enumeration: links from which each link can be reached, and whether the ground is one.
-    std::vector<std::vector<char>> reach(static_cast<std::size_t>(links) + 1, std::vector<char>(static_cast<std::size_t>(links), 0));
+    std::vector<std::vector<char>> reach(static_cast<std::size_t>(links) + 1,
+                                         std::vector<char>(static_cast<std::size_t>(links), 0));
     for (int from = 0; from < links; ++from) reach[static_cast<std::size_t>(from)][static_cast<std::size_t>(from)] = 1;
     for (int round = 0; round <= links; ++round)
       for (std::size_t from = 0; from < reach.size(); ++from)

@@ -151,8 +151,8 @@ TEST_CASE("SDF: links and joints that form no tree are refused") {
        "m.sdf:13:12: error: xyz: expected 3 numbers, found 2"},
       {head + a_link("a") + a_link("b") + joint("j", "a", "b") +
            joint("k", "a", "b", "<axis><xyz>0 0 1</xyz><mimic joint='j'/></axis>") +
-           joint("l", "a", "b", "<axis><xyz>0 0 1</xyz></axis>") +
-           "<link name='c'>" + mass + "</link>" + joint("m", "b", "c", "<axis><xyz>0 0 1</xyz><mimic joint='k'/></axis>") + end,
+           joint("l", "a", "b", "<axis><xyz>0 0 1</xyz></axis>") + "<link name='c'>" + mass + "</link>" +
+           joint("m", "b", "c", "<axis><xyz>0 0 1</xyz><mimic joint='k'/></axis>") + end,
        "m.sdf:23:37: error: mimic: joint 'k' closes a loop and can't lead another"},
       {head + end, "m.sdf:2:1: error: there is no <link> in it; for example <link name=\"base\">"},
       {"<sdf version='1.9'/>",

@@ -203,7 +203,8 @@ class Builder {
         if (!leader) continue;
         const auto own = body_of_joint.find(ends_[j].name);
         if (own == body_of_joint.end()) {
-          file.warning({axis.mimic}, "joint " + in_quotes(ends_[j].name) + " closes a loop and can't follow another: <mimic> is ignored",
+          file.warning({axis.mimic},
+                       "joint " + in_quotes(ends_[j].name) + " closes a loop and can't follow another: <mimic> is ignored",
                        "its position follows from the joints of the tree");
           continue;
         }

@@ -335,7 +335,8 @@ TEST_CASE("SDF: the iiwa moves as its URDF does") {
 TEST_CASE("SDF: Cassie's loops are cut at the balls of its rods; it assembles, falls and swings its legs") {
   const std::string file = MOMENTREE_SOURCE_DIR "/scenarios/models/cassie/cassie_v2.sdf";
   const auto read_cassie = [&](const char* root) {
-    const ReadResult result = read_scenario(file, {"mechanism.cassie_v2.limits=false", "mechanism.cassie_v2.root=" + std::string(root)});
+    const ReadResult result =
+        read_scenario(file, {"mechanism.cassie_v2.limits=false", "mechanism.cassie_v2.root=" + std::string(root)});
     REQUIRE_MESSAGE(result.scenario, rendered(result.diagnostics));
     return result.scenario->model;
   };
