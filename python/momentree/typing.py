@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from momentree._records import Array
 from momentree._vocabulary import BodyName, JointName, Number, Numbers, Pose, Signal, Signals, Vector
-from momentree.batch import Precision, Worlds
+from momentree.batch import Precision, Variables, Worlds
 from momentree.model import Axes, Parent, Shape
 from momentree.simulation import DriveFunction, ForceFunction, Trigger
 
@@ -27,6 +27,7 @@ __all__ = [
     "Signal",
     "Signals",
     "Trigger",
+    "Variables",
     "Vector",
     "Worlds",
 ]
