@@ -111,7 +111,7 @@ int bench_models(const BenchOptions& options, const std::vector<std::string>& pe
     if (!scenario) return bad_input;
     if (compile(scenario->model).nv() == 0) throw_error({"nothing in it moves: there is nothing to measure", path, ""});
     if (const auto& loops = scenario->model.loops(); !loops.empty())
-      throw_error({"closed loops are not measured: joint " + in_quotes(loops.front().name) + " closes one", path,
+      throw_error({"closed loops are not measured: joint " + io::in_quotes(loops.front().name) + " closes one", path,
                    "leave it out, or measure another model"});
     if (!peers.empty()) {
       files.push_back(folder->file(std::to_string(files.size())));

@@ -1,4 +1,6 @@
 // [[loop]]: joints that close kinematic loops.
+#include <vector>
+
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/read_action.hpp>
 #include <momentree/io/scenario_parts.hpp>
@@ -20,6 +22,15 @@ constexpr Key loop_entries[] = {
     {"assemble", boolean, "Whether the loop is closed at the start by changing the initial values; else they must close it",
      "true"},
 };
+
+constexpr long most_rows = 5000, most_columns = 4'000'000;
+
+void report_loop(const std::string& loop, std::string what, std::string hint, Reading& reading) {
+  if (const auto spots = reading.from_model.find(loop); spots != reading.from_model.end())
+    spots->second.file->error({spots->second.joint}, std::move(what), std::move(hint));
+  else
+    reading.out.error(reading.joints.at(loop), std::move(what), std::move(hint));
+}
 
 /// The body of that name; nothing, with a report, if there is none.
 std::optional<BodyId> body_named(const Value& value, const char* key, const std::string& loop, bool may_be_ground,
@@ -74,16 +85,31 @@ void read_loop(const Value& table, Reading& reading) {
   if (errors == out.errors()) reading.scenario.model.add_loop(std::move(spec));
 }
 
+bool loops_fit(Reading& reading) {
+  const Model& model = reading.scenario.model;
+  if (model.loops().empty()) return true;
+  std::vector<long> depth;  // number of bodies from the ground
+  depth.reserve(static_cast<std::size_t>(model.size()));
+  const auto depth_of = [&depth](BodyId body) { return body == ground ? 0 : depth[static_cast<std::size_t>(body.index)]; };
+  for (const BodySpec& body : model.bodies()) depth.push_back(depth_of(body.parent) + 1);
+  long rows = 0, columns = 0;
+  for (const LoopSpec& loop : model.loops()) {
+    const long own = 6 - info(loop.joint.kind).nv;
+    rows += own, columns += own * (depth_of(loop.body) + depth_of(loop.to));
+    if (rows <= most_rows && columns <= most_columns) continue;
+    report_loop(loop.name,
+                rows > most_rows ? "a scenario has loops of at most " + std::to_string(most_rows) + " equations in total"
+                                 : "the loops are too long: their equations concern too many bodies",
+                "they are solved together, which would need too much memory", reading);
+    return false;
+  }
+  return true;
+}
+
 void check_loops(Reading& reading) {
   if (reading.scenario.model.loops().empty()) return;
   Integration& how = reading.scenario.integration;
   const Place at = reading.joints.at(reading.scenario.model.loops().front().name);
-  const auto report = [&reading](const std::string& loop, std::string what, std::string hint) {
-    if (const auto spots = reading.from_model.find(loop); spots != reading.from_model.end())
-      spots->second.file->error({spots->second.joint}, std::move(what), std::move(hint));
-    else
-      reading.out.error(reading.joints.at(loop), std::move(what), std::move(hint));
-  };
   if (how.variables == Variables::momenta)
     reading.out.error(at, "closed loops are integrated in velocities", "leave 'variables' out of [integrate]");
   if (!takes_velocities(how.method))
@@ -92,7 +118,8 @@ void check_loops(Reading& reading) {
   const std::optional<Error> error = check_assembly(reading.scenario.model);
   if (!error) return;
   for (const LoopSpec& loop : reading.scenario.model.loops())
-    if (error->where == "loop '" + loop.name + "'") report(loop.name, error->where + ": " + error->problem, error->hint);
+    if (error->where == "loop '" + loop.name + "'")
+      report_loop(loop.name, error->where + ": " + error->problem, error->hint, reading);
 }
 
 }  // namespace momentree::io

@@ -166,6 +166,8 @@ std::vector<std::string> matching_bodies(const std::string& pattern, Reading& re
 void read_force(const Value& table, Reading& reading);
 
 void read_loop(const Value& table, Reading& reading);
+/// False, with a report, if the loops need more memory than is reasonable.
+bool loops_fit(Reading& reading);
 /// Reports loops that cannot be closed at the start.
 void check_loops(Reading& reading);
 

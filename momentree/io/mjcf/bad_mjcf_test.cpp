@@ -177,7 +177,7 @@ TEST_CASE("MJCF: impossible equalities and non-rigid bodies are refused") {
        "and no control characters"},
       {equality("<joint joint1='j' joint2='l'/>"), "m.xml:6:27: error: there is no joint 'l'"},
       {equality("<joint joint1='k' joint2='j'/>"),
-       "m.xml:6:16: error: joint1: joint 'k' is a ball joint; its type must be hinge or slide"},
+       "m.xml:6:16: error: joint1: joint 'k' is a ball joint; it needs one degree of freedom"},
       {mjcf(body(geom + "<site name='s'/>\n<site name='s'/>")),
        "m.xml:4:13: error: duplicate site 's': the name is already used by another on line 3"},
       {mjcf(body(geom + "<freejoint/>"), "", "<equality><connect body1='a' anchor='nan 0 0'/></equality>"),

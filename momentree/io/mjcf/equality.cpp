@@ -191,7 +191,7 @@ class EqualityReader {
     reading_.file_of(fields.location(key).element)
         .error(fields.location(key),
                std::string(key) + ": joint " + in_quotes(*name) + " is a " + std::string(info(spec.joint.kind).name) + " joint",
-               "its type must be hinge or slide");
+               "it needs one degree of freedom");
     return {};
   }
 

@@ -166,6 +166,25 @@ TEST_CASE("SDF: links and joints that form no tree are refused") {
   });
 }
 
+TEST_CASE("SDF: more loops than memory could hold are refused") {
+  std::string many = head, longer = head;
+  for (int i = 0; i < 20'000; ++i) {
+    const std::string name = std::to_string(i);
+    many += a_link("l" + name);
+    longer += a_link("l" + name);
+    if (i == 0) continue;
+    many += joint("j" + name, "l" + std::to_string(i - 1), "l" + name) + joint("k" + name, "l0", "l" + name);
+    longer += joint("j" + name, "l" + std::to_string(i - 1), "l" + name);
+  }
+  for (int i = 0; i < 1000; ++i) longer += joint("k" + std::to_string(i), "l" + std::to_string(19'000 + i), "l0");
+  CHECK(
+      errors_of(many + end, "m.sdf") ==
+      "m.sdf:11005:1: error: a scenario has loops of at most 5000 equations in total; they are solved together, which would need "
+      "too much memory");
+  CHECK(errors_of(longer + end, "m.sdf").find("error: the loops are too long: their equations concern too many bodies; they") !=
+        std::string::npos);
+}
+
 TEST_CASE("SDF: invalid names are refused") {
   check({
       {head + "<link>" + mass + "</link>" + end, "m.sdf:3:1: error: <link> has no 'name'; for example name=\"upper_arm\""},
