@@ -278,7 +278,8 @@ TEST_CASE("tables of a mechanism give parameters to joints that close loops") {
   CHECK(folder.says(four_bar_sdf(), "[mechanism.joint.\"j3*\"]\ndamping = -1\n")
             .starts_with("s.toml:6:11: error: joint 'j3': damping: must not be negative"));
   CHECK(folder.says(four_bar_sdf(), "[[coupling]]\njoint = \"m/j3\"\nfollows = \"m/j1\"\nstiffness = 1\n") ==
-        "s.toml:6:9: error: joint: joint 'm/j3' closes a loop; couple joints of the tree");
+        "s.toml:6:9: error: joint: joint 'm/j3' closes a loop, where it can't be coupled; let another joint of the loop be the "
+        "one that closes it");
   const std::string limits = "<limit><lower>-1</lower><upper>1</upper></limit>";
   CHECK(
       folder.says(four_bar_sdf(limits), "limits = true\n", Severity::warning) ==
