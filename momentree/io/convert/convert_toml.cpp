@@ -75,7 +75,7 @@ class Converter {
   Converted convert() {
     Value::Table document;
     for (const char* key :
-         {"format", "title", "state", "world", "mechanism", "force", "coupling", "event", "integrate", "output"}) {
+         {"format", "title", "state", "world", "mechanism", "force", "loop", "coupling", "event", "integrate", "output"}) {
       if (mimics_ && std::string_view(key) == "coupling") {
         add(document, key, couplings());
         continue;
@@ -217,7 +217,7 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
     add(document, "world", value(std::move(world)));
   }
   LeftOut left_out;
-  Value::Array mechanisms, forces;
+  Value::Array mechanisms, forces, loops;
   const auto bodies = by_mechanism(model);
   for (int b = 0; b < model.size(); ++b) {
     const std::string& name = model[BodyId{b}].name;
@@ -227,8 +227,10 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
     explain_carriers(mechanisms.back());
   }
   for (const BodyForce& force : model.forces()) forces.push_back(value(describe_force(force, model)));
+  for (const LoopSpec& loop : model.loops()) loops.push_back(value(describe_loop(loop, model)));
   add(document, "mechanism", value(std::move(mechanisms)));
   if (!forces.empty()) add(document, "force", value(std::move(forces)));
+  if (!loops.empty()) add(document, "loop", value(std::move(loops)));
   return toml_text(value(std::move(document)));
 }
 

@@ -38,5 +38,6 @@ Value::Table describe_mechanism(const std::string& name, const Model& model, std
                                 std::span<const Shape> shapes, const MeshFolders& folders, const std::string& state,
                                 LeftOut& left_out);
 Value::Table describe_force(const BodyForce& force, const Model& model);
+Value::Table describe_loop(const LoopSpec& loop, const Model& model);
 
 }  // namespace momentree::io
