@@ -57,9 +57,9 @@ void lanes(benchmark::State& run, Model (*make)(int), Precision precision) {
   count(run, bodies, n, 1, isa);
 }
 
-void batch_step(benchmark::State& run, Model (*make)(int), Precision precision) {
+void batch_step(benchmark::State& run, Model (*make)(int), Precision precision, Variables variables) {
   const int bodies = static_cast<int>(run.range(0));
-  Batch batch(make(bodies), 64, {.precision = precision});
+  Batch batch(make(bodies), 64, {.precision = precision, .variables = variables});
   for (auto _ : run) {
     batch.step(1e-5);
     benchmark::ClobberMemory();
@@ -69,11 +69,14 @@ void batch_step(benchmark::State& run, Model (*make)(int), Precision precision) 
   count(run, bodies, batch.worlds(), 4, batch.isa());
 }
 
+#define MOMENTREE_STEPS(model, name, precision, ...)                                                                 \
+  BENCHMARK_CAPTURE(batch_step, model##_##name, model, precision, Variables::momenta)->ArgsProduct({{__VA_ARGS__}}); \
+  BENCHMARK_CAPTURE(batch_step, model##_velocities_##name, model, precision, Variables::velocities)->ArgsProduct({{__VA_ARGS__}})
 #define MOMENTREE_LANES(model, ...)                                                                             \
   BENCHMARK_CAPTURE(lanes, model##_double, model, Precision::float64)->ArgsProduct({{__VA_ARGS__}, {0, 1, 2}}); \
   BENCHMARK_CAPTURE(lanes, model##_float, model, Precision::float32)->ArgsProduct({{__VA_ARGS__}, {0, 1, 2}});  \
-  BENCHMARK_CAPTURE(batch_step, model##_double, model, Precision::float64)->ArgsProduct({{__VA_ARGS__}});       \
-  BENCHMARK_CAPTURE(batch_step, model##_float, model, Precision::float32)->ArgsProduct({{__VA_ARGS__}})
+  MOMENTREE_STEPS(model, double, Precision::float64, __VA_ARGS__);                                              \
+  MOMENTREE_STEPS(model, float, Precision::float32, __VA_ARGS__)
 MOMENTREE_LANES(planar_chain, 10, 100);
 MOMENTREE_LANES(spatial_chain, 10, 100);
 MOMENTREE_LANES(bushy_tree, 100);

@@ -13,6 +13,7 @@
 #include <cli/completion.hpp>
 #include <cli/man_page.hpp>
 #include <momentree/base/error.hpp>
+#include <momentree/integrate/integrator.hpp>
 #include <momentree/io/schema.hpp>
 #include <momentree/sweep/sweep_keys.hpp>
 
@@ -238,6 +239,14 @@ void CommandLine::add_writers() {
   source(compile_command, "scenario", compile_.scenario, "SCENARIO|MODEL", a_source)->required();
   compile_command->add_option("-o,--out", compile_.out, "The file to write; - is standard output")->required()->type_name("FILE");
   compile_command->add_option("--name", compile_.name, "Prefix of its names; default: the scenario's name")->type_name("NAME");
+  compile_command
+      ->add_option_function<std::string>(
+          "--variables",
+          [this](const std::string& text) {
+            compile_.variables = *variables_of(choice_argument("--variables", text, variable_names()));
+          },
+          "What the function takes with the coordinates: momenta (default) or velocities")
+      ->type_name("momenta|velocities");
   compile_command->add_flag("--without-joint-forces", compile_.without_joint_forces,
                             "The recursion alone, without dampers, springs and efforts");
   overrides(compile_command, compile_.overrides);

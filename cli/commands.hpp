@@ -77,6 +77,7 @@ struct CompileOptions {
   std::string scenario, out;  ///< "-": standard output
   std::string name;           ///< prefix of the generated names; empty: the scenario's name
   std::vector<std::string> overrides;
+  Variables variables = Variables::momenta;
   bool without_joint_forces = false, verbose = false;
 };
 int compile(const CompileOptions& options);

@@ -16,6 +16,7 @@ namespace {
 
 const char* unit_of_q(char letter) { return letter == 'r' ? "rad" : letter == 'm' ? "m" : "quaternion"; }
 const char* unit_of_p(char letter) { return letter == 'r' ? "N m s" : "N s"; }
+const char* unit_of_u(char letter) { return letter == 'r' ? "rad/s" : "m/s"; }
 
 std::string range(const char* array, int first, int count) {
   return count == 1 ? format("%s[%d]", array, first) : format("%s[%d] to %s[%d]", array, first, array, first + count - 1);
@@ -28,8 +29,9 @@ std::string units(const char* letters, const char* (*unit)(char)) {
   return all;
 }
 
-/// The positions of the joints' values in q and p, a line for each moving joint.
-std::string packing(const World& world) {
+/// The positions of the joints' values in q and in p or u, a line for each moving joint.
+std::string packing(const World& world, Variables variables) {
+  const bool momenta = variables == Variables::momenta;
   Table table(Table::Values::left);
   const Tree& tree = world.tree();
   for (int number = 0; number < tree.bodies(); ++number) {
@@ -38,7 +40,8 @@ std::string packing(const World& world) {
     const KindInfo& kind = info(tree.joint(b).kind);
     if (kind.nv == 0) continue;
     table.row({comment_text(world.joint_name({number})) + ", " + kind.name, range("q", tree.first_q(b), kind.nq),
-               units(kind.q_units, unit_of_q), range("p", tree.first_p(b), kind.nv), units(kind.v_units, unit_of_p)});
+               units(kind.q_units, unit_of_q), range(momenta ? "p" : "u", tree.first_p(b), kind.nv),
+               units(kind.v_units, momenta ? unit_of_p : unit_of_u)});
   }
   return table.text("");
 }
@@ -73,20 +76,24 @@ int compile(const CompileOptions& options) {
     throw_error(
         {"'" + options.name + "' is not a valid function name", "", "use letters, digits and _, beginning with a letter"});
 
-  KernelExpressions kernel = kernel_expressions(tree);
+  const bool momenta = options.variables == Variables::momenta, forces = !options.without_joint_forces;
+  KernelExpressions kernel = momenta ? kernel_expressions(tree) : velocity_expressions(tree);
   const long recursion = kernel.operations().total();
-  if (!options.without_joint_forces) add_plain_forces(tree, kernel);
+  if (forces && momenta) add_plain_forces(tree, kernel);
+  if (forces && !momenta) kernel = velocity_expressions(tree, true);
   SourceText text;
   text.name = options.name.empty() ? identifier(scenario->name) : options.name;
   const Vec3& g = tree.gravity();
-  text.about =
-      (scenario->title.empty() ? scenario->name : scenario->title) +
-      format(": %s, %s, gravity %g %g %g m/s^2.\n", count_text(tree.bodies(), "body", "bodies").c_str(),
-             count_text(tree.nv(), "degree of freedom", "degrees of freedom").c_str(), g.x, g.y, g.z) +
-      (options.without_joint_forces ? "Without joint forces: add those of dampers, springs and drives to pdot yourself.\n"
-                                    : "Dampers, springs and constant efforts of its joints are in pdot.\n") +
-      (tree.driven_joints().empty() ? "" : "For a joint whose motion is prescribed, p is the rate and pdot is zero.\n") +
-      packing(world);
+  text.about = (scenario->title.empty() ? scenario->name : scenario->title) +
+               format(": %s, %s, gravity %g %g %g m/s^2.\n", count_text(tree.bodies(), "body", "bodies").c_str(),
+                      count_text(tree.nv(), "degree of freedom", "degrees of freedom").c_str(), g.x, g.y, g.z) +
+               (forces ? format("Dampers, springs and constant efforts of its joints are in %s.\n", momenta ? "pdot" : "udot")
+                       : format("Without joint forces: add those of dampers, springs and drives to %s yourself.\n",
+                                momenta ? "pdot" : "tau")) +
+               (tree.driven_joints().empty() ? ""
+                : momenta                    ? "For a joint whose motion is prescribed, p is the rate and pdot is zero.\n"
+                                             : "For a joint whose motion is prescribed, tau and udot are the acceleration.\n") +
+               packing(world, options.variables);
   const std::string source = kernel_source(kernel, text);
   const bool to_output = options.out == "-";
   if (to_output)
@@ -94,11 +101,13 @@ int compile(const CompileOptions& options) {
   else
     io::write_text_file(options.out, source);
 
-  const long before = count_operations(tree).total();
+  const long before = count_operations(tree).total();  // in momenta
   const double bodies = tree.bodies();
   const std::string report =
-      format("%s_rates: %ld operations, %.1f per body, where the kernels take %ld, %.1f per body\n", text.name.c_str(), recursion,
-             static_cast<double>(recursion) / bodies, before, static_cast<double>(before) / bodies);
+      momenta ? format("%s_rates: %ld operations, %.1f per body, where the kernels take %ld, %.1f per body\n", text.name.c_str(),
+                       recursion, static_cast<double>(recursion) / bodies, before, static_cast<double>(before) / bodies)
+              : format("%s_accelerations: %ld operations, %.1f per body\n", text.name.c_str(), recursion,
+                       static_cast<double>(recursion) / bodies);
   show(to_output ? stderr : stdout, report);
   return done;
 }

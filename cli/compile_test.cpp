@@ -107,23 +107,37 @@ TEST_CASE("compile writes a file with its memory layout, and reports the savings
   CHECK(alone.code == 0);
   CHECK(contains(alone.output, "Without joint forces"));
   CHECK(contains(alone.output, "gravity 0 0 0 m/s^2"));
+
+  const Outcome velocities = here.call("compile 'two pendulums.toml' -o - --variables velocities");
+  CHECK(velocities.code == 0);
+  CHECK(contains(velocities.errors, "two_pendulums_accelerations: "));
+  for (const char* part : {"void two_pendulums_accelerations(", "efforts of its joints are in udot", "u[1] to u[2]", "rad/s"})
+    CHECK_MESSAGE(contains(velocities.output, part), part);
+  CHECK(contains(here.call("compile 'two pendulums.toml' -o - --variables velocities --without-joint-forces").output,
+                 "to tau yourself"));
 }
 
 TEST_CASE("compile: the output compiles by itself, without a warning") {
   const Place here;
-  REQUIRE(here.call("compile 'two pendulums.toml' -o kernel.cpp --name two").code == 0);
-  CHECK(here.run("'" MOMENTREE_COMPILER "' -std=c++20 -O1 -Wall -Wextra -Wpedantic -Wconversion -Werror -c kernel.cpp").code ==
-        0);
-  CHECK(here.text("err") == "");
-  CHECK(here.has("kernel.o"));
+  for (const char* variables : {"momenta", "velocities"}) {
+    const std::string name = std::string(variables) + ".cpp";
+    REQUIRE(here.call("compile 'two pendulums.toml' --name two --variables " + (variables + (" -o " + name))).code == 0);
+    CHECK(here.run("'" MOMENTREE_COMPILER "' -std=c++20 -O1 -Wall -Wextra -Wpedantic -Wconversion -Werror -c " + name).code == 0);
+    CHECK(here.text("err") == "");
+    CHECK(here.has((std::string(variables) + ".o").c_str()));
+  }
 }
 
 TEST_CASE("compile: a mechanism without gravity, whatever was in memory before") {
   const Place here;
-  const char* const humanoid = "compile '" MOMENTREE_SOURCE_DIR "/scenarios/humanoid_wave.toml' --without-joint-forces -o ";
-  REQUIRE(here.call(std::string(humanoid) + "one.cpp", "MALLOC_PERTURB_=85").code == 0);
-  REQUIRE(here.call(std::string(humanoid) + "other.cpp", "MALLOC_PERTURB_=170").code == 0);
-  CHECK(here.text("one.cpp") == here.text("other.cpp"));
+  for (const char* variables : {"momenta", "velocities"}) {
+    const std::string humanoid = "compile '" MOMENTREE_SOURCE_DIR
+                                 "/scenarios/humanoid_wave.toml' --without-joint-forces --variables " +
+                                 std::string(variables) + " -o ";
+    REQUIRE(here.call(humanoid + "one.cpp", "MALLOC_PERTURB_=85").code == 0);
+    REQUIRE(here.call(humanoid + "other.cpp", "MALLOC_PERTURB_=170").code == 0);
+    CHECK(here.text("one.cpp") == here.text("other.cpp"));
+  }
 }
 
 TEST_CASE("compile: titles and names become comments of plain ASCII, whatever they contain") {
@@ -157,7 +171,8 @@ TEST_CASE("compile refuses models that it cannot write, with names and an altern
   for (const char* wrong :
        {"compile 'two pendulums.toml'", "compile -o k.cpp", "compile none.toml -o k.cpp",
         "compile 'two pendulums.toml' -o no/such/folder/k.cpp", "compile 'two pendulums.toml' -o k.cpp --name 7k",
-        "compile 'two pendulums.toml' -o k.cpp --set world.gravity=3"}) {
+        "compile 'two pendulums.toml' -o k.cpp --set world.gravity=3",
+        "compile 'two pendulums.toml' -o k.cpp --variables speeds"}) {
     const Outcome outcome = here.call(wrong);
     CHECK_MESSAGE(outcome.code == 2, wrong);
     CHECK_MESSAGE(contains(outcome.errors, "error"), wrong);
@@ -181,10 +196,18 @@ TEST_CASE("run --generate: the same motion, a line about it, and a fallback with
   const Outcome damped = here.call(run + "damped --generate --set integrate.method=damped");
   CHECK(damped.code == 0);
   CHECK(contains(damped.errors, "the method damped"));
-  const Outcome velocities = here.call(run + "velocities --generate --set integrate.method=dop853");
-  CHECK(contains(velocities.errors, "two pendulums.toml: warning: generated code serves momenta"));
-  const Outcome momenta = here.call(run + "momenta --generate --set integrate.method=dop853 --set integrate.variables=momenta");
-  CHECK(momenta.errors.find("warning") == std::string::npos);
+  for (const std::string variables : {"momenta", "velocities"})
+    for (const std::string method : {"rk4", "dop853"}) {
+      const std::string name = variables + method;
+      const Outcome outcome =
+          here.call(run + name + " --generate --set integrate.method=" + method + " --set integrate.variables=" + variables);
+      CHECK(outcome.errors == "");
+      CHECK(contains(outcome.output, "Generated code: 2 topologies compiled, found again 1 time, in "));
+      REQUIRE(
+          here.call(run + "by-kernels-" + name + " --set integrate.method=" + method + " --set integrate.variables=" + variables)
+              .code == 0);
+      CHECK(here.text((name + "/bodies.csv").c_str()) != here.text(("by-kernels-" + name + "/bodies.csv").c_str()));  // last bits
+    }
   const Outcome json = here.call(run + "json --generate --json");
   CHECK(json.code == 0);
   CHECK(json.output.starts_with("{"));

@@ -107,12 +107,7 @@ int run(const RunOptions& options) {
     if (!options.quiet) show(stderr, printable(scenario->path) + format(": resumes at t = %.9g s\n", simulation.time()));
   }
   std::optional<KernelCache> kernels;
-  const bool momenta = simulation.world().state().variables() == Variables::momenta;
-  if (options.generate && momenta) simulation.use_generated(kernels.emplace().provider());
-  if (options.generate && !momenta)
-    show(stderr, printable(scenario->path) +
-                     ": warning: generated code serves momenta, and this run integrates velocities: the kernels run; add --set "
-                     "integrate.variables=momenta\n");
+  if (options.generate) simulation.use_generated(kernels.emplace().provider());
   RunResult ended{Status::refused};
   try {
     ended = options.run_to_end ? options.run_to_end(simulation, scenario->until) : simulation.run_until(scenario->until);

@@ -59,18 +59,19 @@ Event Batch::apply(int world, std::span<const Action> actions, std::string name)
   Snapshot& engine = start.world.engine;
   engine.topology = group.topology();
   engine.time = group.time(seat.slot);
+  engine.variables = impl.variables;
   engine.q.resize(static_cast<std::size_t>(group.tree().nq())), engine.y.resize(static_cast<std::size_t>(group.tree().nv()));
   group.get_values(seat.slot, engine.q.data(), engine.y.data());
   start.world.joint_names = names.joints, start.world.mechanism_names = names.mechanisms;
 
-  if (impl.scratch == nullptr) impl.scratch = std::make_unique<Simulation>(impl.model);
+  if (impl.scratch == nullptr) impl.scratch = std::make_unique<Simulation>(impl.model, Integration{.variables = impl.variables});
   Simulation& scratch = *impl.scratch;
   scratch.restore(start);
   const bool unnamed = name.empty();
   Event event = scratch.apply(actions, std::move(name));
   const World& after = scratch.world();
   impl.out.tree = after.tree();
-  impl.out.state.assign(after.time(), after.state().q(), after.state().p(), impl.out.tree);
+  impl.out.state.assign(after.time(), after.state().q(), after.state().y(), impl.out.tree);
   put_back(world);  // may throw
 
   WorldSnapshot now = after.snapshot();

@@ -67,71 +67,113 @@ int Batch::group(int world) const {
   return group.number();
 }
 
+void Batch::Impl::convert(const Tree& tree, Variables given, const double* q, const double* y, double* to, Scratch& own) {
+  if (given == Variables::velocities) {
+    project_momentum(tree, q, y, to, own.projection);
+    clear_locked(tree, to);
+  } else {
+    evaluate_rates<double>(tree, q, y, own.workspace);
+    std::copy_n(own.workspace.v.get(), tree.nv(), to);
+  }
+}
+
 void Batch::read(std::span<const int> worlds, double* time, double* q, double* p, double* v) const {
   Impl& impl = this->impl();
   if (worlds.empty()) return;
   Group& group = impl.common_rows(worlds);
+  const bool momenta = impl.variables == Variables::momenta;
   const int nq = group.tree().nq(), nv = group.tree().nv();
+  double* const y = momenta ? p : v;
   const auto slot_of = [&](std::size_t row) { return impl.seats[static_cast<std::size_t>(worlds[row])].slot; };
   for (std::size_t row = 0; row < worlds.size(); ++row) {
     if (time != nullptr) time[row] = group.time(slot_of(row));
-    group.get_values(slot_of(row), q != nullptr ? q + place(row, nq) : nullptr, p != nullptr ? p + place(row, nv) : nullptr);
+    group.get_values(slot_of(row), q != nullptr ? q + place(row, nq) : nullptr, y != nullptr ? y + place(row, nv) : nullptr);
   }
-  if (v == nullptr) return;
-  const int lanes = group.lanes();
+  if (momenta && v != nullptr) impl.read_velocities(group, worlds, v);
+  if (momenta || p == nullptr) return;
+  for (Impl::Scratch& each : impl.scratches) each.fit(group.tree());
+  impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
+    const auto row = static_cast<std::size_t>(i);
+    Impl::Scratch& own = impl.scratches[static_cast<std::size_t>(thread)];
+    group.get_values(slot_of(row), own.q.data(), own.v.data());
+    Impl::convert(group.tree(), Variables::velocities, own.q.data(), own.v.data(), p + place(row, nv), own);
+  });
+}
+
+// Velocities of a batch in momenta, of blocks of worlds in lanes; after common_rows.
+void Batch::Impl::read_velocities(Group& group, std::span<const int> worlds, double* v) {
+  const int nq = group.tree().nq(), nv = group.tree().nv(), lanes_of_group = group.lanes();
+  const auto slot_of = [&](std::size_t row) { return seats[static_cast<std::size_t>(worlds[row])].slot; };
   // Blocks that contain one of the worlds, by their first place in `rows`.
-  impl.tasks.clear();
-  std::vector<std::size_t>& first = impl.firsts;
+  tasks.clear();
+  std::vector<std::size_t>& first = firsts;
   first.clear();
-  for (std::size_t k = 0; k < impl.rows.size(); ++k) {
-    const int block = slot_of(static_cast<std::size_t>(impl.rows[k])) / lanes;
-    if (impl.tasks.empty() || impl.tasks.back().block != block) impl.tasks.push_back({&group, block}), first.push_back(k);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const int block = slot_of(static_cast<std::size_t>(rows[k])) / lanes_of_group;
+    if (tasks.empty() || tasks.back().block != block) tasks.push_back({&group, block}), first.push_back(k);
   }
-  first.push_back(impl.rows.size());
-  const auto width = static_cast<std::size_t>(lanes);
-  for (Impl::Scratch& each : impl.scratches) each.lanes.resize(width * static_cast<std::size_t>(nq + 2 * nv));
-  impl.pool.run(static_cast<int>(impl.tasks.size()), [&](int thread, int i) {
-    double* const rates = impl.scratches[static_cast<std::size_t>(thread)].lanes.data();
+  first.push_back(rows.size());
+  const auto width = static_cast<std::size_t>(lanes_of_group);
+  for (Scratch& each : scratches) each.lanes.resize(width * static_cast<std::size_t>(nq + 2 * nv));
+  pool.run(static_cast<int>(tasks.size()), [&](int thread, int i) {
+    double* const rates = scratches[static_cast<std::size_t>(thread)].lanes.data();
     double* const velocities = rates + width * static_cast<std::size_t>(nq + nv);
-    const batch::Block block = group.block(impl.tasks[static_cast<std::size_t>(i)].block);
-    impl.steppers[static_cast<std::size_t>(thread)]->rates(group.tree(), block.q, block.p, rates,
-                                                           rates + width * static_cast<std::size_t>(nq), velocities);
+    const batch::Block block = group.block(tasks[static_cast<std::size_t>(i)].block);
+    steppers[static_cast<std::size_t>(thread)]->rates(group.tree(), block.q, block.y, rates,
+                                                      rates + width * static_cast<std::size_t>(nq), velocities);
     for (std::size_t k = first[static_cast<std::size_t>(i)]; k < first[static_cast<std::size_t>(i) + 1]; ++k) {
-      const auto row = static_cast<std::size_t>(impl.rows[k]);
-      const auto lane = static_cast<std::size_t>(slot_of(row) % lanes);
+      const auto row = static_cast<std::size_t>(rows[k]);
+      const auto lane = static_cast<std::size_t>(slot_of(row) % lanes_of_group);
       for (int f = 0; f < nv; ++f) v[place(row, nv) + static_cast<std::size_t>(f)] = velocities[place(width, f) + lane];
     }
   });
 }
 
-void Batch::write(std::span<const int> worlds, const double* time, const double* q, const double* p) {
+void Batch::write(std::span<const int> worlds, const double* time, const double* q, const double* y, Variables given) {
   Impl& impl = changing();
   if (worlds.empty()) return;
   Group& group = impl.common(worlds);
   const Tree& tree = group.tree();
   const int nq = tree.nq(), nv = tree.nv();
-  std::vector<double>&own_q = impl.scratches[0].q, &own_p = impl.scratches[0].v;
-  own_q.resize(static_cast<std::size_t>(nq)), own_p.resize(static_cast<std::size_t>(nv));
+  Impl::Scratch& scratch = impl.scratches[0];
+  scratch.fit(tree);
   // First all checks, then all changes.
   for (std::size_t row = 0; row < worlds.size(); ++row) {
     const JointNamer name = impl.namer(worlds[row]);
     if (time != nullptr) check_time(time[row]);
-    if (p != nullptr) check_packed(tree, "momenta", false, row_of(p, row, nv), name);
+    if (y != nullptr) check_packed(tree, given == Variables::momenta ? "momenta" : "velocities", false, row_of(y, row, nv), name);
     if (q == nullptr) continue;
     check_packed(tree, "coordinates", true, row_of(q, row, nq), name);
-    std::copy_n(q + place(row, nq), nq, own_q.data());
-    normalise_quaternions(tree, own_q, name);
+    std::copy_n(q + place(row, nq), nq, scratch.q.data());
+    normalise_quaternions(tree, scratch.q, name);
+  }
+  // The new numbers of a world, with y as given.
+  const auto take = [&](std::size_t row, Impl::Scratch& own) {
+    const int slot = impl.seat(worlds[row]).slot;
+    group.get_values(slot, own.q.data(), own.v.data());
+    if (q != nullptr) std::copy_n(q + place(row, nq), nq, own.q.data());
+    if (y != nullptr) std::copy_n(y + place(row, nv), nv, own.v.data());
+    const double now = time != nullptr ? time[row] : group.time(slot);
+    if (q != nullptr) normalise_quaternions(tree, own.q, {});  // which cannot fail any more
+    clear_locked(tree, own.v.data());
+    follow_motions(tree, now, own.q.data(), own.v.data());
+    return now;
+  };
+  const bool converts = y != nullptr && given != impl.variables;
+  if (converts) {
+    for (Impl::Scratch& each : impl.scratches) each.fit(tree);
+    impl.converted.resize(worlds.size() * static_cast<std::size_t>(nv));
+    impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
+      const auto row = static_cast<std::size_t>(i);
+      Impl::Scratch& own = impl.scratches[static_cast<std::size_t>(thread)];
+      take(row, own);
+      Impl::convert(tree, given, own.q.data(), own.v.data(), impl.converted.data() + place(row, nv), own);
+    });
   }
   for (std::size_t row = 0; row < worlds.size(); ++row) {
+    const double now = take(row, scratch);
     const int slot = impl.seat(worlds[row]).slot;
-    group.get_values(slot, own_q.data(), own_p.data());
-    if (q != nullptr) std::copy_n(q + place(row, nq), nq, own_q.data());
-    if (p != nullptr) std::copy_n(p + place(row, nv), nv, own_p.data());
-    const double now = time != nullptr ? time[row] : group.time(slot);
-    if (q != nullptr) normalise_quaternions(tree, own_q, {});  // which cannot fail any more
-    clear_locked(tree, own_p.data());
-    follow_motions(tree, now, own_q.data(), own_p.data());
-    group.set_values(slot, now, own_q.data(), own_p.data());
+    group.set_values(slot, now, scratch.q.data(), converts ? impl.converted.data() + place(row, nv) : scratch.v.data());
     group.set_ran_away(slot, false);
   }
 }
@@ -142,8 +184,7 @@ void Batch::momenta_of(std::span<const int> worlds, const double* q, const doubl
   const Group& group = impl.common(worlds);
   const Tree& tree = group.tree();
   const int nq = tree.nq(), nv = tree.nv();
-  for (Impl::Scratch& each : impl.scratches)
-    each.q.resize(static_cast<std::size_t>(nq)), each.v.resize(static_cast<std::size_t>(nv));
+  for (Impl::Scratch& each : impl.scratches) each.fit(tree);
   for (std::size_t row = 0; row < worlds.size(); ++row) {
     const JointNamer name = impl.namer(worlds[row]);
     if (time != nullptr) check_time(time[row]);
@@ -154,14 +195,13 @@ void Batch::momenta_of(std::span<const int> worlds, const double* q, const doubl
   }
   impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
     const auto row = static_cast<std::size_t>(i);
-    auto& [workspace, projection, own_q, own_v, lanes] = impl.scratches[static_cast<std::size_t>(thread)];
-    std::copy_n(q + place(row, nq), nq, own_q.data());
-    std::copy_n(v + place(row, nv), nv, own_v.data());
-    normalise_quaternions(tree, own_q, {});  // which cannot fail any more
-    clear_locked(tree, own_v.data());
-    follow_motions(tree, time != nullptr ? time[row] : group.time(impl.seat(worlds[row]).slot), own_q.data(), own_v.data());
-    project_momentum(tree, own_q.data(), own_v.data(), p + place(row, nv), projection);
-    clear_locked(tree, p + place(row, nv));
+    Impl::Scratch& own = impl.scratches[static_cast<std::size_t>(thread)];
+    std::copy_n(q + place(row, nq), nq, own.q.data());
+    std::copy_n(v + place(row, nv), nv, own.v.data());
+    normalise_quaternions(tree, own.q, {});  // which cannot fail any more
+    clear_locked(tree, own.v.data());
+    follow_motions(tree, time != nullptr ? time[row] : group.time(impl.seat(worlds[row]).slot), own.q.data(), own.v.data());
+    Impl::convert(tree, Variables::velocities, own.q.data(), own.v.data(), p + place(row, nv), own);
   });
 }
 
@@ -209,9 +249,12 @@ void Batch::motions(std::span<const int> worlds, BodyId body, double* thirteen) 
       std::fill_n(to, 13, std::numeric_limits<double>::quiet_NaN());
       return;
     }
-    auto& [workspace, projection, q, p, lanes] = impl.scratches[static_cast<std::size_t>(thread)];
-    seat.group->get_values(seat.slot, q.data(), p.data());
-    evaluate_motions<double>(tree, q.data(), p.data(), workspace);
+    auto& [workspace, projection, q, y, lanes] = impl.scratches[static_cast<std::size_t>(thread)];
+    seat.group->get_values(seat.slot, q.data(), y.data());
+    if (impl.variables == Variables::momenta)
+      evaluate_motions<double>(tree, q.data(), y.data(), workspace);
+    else
+      sweep_velocities<double, true>(tree, q.data(), y.data(), workspace);
     locate_stage(tree, q.data(), workspace);
     const BodyMotion m = user_motion(tree, workspace.bodies[static_cast<std::size_t>(body.index)], body.index);
     const Vec3 &r = m.pose.position, &l = m.linear, &w = m.angular;

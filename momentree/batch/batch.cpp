@@ -32,7 +32,7 @@ Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
   impl_->seats.resize(static_cast<std::size_t>(worlds));
   impl_->efforts.resize(static_cast<std::size_t>(worlds));
   Group& group = impl_->group_of(tree);
-  const State start = start_state(model, tree);
+  const State start = start_state(model, tree, impl_->variables);
   for (int world = 0; world < worlds; ++world) {
     impl_->sit(world, group);
     group.set_state(impl_->seat(world).slot, start);
@@ -70,6 +70,7 @@ Batch::Editing::~Editing() { impl_.editing = false; }
 
 int Batch::worlds() const { return static_cast<int>(impl().seats.size()); }
 Isa Batch::isa() const { return impl().isa; }
+Variables Batch::variables() const { return impl().variables; }
 int Batch::lanes() const { return impl().lanes; }
 int Batch::threads() const { return impl().pool.threads(); }
 int Batch::groups() const { return static_cast<int>(impl().groups.size()); }
@@ -106,7 +107,7 @@ const Tree& Batch::tree(int world) const { return impl().seat(world).group->tree
 
 State Batch::state(int world) const {
   const Impl::Seat& seat = impl().seat(world);
-  State state(seat.group->tree());
+  State state(seat.group->tree(), impl_->variables);
   seat.group->get_state(seat.slot, state);
   return state;
 }
@@ -115,8 +116,17 @@ void Batch::set_state(int world, const State& state) {
   const Impl::Seat& seat = changing().seat(world);
   MT_REQUIRE(state.topology() == seat.group->tree().revision(), "the state belongs to tree(world)");
   MT_REQUIRE(!state.being_edited(), edited_state);
-  seat.group->set_state(seat.slot, state);
+  impl_->set_state(seat, state);
   seat.group->set_ran_away(seat.slot, false);
+}
+
+void Batch::Impl::set_state(const Seat& seat, const State& state) {
+  if (state.variables() == variables) return seat.group->set_state(seat.slot, state);
+  const Tree& tree = seat.group->tree();
+  Scratch& own = scratches[0];
+  own.fit(tree);
+  convert(tree, state.variables(), state.q().data(), state.y().data(), own.v.data(), own);
+  seat.group->set_values(seat.slot, state.time(), state.q().data(), own.v.data());
 }
 
 void Batch::set_effort(int world, JointId joint, int dof, double effort) {
@@ -134,6 +144,7 @@ Batch::Out& Batch::take_out(int world) {
   const Impl::Seat& seat = changing().seat(world);
   Out& out = impl_->out;
   out.tree = seat.group->tree();
+  if (out.state.variables() != impl_->variables) out.state = State(out.tree, impl_->variables);  // an edit had changed them
   seat.group->get_state(seat.slot, out.state);
   if (out.workspace.capacity() < out.tree.bodies()) out.workspace = Workspace<double>(out.tree);
   forward_dynamics(out.tree, out.state, out.workspace);
@@ -164,8 +175,7 @@ void Batch::put_back(int world) {
     }
     to.set_efforts(impl_->seat(world).slot, efforts);
   }
-  const Impl::Seat& seat = impl_->seat(world);
-  seat.group->set_state(seat.slot, out.state);
+  impl_->set_state(impl_->seat(world), out.state);
 }
 
 }  // namespace momentree

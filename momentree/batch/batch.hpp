@@ -18,6 +18,8 @@ struct BatchOptions {
   /// float32 doubles the number of lanes; the motion is as accurate as float (seven digits). Topology changes are made in double
   /// in either case.
   Precision precision = Precision::float64;
+  /// What states hold between changes, as for single worlds: see docs/howto/choose-a-method.md.
+  Variables variables = Variables::momenta;
   int threads = 1;           ///< 0: as many as the machine has
   Isa widest = Isa::avx512;  ///< the widest instruction set to use, if the CPU and this build support it
 };
@@ -31,9 +33,9 @@ struct BatchOptions {
 /// stops and strengths: the constructor and `edit` throw Error for a model that has any. There is no energy ledger.
 ///
 /// Worlds are numbered from 0. Functions for several worlds take their numbers in any order, and arrays with one row per number,
-/// row-major. In those with coordinates or momenta the worlds must all be in one group, that is, have the same topology; rows
-/// then have nq or nv numbers, packed in the order of joint numbers (rad, m, unit quaternions; velocities, momenta and efforts as
-/// in docs/models.md).
+/// row-major. In those with coordinates, momenta or velocities the worlds must all be in one group, that is, have the same
+/// topology; rows then have nq or nv numbers, packed in the order of joint numbers (rad, m, unit quaternions; velocities, momenta
+/// and efforts as in docs/models.md).
 ///
 /// A batch is used by one thread at a time. Its own threads call no user functions.
 class Batch {
@@ -47,6 +49,7 @@ class Batch {
 
   int worlds() const;
   Isa isa() const;
+  Variables variables() const;
   int lanes() const;
   int threads() const;
   /// Number of different topologies at present.
@@ -69,24 +72,29 @@ class Batch {
   [[nodiscard]] bool ran_away(int world) const;
   /// The world's topology. Valid until the next edit.
   const Tree& tree(int world) const;
-  /// A copy of the world's state, for tree(world): for forward_dynamics, energies, poses …
+  /// A copy of the world's state, in variables(), for tree(world): for forward_dynamics, energies, poses …
   [[nodiscard]] State state(int world) const;
-  /// Sets coordinates, momenta and time; the next step of a float32 world rounds them. The state must belong to tree(world): from
-  /// state() of this world or of one with the same topology, or made from that tree.
+  /// Sets coordinates, momenta or velocities, and time; the next step of a float32 world rounds them. The state must belong to
+  /// tree(world): from state() of this world or of one with the same topology, or made from that tree. One in the other variables
+  /// is converted.
   void set_state(int world, const State& state);
 
   /// Sets an extra effort, finite, on one DoF of a joint (N m, N), until it is set again. It has no effect
   /// on a locked DoF. It stays with the joint as long as the joint's kind does not change.
   void set_effort(int world, JointId joint, int dof, double effort);
 
-  /// Writes a row per world: time (s), coordinates, momenta and velocities. Null: not wanted. Velocities cost an evaluation, in
-  /// the precision of the batch. Throws Error for worlds of several groups.
+  /// Writes a row per world: time (s), coordinates, momenta and velocities. Null: not wanted. Those that are not variables() cost
+  /// an evaluation: of velocities in the precision of the batch, of momenta in double. Throws Error for worlds of several groups.
   void read(std::span<const int> worlds, double* time, double* q, double* p, double* v) const;
-  /// Sets time, coordinates and momenta from a row per world, as set_state() does; null: as they are. Quaternions are normalised;
-  /// joints with a prescribed motion follow it, and locked DoFs have no momentum. Throws Error, with nothing changed, for worlds
-  /// of several groups, numbers that are not finite, a negative time, and a quaternion that differs from unit length by more than
-  /// 1e-6.
-  void write(std::span<const int> worlds, const double* time, const double* q, const double* p);
+  /// Sets time, coordinates and y, momenta or velocities, from a row per world, as set_state() does; null: as they are, which for
+  /// y means variables(). Quaternions are normalised; joints with a prescribed motion follow it, and locked DoFs have no momentum
+  /// or velocity. Throws Error, with nothing changed, for worlds of several groups, numbers that are not finite, a negative time,
+  /// and a quaternion that differs from unit length by more than 1e-6.
+  void write(std::span<const int> worlds, const double* time, const double* q, const double* y, Variables given);
+  /// The same with momenta.
+  void write(std::span<const int> worlds, const double* time, const double* q, const double* p) {
+    write(worlds, time, q, p, Variables::momenta);
+  }
   /// The momenta p of velocities v at coordinates q, in the worlds' topology, a row per world. DoFs with a prescribed motion have
   /// its position and rate at `time` (s, one per world; null: the worlds' present times), and locked DoFs are at rest. Throws
   /// Error as write() does.

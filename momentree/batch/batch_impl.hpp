@@ -13,6 +13,7 @@
 #include <momentree/batch/pool.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/velocity.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/tree/packed.hpp>
@@ -35,6 +36,7 @@ struct Batch::Impl {
   const std::uint64_t fingerprint = declared.topology().model;
   Isa isa;
   Precision precision;
+  Variables variables;
   std::unordered_multimap<std::size_t, std::unique_ptr<Group>> groups;  // by the topology's key
   std::vector<Seat> seats;                                              // by world
   std::vector<std::vector<batch::ExtraEffort>> efforts;                 // by world
@@ -58,13 +60,26 @@ struct Batch::Impl {
     Workspace<double> workspace;
     ProjectionBuffers projection;
     std::vector<double> q, v, lanes;
+    // Ensures room for a world with this tree.
+    void fit(const Tree& tree) {
+      if (workspace.capacity() < tree.bodies()) workspace = Workspace<double>(tree);
+      q.resize(static_cast<std::size_t>(tree.nq())), v.resize(static_cast<std::size_t>(tree.nv()));
+    }
   };
   std::vector<Scratch> scratches;
+  std::vector<double> converted;    // rows of the current call, in the batch's variables
   std::vector<int> rows;            // of the current call, in the order of slots
   std::vector<std::size_t> firsts;  // by task, its first place in `rows`
 
   Impl(const Model& the_model, const BatchOptions& options, int threads)
-      : model(the_model), declared(model), isa(batch::best_isa(options.widest)), precision(options.precision), pool(threads) {}
+      : model(the_model),
+        declared(model),
+        isa(batch::best_isa(options.widest)),
+        precision(options.precision),
+        variables(options.variables),
+        pool(threads) {
+    out.state = State(declared, variables);
+  }
 
   // Ensures scratch memory for trees of that size.
   void make_room(const Tree& tree) {
@@ -72,7 +87,7 @@ struct Batch::Impl {
     steppers.clear();
     scratches.clear();
     scratches.resize(static_cast<std::size_t>(pool.threads()));
-    for (int i = 0; i < pool.threads(); ++i) steppers.push_back(batch::make_stepper(isa, precision, tree));
+    for (int i = 0; i < pool.threads(); ++i) steppers.push_back(batch::make_stepper(isa, precision, tree, variables));
     capacity = tree.bodies();
     lanes = steppers[0]->lanes();
   }
@@ -86,7 +101,7 @@ struct Batch::Impl {
     for (auto i = begin; i != end; ++i)
       if (batch::same(i->second->topology(), topology)) return *i->second;
     make_room(tree);
-    return *groups.emplace(key, std::make_unique<Group>(std::move(topology), tree, lanes))->second;
+    return *groups.emplace(key, std::make_unique<Group>(std::move(topology), tree, lanes, variables))->second;
   }
 
   void sit(int world, Group& group) {
@@ -122,6 +137,12 @@ struct Batch::Impl {
   /// The same, after writing `rows`: the numbers of the rows in the order of their worlds' slots.
   Group& common_rows(std::span<const int> worlds);
   JointNamer namer(int world) const;
+  /// Momenta of velocities, or velocities of momenta, at coordinates q; of driven DoFs, y has and gets the rates, of locked ones
+  /// zero. y and `to` may be the same.
+  static void convert(const Tree& tree, Variables given, const double* q, const double* y, double* to, Scratch& own);
+  void read_velocities(Group& group, std::span<const int> worlds, double* v);
+  /// Sets the state of a world; converts one in the other variables.
+  void set_state(const Seat& seat, const State& state);
   /// The world's present names that differ from the model's.
   Named names_now(int world) const;
 };

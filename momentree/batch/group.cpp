@@ -80,15 +80,15 @@ void check(const Tree& tree) {
   if (const std::optional<Unsupported> why = unsupported(tree)) throw_error({why->problem, "", why->hint});
 }
 
-Group::Group(Topology topology, const Tree& tree, int lanes)
-    : topology_(std::move(topology)), key_(key_of(topology_)), tree_(tree), plan_(tree_), lanes_(lanes) {}
+Group::Group(Topology topology, const Tree& tree, int lanes, Variables variables)
+    : topology_(std::move(topology)), key_(key_of(topology_)), tree_(tree), plan_(tree_), lanes_(lanes), variables_(variables) {}
 
 int Group::add(int world) {
   const int slot = worlds();
   world_.push_back(world);
   if (slot % lanes_ != 0) return slot;
   const std::size_t slots = at(slot + lanes_);
-  q_.resize(slots * at(tree_.nq())), p_.resize(slots * at(tree_.nv())), effort_.resize(slots * at(tree_.nv()));
+  q_.resize(slots * at(tree_.nq())), y_.resize(slots * at(tree_.nv())), effort_.resize(slots * at(tree_.nv()));
   time_.resize(slots), h_.resize(slots), ran_away_.resize(slots);
   return slot;
 }
@@ -96,7 +96,7 @@ int Group::add(int world) {
 void Group::copy_slot(int from, int to) {
   for (int i = 0; i < tree_.nq(); ++i) q_[place(to, tree_.nq(), i)] = q_[place(from, tree_.nq(), i)];
   for (int i = 0; i < tree_.nv(); ++i) {
-    p_[place(to, tree_.nv(), i)] = p_[place(from, tree_.nv(), i)];
+    y_[place(to, tree_.nv(), i)] = y_[place(from, tree_.nv(), i)];
     effort_[place(to, tree_.nv(), i)] = effort_[place(from, tree_.nv(), i)];
   }
   time_[at(to)] = time_[at(from)], h_[at(to)] = h_[at(from)], ran_away_[at(to)] = ran_away_[at(from)];
@@ -107,29 +107,33 @@ int Group::remove(int slot) {
   if (moved >= 0) copy_slot(last, slot), world_[at(slot)] = moved;
   world_.pop_back();
   if (last % lanes_ == 0) {  // its block is empty
-    q_.resize(at(last) * at(tree_.nq())), p_.resize(at(last) * at(tree_.nv())), effort_.resize(at(last) * at(tree_.nv()));
+    q_.resize(at(last) * at(tree_.nq())), y_.resize(at(last) * at(tree_.nv())), effort_.resize(at(last) * at(tree_.nv()));
     time_.resize(at(last)), h_.resize(at(last)), ran_away_.resize(at(last));
   }
   return moved;
 }
 
-void Group::set_values(int slot, double time, const double* q, const double* p) noexcept {
+void Group::set_values(int slot, double time, const double* q, const double* y) noexcept {
   for (int i = 0; i < tree_.nq(); ++i) q_[place(slot, tree_.nq(), i)] = q[i];
-  for (int i = 0; i < tree_.nv(); ++i) p_[place(slot, tree_.nv(), i)] = p[i];
+  for (int i = 0; i < tree_.nv(); ++i) y_[place(slot, tree_.nv(), i)] = y[i];
   time_[at(slot)] = time;
 }
 
-void Group::get_values(int slot, double* q, double* p) const noexcept {
+void Group::get_values(int slot, double* q, double* y) const noexcept {
   for (int i = 0; q != nullptr && i < tree_.nq(); ++i) q[i] = q_[place(slot, tree_.nq(), i)];
-  for (int i = 0; p != nullptr && i < tree_.nv(); ++i) p[i] = p_[place(slot, tree_.nv(), i)];
+  for (int i = 0; y != nullptr && i < tree_.nv(); ++i) y[i] = y_[place(slot, tree_.nv(), i)];
 }
 
-void Group::set_state(int slot, const State& state) { set_values(slot, state.time(), state.q().data(), state.p().data()); }
+void Group::set_state(int slot, const State& state) {
+  MT_REQUIRE(state.variables() == variables_, "a state in the variables of the group");
+  set_values(slot, state.time(), state.q().data(), state.y().data());
+}
 
 void Group::get_state(int slot, State& state) const {
-  std::vector<double> q(at(tree_.nq())), p(at(tree_.nv()));
-  get_values(slot, q.data(), p.data());
-  state.assign(time_[at(slot)], q, p, tree_);
+  MT_REQUIRE(state.variables() == variables_, "a state in the variables of the group");
+  std::vector<double> q(at(tree_.nq())), y(at(tree_.nv()));
+  get_values(slot, q.data(), y.data());
+  state.assign(time_[at(slot)], q, y, tree_);
 }
 
 void Group::set_efforts(int slot, std::span<const ExtraEffort> efforts) {
@@ -146,10 +150,10 @@ void Group::set_efforts(int slot, std::span<const ExtraEffort> efforts) {
 Block Group::block(int number) {
   const int first = number * lanes_;
   for (int slot = std::max(worlds(), first); slot < first + lanes_; ++slot) copy_slot(worlds() - 1, slot), h_[at(slot)] = 0;
-  const std::size_t q = place(first, tree_.nq(), 0), p = place(first, tree_.nv(), 0);
+  const std::size_t q = place(first, tree_.nq(), 0), y = place(first, tree_.nv(), 0);
   return {q_.data() + q,
-          p_.data() + p,
-          efforts_ ? effort_.data() + p : nullptr,
+          y_.data() + y,
+          efforts_ ? effort_.data() + y : nullptr,
           time_.data() + at(first),
           h_.data() + at(first),
           ran_away_.data() + at(first)};

@@ -31,12 +31,13 @@ struct ExtraEffort {
 
 class Group {
  public:
-  Group(Topology topology, const Tree& tree, int lanes);
+  Group(Topology topology, const Tree& tree, int lanes, Variables variables);
 
   const Topology& topology() const { return topology_; }
   std::size_t key() const { return key_; }
   const Tree& tree() const { return tree_; }
   const ForcePlan& plan() const { return plan_; }
+  Variables variables() const { return variables_; }
   int worlds() const { return static_cast<int>(world_.size()); }
   int blocks() const { return (worlds() + lanes_ - 1) / lanes_; }
   /// The world in a slot; slots are filled from 0 without gaps.
@@ -47,11 +48,12 @@ class Group {
   /// Removes the world in that slot; the last one moves there. Returns the world that moved, −1: none.
   int remove(int slot);
 
+  /// States are in variables().
   void set_state(int slot, const State& state);
   void get_state(int slot, State& state) const;
   /// The same for bare arrays; null when reading: not wanted.
-  void set_values(int slot, double time, const double* q, const double* p) noexcept;
-  void get_values(int slot, double* q, double* p) const noexcept;
+  void set_values(int slot, double time, const double* q, const double* y) noexcept;
+  void get_values(int slot, double* q, double* y) const noexcept;
   double time(int slot) const { return time_[at(slot)]; }
   bool ran_away(int slot) const { return ran_away_[at(slot)] != 0; }
   void set_ran_away(int slot, bool yes) { ran_away_[at(slot)] = yes ? 1 : 0; }
@@ -75,10 +77,11 @@ class Group {
   Tree tree_;
   ForcePlan plan_;
   int lanes_;
+  Variables variables_;
   int number_ = 0;
   bool efforts_ = false;
   std::vector<int> world_;
-  std::vector<double> q_, p_, effort_, time_, h_;
+  std::vector<double> q_, y_, effort_, time_, h_;
   std::vector<unsigned char> ran_away_;
 };
 

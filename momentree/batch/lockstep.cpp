@@ -44,20 +44,23 @@ Lockstep::~Lockstep() = default;
 
 bool Lockstep::fits(const Simulation& simulation) {
   Simulation::Impl& impl = simulation.impl();
-  return impl.method->is_that_of_lanes() && impl.world.state().variables() == Variables::momenta && !impl.generated &&
-         !impl.stops.any() && !impl.queue.watching(impl.world) && !batch::unsupported(impl.world.tree());
+  return impl.method->is_that_of_lanes() && !impl.generated && !impl.stops.any() && !impl.queue.watching(impl.world) &&
+         !batch::unsupported(impl.world.tree());
 }
 
 Group& Lockstep::group_of(const Simulation::Impl& impl) {
   const Tree& tree = impl.world.tree();
   const Topology topology = tree.topology();
+  const Variables variables = impl.world.state().variables();
   for (const auto& group : groups_)
-    if (batch::same(group->topology(), topology) && same_constants(group->tree(), tree)) return *group;
-  if (tree.bodies() > capacity_ || !stepper_) {
-    stepper_ = batch::make_stepper(isa_, Precision::float64, tree);
-    capacity_ = tree.bodies();
+    if (group->variables() == variables && batch::same(group->topology(), topology) && same_constants(group->tree(), tree))
+      return *group;
+  Steps& steps = steps_of(variables);
+  if (tree.bodies() > steps.capacity) {
+    steps.stepper = batch::make_stepper(isa_, Precision::float64, tree, variables);
+    steps.capacity = tree.bodies();
   }
-  return *groups_.emplace_back(std::make_unique<Group>(topology, tree, stepper_->lanes()));
+  return *groups_.emplace_back(std::make_unique<Group>(topology, tree, steps.stepper->lanes(), variables));
 }
 
 bool Lockstep::board(Member& member) {
@@ -110,7 +113,7 @@ void Lockstep::set_step(Member& member) {
 void Lockstep::take_state(Member& member) {
   const Group& group = *member.group;
   const State::Edit edit = member.impl->edit_state();
-  group.get_values(member.slot, edit.q.data(), edit.p.data());
+  group.get_values(member.slot, edit.q.data(), edit.y.data());
   edit.time = group.time(member.slot);
 }
 
@@ -160,7 +163,7 @@ void Lockstep::run(std::span<LockstepRun> runs) {
     for (const auto& group : groups_)
       for (int i = 0; i < group->blocks(); ++i) {
         any = true;
-        stepper_->step(group->tree(), group->plan(), group->block(i));
+        steps_of(group->variables()).stepper->step(group->tree(), group->plan(), group->block(i));
       }
     if (!any) break;
     for (Member& member : members_)

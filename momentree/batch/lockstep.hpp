@@ -20,7 +20,8 @@ struct LockstepRun {
   RunResult result{};  ///< afterwards, as of run_until()
 };
 
-/// Runs simulations as run_until() does, but computes the steps of those that have the same topology together, in SIMD lanes.
+/// Runs simulations as run_until() does, but computes the steps of those that have the same topology and the same variables
+/// together, in SIMD lanes.
 /// Events, observers, samplers and watchers work as usual; a simulation whose topology changes goes on with others of its new
 /// topology. Its states equal those of run_until() to round-off, whatever simulations run beside it. They depend on the
 /// instruction set, since multiply-adds are contracted differently.
@@ -60,8 +61,13 @@ class Lockstep {
   static void finish(Member& member);
 
   Isa isa_;
-  std::unique_ptr<batch::Stepper> stepper_;
-  int capacity_ = 0;
+  // For momenta and for velocities; made when a simulation needs it.
+  struct Steps {
+    std::unique_ptr<batch::Stepper> stepper;
+    int capacity = 0;
+  };
+  Steps& steps_of(Variables variables) { return steps_[variables == Variables::momenta ? 0 : 1]; }
+  Steps steps_[2];
   std::vector<std::unique_ptr<batch::Group>> groups_;
   std::vector<Member> members_;
 };

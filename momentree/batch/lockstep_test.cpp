@@ -50,11 +50,12 @@ Model model_of(int form, double turn) {
 struct Case {
   std::unique_ptr<Simulation> simulation;
   std::vector<double> looked, sampled;
-  explicit Case(int number) {
+  explicit Case(int number) {  // two of four in velocities
     std::mt19937 random(static_cast<unsigned>(number));
     const auto uniform = [&](double from, double to) { return std::uniform_real_distribution(from, to)(random); };
     const Model model = model_of(number % 9 == 8 ? 1 + number % 3 : 0, uniform(-0.2, 0.2));
-    simulation = std::make_unique<Simulation>(model, Integration{.method = "rk4", .step = 2e-3});
+    const Variables variables = number / 2 % 2 == 0 ? Variables::momenta : Variables::velocities;
+    simulation = std::make_unique<Simulation>(model, Integration{.method = "rk4", .variables = variables, .step = 2e-3});
     Simulation& sim = *simulation;
     if (number % 2 == 0) sim.at(uniform(0.02, 0.4)).then(break_joint("m/" + std::to_string(1 + number / 2 % 4))).named("part");
     if (number % 3 == 0) sim.at(uniform(0.02, 0.4)).then(lock("m/0"));
@@ -69,7 +70,7 @@ std::vector<double> numbers_of(const Simulation& sim) {
   std::vector<double> all = {sim.time()};
   const State& state = sim.world().state();
   all.insert(all.end(), state.q().begin(), state.q().end());
-  all.insert(all.end(), state.p().begin(), state.p().end());
+  all.insert(all.end(), state.y().begin(), state.y().end());
   for (const Event& event : sim.events()) all.insert(all.end(), {event.time, event.lost, event.after.kinetic});
   all.push_back(static_cast<double>(sim.statistics().steps));
   return all;
@@ -141,25 +142,29 @@ TEST_CASE("simulations in lanes move as they do alone, and the same whatever run
 TEST_CASE("the number of lanes is that of the steppers") {
   const Tree tree = compile(model_of(0, 0));
   for (const Isa isa : all_sets)
-    if (batch::available(isa)) CHECK(Lockstep(isa).lanes() == batch::make_stepper(isa, Precision::float64, tree)->lanes());
+    for (const Variables variables : {Variables::momenta, Variables::velocities})
+      if (batch::available(isa))
+        CHECK(Lockstep(isa).lanes() == batch::make_stepper(isa, Precision::float64, tree, variables)->lanes());
 }
 
 TEST_CASE("what ends a run alone ends it in lanes") {
   Lockstep lockstep;
   const auto both = [&](const char* what, double until, Status status, auto prepare) {
     CAPTURE(what);
-    Simulation alone(model_of(0, 0.1), {.method = "rk4", .step = 2e-3}), lane(model_of(0, 0.1), {.method = "rk4", .step = 2e-3}),
-        beside(model_of(0, 0.3), {.method = "rk4", .step = 2e-3});
-    prepare(alone), prepare(lane);
-    LockstepRun runs[] = {{&beside, 0.4}, {&lane, until}};
-    lockstep.run(runs);
-    const RunResult expected = alone.run_until(until);
-    CHECK(runs[0].result);
-    CHECK(beside.time() == 0.4);
-    CHECK(expected.status == status);
-    CHECK(runs[1].result.status == status);
-    CHECK(runs[1].result.reason.substr(0, 25) == expected.reason.substr(0, 25));  // numbers of a divergence are noise
-    CHECK(difference(numbers_of(alone), numbers_of(lane)) < 1e-10);
+    for (const Variables variables : {Variables::momenta, Variables::velocities}) {
+      const Integration how{.method = "rk4", .variables = variables, .step = 2e-3};
+      Simulation alone(model_of(0, 0.1), how), lane(model_of(0, 0.1), how), beside(model_of(0, 0.3), how);
+      prepare(alone), prepare(lane);
+      LockstepRun runs[] = {{&beside, 0.4}, {&lane, until}};
+      lockstep.run(runs);
+      const RunResult expected = alone.run_until(until);
+      CHECK(runs[0].result);
+      CHECK(beside.time() == 0.4);
+      CHECK(expected.status == status);
+      CHECK(runs[1].result.status == status);
+      CHECK(runs[1].result.reason.substr(0, 25) == expected.reason.substr(0, 25));  // numbers of a divergence are noise
+      CHECK(difference(numbers_of(alone), numbers_of(lane)) < 1e-10);
+    }
   };
   both("nothing", 0.2, Status::ok, [](Simulation&) {});
   both("a time that is past", 0, Status::ok, [](Simulation&) {});
@@ -182,6 +187,7 @@ TEST_CASE("simulations that change after each step are not run in lanes") {
   };
   const Integration rk4{.method = "rk4"};
   CHECK(fits(rk4, [](Simulation&) {}));
+  CHECK(fits({.method = "rk4", .variables = Variables::velocities}, [](Simulation&) {}));
   CHECK_FALSE(fits({.method = "dopri5"}, [](Simulation&) {}));
   CHECK_FALSE(fits(rk4, [](Simulation& sim) { sim.when(position_of("m/1").exceeds(5)).then(lock("m/0")); }));
   CHECK_FALSE(fits(rk4, [](Simulation& sim) { sim.drive("m/0", [](const EvaluationContext&) { return 0.1; }); }));

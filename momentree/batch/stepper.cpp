@@ -41,18 +41,34 @@ Isa best_isa(Isa widest) noexcept {
   return Isa::baseline;
 }
 
-std::unique_ptr<Stepper> make_stepper(Isa isa, Precision precision, const Tree& tree) {
+namespace {
+
+// One of the four steppers of an instruction set.
+using Maker = Stepper* (*)(const Tree&);
+[[maybe_unused]] std::unique_ptr<Stepper> made(const Tree& tree, Precision precision, Variables variables,
+                                               const Maker (&momenta)[2], const Maker (&velocities)[2]) {
+  const int i = precision == Precision::float64 ? 0 : 1;
+  return std::unique_ptr<Stepper>((variables == Variables::momenta ? momenta : velocities)[i](tree));
+}
+
+}  // namespace
+
+std::unique_ptr<Stepper> make_stepper(Isa isa, [[maybe_unused]] Precision precision, [[maybe_unused]] const Tree& tree,
+                                      [[maybe_unused]] Variables variables) {
   if (!available(isa)) return nullptr;
-  [[maybe_unused]] const bool wide = precision == Precision::float64;
+#define MOMENTREE_STEPPERS(set)                                                      \
+  return made(tree, precision, variables, {make_##set##_double, make_##set##_float}, \
+              {make_##set##_double_velocities, make_##set##_float_velocities})
 #ifdef MOMENTREE_LANES_AVX512
-  if (isa == Isa::avx512) return std::unique_ptr<Stepper>(wide ? make_avx512_double(tree) : make_avx512_float(tree));
+  if (isa == Isa::avx512) MOMENTREE_STEPPERS(avx512);
 #endif
 #ifdef MOMENTREE_LANES_AVX2
-  if (isa == Isa::avx2) return std::unique_ptr<Stepper>(wide ? make_avx2_double(tree) : make_avx2_float(tree));
+  if (isa == Isa::avx2) MOMENTREE_STEPPERS(avx2);
 #endif
 #ifdef MOMENTREE_LANES_BASELINE
-  if (isa == Isa::baseline) return std::unique_ptr<Stepper>(wide ? make_baseline_double(tree) : make_baseline_float(tree));
+  if (isa == Isa::baseline) MOMENTREE_STEPPERS(baseline);
 #endif
+#undef MOMENTREE_STEPPERS
   return nullptr;
 }
 

@@ -5,7 +5,7 @@
 
 #include <momentree/dynamics/forces/linear_spring.hpp>
 #include <momentree/math/isa.hpp>
-#include <momentree/tree/tree.hpp>
+#include <momentree/tree/state.hpp>
 
 namespace momentree {
 
@@ -24,8 +24,8 @@ struct ForcePlan {
 
 /// Worlds in lanes; number i of lane l is at [i·lanes + l].
 struct Block {
-  double *q, *p;              ///< packed, nq and nv numbers per lane
-  const double* effort;       ///< extra efforts, packed as p; null: none
+  double *q, *y;              ///< packed, nq and nv numbers per lane; y: momenta or velocities
+  const double* effort;       ///< extra efforts, packed as y; null: none
   double* time;               ///< s, by lane
   const double* h;            ///< s, by lane: the step of each world; 0: the world does not change, bit for bit
   unsigned char* ran_away{};  ///< by lane: set if a step diverged; that world is left as before
@@ -41,16 +41,16 @@ class Stepper {
   /// One step of the classical Runge–Kutta method in every lane. The tree must not have more bodies than that of the constructor.
   /// Neither allocates nor throws.
   virtual void step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept = 0;
-  /// One evaluate_rates: q̇, ṗ (without joint forces) and v of all lanes.
-  virtual void rates(const Tree& tree, const double* q, const double* p, double* qdot, double* pdot, double* v) noexcept = 0;
+  /// One evaluation without joint forces: q̇, ẏ (ṗ or u̇) and v of all lanes.
+  virtual void rates(const Tree& tree, const double* q, const double* y, double* qdot, double* ydot, double* v) noexcept = 0;
 };
 
 /// True if this library has kernels for the instruction set and this CPU can run them.
 bool available(Isa isa) noexcept;
 /// The widest available set up to `widest`; if the build has none of these, the narrowest that it has.
 Isa best_isa(Isa widest = Isa::avx512) noexcept;
-/// Null if the set is not available.
-std::unique_ptr<Stepper> make_stepper(Isa isa, Precision precision, const Tree& tree);
+/// `variables`: what y is. Null if the set is not available.
+std::unique_ptr<Stepper> make_stepper(Isa isa, Precision precision, const Tree& tree, Variables variables = Variables::momenta);
 
 // Each in its own source file.
 Stepper* make_baseline_double(const Tree& tree);
@@ -59,6 +59,12 @@ Stepper* make_avx2_double(const Tree& tree);
 Stepper* make_avx2_float(const Tree& tree);
 Stepper* make_avx512_double(const Tree& tree);
 Stepper* make_avx512_float(const Tree& tree);
+Stepper* make_baseline_double_velocities(const Tree& tree);
+Stepper* make_baseline_float_velocities(const Tree& tree);
+Stepper* make_avx2_double_velocities(const Tree& tree);
+Stepper* make_avx2_float_velocities(const Tree& tree);
+Stepper* make_avx512_double_velocities(const Tree& tree);
+Stepper* make_avx512_float_velocities(const Tree& tree);
 
 // Computations done lane by lane, in double, the same for all instruction sets. q, u, force: those of b's joint alone.
 

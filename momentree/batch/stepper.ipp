@@ -1,83 +1,88 @@
 #pragma once
-// Steps in lanes; included only by instantiate/*.cpp, each for one instruction set and precision. No function here may also occur
-// in other source files unless its name contains the pack (ADR 9; tools/check_lane_symbols).
+// Steps in lanes, for either variables; included only by instantiate/*.cpp, each for one instruction set and precision. No
+// function here may also occur in other source files unless its name contains the pack (ADR 9; tools/check_lane_symbols).
 #include <momentree/batch/stepper.hpp>
-#include <momentree/dynamics/derived_sweep.ipp>
+#include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/integrate/rk4_stages.hpp>
 
 namespace momentree::batch {
 
+/// The rates of y, with all forces, are left to the classes for momenta and velocities.
 template <class T>
-class PackStepper final : public Stepper {
+class PackStepper : public Stepper {
  public:
-  explicit PackStepper(const Tree& tree)
-      : workspace_(tree),
-        q0_(make(7 * tree.bodies())),
-        p0_(make(6 * tree.bodies())),
-        q_(make(7 * tree.bodies())),
-        p_(make(6 * tree.bodies())),
-        q_sum_(make(7 * tree.bodies())),
-        p_sum_(make(6 * tree.bodies())) {}
-  int lanes() const override { return N; }
-  void step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept override;
-  void rates(const Tree& tree, const double* q, const double* p, double* qdot, double* pdot, double* v) noexcept override;
+  int lanes() const final { return N; }
+  void step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept final;
 
- private:
+ protected:
   static constexpr int N = T::lanes;
   using Array = std::unique_ptr<T[]>;
   static Array make(int n) { return std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(n > 0 ? n : 1)); }
 
-  void evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q, const T* p) noexcept;
-  void add_elements(const Tree& tree, int b, const double* t, const T* q) noexcept;
-  void end_step(const Tree& tree, const double* t) noexcept;
+  explicit PackStepper(const Tree& tree)
+      : workspace_(tree),
+        q_(make(7 * tree.bodies())),
+        y_(make(6 * tree.bodies())),
+        q0_(make(7 * tree.bodies())),
+        y0_(make(6 * tree.bodies())),
+        q_sum_(make(7 * tree.bodies())),
+        y_sum_(make(6 * tree.bodies())) {}
+
+  /// Rates with the joint forces, to workspace_.qdot and ydot(); t by lane.
+  virtual void evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
+                        const T* y) noexcept = 0;
+  virtual const T* ydot() const noexcept = 0;
+  /// Adds the joint forces to `force`, at the velocities in workspace_.v; the accelerations of prescribed motions in their
+  /// places.
+  void add_forces(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q, T* force) noexcept;
+  static void load(const Tree& tree, const double* q, const double* y, T* to_q, T* to_y) noexcept {
+    for (int i = 0; i < tree.nq(); ++i) to_q[i] = T::load(q + i * N);
+    for (int i = 0; i < tree.nv(); ++i) to_y[i] = T::load(y + i * N);
+  }
+  static void store(int n, const T* from, double* to) noexcept {
+    for (int i = 0; i < n; ++i) from[i].store(to + i * N);
+  }
 
   Workspace<T> workspace_;
-  Array q0_, p0_, q_, p_, q_sum_, p_sum_;
-};
+  Array q_, y_;
 
-template <class T>
-void PackStepper<T>::rates(const Tree& tree, const double* q, const double* p, double* qdot, double* pdot, double* v) noexcept {
-  const int nq = tree.nq(), nv = tree.nv();
-  for (int i = 0; i < nq; ++i) q_[i] = T::load(q + i * N);
-  for (int i = 0; i < nv; ++i) p_[i] = T::load(p + i * N);
-  evaluate_rates<T>(tree, q_.get(), p_.get(), workspace_);
-  for (int i = 0; i < nq; ++i) workspace_.qdot[i].store(qdot + i * N);
-  for (int i = 0; i < nv; ++i) workspace_.pdot[i].store(pdot + i * N), workspace_.v[i].store(v + i * N);
-}
+ private:
+  void add_elements(const Tree& tree, int b, const double* t, const T* q, T* force) noexcept;
+  void end_step(const Tree& tree, const double* t) noexcept;
+
+  Array q0_, y0_, q_sum_, y_sum_;
+};
 
 // Adds the other forces in one joint, lane by lane.
 template <class T>
-void PackStepper<T>::add_elements(const Tree& tree, int b, const double* t, const T* q) noexcept {
+void PackStepper<T>::add_elements(const Tree& tree, int b, const double* t, const T* q, T* force) noexcept {
   const int nq = coordinates_of(tree, b), nv = dofs_of(tree, b), at = tree.first_p(b);
   for (int lane = 0; lane < N; ++lane) {
-    double joint_q[7], u[6], force[6] = {};
+    double joint_q[7], u[6], own[6] = {};
     for (int i = 0; i < nq; ++i) joint_q[i] = q[tree.first_q(b) + i][lane];
     for (int i = 0; i < nv; ++i) u[i] = workspace_.v[at + i][lane];
-    add_element_forces(tree, b, t[lane], joint_q, u, force);
-    for (int i = 0; i < nv; ++i) workspace_.pdot[at + i].set(lane, workspace_.pdot[at + i][lane] + force[i]);
+    add_element_forces(tree, b, t[lane], joint_q, u, own);
+    for (int i = 0; i < nv; ++i) force[at + i].set(lane, force[at + i][lane] + own[i]);
   }
 }
 
-// Rates with the joint forces; t by lane.
 template <class T>
-void PackStepper<T>::evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
-                              const T* p) noexcept {
-  evaluate_rates<T>(tree, q, p, workspace_);
+void PackStepper<T>::add_forces(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
+                                T* force) noexcept {
   const int nv = tree.nv();
-  T* const pdot = workspace_.pdot.get();
   const T* const v = workspace_.v.get();
   if (tree.has_forces())
-    for (int i = 0; i < nv; ++i) pdot[i] += tree.effort()[i] - tree.damping()[i] * v[i];
+    for (int i = 0; i < nv; ++i) force[i] += tree.effort()[i] - tree.damping()[i] * v[i];
   if (effort != nullptr)
-    for (int i = 0; i < nv; ++i) pdot[i] += T::load(effort + i * N);
-  for (const forces::LinearSpring& s : plan.springs) pdot[s.p] -= s.stiffness * (q[s.q] - s.rest);
-  for (const int b : plan.elements) add_elements(tree, b, t, q);
+    for (int i = 0; i < nv; ++i) force[i] += T::load(effort + i * N);
+  for (const forces::LinearSpring& s : plan.springs) force[s.p] -= s.stiffness * (q[s.q] - s.rest);
+  for (const int b : plan.elements) add_elements(tree, b, t, q, force);
   for (const int b : tree.driven_joints())
     for (int lane = 0; lane < N; ++lane) {
       double point[3];
       motion_at(tree, b, t[lane], point);
-      pdot[tree.first_p(b)].set(lane, point[2]);
+      force[tree.first_p(b)].set(lane, point[2]);
     }
 }
 
@@ -96,20 +101,19 @@ void PackStepper<T>::end_step(const Tree& tree, const double* t) noexcept {
     for (int lane = 0; lane < N; ++lane) {
       double point[3];
       motion_at(tree, b, t[lane], point);
-      q_[tree.first_q(b)].set(lane, point[0]), p_[tree.first_p(b)].set(lane, point[1]);
+      q_[tree.first_q(b)].set(lane, point[0]), y_[tree.first_p(b)].set(lane, point[1]);
     }
 }
 
 template <class T>
 void PackStepper<T>::step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept {
   const int nq = tree.nq(), nv = tree.nv();
-  for (int i = 0; i < nq; ++i) q0_[i] = T::load(block.q + i * N);
-  for (int i = 0; i < nv; ++i) p0_[i] = T::load(block.p + i * N);
+  load(tree, block.q, block.y, q0_.get(), y0_.get());
   double t[N];
   rk4_stages<T>(T::load(block.h), {nq, q0_.get(), workspace_.qdot.get(), q_.get(), q_sum_.get()},
-                {nv, p0_.get(), workspace_.pdot.get(), p_.get(), p_sum_.get()}, [&](double node, double, const T* q, const T* p) {
+                {nv, y0_.get(), ydot(), y_.get(), y_sum_.get()}, [&](double node, double, const T* q, const T* y) {
                   for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + node * block.h[lane];
-                  evaluate(tree, plan, block.effort, t, q, p);
+                  evaluate(tree, plan, block.effort, t, q, y);
                 });
   for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + block.h[lane];
   end_step(tree, t);
@@ -118,7 +122,7 @@ void PackStepper<T>::step(const Tree& tree, const ForcePlan& plan, const Block& 
   Mask plausible = ~Mask{};
   for (int i = 0; i < nq; ++i) plausible &= within(q_[i] - q0_[i], runaway);
   T sum(0);  // 0·x is NaN if x is not finite
-  for (int i = 0; i < nv; ++i) sum += 0.0 * p_[i];
+  for (int i = 0; i < nv; ++i) sum += 0.0 * y_[i];
   plausible &= within(sum, 0);
   for (int lane = 0; lane < N; ++lane) {
     if (block.h[lane] == 0)
@@ -129,7 +133,7 @@ void PackStepper<T>::step(const Tree& tree, const ForcePlan& plan, const Block& 
       block.ran_away[lane] = 1;
   }
   for (int i = 0; i < nq; ++i) select(plausible, q_[i], q0_[i]).store(block.q + i * N);
-  for (int i = 0; i < nv; ++i) select(plausible, p_[i], p0_[i]).store(block.p + i * N);
+  for (int i = 0; i < nv; ++i) select(plausible, y_[i], y0_[i]).store(block.y + i * N);
 }
 
 }  // namespace momentree::batch

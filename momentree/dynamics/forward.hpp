@@ -8,7 +8,7 @@ namespace momentree {
 
 /// The state with a model's start values q and v at time 0; joints with prescribed motion start at its values. The tree must be
 /// as compiled from this model.
-[[nodiscard]] State start_state(const Model& model, const Tree& tree);
+[[nodiscard]] State start_state(const Model& model, const Tree& tree, Variables variables = Variables::momenta);
 
 /// One evaluation of a state of this tree, with the joint and body forces at its time: writes workspace.v, qdot and pdot, and the
 /// workspace then carries the state's stamp. A workspace that carries it already is left unchanged. Neither allocates nor throws.

@@ -113,8 +113,14 @@ struct Sweep {
         a.velocity = K::template spatial_velocity<T>(link, joint, a.velocity, u);  // (17)
         if constexpr (Keep) workspace.motions[static_cast<std::size_t>(b)] = {a.velocity, Pb};
         const Force<T> weight = accumulated_force(tree.subtree_mass(b), record.mc, a.gravity);  // (15)
-        const Force<T> wrench = weight - cross(a.velocity, Pb);                                 // (9), (20)
-        K::template momentum_rate<T>(link, joint, u, Pb, wrench, workspace.pdot.get() + at);    // (20)
+        const auto gyroscopic = [&]() MOMENTREE_INLINE_LAMBDA {
+          if constexpr (requires { K::template gyroscopic<T>(link.body.mc, a.velocity, Pb); })
+            if ((flags & (node::grounded | node::leaf)) == (node::grounded | node::leaf))
+              return K::template gyroscopic<T>(link.body.mc, a.velocity, Pb);
+          return cross(a.velocity, Pb);
+        };
+        const Force<T> wrench = weight - gyroscopic();                                        // (9), (20)
+        K::template momentum_rate<T>(link, joint, u, Pb, wrench, workspace.pdot.get() + at);  // (20)
         K::template coordinate_rate<T>(joint.q, u, workspace.qdot.get() + tree.first_q(b));
       }
       buffers.store_for_children(b, flags, a);

@@ -80,8 +80,16 @@ void closure_rows(const Closure& c, const Mat3& R, const Vec3& r, const Vec3& w,
   put(dot(s.n, r) - s.h * screw_angle(s, R, turn), s.n, -s.h * gradient, -s.h * rate);
 }
 
-Motion<double> relative_motion(const LoopPlace& p) {  // of the child side in the parent side, in the child's axes
-  const Mat3 Rb = p.Ra * p.R;
+// The axes of the joint's own child-side frame in the world; locks may turn that of the rows about its origin.
+Mat3 child_axes(const LoopPlace& p, const LoopLink& link) {
+  return p.Ra * (p.R * transpose(rotation_matrix(link.child_offset.rotation)));
+}
+// The joint's motion: the pose of its own child-side frame in its own parent-side frame.
+Pose joint_pose(const LoopPlace& p, const LoopLink& link) {
+  return link.parent_offset * (Pose{p.r, quaternion_of(p.R)} * inverse(link.child_offset));
+}
+
+Motion<double> relative_motion(const LoopPlace& p, const Mat3& Rb) {  // of the child side in the parent side, in axes Rb
   const Vec3 v = p.vb - p.va - cross(p.wa, p.xb - p.xa);
   return {transpose_times(Rb, v), transpose_times(Rb, p.wb - p.wa)};
 }
@@ -150,11 +158,12 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
 void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept {
   const LoopWorkspace& loops = *workspace.loops;
   const LoopPlace& p = loops.places[at(place)];
+  const LoopLink& link = tree.loop_links()[at(place)];
   const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
-  nearest_coordinates(spec, {p.r, quaternion_of(p.R)}, loops.turns[at(place)], q);
+  nearest_coordinates(spec, joint_pose(p, link), loops.turns[at(place)], q);
   Motion<double> E[6];
   const int nv = joint_columns(spec, q, E);
-  const Motion<double> relative = relative_motion(p);
+  const Motion<double> relative = relative_motion(p, child_axes(p, link));
   const auto product = [](const Motion<double>& x, const Motion<double>& y) { return dot(x.v, y.v) + dot(x.w, y.w); };
   JointMass<double, 6> squares;
   double right[6] = {};
@@ -225,7 +234,7 @@ void add_loop_forces(const Tree& tree, double t, Workspace<double>& workspace) n
     double effort[6] = {};
     const Force<double> W = loop_joint_wrench(tree, t, workspace, static_cast<int>(i), effort, &workspace.power);
     const LoopPlace& p = workspace.loops->places[i];
-    const Mat3 Rb = p.Ra * p.R;
+    const Mat3 Rb = child_axes(p, tree.loop_links()[i]);
     const Vec3 F = Rb * W.l, T = Rb * W.h;
     Force<double>& child = workspace.biases[at(loop.body)].wrench;
     child = child - on_body(workspace.bodies[at(loop.body)], F, T, p.xb);

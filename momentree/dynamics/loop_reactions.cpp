@@ -42,7 +42,7 @@ LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& 
   }
   const Force<double> constraint = on_body(child, F, T, p.xb);
   const Force<double> W = loop_joint_wrench(tree, t, workspace, place, found.effort);
-  const Mat3 Rb = p.Ra * p.R;
+  const Mat3 Rb = p.Ra * (p.R * transpose(rotation_matrix(link.child_offset.rotation)));
   const Force<double> along = on_body(child, Rb * W.l, Rb * W.h, p.xb);
   found.constraint = {constraint.l, constraint.h};
   found.total = {constraint.l + along.l, constraint.h + along.h};
@@ -59,7 +59,7 @@ double loop_velocities_open(const Tree& tree, const Workspace<double>& workspace
 // The nearest coordinates give the pose of the joint, unless directions are reversed.
 bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
   const LoopPlace& p = workspace.loops->places[at(place)];
-  const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
+  const JointSpec spec = tree.loop_links()[at(place)].spec;
   double q[7] = {};
   nearest_coordinates(spec, {p.r, quaternion_of(p.R)}, workspace.loops->turns[at(place)], q);
   const Mat3 R = transpose(rotation_matrix(joint_motion(spec, q).rotation)) * p.R;

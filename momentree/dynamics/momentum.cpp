@@ -106,12 +106,12 @@ void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>
     });
 }
 
-State start_state(const Model& model, const Tree& tree) {
+State start_state(const Model& model, const Tree& tree, Variables variables) {
   MT_REQUIRE(model.size() == tree.bodies(), "the tree was compiled from this model");
   const auto declared = [&tree](const BodySpec& body, int b) {
     return tree.alive(b) && tree.joint_of(b) == b && tree.parent(b) == body.parent.index && tree.kind(b) == body.joint.kind;
   };
-  State state(tree);
+  State state(tree, variables);
   std::vector<double> v(static_cast<std::size_t>(tree.nv()));
   {
     const State::Edit edit = state.edit();
@@ -122,7 +122,10 @@ State start_state(const Model& model, const Tree& tree) {
       for (int i = 0; i < s.v.size(); ++i) v[static_cast<std::size_t>(tree.first_p(b) + i)] = s.v[i];
     }
     follow_motions(tree, state.time(), edit.q.data(), v.data());
-    project_momentum(tree, state.q().data(), v.data(), edit.p.data());
+    if (variables == Variables::momenta)
+      project_momentum(tree, state.q().data(), v.data(), edit.p.data());
+    else
+      std::copy(v.begin(), v.end(), edit.u.begin());
   }
   return state;
 }

@@ -20,6 +20,7 @@ struct TestAccess {
     for (const int b : tree.order_) {
       Variant& variant = tree.class_[Tree::at(b)].variant;
       if (variant == Variant::plain || variant == Variant::armature) variant = Variant::locked;
+      if (tree.kind(b) == Kind::free) tree.update_frames(b);  // it depends on the variant
     }
     tree.build_runs();
   }

@@ -42,8 +42,8 @@ int Expressions::constant(double value) {
 }
 
 int Expressions::input(Operation array, int index) {
-  MT_REQUIRE(array == Operation::q || array == Operation::p, "q and p are the inputs");
-  MT_REQUIRE(index >= 0, "an index into q or p");
+  MT_REQUIRE(array == Operation::q || array == Operation::p || array == Operation::tau, "q, p and tau are the inputs");
+  MT_REQUIRE(index >= 0, "an index into q, p or tau");
   return make(array, index, 0);
 }
 

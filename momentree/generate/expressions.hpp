@@ -9,9 +9,9 @@
 
 namespace momentree {
 
-/// Kind of a graph node. `q`, `p`: number `a` of that array; `sine`, `cosine`: of the angle `a`; the others are operations on
-/// nodes a and b.
-enum class Operation : unsigned char { constant, q, p, sine, cosine, negative, sum, difference, product, quotient };
+/// Kind of a graph node. `q`, `p` (or velocities u), `tau`: number `a` of that array; `sine`, `cosine`: of the angle
+/// `a`; the others are operations on nodes a and b.
+enum class Operation : unsigned char { constant, q, p, tau, sine, cosine, negative, sum, difference, product, quotient };
 
 /// Nodes in the order in which they were first created: every operand comes before the nodes that use it. Constants are folded,
 /// zeros and ones omitted, signs moved outward, and equal expressions are one node. Every rule is exact in real numbers and none
@@ -30,7 +30,7 @@ class Expressions {
   Expressions();
 
   int constant(double value);
-  /// The number at `index` of q or p.
+  /// The number at `index` of q, p (or u) or tau.
   int input(Operation array, int index);
   int sine(int angle);
   int cosine(int angle);

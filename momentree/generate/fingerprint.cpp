@@ -20,8 +20,9 @@ class Bytes {
     // New members must be added here, unless they follow from others as R0 and `rotation` do. Not the bytes of the whole struct:
     // its padding is undefined.
     static_assert(sizeof(LinkConstants) == 36 * sizeof(double), "a link has other members than fingerprints know");
-    for (const double x : {k.cos_a, k.sin_a, k.cs_a, k.ss_a, k.d, k.cos_b, k.sin_b, k.cos_0, k.sin_0, k.angle_0, k.geometry[0],
-                           k.geometry[1], k.geometry[2], k.body.m, k.body.J.xx, k.body.J.yy, k.body.J.zz, k.body.J.xy, k.body.J.xz, k.body.J.yz})
+    for (const double x : {k.cos_a,     k.sin_a,     k.cs_a,      k.ss_a,        k.d,           k.cos_b,       k.sin_b,
+                           k.cos_0,     k.sin_0,     k.angle_0,   k.geometry[0], k.geometry[1], k.geometry[2], k.body.m,
+                           k.body.J.xx, k.body.J.yy, k.body.J.zz, k.body.J.xy,   k.body.J.xz,   k.body.J.yz})
       add(x);
     add(k.r), add(k.body.mc);
     add(static_cast<unsigned char>(k.shape)), add(k.locked), add(k.driven);
@@ -34,8 +35,9 @@ class Bytes {
 
 }  // namespace
 
-std::string fingerprint(const Tree& tree) {
+std::string fingerprint(const Tree& tree, Variables variables) {
   Bytes bytes;
+  bytes.add(static_cast<unsigned char>(variables));
   bytes.add(tree.gravity());
   bytes.add(tree.nq()), bytes.add(tree.nv());
   for (std::size_t i = 0; i < tree.order().size(); ++i) {

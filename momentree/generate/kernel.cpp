@@ -1,20 +1,36 @@
 #include <momentree/generate/kernel.hpp>
 
 #include <new>
+#include <type_traits>
+#include <utility>
 
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/linear_spring.hpp>
+#include <momentree/dynamics/velocity.hpp>
 #include <momentree/generate/symbolic.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
 
+// In instantiate/.
 extern template void evaluate_rates<Symbolic<false>>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,
                                                      Workspace<Symbolic<false>>&) noexcept;
 extern template void evaluate_rates<Symbolic<true>>(const Tree&, const Symbolic<true>*, const Symbolic<true>*,
                                                     Workspace<Symbolic<true>>&) noexcept;
+extern template void sweep_velocities<Symbolic<false>, false>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,
+                                                              Workspace<Symbolic<false>>&) noexcept;
+extern template void sweep_velocities<Symbolic<true>, false>(const Tree&, const Symbolic<true>*, const Symbolic<true>*,
+                                                             Workspace<Symbolic<true>>&) noexcept;
+extern template void solve_accelerations<Symbolic<false>, false>(const Tree&, const Symbolic<false>*, Workspace<Symbolic<false>>&,
+                                                                 const Motion<Symbolic<false>>&) noexcept;
+extern template void solve_accelerations<Symbolic<true>, false>(const Tree&, const Symbolic<true>*, Workspace<Symbolic<true>>&,
+                                                                const Motion<Symbolic<true>>&) noexcept;
 
 namespace {
+
+void take(const auto& results, int n, std::vector<int>& nodes) {
+  for (int i = 0; i < n; ++i) nodes.push_back(results[static_cast<std::size_t>(i)].node());
+}
 
 template <bool RotatesFirst>
 KernelExpressions expressions_of(const Tree& tree) {
@@ -27,9 +43,6 @@ KernelExpressions expressions_of(const Tree& tree) {
   for (int i = 0; i < tree.nv(); ++i) p.push_back(T::of_node(all.input(Operation::p, i)));
   Workspace<T> workspace(tree);
   evaluate_rates(tree, q.data(), p.data(), workspace);
-  const auto take = [](const auto& results, int n, std::vector<int>& nodes) {
-    for (int i = 0; i < n; ++i) nodes.push_back(results[static_cast<std::size_t>(i)].node());
-  };
   take(workspace.v, tree.nv(), kernel.v);
   take(workspace.qdot, tree.nq(), kernel.qdot);
   take(workspace.pdot, tree.nv(), kernel.pdot);
@@ -38,24 +51,77 @@ KernelExpressions expressions_of(const Tree& tree) {
   return kernel;
 }
 
+// By DoF, whether it is locked without a prescribed motion.
+std::vector<bool> resting(const Tree& tree) {
+  std::vector<bool> all(static_cast<std::size_t>(tree.nv()));
+  for (const int b : tree.order())
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
+      all[static_cast<std::size_t>(tree.first_p(b) + i)] = ((tree.link(b).locked & ~tree.link(b).driven) >> i & 1u) != 0;
+  return all;
+}
+
+template <bool RotatesFirst>
+KernelExpressions velocity_expressions_of(const Tree& tree, bool plain_forces) {
+  using T = Symbolic<RotatesFirst>;
+  KernelExpressions kernel;
+  kernel.variables = Variables::velocities;
+  Expressions& all = kernel.expressions;
+  T::graph() = &all;
+  const std::vector<bool> rests = resting(tree);
+  std::vector<T> q, u;
+  for (int i = 0; i < tree.nq(); ++i) q.push_back(T::of_node(all.input(Operation::q, i)));
+  for (int i = 0; i < tree.nv(); ++i)
+    u.push_back(rests[static_cast<std::size_t>(i)] ? T(0) : T::of_node(all.input(Operation::p, i)));
+  Workspace<T> workspace(tree);
+  sweep_velocities<T, false>(tree, q.data(), u.data(), workspace);
+  for (int i = 0; i < tree.nv(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    T& tau = workspace.a[k];
+    tau = rests[k] ? T(0) : T::of_node(all.input(Operation::tau, i));
+    if (plain_forces && !rests[k]) tau += tree.effort()[k] - tree.damping()[k] * u[k];
+  }
+  if (plain_forces)
+    for (const forces::LinearSpring& spring : forces::linear_springs(tree))
+      workspace.a[static_cast<std::size_t>(spring.p)] -= spring.stiffness * (q[static_cast<std::size_t>(spring.q)] - spring.rest);
+  const Vec3& g = tree.gravity();
+  solve_accelerations<T, false>(tree, q.data(), workspace, {{T(-g.x), T(-g.y), T(-g.z)}, {T(0), T(0), T(0)}});
+  take(workspace.qdot, tree.nq(), kernel.qdot);
+  take(workspace.a, tree.nv(), kernel.udot);
+  T::graph() = nullptr;
+  if (all.exhausted()) throw std::bad_alloc();
+  return kernel;
+}
+
+// What f(std::bool_constant<RotatesFirst>) returns for the order.
+template <class F>
+KernelExpressions in_order(RevoluteOrder order, const F& f) {
+  if (order == RevoluteOrder::rotate_first) return f(std::true_type{});
+  KernelExpressions one = f(std::false_type{});
+  if (order == RevoluteOrder::reduce_first) return one;
+  KernelExpressions other = f(std::true_type{});
+  return other.operations().total() < one.operations().total() ? std::move(other) : std::move(one);
+}
+
 }  // namespace
 
 std::vector<int> KernelExpressions::results() const {
   std::vector<int> all = v;
   all.insert(all.end(), qdot.begin(), qdot.end());
   all.insert(all.end(), pdot.begin(), pdot.end());
+  all.insert(all.end(), udot.begin(), udot.end());
   return all;
 }
 
 KernelExpressions kernel_expressions(const Tree& tree, RevoluteOrder order) {
-  if (order == RevoluteOrder::rotate_first) return expressions_of<true>(tree);
-  KernelExpressions one = expressions_of<false>(tree);
-  if (order == RevoluteOrder::reduce_first) return one;
-  KernelExpressions other = expressions_of<true>(tree);
-  return other.operations().total() < one.operations().total() ? std::move(other) : std::move(one);
+  return in_order(order, [&](auto rotates_first) { return expressions_of<rotates_first()>(tree); });
+}
+
+KernelExpressions velocity_expressions(const Tree& tree, bool plain_forces, RevoluteOrder order) {
+  return in_order(order, [&](auto rotates_first) { return velocity_expressions_of<rotates_first()>(tree, plain_forces); });
 }
 
 void add_plain_forces(const Tree& tree, KernelExpressions& kernel) {
+  MT_REQUIRE(kernel.variables == Variables::momenta, "expressions in momenta: velocity_expressions() adds its forces itself");
   Expressions& all = kernel.expressions;
   for (std::size_t i = 0; i < kernel.pdot.size(); ++i) {
     const int damper = all.product(all.constant(tree.damping()[i]), kernel.v[i]);

@@ -4,14 +4,16 @@
 #include <vector>
 
 #include <momentree/generate/expressions.hpp>
-#include <momentree/tree/tree.hpp>
+#include <momentree/tree/state.hpp>
 
 namespace momentree {
 
-/// Nodes of the results, packed as in Workspace: v as p, qdot as q, pdot as p.
+/// Nodes of the results, packed as in Workspace: v as p, qdot as q, pdot as p, udot as p. In momenta these are v, qdot and pdot,
+/// in velocities qdot and udot.
 struct KernelExpressions {
   Expressions expressions;
-  std::vector<int> v, qdot, pdot;
+  Variables variables = Variables::momenta;
+  std::vector<int> v, qdot, pdot, udot;
 
   /// All results, in that order.
   std::vector<int> results() const;
@@ -28,7 +30,13 @@ enum class RevoluteOrder { fewest, reduce_first, rotate_first };
 /// Allocates; time and memory are proportional to the number of bodies.
 KernelExpressions kernel_expressions(const Tree& tree, RevoluteOrder order = RevoluteOrder::fewest);
 
-/// Adds the joint forces that are plain expressions to pdot: dampers, springs, constant efforts. `other_forces` lists all others.
+/// Runs the passes in velocities on symbols: from q, u and further joint forces tau (packed as u) to q̇ and u̇, with gravity. For
+/// a prescribed motion tau has its acceleration; u and tau of locked DoFs are taken as zero. `plain_forces`: also with those
+/// joint forces that add_plain_forces() adds.
+KernelExpressions velocity_expressions(const Tree& tree, bool plain_forces = false, RevoluteOrder order = RevoluteOrder::fewest);
+
+/// Adds the joint forces that are plain expressions to pdot: dampers, springs, constant efforts. `other_forces` lists all
+/// others.
 void add_plain_forces(const Tree& tree, KernelExpressions& kernel);
 
 /// A force that is not a plain expression of q and v.

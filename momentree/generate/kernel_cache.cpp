@@ -13,8 +13,9 @@ namespace momentree {
 
 struct KernelCache::Impl {
   struct Code {
-    Library library;  // keeps the function loaded
-    RatesFunction function = nullptr;
+    Library library;       // keeps the function loaded
+    GeneratedRates rates;  // one of them, or none
+    bool any() const { return rates.momenta != nullptr || rates.velocities != nullptr; }
   };
   explicit Impl(KernelCacheOptions how) : options(std::move(how)), compiler(find_compiler(options.compiler)) {
     if (compiler.empty())
@@ -22,41 +23,48 @@ struct KernelCache::Impl {
                                          : "the compiler '" + options.compiler + "' was not found";
   }
 
-  Code leave(std::string why) {
+  GeneratedRates leave(std::string why) {
     ++statistics.left;
     explain(std::move(why));
     return {};
   }
 
-  Code make(const Tree& tree) {
+  Code make(const Tree& tree, Variables variables) {
+    const auto without = [this](std::string why) { return Code{{}, leave(std::move(why))}; };
     if (statistics.compiled + statistics.failed >= options.most_topologies)
-      return leave("more than " + std::to_string(options.most_topologies) + " topologies are not compiled");
+      return without("more than " + std::to_string(options.most_topologies) + " topologies are not compiled");
     // Every DoF takes more than ten operations: models that are far too large are not even written as expressions.
     const bool huge = tree.nv() > options.most_operations / 10;
-    const KernelExpressions kernel = huge ? KernelExpressions() : kernel_expressions(tree);
+    const bool momenta = variables == Variables::momenta;
+    const KernelExpressions kernel = huge ? KernelExpressions() : momenta ? kernel_expressions(tree) : velocity_expressions(tree);
     if (const long operations = kernel.operations().total(); huge || operations > options.most_operations)
-      return leave("an evaluation of more than " + std::to_string(options.most_operations) + " operations is not compiled");
+      return without("an evaluation of more than " + std::to_string(options.most_operations) + " operations is not compiled");
     std::string why;
-    Code code{compile_library(compiler, kernel_source(kernel), why)};
-    code.function = reinterpret_cast<RatesFunction>(code.library.symbol("kernel_rates"));
-    ++(code.function != nullptr ? statistics.compiled : statistics.failed);
-    if (code.function == nullptr) explain(why.empty() ? "the compiler left out kernel_rates" : why);
+    Code code{compile_library(compiler, kernel_source(kernel), why), {}};
+    const char* const name = momenta ? "kernel_rates" : "kernel_accelerations";
+    void* const symbol = code.library.symbol(name);
+    if (momenta)
+      code.rates.momenta = reinterpret_cast<RatesFunction>(symbol);
+    else
+      code.rates.velocities = reinterpret_cast<VelocityRatesFunction>(symbol);
+    ++(code.any() ? statistics.compiled : statistics.failed);
+    if (!code.any()) explain(why.empty() ? "the compiler left out " + std::string(name) : why);
     return code;
   }
 
-  RatesFunction find(const Tree& tree) {
+  GeneratedRates find(const Tree& tree, Variables variables) {
     const std::lock_guard lock(mutex);
-    if (compiler.empty()) return nullptr;
+    if (compiler.empty()) return {};
     if (!stages_take_rates(tree))
-      return leave("stages with forces on bodies, functions or prescribed motions run the kernels themselves").function;
+      return leave("stages with forces on bodies, functions or prescribed motions run the kernels themselves");
     const auto start = std::chrono::steady_clock::now();
-    const auto [place, fresh] = codes.try_emplace(fingerprint(tree));
+    const auto [place, fresh] = codes.try_emplace(fingerprint(tree, variables));
     if (fresh)
-      place->second = make(tree);
-    else if (place->second.function != nullptr)
+      place->second = make(tree, variables);
+    else if (place->second.any())
       ++statistics.found_again;
     statistics.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return place->second.function;
+    return place->second.rates;
   }
 
   void explain(std::string why) {
@@ -74,9 +82,12 @@ struct KernelCache::Impl {
 KernelCache::KernelCache(KernelCacheOptions options) : impl_(std::make_shared<Impl>(std::move(options))) {}
 
 RatesProvider KernelCache::provider() const {
-  return [impl = impl_](const Tree& tree) { return impl->find(tree); };
+  return [impl = impl_](const Tree& tree, Variables variables) { return impl->find(tree, variables); };
 }
-RatesFunction KernelCache::find(const Tree& tree) const { return impl_->find(tree); }
+RatesFunction KernelCache::find(const Tree& tree) const { return impl_->find(tree, Variables::momenta).momenta; }
+VelocityRatesFunction KernelCache::find_velocities(const Tree& tree) const {
+  return impl_->find(tree, Variables::velocities).velocities;
+}
 
 KernelCacheStatistics KernelCache::statistics() const {
   const std::lock_guard lock(impl_->mutex);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <momentree/dynamics/rates_function.hpp>
-#include <momentree/tree/tree.hpp>
+#include <momentree/tree/state.hpp>
 
 namespace momentree {
 
@@ -31,17 +31,20 @@ struct KernelCacheStatistics {
 
 /// Code for every requested topology: written, compiled, loaded, and kept while the cache or a provider exists. Topologies are
 /// distinguished by what the kernels read: forest, kinds, constants, gravity, armatures and locks, but not dampers or springs.
-/// POSIX only; the compiler runs as a child process without a shell, in a separate directory under TMPDIR that no other user can
-/// write to and that is removed once the code is loaded. Compilation is synchronous, inside the call, so the same run gives the
-/// same bits every time. Copies share their contents; thread-safe.
+/// Code for momenta and code for velocities are made when they are asked for, and count as separate topologies. POSIX only; the
+/// compiler runs as a child process without a shell, in a separate directory under TMPDIR that no other user can write to and
+/// that is removed once the code is loaded. Compilation is synchronous, inside the call, so the same run gives the same bits
+/// every time. Copies share their contents; thread-safe.
 class KernelCache {
  public:
   explicit KernelCache(KernelCacheOptions options = {});
 
   /// For Simulation::use_generated.
   RatesProvider provider() const;
-  /// The code for the tree's present topology, or null; see KernelCacheStatistics::left and message().
+  /// The code for the tree's present topology and states in momenta, or null; see KernelCacheStatistics::left and message().
   RatesFunction find(const Tree& tree) const;
+  /// The same for states in velocities.
+  VelocityRatesFunction find_velocities(const Tree& tree) const;
 
   KernelCacheStatistics statistics() const;
   /// The first reason for which a topology has no code although it should; empty if there was none.

@@ -38,8 +38,8 @@ Model arm(double damping = 0.05) {
   return model;
 }
 
-Simulation moving(const Model& model) {
-  Simulation sim(model, {.method = "rk4", .step = 1e-3});
+Simulation moving(const Model& model, Variables variables = Variables::momenta) {
+  Simulation sim(model, {.method = "rk4", .variables = variables, .step = 1e-3});
   sim.at(0.1).then(lock("elbow"));
   sim.at(0.2).then(unlock("elbow"));
   sim.at(0.3).then(lock("elbow"));
@@ -65,24 +65,42 @@ long calls = 0;  // of the code below
 }  // namespace
 
 TEST_CASE("locks, unlocks, a break: the same motion, three topologies compiled, two reused") {
-  Simulation plain = moving(arm()), generated = moving(arm());
-  const KernelCache kernels = cache();
-  generated.use_generated(kernels.provider());
-  for (const double until : {0.05, 0.15, 0.25, 0.45, 0.6}) {
-    REQUIRE(plain.run_until(until) == Status::ok);
-    REQUIRE(generated.run_until(until) == Status::ok);
-    // 600 steps with rounding in another order; the motion is not chaotic, and speeds are a few m/s.
-    check_same(plain, generated, 1e-12);
+  for (const Variables variables : {Variables::momenta, Variables::velocities}) {
+    Simulation plain = moving(arm(), variables), generated = moving(arm(), variables);
+    const KernelCache kernels = cache();
+    generated.use_generated(kernels.provider());
+    for (const double until : {0.05, 0.15, 0.25, 0.45, 0.6}) {
+      REQUIRE(plain.run_until(until) == Status::ok);
+      REQUIRE(generated.run_until(until) == Status::ok);
+      // 600 steps with rounding in another order; the motion is not chaotic, and speeds are a few m/s.
+      check_same(plain, generated, 1e-12);
+    }
+    const KernelCacheStatistics s = kernels.statistics();
+    CHECK(s.compiled == 3);  // free, locked, broken
+    CHECK(s.found_again == 3);
+    CHECK(s.failed == 0);
+    CHECK(s.left == 0);
+    CHECK(s.seconds > 0);
+    CHECK(kernels.message() == "");
+    CHECK(std::fabs(generated.energy().error - plain.energy().error) < 1e-12);
+    CHECK(generated.statistics().evaluations[0] == plain.statistics().evaluations[0]);
   }
-  const KernelCacheStatistics s = kernels.statistics();
-  CHECK(s.compiled == 3);  // free, locked, broken
-  CHECK(s.found_again == 3);
-  CHECK(s.failed == 0);
-  CHECK(s.left == 0);
-  CHECK(s.seconds > 0);
-  CHECK(kernels.message() == "");
-  CHECK(std::fabs(generated.energy().error - plain.energy().error) < 1e-12);
-  CHECK(generated.statistics().evaluations[0] == plain.statistics().evaluations[0]);
+}
+
+TEST_CASE("one cache serves runs in momenta and in velocities, adaptive ones too") {
+  const KernelCache kernels = cache();
+  for (const Variables variables : {Variables::momenta, Variables::velocities}) {
+    const Integration how{.method = "dop853", .variables = variables};
+    Simulation plain(arm(), how), generated(arm(), how);
+    generated.use_generated(kernels.provider());
+    for (Simulation* sim : {&plain, &generated}) REQUIRE(sim->run_until(0.5) == Status::ok);
+    check_same(plain, generated, 1e-9);
+    CHECK(generated.world().state().q()[3] != plain.world().state().q()[3]);  // it was indeed used
+  }
+  CHECK(kernels.statistics().compiled == 2);
+  CHECK((kernels.find(Tree(arm())) != nullptr));
+  CHECK((kernels.find_velocities(Tree(arm())) != nullptr));
+  CHECK(kernels.statistics().compiled == 2);
 }
 
 TEST_CASE("the same run gives the same bits, and so do a branch and an undone world") {
@@ -110,7 +128,7 @@ TEST_CASE("stages use the provider's function until the tree changes") {
   long asked = 0;
   const KernelCache kernels = cache();
   static RatesFunction inner = nullptr;
-  sim.use_generated([&](const Tree& tree) -> RatesFunction {
+  sim.use_generated([&](const Tree& tree, Variables) -> RatesFunction {
     ++asked;
     inner = kernels.find(tree);
     return [](const double* q, const double* p, double* v, double* qdot, double* pdot) noexcept {
@@ -197,6 +215,8 @@ TEST_CASE("topologies are distinguished by exactly what the recursion reads") {
   CHECK(fingerprint(Tree(heavy)) != one);
   light.set_gravity({0, 0, -1.6});
   CHECK(fingerprint(Tree(light)) != one);
+  CHECK(fingerprint(Tree(arm()), Variables::velocities) != one);
+  CHECK(fingerprint(Tree(arm(0.7)), Variables::velocities) == fingerprint(Tree(arm()), Variables::velocities));
 }
 
 TEST_CASE("the compiler: as requested, else from the environment, else from PATH") {

@@ -21,8 +21,8 @@ TEST_CASE("misuse: expressions, sources and compilers") {
          const int nodes[] = {0, 9};
          static_cast<void>(Expressions().operations(nodes));
        }},
-      {"an operation that is not an input", "q and p are the inputs", [] { Expressions().input(Operation::sum, 0); }},
-      {"an input before the first", "an index into q or p", [] { Expressions().input(Operation::q, -1); }},
+      {"an operation that is not an input", "q, p and tau are the inputs", [] { Expressions().input(Operation::sum, 0); }},
+      {"an input before the first", "an index into q, p or tau", [] { Expressions().input(Operation::q, -1); }},
       {"a source whose name is no identifier", "a name that is an identifier",
        [] { static_cast<void>(kernel_source(KernelExpressions(), {.name = "x; system(\"id\");", .about = ""})); }},
       {"a library without a compiler", "a compiler, as find_compiler() returns it",

@@ -13,6 +13,7 @@
 
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/loops.hpp>
+#include <momentree/integrate/floating_centres.hpp>
 #include <momentree/integrate/integrator.hpp>
 
 namespace momentree {
@@ -40,6 +41,8 @@ class Embedded : public Integrator {
         ky_(scratch((Tableau::stages + dense_stages()) * nv_max_)),
         noise_q_(scratch(nq_max_)),
         noise_u_(scratch(nv_max_)),
+        error_q_(scratch(nq_max_)),
+        centres_(tree.bodies()),
         solver_(tree) {
     proposal_ = std::min(control.step, control.max_step);
   }
@@ -52,7 +55,7 @@ class Embedded : public Integrator {
     if (!sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) || !close(evaluate, q_.get(), y_.get())) return false;
     accept(evaluate, state, ledger, h);
     evaluate(state);
-    keep(Tableau::stages - 1, evaluate);
+    keep(Tableau::stages - 1, evaluate, q_.get());
     return true;
   }
 
@@ -74,7 +77,7 @@ class Embedded : public Integrator {
       if (fine) {
         accept(evaluate, state, ledger, h);
         evaluate(state);
-        keep(Tableau::stages - 1, evaluate);
+        keep(Tableau::stages - 1, evaluate, q_.get());
         error = estimate(evaluate, ledger.work, h);
       }
       const double wanted = safety * std::pow(error, -1.0 / (Tableau::lower + 1));  // NaN if the error is NaN
@@ -112,6 +115,7 @@ class Embedded : public Integrator {
       combine(nq_, q0_.get(), weights.data(), static_cast<int>(weights.size()), last_, kq_.get(), nq_max_, q);
       combine(nv_, y0_.get(), weights.data(), static_cast<int>(weights.size()), last_, ky_.get(), nv_max_, y);
       normalise(evaluate.tree(), q);
+      centres_.place(q);
       return true;
     } else {
       return false;
@@ -130,8 +134,10 @@ class Embedded : public Integrator {
   double* kq(int j) const { return kq_.get() + j * nq_max_; }
   double* ky(int j) const { return ky_.get() + j * nv_max_; }
 
-  void keep(int stage, const Evaluator& evaluated) noexcept {
+  // Of an evaluation at coordinates q. For floating bodies, kq_ has the rates of their centres of mass.
+  void keep(int stage, const Evaluator& evaluated, const double* q) noexcept {
     std::copy_n(evaluated.workspace().qdot.get(), nq_, kq(stage));
+    centres_.add_spin(q, evaluated.workspace().v.get(), kq(stage));
     std::copy_n(evaluated.ydot(), nv_, ky(stage));
     if (stage < Tableau::stages) power_[stage] = evaluated.workspace().power;
   }
@@ -145,7 +151,8 @@ class Embedded : public Integrator {
     std::copy_n(evaluate.workspace().v.get(), nv_, u0_.get());
     start_ = state.time();
     last_ = 0;
-    keep(0, evaluate);
+    centres_.begin(evaluate.tree(), q0_.get());
+    keep(0, evaluate, q0_.get());
     copy_chosen_rows(evaluate.tree(), evaluate.workspace(), solver_);  // for every attempt of this step, and its dense output
   }
 
@@ -168,10 +175,12 @@ class Embedded : public Integrator {
       combine(nq_, q0_.get(), weights, s, h, kq_.get(), nq_max_, q_.get());
       combine(nv_, y0_.get(), weights, s, h, ky_.get(), nv_max_, y_.get());
       if (s == inner) break;
+      centres_.place(q_.get());
       evaluate(t + Tableau::c[s] * h, q_.get(), y_.get());
-      keep(s, evaluate);
+      keep(s, evaluate, q_.get());
     }
     end_step(evaluate.tree(), t + h, q_.get(), y_.get());
+    centres_.place(q_.get());
   }
 
   void accept(const Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
@@ -199,8 +208,9 @@ class Embedded : public Integrator {
         const double* weights = Tableau::dense_a[s];
         combine(nq_, q0_.get(), weights, Tableau::stages + s, last_, kq_.get(), nq_max_, q_.get());
         combine(nv_, y0_.get(), weights, Tableau::stages + s, last_, ky_.get(), nv_max_, y_.get());
+        centres_.place(q_.get());
         other(start_ + Tableau::dense_c[s] * last_, q_.get(), y_.get());
-        keep(Tableau::stages + s, other);
+        keep(Tableau::stages + s, other, q_.get());
       }
       evaluate.count += other.count;
       evaluate.seconds += other.seconds;
@@ -225,7 +235,12 @@ class Embedded : public Integrator {
       for (int i = 0; i < nq_; ++i) {
         double off = 0;
         for (int j = 0; j < Tableau::stages; ++j) off += weights[j] * kq(j)[i];
-        measure(h * off, q0_[static_cast<std::size_t>(i)], q_[static_cast<std::size_t>(i)], momenta ? h * noise_q_[i] : 0);
+        error_q_[static_cast<std::size_t>(i)] = h * off;
+      }
+      centres_.add_turn(q_.get(), error_q_.get());
+      for (int i = 0; i < nq_; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        measure(error_q_[k], q0_[k], q_[k], momenta ? h * noise_q_[k] : 0);
       }
       if (!evaluate.tree().driven_joints().empty()) {
         double off = 0, most = 0;
@@ -288,7 +303,8 @@ class Embedded : public Integrator {
   std::unique_ptr<double[]> q0_, y0_, u0_;  // start of the step
   std::unique_ptr<double[]> q_, y_;         // stage, then result
   std::unique_ptr<double[]> kq_, ky_;       // rates of the stages
-  std::unique_ptr<double[]> noise_q_, noise_u_;
+  std::unique_ptr<double[]> noise_q_, noise_u_, error_q_;
+  FloatingCentres centres_;
   Power power_[Tableau::stages]{};
   Workspace<double> solver_;
   double start_ = 0, last_ = 0;  // start and length (s) of the step to which kq_, ky_ belong

@@ -157,6 +157,7 @@ void normalise(const Tree& tree, double* q) noexcept {
 
 bool Integrator::sound(const Tree& tree, const double* q0, const double* q, const double* y) noexcept {
   runaway_.reset();
+  loops_open_ = false;
   if (plausible(tree, q0, q, y)) return true;
   Runaway worst{-1, 0};
   for (int i = 0; i < tree.nq(); ++i) {
@@ -174,7 +175,8 @@ bool Integrator::sound(const Tree& tree, const double* q0, const double* q, cons
 bool Integrator::close(Evaluator& evaluate, double* q, double* y) noexcept {
   if (!evaluate.tree().has_loops()) return true;
   runaway_.reset();
-  return evaluate.close(q, y, closing_energy_);
+  loops_open_ = !evaluate.close(q, y, closing_energy_);
+  return !loops_open_;
 }
 
 void Integrator::book_closing(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept {

@@ -112,6 +112,8 @@ class Integrator {
     double moved = 0;
   };
   const std::optional<Runaway>& runaway_coordinate() const { return runaway_; }
+  /// True if the last failed step ended where the loops cannot be closed.
+  bool loops_open() const { return loops_open_; }
 
   /// True for a method with dense output.
   virtual bool dense() const { return false; }
@@ -146,6 +148,7 @@ class Integrator {
  private:
   int bodies_;
   double closing_energy_ = 0;
+  bool loops_open_ = false;
 };
 
 /// Creates a method by name for trees of at most this size; null if there is no such method.

@@ -82,10 +82,16 @@ Results derived(const LinkConstants& k, double mass, const Joint<double>& of, co
   return r;
 }
 
+// The generic functions; those of a free joint with the kernel frame away from the joint's origin.
+struct GenericFreeOfCentre : SixDofsOfCentre<GenericFreeOfCentre> {};
+template <class Kind>
+using GenericOf =
+    std::conditional_t<std::is_same_v<Kind, Free>, GenericFreeOfCentre, typename KernelsFor<Kind, Variant::plain>::Generic>;
+
 // The same by the functions of the recursions, with the generic reduction.
 template <class Kind>
 Results generic(const LinkConstants& k, double mass, bool leaf, bool root, const Joint<double>& joint, const Results& start) {
-  using K = typename KernelsFor<Kind, Variant::plain>::Generic;
+  using K = GenericOf<Kind>;
   Results r = start;
   if (leaf) r.in = {};
   if (root) r.out.velocity = {};

@@ -2,9 +2,9 @@
 // Constants of a body's inboard link, in the frames that the kernels use.
 //
 // The kernel frame of a body has its origin at the inboard joint (child side) and its z axis along the joint's axis if the kind
-// has one. A body that floats on the ground has it at its own centre of mass, so that the joint-space mass of a free joint is well
-// conditioned wherever the user's frame is. The frame is fixed in the body; `Tree` stores its pose in the user's frame of the body
-// (KernelFrame).
+// has one. A body that floats on the ground has it at its own centre of mass, so that the joint-space mass of a free joint is
+// well conditioned wherever the user's frame is. The frame is fixed in the body; `Tree` stores its pose in the user's frame of
+// the body (KernelFrame).
 #include <momentree/joint/variant.hpp>
 #include <momentree/math/spatial.hpp>
 
@@ -49,9 +49,9 @@ struct LinkConstants {
   unsigned char locked = 0;  ///< a bit per DoF without a momentum of its own: frozen or driven
   unsigned char driven = 0;  ///< a bit per DoF among these whose rate is prescribed: p holds the rate
   double cos_0 = 1, sin_0 = 0;
-  double angle_0 = 0;           ///< θ0
-  /// Helical: metres per radian. Universal: x and z components of the first axis. Free: vector from the joint's child-side origin to
-  /// that of the kernel frame (m), in the latter's axes.
+  double angle_0 = 0;  ///< θ0
+  /// Helical: metres per radian. Universal: x and z components of the first axis. Free: vector from the joint's child-side origin
+  /// to that of the kernel frame (m), in the latter's axes.
   double geometry[3] = {0, 0, 0};
 };
 /// True if the link needs no rotation about the parent's z axis (β = 0).

@@ -118,7 +118,9 @@ MOMENTREE_INLINE constexpr Force<T> momentum(const RigidMass& b, const Motion<T>
 template <class T>
 MOMENTREE_INLINE constexpr Force<T> gyroscopic_wrench(const RigidMass& b, const Motion<T>& a) {
   const Vector3<T> s = cross(a.w, a.v);
-  return {b.m * s + dot(a.w, b.mc) * a.w - dot(a.w, a.w) * b.mc, cross(b.mc, s) + cross(a.w, b.J * a.w)};
+  const T square = dot(a.w, a.w);
+  const Vector3<T> centripetal = {square * b.mc.x, square * b.mc.y, square * b.mc.z};
+  return {b.m * s + dot(a.w, b.mc) * a.w - centripetal, cross(b.mc, s) + cross(a.w, b.J * a.w)};
 }
 
 // ---- rotations about one axis: components in child axes to components in parent axes; c and s of the child's angle

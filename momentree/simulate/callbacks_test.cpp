@@ -59,7 +59,7 @@ const std::vector<Callback> within = {
      }},
     {"use_generated",
      [](Simulation& sim, Act act) {
-       sim.use_generated([&sim, act](const Tree&) -> RatesFunction {
+       sim.use_generated([&sim, act](const Tree&, Variables) -> RatesFunction {
          act(sim, sim.world());
          return nullptr;
        });

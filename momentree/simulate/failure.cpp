@@ -38,6 +38,7 @@ std::string what_ran_away(const World& world, const Integrator& method, double h
     }
   }
   const auto [fastest, speed] = fastest_joint(world);
+  if (method.loops_open()) return "the loops can't be closed" + (method.adaptive() ? " after any step" : within);
   const std::string what = method.adaptive() ? "no step is short enough" : "a step of " + text(h) + " s could not be solved";
   if (fastest < 0 || speed == 0) return what;
   return what + "; " + joint_text(world, fastest) + " is the fastest, at " + text(speed) + " rad/s or m/s";

@@ -5,21 +5,43 @@
 
 namespace momentree {
 
-JointId TopologyEditor::loop(std::string_view name) const {
-  const JointId found{world_.names_.find_joint(name)};
-  return is_loop(found) ? found : JointId{-1};
+const Loop& TopologyEditor::loop_of(int joint) const {
+  const Loop* const found = tree().find_loop(joint - first_loop);
+  MT_REQUIRE(found != nullptr, "the loop joint is in the world");
+  return *found;
 }
 
-const JointParameters* TopologyEditor::parameters(std::string_view name) const {
-  if (const JointId found = loop(name); found.index >= 0) return &tree().find_loop(found.index - first_loop)->parameters;
-  const int found = joint(name);
-  return found < 0 ? nullptr : tree().parameters(tree().carrier(found));
+const JointParameters* TopologyEditor::parameters(int joint) const {
+  return is_loop({joint}) ? &loop_of(joint).parameters : tree().parameters(tree().carrier(joint));
 }
 
-ActionResult TopologyEditor::missing(std::string_view name) const {
-  if (loop(name).index < 0) return ActionResult::skipped("the joint no longer exists");
-  return ActionResult::refused("joint '" + std::string(name) + "' closes a loop, where this action is not supported yet",
-                               "break it, or let another joint of the loop be the one that closes it");
+ActionResult TopologyEditor::supports(int joint, const JointParameters& parameters) const {
+  if (!is_loop({joint})) return ActionResult::done();
+  const Loop& now = loop_of(joint);
+  LoopSpec spec;
+  spec.name = joint_name(joint), spec.body = {now.body}, spec.to = {now.to};
+  spec.joint = spec_of(now.joint);
+  if (spec.joint.kind == Kind::free) spec.joint.kind = Kind::weld;  // a loop joint may become free, not begin so
+  spec.joint.parameters = parameters;
+  for (const BodyProblem& problem : check_loop(spec, tree().bodies()))
+    return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
+  return ActionResult::done();
+}
+
+ActionResult TopologyEditor::can_lock(int joint, unsigned dofs) const {
+  if (!is_loop({joint})) return ActionResult::done();
+  Joint locked = loop_of(joint).joint;
+  locked.locked |= dofs;
+  if (locked_form(locked, coordinates(joint))) return ActionResult::done();
+  return ActionResult::refused("only some degrees of freedom of a " + std::string(info(locked.kind).name) +
+                                   " joint that closes a loop can't be locked",
+                               "lock the whole joint, or let another joint of the loop be the one that closes it");
+}
+
+double TopologyEditor::turn_of(int joint) const {
+  const std::size_t place = static_cast<std::size_t>(&loop_of(joint) - tree().loops().data());
+  const std::vector<double>& turns = world_.state_.turns();
+  return place < turns.size() ? turns[place] : 0;
 }
 
 ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
@@ -55,7 +77,27 @@ void TopologyEditor::break_loop(JointId loop) {
   world_.names_.remove_joint(loop.index);
 }
 
-void TopologyEditor::set_loop(JointId loop, const JointParameters& parameters) { carry_out(SetLoop{loop, parameters}, Nature::outside); }
+void TopologyEditor::lock_loop(int joint, unsigned locked, bool impact) {
+  const Loop& loop = loop_of(joint);
+  SetLoop change{{joint}, loop.joint, loop.parameters, loop.held, turn_of(joint), impact};
+  const Values now = coordinates(joint);
+  if (change.held.size() != now.size()) change.held = now;
+  for (int i = 0; i < now.size() && now.size() == info(loop.joint.kind).nv; ++i)  // what was locked keeps its place
+    if ((loop.joint.locked >> i & 1u) == 0) change.held[i] = now[i];
+  if (now.size() != info(loop.joint.kind).nv && loop.joint.locked == 0) change.held = now;
+  change.to.locked = locked;
+  carry_out(change, impact ? Nature::impact : Nature::workless);
+}
+
+void TopologyEditor::change_loop(int joint, const JointPlan& plan, bool impact) {
+  const Loop& loop = loop_of(joint);
+  SetLoop change{{joint}, plan.joint, {}, {}, 0, impact, plan.keeps_parameters};
+  change.to.parameters = -1;
+  if (plan.keeps_parameters) change.parameters = loop.parameters;
+  const std::string_view units = info(plan.joint.kind).q_units;
+  if (const std::size_t angle = units.find('r'); angle != units.npos) change.turn = plan.q[static_cast<int>(angle)];
+  carry_out(change, impact ? Nature::impact : Nature::workless);
+}
 
 // The part whose root `body` has come off may still be held by a loop: its joint becomes the part's inboard joint.
 void TopologyEditor::hold_by_loop(int body) {
@@ -70,6 +112,7 @@ void TopologyEditor::hold_by_loop(int body) {
     evaluate();
     const JointView view = world_.joint(loop.id());
     Attach change{{own}, {other}, loop.joint, {}, reversed};
+    if (loop.joint.kind == Kind::free) continue;  // it holds nothing
     for (const double q : view.q) change.q.push_back(q);
     const int number = tree().joint_of(body);
     touch(loop.id().index);

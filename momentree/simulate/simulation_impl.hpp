@@ -121,7 +121,7 @@ struct Simulation::Impl {
 
   void ask_for_generated() {
     if (!generated || asked_for == world.tree_.revision()) return;
-    evaluate.use(generated(world.tree_));  // may throw: the provider is then asked again
+    evaluate.use(generated(world.tree_, world.state_.variables()));  // may throw: the provider is then asked again
     asked_for = world.tree_.revision();
   }
 

@@ -27,6 +27,11 @@ std::string TopologyEditor::body_name(int body) const { return body < 0 ? "groun
 std::string TopologyEditor::mechanism_of(int body) const { return world_.names_.mechanism(root_of(tree(), {body}).index); }
 
 Values TopologyEditor::coordinates(int joint) const {
+  if (is_loop({joint})) {
+    Values q;
+    for (const double x : world_.joint({joint}).q) q.push_back(x);
+    return q;
+  }
   const int b = tree().carrier(joint);
   Values q;
   for (int i = 0; i < info(tree().joint(b).kind).nq; ++i)
@@ -41,6 +46,10 @@ Pose TopologyEditor::pose(int body) {
 }
 
 Pose TopologyEditor::joint_pose(int joint) {
+  if (is_loop({joint})) {
+    const Loop& loop = loop_of(joint);
+    return inverse(pose(loop.to)) * pose(loop.body);
+  }
   const int b = tree().carrier(joint);
   const Pose outer = pose(tree().parent(b)), own = pose(b);
   return tree().reversed(b) ? inverse(own) * outer : inverse(outer) * own;
@@ -79,7 +88,7 @@ double TopologyEditor::work_of_motions() {
 // the joint that broke: none of them may act on the free part instead.
 int TopologyEditor::joint(std::string_view name) const {
   const int found = world_.names_.find_joint(name);
-  if (is_loop({found})) return -1;
+  if (is_loop({found})) return found;
   if (found < 0 || loosened.contains(found)) return found;
   const int b = tree().carrier(found);
   const Joint& now = tree().joint(b);
@@ -100,6 +109,7 @@ void TopologyEditor::touch(int joint) {
 }
 
 void TopologyEditor::break_off(int joint) {
+  if (is_loop({joint})) return break_loop({joint});
   touch(joint);
   const int b = tree().carrier(joint);
   const bool was_root = tree().parent(b) < 0;
@@ -112,12 +122,14 @@ void TopologyEditor::break_off(int joint) {
 
 void TopologyEditor::unlock(int joint, unsigned dofs) {
   touch(joint);
+  if (is_loop({joint})) return lock_loop(joint, loop_of(joint).joint.locked & ~dofs, false);
   const JointParameters* p = tree().parameters(tree().carrier(joint));
   const bool resumes = p != nullptr && p->drive != nullptr && p->drive->moves();
   carry_out(Unlock{{joint}, dofs & ~world_.held(joint)}, resumes ? Nature::outside : Nature::workless);
 }
 void TopologyEditor::lock(int joint, unsigned dofs) {
   touch(joint);
+  if (is_loop({joint})) return lock_loop(joint, loop_of(joint).joint.locked | dofs, true);
   carry_out(Lock{{joint}, dofs}, Nature::impact);
   std::erase_if(world_.active_limits_, [&](const ActiveLimit& h) { return h.joint == joint && (dofs >> h.dof & 1u) != 0; });
 }
@@ -136,10 +148,12 @@ void TopologyEditor::release_limit(int joint, int dof) {
 
 void TopologyEditor::loosen(int joint, const JointPlan& plan) {
   touch(joint);
+  if (is_loop({joint})) return change_loop(joint, plan, false);
   carry_out(ChangeJoint{{joint}, plan.joint, plan.q}, Nature::workless);
 }
 void TopologyEditor::become(int joint, const JointPlan& plan) {
   touch(joint);
+  if (is_loop({joint})) return change_loop(joint, plan, true);
   carry_out(ChangeJoint{{joint}, plan.joint, plan.q}, Nature::impact);
 }
 
@@ -155,6 +169,10 @@ void TopologyEditor::push(int body, const Vec3& force, const Vec3& torque, const
 }
 
 void TopologyEditor::set(int joint, const JointParameters& parameters) {
+  if (is_loop({joint})) {
+    const Loop& loop = loop_of(joint);
+    return carry_out(SetLoop{{joint}, loop.joint, parameters, loop.held, turn_of(joint)}, Nature::outside);
+  }
   carry_out(SetParameters{{joint}, parameters}, Nature::outside);
 }
 

@@ -19,6 +19,7 @@ namespace momentree {
 struct JointPlan {
   Joint joint;
   Values q;
+  bool keeps_parameters = false;
 };
 
 /// A DoF of a joint, transformed from the joint's moving frame to the declared child's frame: about its origin, in its axes.
@@ -39,19 +40,21 @@ class TopologyEditor {
   const Tree& tree() const { return world_.tree_; }
   /// Number of the joint that has that name now; −1: there is none.
   int joint(std::string_view name) const;
-  /// The result of an action on a joint that joint() does not find: it no longer exists, or it closes a loop, where the action is not
-  /// supported.
-  ActionResult missing(std::string_view joint) const;
-  /// The loop joint that has that name now; index −1: there is none.
-  JointId loop(std::string_view name) const;
-  /// The parameters of the joint of that name, in the tree or closing a loop; null: there are none.
-  const JointParameters* parameters(std::string_view name) const;
+  /// The parameters of a joint, in the tree or closing a loop; null: there are none.
+  const JointParameters* parameters(int joint) const;
   /// Number of a body of this world; −1: the ground; −2: there is none.
   int body(std::string_view name) const;
   const std::string& joint_name(int number) const { return world_.names_.joint(number); }
   std::string body_name(int body) const;
   std::string mechanism_of(int body) const;
-  const Joint& declared(int joint) const { return tree().joint(tree().carrier(joint)); }
+  const Joint& declared(int joint) const {
+    return is_loop({joint}) ? loop_of(joint).joint : tree().joint(tree().carrier(joint));
+  }
+  /// The loop joint of that number, which must exist.
+  const Loop& loop_of(int joint) const;
+  /// Whether a joint, which may close a loop, supports these parameters and locks; otherwise the result of the action.
+  ActionResult supports(int joint, const JointParameters& parameters) const;
+  ActionResult can_lock(int joint, unsigned dofs) const;
   Values coordinates(int joint) const;
   /// Locked DoFs, except those that rest on a stop.
   unsigned locked(int joint) const { return declared(joint).locked & ~world_.held(joint); }
@@ -64,8 +67,6 @@ class TopologyEditor {
   // Changes of no velocity: energy is removed only with springs and armatures.
   /// If a loop still holds the part that comes off, the loop's joint takes the place of this one in the tree.
   void break_off(int joint);
-  void break_loop(JointId loop);
-  void set_loop(JointId loop, const JointParameters& parameters);
   void unlock(int joint, unsigned dofs);
   void loosen(int joint, const JointPlan& plan);
   void reroot(int body);
@@ -102,6 +103,10 @@ class TopologyEditor {
   bool drifts(int body) const;
   ActionResult close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at);
   void hold_by_loop(int body);
+  void break_loop(JointId loop);
+  void lock_loop(int joint, unsigned locked, bool impact);
+  void change_loop(int joint, const JointPlan& plan, bool impact);
+  double turn_of(int joint) const;
   enum class Nature { workless, impact, outside };
   template <class Change>
   void carry_out(const Change& change, Nature nature);

@@ -34,6 +34,8 @@ JointView World::loop_view(JointId number) const {
   if (loop_values_.size() < tree_.loops().size()) loop_values_.resize(tree_.loops().size());
   LoopValues& own = loop_values_[i];
   loop_coordinates(tree_, workspace_, static_cast<int>(i), own.q, own.v);
+  for (int k = 0; k < kind.nv; ++k)
+    if ((loop.joint.locked >> k & 1u) != 0) own.v[k] = 0;
   JointView view;
   view.name = joint_name(number);
   view.kind = loop.joint.kind;

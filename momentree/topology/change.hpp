@@ -103,10 +103,16 @@ struct BreakLoop {
   JointId joint;
   bool keeps_energy = false;
 };
-/// Sets new parameters of a loop joint; velocities are kept.
+/// Replaces a loop joint, without changing the pose: kind, frames, locks (with the coordinates at which DoFs are `held`) and
+/// parameters. `impact`: the new joint blocks more directions; otherwise no velocity changes. `turn`: its present angle.
 struct SetLoop {
   JointId joint;
+  Joint to;
   JointParameters parameters;
+  Values held{};
+  double turn = 0;
+  bool impact = false;
+  bool keeps_energy = true;  ///< the energy of its spring stays with the joint
 };
 
 /// Removes `body` and all outboard ones from the world: a whole floating mechanism with `body` as its root (break it off first if

@@ -55,10 +55,17 @@ Released apply(const BreakLoop& change, Tree& tree, State& state, Workspace<doub
 
 Released apply(const SetLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
-  const Loop& loop = tree.loops()[place_of(tree, change.joint)];
-  tree.set_loop(loop.number, loop.joint, change.parameters);
+  const std::size_t place = place_of(tree, change.joint);
+  const Released released{change.keeps_energy ? 0 : loop_energy(tree, workspace, static_cast<int>(place))};
+  if (change.impact) carry_momenta(tree, workspace);
+  std::vector<double> turns = state.turns();
+  turns.resize(tree.loops().size(), 0.0);
+  turns[place] = change.turn;
+  tree.set_loop(change.joint.index - first_loop, change.to, change.parameters, change.held);
   renew(tree, state);
-  return {};
+  state.set_turns(turns);
+  if (change.impact) settle_velocities(tree, state, workspace, tree.loops()[place].body);
+  return released;
 }
 
 }  // namespace momentree

@@ -1,5 +1,6 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
+#include <momentree/joint/dispatch.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/reverse_path.hpp>
 #include <momentree/topology/velocities.hpp>
@@ -25,7 +26,8 @@ bool floats(const Tree& tree, BodyId body) noexcept {
 Force<double> reverse_momenta(const Tree& tree, const State& state, Workspace<double>& workspace, int b, double* p) noexcept {
   int length = 0, root = b;
   for (; tree.parent(root) >= 0; root = tree.parent(root)) workspace.path[static_cast<std::size_t>(length++)] = root;
-  Force<double> total = articulated_momentum(tree, state, workspace, root);
+  Force<double> total =  // of the root's joint, whose momenta may be under edit: Pb = E⁻ᵀ p
+      FreeKernels::wrench<double>(FreeKernels::offset<double>(tree.link(root)), state.p().data() + tree.first_p(root));
   while (length > 0) {
     const int x = workspace.path[static_cast<std::size_t>(--length)];
     const DenseTransform<double> crossing = joint_transform_of(tree, state, workspace, x);

@@ -9,17 +9,29 @@
 
 namespace momentree {
 
+namespace {
+
+// The kernel frame of b relative to its centre of mass, in the axes of its user frame. The momentum about the centre is that of
+// the spin alone: about any other point, rounding the rest would turn a light body.
+KernelFrame at_centre(const Tree& tree, int b) {
+  const RigidMass& body = tree.link(b).body;
+  const Mat3& R = tree.frame(b).R;
+  return {R, body.m > 0 ? (-1 / body.m) * (R * body.mc) : Vec3{}};
+}
+
+}  // namespace
+
 void carry_momenta(const Tree& tree, Workspace<double>& workspace) noexcept {
   for (const int b : tree.order()) {
     const auto i = static_cast<std::size_t>(b);
-    workspace.carried[i] = to_user_frame(tree.frame(b), momentum(tree.link(b).body, workspace.motions[i].velocity));
+    workspace.carried[i] = to_user_frame(at_centre(tree, b), momentum(tree.link(b).body, workspace.motions[i].velocity));
   }
 }
 
 void settle_velocities(const Tree& tree, State& state, Workspace<double>& workspace, int b) noexcept {
   for (const int x : tree.order()) {
     Force<double>& P = workspace.carried[static_cast<std::size_t>(x)];
-    P = to_kernel_frame(tree.frame(x), P);
+    P = to_kernel_frame(at_centre(tree, x), P);
   }
   double* const u = workspace.impulse.get();
   std::copy_n(state.u().data(), tree.nv(), u);
@@ -66,6 +78,10 @@ void joint_velocities(const Tree& tree, int b, const double* q, const Motion<dou
       Motion<double> in = to_kernel(tree.parent(b), outer), relative = to_kernel(b, own);
       dense_transform<K, double>(tree.link(b), joint).outboard(in);
       relative = {relative.v - in.v, relative.w - in.w};
+      if constexpr (requires { K::template offset<double>(tree.link(b)); }) {  // E is square
+        K::template rates<double>(K::template offset<double>(tree.link(b)), relative, u);
+        return;
+      }
       const auto product = [](const Motion<double>& x, const Motion<double>& y) { return dot(x.v, y.v) + dot(x.w, y.w); };
       JointMass<double, n> squares;
       for (int i = 0; i < n; ++i) {

@@ -9,7 +9,8 @@ namespace momentree {
 
 inline bool in_velocities(const State& state) { return state.variables() == Variables::velocities; }
 
-/// Stores the momentum of every body in its user frame: call before the tree changes, on an evaluated workspace.
+/// Stores the momentum of every body about its centre of mass, in the axes of its user frame: call before the tree changes, on an
+/// evaluated workspace.
 void carry_momenta(const Tree& tree, Workspace<double>& workspace) noexcept;
 
 /// After the change: replaces the velocities of the mechanism of body b by the projection of the momenta carried. In the state: u

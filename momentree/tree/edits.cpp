@@ -141,6 +141,7 @@ void Tree::set_parameters(int b, const JointParameters& parameters) {
   Joint joint = this->joint(b);
   joint.parameters = number;
   if (replace_joint(b, joint, reversed(b))) list_special_joints();
+  if (kind(b) == Kind::free) update_frames(b);  // it depends on the armature
   build_runs();
   revision_.renew();
 }

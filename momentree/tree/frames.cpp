@@ -1,5 +1,7 @@
 // Placement of the kernel frames in the bodies, and the links between them: functions of the topology, not of its history.
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/tree/kernel_run.hpp>
@@ -116,6 +118,11 @@ void find_shape(LinkConstants& k, bool rotates, double scale) {
 
 }  // namespace
 
+bool Tree::at_centre_of_mass(int b) const {
+  const Class& joint = class_[index(b)];
+  return joint.kind == Kind::free && joint.variant == Variant::plain && parent_[at(b)] < 0;
+}
+
 void Tree::make_frame(int b) {
   LinkConstants& link = links_.own(at(b));
   if (is_welded(b)) {
@@ -131,6 +138,7 @@ void Tree::make_frame(int b) {
     classify(b);
     return;
   }
+  std::fill(std::begin(link.geometry), std::end(link.geometry), 0.0);
   Carried mine = carried(joint(b), reversed(b), link.geometry);
   const Mat3 side = rotation_matrix(mine.own.rotation);
   double shift_z = 0;
@@ -158,9 +166,8 @@ void Tree::make_frame(int b) {
     }
   }
   const Mat3 R = side * mine.C;
-  if (joint(b).kind == Kind::free) {
-    const bool floats = parent_[at(b)] < 0 && !reversed(b);
-    const Vec3 origin = floats ? mass(b).com : mine.own.position, c = transpose_times(R, origin - mine.own.position);
+  if (at_centre_of_mass(b)) {
+    const Vec3 origin = mass(b).com, c = transpose_times(R, origin - mine.own.position);
     links_.own_frame(at(b)) = {R, origin};
     link.geometry[0] = c.x, link.geometry[1] = c.y, link.geometry[2] = c.z;
   } else {

@@ -16,6 +16,31 @@ KernelFrame in_kernel_frame(const KernelFrame& kernel, const Pose& at) {
 
 }  // namespace
 
+std::optional<LockedForm> locked_form(const Joint& joint, const Values& held) {
+  const KindInfo& kind = info(joint.kind);
+  LockedForm form{spec_of(joint), {}, {}};
+  if (joint.locked == 0) return form;
+  const auto become = [&](Kind to, const Vec3& axis) {
+    form.joint = JointSpec();
+    form.joint.kind = to, form.joint.axis = axis;
+  };
+  if (joint.locked == (1u << kind.nv) - 1) {
+    form.parent = joint_motion(form.joint, held.begin());
+    become(Kind::weld, z_axis);
+  } else if (joint.kind == Kind::cylindrical) {
+    const bool angle = joint.locked == 1;
+    form.parent = angle ? Pose{{}, from_axis_angle(joint.axis, held[0])} : Pose{held[1] * joint.axis, Quat{}};
+    become(angle ? Kind::prismatic : Kind::revolute, joint.axis);
+  } else if (joint.kind == Kind::universal) {
+    const bool first = joint.locked == 1;
+    (first ? form.parent : form.child).rotation = from_axis_angle(first ? joint.axis : joint.axis2, first ? held[0] : -held[1]);
+    become(Kind::revolute, first ? joint.axis2 : joint.axis);
+  } else {
+    return std::nullopt;
+  }
+  return form;
+}
+
 int Tree::add_loop(Loop loop) {
   MT_REQUIRE(alive(loop.body) && (loop.to == ground.index || alive(loop.to)) && loop.body != loop.to,
              "a loop joint joins two different bodies, or a body and the ground");
@@ -36,11 +61,12 @@ void Tree::remove_loop(int number) {
   revision_.renew();
 }
 
-void Tree::set_loop(int number, const Joint& joint, const JointParameters& parameters) {
+void Tree::set_loop(int number, const Joint& joint, const JointParameters& parameters, const Values& held) {
   const Loop* const found = find_loop(number);
   MT_REQUIRE(found != nullptr, "the loop joint is in the tree");
+  MT_REQUIRE(locked_form(joint, held).has_value(), "the joint has a form with these locks");
   Loop& loop = loops_[static_cast<std::size_t>(found - loops_.data())];
-  loop.joint = joint, loop.parameters = parameters;
+  loop.joint = joint, loop.parameters = parameters, loop.held = held;
   list_loops();
   revision_.renew();
 }
@@ -58,8 +84,10 @@ void Tree::list_loops() {
   std::erase_if(loops_, [this](const Loop& loop) { return !alive(loop.body) || (loop.to >= 0 && !alive(loop.to)); });
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const Loop& loop = loops_[i];
-    LoopLink link{closure_of(spec_of(loop.joint)), in_kernel_frame(frame(loop.body), loop.joint.child_at),
-                  in_kernel_frame(loop.to < 0 ? KernelFrame{} : frame(loop.to), loop.joint.at), loop_rows_, 0};
+    const LockedForm form = locked_form(loop.joint, loop.held).value_or(LockedForm{});
+    LoopLink link{form.joint, closure_of(form.joint), in_kernel_frame(frame(loop.body), loop.joint.child_at * form.child),
+                  in_kernel_frame(loop.to < 0 ? KernelFrame{} : frame(loop.to), loop.joint.at * form.parent), loop_rows_, 0, {}, {}};
+    link.child_offset = form.child, link.parent_offset = form.parent;
     link.rows = link.closure.rows();
     loop_rows_ += link.rows;
     loop_links_.push_back(link);

@@ -111,6 +111,7 @@ TEST_CASE("misuse: queries about a body that the tree does not have") {
         {"variant", no_body, [&] { static_cast<void>(tree.variant(b)); }},
         {"reversed", no_body, [&] { static_cast<void>(tree.reversed(b)); }},
         {"frame", no_body, [&] { static_cast<void>(tree.frame(b)); }},
+        {"at_centre_of_mass", no_body, [&] { static_cast<void>(tree.at_centre_of_mass(b)); }},
         {"parameters", no_body, [&] { static_cast<void>(tree.parameters(b)); }},
         {"function", no_body, [&] { static_cast<void>(tree.function(b)); }},
         {"detached", no_body, [&] { static_cast<void>(tree.detached(b)); }},

@@ -50,8 +50,7 @@ bool Tree::may_float_in_plane(int place) const {
   const LinkConstants& own = links_[at(root)];
   const Mat3 tilt = tilt_rotation(plane);
   return is_quarter_turn(plane.cos_a, plane.sin_a) && is_quarter_turn(plane.cos_b, plane.sin_b) &&
-         is_symmetrical(own.body, tilt) &&
-         transpose_times(tilt, Vec3{own.geometry[0], own.geometry[1], own.geometry[2]}).z == 0;
+         is_symmetrical(own.body, tilt) && transpose_times(tilt, Vec3{own.geometry[0], own.geometry[1], own.geometry[2]}).z == 0;
 }
 
 // What it requires of a body on such a root, or outboard of one.

@@ -158,7 +158,10 @@ void Tree::copy_with_armatures(const Tree& other) {
   *this = other;
   revision_.renew();
   for (const int b : order_)
-    if (parameters(b) != nullptr && class_[at(b)].variant == Variant::plain) class_[at(b)].variant = Variant::armature;
+    if (parameters(b) != nullptr && class_[at(b)].variant == Variant::plain) {
+      class_[at(b)].variant = Variant::armature;
+      if (kind(b) == Kind::free) update_frames(b);
+    }
   build_runs();
 }
 

@@ -129,6 +129,9 @@ class Tree {
   bool reversed(int b) const { return reversed_[index(b)] != 0; }
   Variant variant(int b) const { return class_[index(b)].variant; }
   const KernelFrame& frame(int b) const;
+  /// True for a body that floats on the ground, whose kernel frame is at its centre of mass. Not with armature or locked DoFs,
+  /// whose joint-space mass belongs to the joint's own origin.
+  bool at_centre_of_mass(int b) const;
   /// Parameters of b's joint, or null.
   const JointParameters* parameters(int b) const {
     const int i = joint(b).parameters;
@@ -259,7 +262,7 @@ class Tree {
   /// Adds a loop joint, whose `number` is assigned if it is negative, and returned; removes one; replaces joint and parameters. May allocate.
   int add_loop(Loop loop);
   void remove_loop(int number);
-  void set_loop(int number, const Joint& joint, const JointParameters& parameters);
+  void set_loop(int number, const Joint& joint, const JointParameters& parameters, const Values& held = {});
   /// Removes root b and all bodies outboard of it; their numbers are not used again.
   void remove(int b);
   /// Adds a body, given in the complete form of Model::operator[], and returns the new number of the body and its joint. Storage

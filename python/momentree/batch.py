@@ -19,6 +19,8 @@ Worlds = Union[None, int, slice, Sequence[int], NDArray[Any]]
 """All worlds (``None``), one, a slice, numbers, or a mask of booleans of shape (worlds,)."""
 Precision = Literal["float64", "float32"]
 """Of the arithmetic of a batch."""
+Variables = Literal["momenta", "velocities"]
+"""What the states of a batch hold beside the coordinates."""
 
 
 def _fixed(array: Array) -> Array:
@@ -78,10 +80,20 @@ class Batch(_core.BatchBase):
         worlds: How many worlds; all begin in the model's start state.
         threads: Number of threads; 0: as many as the machine has.
         precision: ``"float64"``, or ``"float32"``: faster, seven digits; changes are always made in double precision.
+        variables: Of the states, ``"momenta"`` or ``"velocities"``, as for :class:`Simulation`. Both can be read and set in any case;
+            the one that the states do not hold costs an evaluation.
     """
 
-    def __init__(self, model: Model, worlds: int, *, threads: int = 0, precision: Precision = "float64") -> None:
-        super().__init__(model, worlds, threads, precision)
+    def __init__(
+        self,
+        model: Model,
+        worlds: int,
+        *,
+        threads: int = 0,
+        precision: Precision = "float64",
+        variables: Variables = "momenta",
+    ) -> None:
+        super().__init__(model, worlds, threads, precision, variables)
         self._joint_names = model.joint_names
         self._body_names = model.body_names
         self._effort: Array | None = None

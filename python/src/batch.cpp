@@ -5,10 +5,12 @@
 #include <atomic>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <thread>
 #include <utility>
 
 #include <momentree/batch/batch.hpp>
+#include <momentree/integrate/integrator.hpp>
 #include <momentree/io/part_reader.hpp>
 
 #include "model_object.hpp"
@@ -88,23 +90,20 @@ void write_rows(BatchObject& self, const Worlds& worlds, nb::handle q, nb::handl
   if (!v.is_none() && !p.is_none())
     refuse("set_state: both v and p are given", "momenta follow from velocities: give one of them");
   const std::size_t n = worlds.size();
-  std::vector<double> coordinates, momenta, instants;
+  std::vector<double> coordinates, rates, instants;
   if (!q.is_none()) coordinates = numbers_of(q, n, nq, "q");
   if (!time.is_none()) instants = numbers_of(time, n, 0, "time");
   const auto or_null = [](const std::vector<double>& numbers) { return numbers.empty() ? nullptr : numbers.data(); };
   if (!p.is_none()) {
-    momenta = numbers_of(p, n, nv, "p");
-  } else if (!v.is_none() || !q.is_none()) {  // writing q alone keeps the velocities
-    std::vector<double> rates(n * nv), now(n * nq);
-    if (v.is_none())
-      self.batch.read(worlds, nullptr, nullptr, nullptr, rates.data());
-    else
-      rates = numbers_of(v, n, nv, "v");
-    if (q.is_none()) self.batch.read(worlds, nullptr, now.data(), nullptr, nullptr);
-    momenta.resize(n * nv);
-    self.batch.momenta_of(worlds, q.is_none() ? now.data() : coordinates.data(), rates.data(), momenta.data(), or_null(instants));
+    rates = numbers_of(p, n, nv, "p");
+  } else if (!v.is_none()) {
+    rates = numbers_of(v, n, nv, "v");
+  } else if (!q.is_none()) {  // writing q alone keeps the velocities
+    rates.resize(n * nv);
+    self.batch.read(worlds, nullptr, nullptr, nullptr, rates.data());
   }
-  self.batch.write(worlds, or_null(instants), or_null(coordinates), or_null(momenta));
+  self.batch.write(worlds, or_null(instants), or_null(coordinates), or_null(rates),
+                   p.is_none() ? Variables::velocities : Variables::momenta);
 }
 
 void step_worlds(BatchObject& self, nb::handle h) {
@@ -203,12 +202,17 @@ std::vector<bool> diverged(BatchObject& self) {
   return all;
 }
 
-void construct(BatchObject* self, const ModelObject& model, int worlds, int threads, const std::string& precision) {
+void construct(BatchObject* self, const ModelObject& model, int worlds, int threads, const std::string& precision,
+               const std::string& variables) {
   BatchOptions options;
   if (precision == "float32")
     options.precision = Precision::float32;
   else if (precision != "float64")
     refuse("unknown precision '" + precision + "'", "\"float64\" or \"float32\"");
+  if (const std::optional<Variables> known = variables_of(variables))
+    options.variables = *known;
+  else
+    refuse("unknown variables '" + variables + "'", "\"momenta\" or \"velocities\"");
   options.threads = threads;
   const Tree tree(model.model);
   const double bytes = static_cast<double>(worlds) * (16.0 * (tree.nq() + tree.nv()) + 64);
@@ -224,10 +228,13 @@ void construct(BatchObject* self, const ModelObject& model, int worlds, int thre
 
 void register_batch(nb::module_& m) {
   nb::class_<BatchObject>(m, "BatchBase")
-      .def("__init__", &construct, "model"_a, "worlds"_a, "threads"_a, "precision"_a)
+      .def("__init__", &construct, "model"_a, "worlds"_a, "threads"_a, "precision"_a, "variables"_a)
       .def("__len__", [](const BatchObject& self) { return self.batch.worlds(); })
       .def_prop_ro(
           "lanes", [](const BatchObject& self) { return self.batch.lanes(); }, "Worlds that one vector of the CPU holds.")
+      .def_prop_ro(
+          "variables", [](const BatchObject& self) { return name_of(self.batch.variables()); },
+          "What the states hold: \"momenta\" or \"velocities\".")
       .def_prop_ro(
           "threads", [](const BatchObject& self) { return self.batch.threads(); }, "Number of threads that step the worlds.")
       .def("step", &step_worlds, "h"_a,

@@ -60,7 +60,7 @@ class Operations:
 
     def new_batch(self) -> None:
         self.keep("batch", mt.Batch(random_model(self.rng.randrange(1000), self.rng.randint(1, 4)), self.rng.randint(1, 9),
-        threads=2))
+        threads=2, variables=self.rng.choice(["momenta", "velocities"])))
 
     def act(self) -> None:
         sim = self.one("sim")

@@ -6,6 +6,7 @@ import json
 import pathlib
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -71,14 +72,19 @@ def test_rows_are_nan_where_a_joint_does_not_exist() -> None:
     assert np.isnan(made[run.time < 0.008]).all() and not np.isnan(made[run.time >= 0.008]).any()
 
 
-@given(seeds, st.integers(1, 5), st.integers(1, 9))
-def test_worlds_of_a_batch_are_scalar_simulations(seed: int, bodies: int, worlds: int) -> None:
+both: st.SearchStrategy[Any] = st.sampled_from(["momenta", "velocities"])
+
+
+@given(seeds, st.integers(1, 5), st.integers(1, 9), both, both)
+def test_worlds_of_a_batch_are_scalar_simulations(seed: int, bodies: int, worlds: int, variables: Any, given_as: str) -> None:
     model = random_model(seed, bodies)
-    batch = mt.Batch(model, worlds, threads=1 + seed % 2)
-    sims = [mt.Simulation(model, method="rk4", step=0.01) for _ in range(worlds)]
+    batch = mt.Batch(model, worlds, threads=1 + seed % 2, variables=variables)
+    assert batch.variables == variables
+    sims = [mt.Simulation(model, method="rk4", step=0.01, variables=variables) for _ in range(worlds)]
     for k, sim in enumerate(sims):
         random_state(sim, seed + k, 0.5)
-    batch.set_state(q=np.array([sim.q for sim in sims]), p=np.array([sim.p for sim in sims]))
+    q, v, p = (np.array([getattr(sim, name) for sim in sims]) for name in ("q", "v", "p"))
+    batch.set_state(q=q, p=p) if given_as == "momenta" else batch.set_state(q=q, v=v)
     joint = list(sims[0].world.joints)[seed % bodies]
     for k in range(3):
         if k == 1:
@@ -101,17 +107,18 @@ def test_worlds_of_a_batch_are_scalar_simulations(seed: int, bodies: int, worlds
         assert np.allclose(batch.bodies[name].position[k], sim.world.bodies[name].position, atol=1e-8)
 
 
-@given(seeds)
-def test_no_world_depends_on_the_others(seed: int) -> None:
+@given(seeds, both)
+def test_no_world_depends_on_the_others(seed: int, variables: Any) -> None:
     model = random_model(seed, 4, kinds=KINDS[:6])
     rng = np.random.default_rng(seed)
-    together, alone = mt.Batch(model, 7, threads=2), mt.Batch(model, 1, threads=1)
+    together, alone = mt.Batch(model, 7, threads=2, variables=variables), mt.Batch(model, 1, threads=1, variables=variables)
     v = rng.normal(size=together.v.shape)
     effort = rng.normal(size=v.shape)
     together.v, together.effort = v, effort
     alone.v, alone.effort = v[3:4], effort[3:4]
     for batch in (together, alone):
         batch.run(1e-3, 20)
+    assert np.isfinite(together.p).all()
     assert together.q[3].tobytes() == alone.q[0].tobytes() and together.p[3].tobytes() == alone.p[0].tobytes()
 
 

@@ -209,6 +209,7 @@ def test_batches() -> None:
     refused(lambda: mt.Batch(model, 2, threads=-1), "threads")
     refused(lambda: mt.Batch(model, 2, threads=10**6), "threads")
     refused(lambda: mt.Batch(model, 2, precision="float16"), "float16", "float32")
+    refused(lambda: mt.Batch(model, 2, variables="speeds"), "speeds", "velocities")
     batch = mt.Batch(model, 4)
     for step in (-1.0, NAN, INF, [1e-3] * 3, [1e-3, NAN, 0, 0], [-1e-3] * 4, "x"):
         refused(lambda: batch.step(step))  # type: ignore[arg-type]  # noqa: B023

@@ -114,52 +114,54 @@ TEST_CASE("double: stages, motions, accelerations, wrenches, poses") {
 
 TEST_CASE("lanes: rates and steps of every instruction set and precision") {
   for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512})
-    for (const Precision precision : {Precision::float64, Precision::float32}) {
-      if (!batch::available(isa)) continue;
-      CAPTURE(static_cast<int>(isa));
-      CAPTURE(static_cast<int>(precision));
-      long steps = 0;
-      for (std::uint64_t seed = 0; seed < worlds; ++seed) {
-        CAPTURE(seed);
-        const Changed world = random_world(seed);
-        const Tree& tree = world.tree;
-        const batch::ForcePlan plan(tree);
-        bool can_step = true;
-        try {
-          batch::check(tree);
-        } catch (const Error&) {
-          can_step = false;
-        }
-        steps += can_step;
-        const auto find = [&](Fill fill, Bits& found) {
-          std::unique_ptr<batch::Stepper> stepper;
-          {
-            const Filled filled(fill);
-            stepper = batch::make_stepper(isa, precision, tree);
+    for (const Variables variables : {Variables::momenta, Variables::velocities})
+      for (const Precision precision : {Precision::float64, Precision::float32}) {
+        if (!batch::available(isa)) continue;
+        CAPTURE(static_cast<int>(isa));
+        CAPTURE(static_cast<int>(precision));
+        CAPTURE(static_cast<int>(variables));
+        long steps = 0;
+        for (std::uint64_t seed = 0; seed < worlds; ++seed) {
+          CAPTURE(seed);
+          const Changed world = random_world(seed);
+          const Tree& tree = world.tree;
+          const batch::ForcePlan plan(tree);
+          bool can_step = true;
+          try {
+            batch::check(tree);
+          } catch (const Error&) {
+            can_step = false;
           }
-          const int lanes = stepper->lanes();
-          const auto spread = [&](std::span<const double> of_one) {
-            std::vector<double> all;
-            for (const double x : of_one) all.insert(all.end(), static_cast<std::size_t>(lanes), x);
-            return all;
+          steps += can_step;
+          const auto find = [&](Fill fill, Bits& found) {
+            std::unique_ptr<batch::Stepper> stepper;
+            {
+              const Filled filled(fill);
+              stepper = batch::make_stepper(isa, precision, tree, variables);
+            }
+            const int lanes = stepper->lanes();
+            const auto spread = [&](std::span<const double> of_one) {
+              std::vector<double> all;
+              for (const double x : of_one) all.insert(all.end(), static_cast<std::size_t>(lanes), x);
+              return all;
+            };
+            auto q = spread(world.state.q()), p = spread(world.state.p());
+            auto qdot = q, pdot = p, v = p;
+            std::vector<double> time(static_cast<std::size_t>(lanes)), h(time.size(), 1e-3);
+            std::vector<unsigned char> ran_away(time.size());
+            watch();
+            stepper->rates(tree, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
+            if (can_step) stepper->step(tree, plan, {q.data(), p.data(), nullptr, time.data(), h.data(), ran_away.data()});
+            if (fill != Fill::zeros) CHECK_FALSE(signalled());
+            for (const auto& numbers : {q, p, qdot, pdot, v}) found.add(numbers.data(), static_cast<int>(numbers.size()));
           };
-          auto q = spread(world.state.q()), p = spread(world.state.p());
-          auto qdot = q, pdot = p, v = p;
-          std::vector<double> time(static_cast<std::size_t>(lanes)), h(time.size(), 1e-3);
-          std::vector<unsigned char> ran_away(time.size());
-          watch();
-          stepper->rates(tree, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
-          if (can_step) stepper->step(tree, plan, {q.data(), p.data(), nullptr, time.data(), h.data(), ran_away.data()});
-          if (fill != Fill::zeros) CHECK_FALSE(signalled());
-          for (const auto& numbers : {q, p, qdot, pdot, v}) found.add(numbers.data(), static_cast<int>(numbers.size()));
-        };
-        Bits found[2];
-        find(precision == Precision::float64 ? Fill::doubles : Fill::floats, found[0]);
-        find(Fill::zeros, found[1]);
-        CHECK((found[0] == found[1]));
+          Bits found[2];
+          find(precision == Precision::float64 ? Fill::doubles : Fill::floats, found[0]);
+          find(Fill::zeros, found[1]);
+          CHECK((found[0] == found[1]));
+        }
+        CHECK(steps > 50);
       }
-      CHECK(steps > 50);
-    }
 }
 
 TEST_CASE("operation counts and symbolic expressions") {
@@ -185,6 +187,13 @@ TEST_CASE("operation counts and symbolic expressions") {
       const KernelExpressions other = kernel_expressions(tree, order);
       CHECK((one.expressions.nodes() == other.expressions.nodes()));
       CHECK((one.results() == other.results()));
+      {
+        const Filled filled(Fill::quiet);
+        one = velocity_expressions(tree, false, order);
+      }
+      const KernelExpressions again = velocity_expressions(tree, false, order);
+      CHECK((one.expressions.nodes() == again.expressions.nodes()));
+      CHECK((one.results() == again.results()));
     }
   }
 }

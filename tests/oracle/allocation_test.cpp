@@ -237,21 +237,27 @@ TEST_CASE("the equations of motion allocate nothing") {
 TEST_CASE("arrays of a batch allocate nothing for each world") {
   const Model model = oracle::random_tree(4, {.min_bodies = 20, .max_bodies = 20}).model;
   constexpr int count = 300;
-  for (const int threads : {1, 2}) {
-    Batch batch(model, count, {.threads = threads});
-    std::vector<int> worlds;
-    for (int i = 0; i < count; ++i) worlds.push_back(i * 7 % count);
-    const auto row = [](int width) { return std::vector<double>(static_cast<std::size_t>(count * width)); };
-    std::vector<double> time = row(1), q = row(batch.nq(0)), p = row(batch.nv(0)), v = p, motions = row(13);
-    long before = 0;
-    for (int call = 0; call < 2; ++call) {  // the first call may allocate working memory
+  for (const int threads : {1, 2})
+    for (const Variables variables : {Variables::momenta, Variables::velocities}) {
+      Batch batch(model, count, {.variables = variables, .threads = threads});
+      std::vector<int> worlds;
+      for (int i = 0; i < count; ++i) worlds.push_back(i * 7 % count);
+      const auto row = [](int width) { return std::vector<double>(static_cast<std::size_t>(count * width)); };
+      std::vector<double> time = row(1), q = row(batch.nq(0)), p = row(batch.nv(0)), v = p, motions = row(13);
+      long before = 0;
+      for (int call = 0; call < 2; ++call) {  // the first call may allocate working memory
+        before = allocations;
+        batch.read(worlds, time.data(), q.data(), p.data(), v.data());
+        batch.momenta_of(worlds, q.data(), v.data(), p.data());
+        batch.write(worlds, time.data(), q.data(), p.data());
+        batch.write(worlds, time.data(), q.data(), v.data(), Variables::velocities);
+        batch.set_efforts(worlds, v.data());
+        batch.motions(worlds, {3}, motions.data());
+      }
+      CHECK(allocations - before < 10);
+      batch.step(1e-4);
       before = allocations;
-      batch.read(worlds, time.data(), q.data(), p.data(), v.data());
-      batch.momenta_of(worlds, q.data(), v.data(), p.data());
-      batch.write(worlds, time.data(), q.data(), p.data());
-      batch.set_efforts(worlds, v.data());
-      batch.motions(worlds, {3}, motions.data());
+      for (int step = 0; step < 10; ++step) batch.step(1e-4);
+      CHECK(allocations == before);
     }
-    CHECK(allocations - before < 10);
-  }
 }

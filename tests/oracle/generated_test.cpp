@@ -1,7 +1,9 @@
 // Generated kernels against the engine's own and against the oracle: the expressions themselves on random trees of all joint
 // kinds in all variants, and their compiled source code on a few models.
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -10,6 +12,7 @@
 #include <momentree/dynamics/count.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/velocity.hpp>
 #include <momentree/generate/compiler.hpp>
 #include <momentree/generate/source.hpp>
 #include <momentree/integrate/integrator.hpp>
@@ -26,12 +29,13 @@ namespace {
 
 struct Rates {
   explicit Rates(const Tree& tree)
-      : v(static_cast<std::size_t>(tree.nv())), qdot(static_cast<std::size_t>(tree.nq())), pdot(v.size()) {}
-  std::vector<double> v, qdot, pdot;
+      : v(static_cast<std::size_t>(tree.nv())), qdot(static_cast<std::size_t>(tree.nq())), pdot(v.size()), udot(v.size()) {}
+  std::vector<double> v, qdot, pdot, udot;
 };
 
-// Evaluates the expressions without a compiler.
-void interpret(const KernelExpressions& kernel, const std::vector<double>& q, const std::vector<double>& p, Rates& rates) {
+// Evaluates the expressions without a compiler. p: or u.
+void interpret(const KernelExpressions& kernel, const std::vector<double>& q, const std::vector<double>& p, Rates& rates,
+               const std::vector<double>& tau = {}) {
   std::vector<double> x;
   const auto at = [&](int i) { return x[static_cast<std::size_t>(i)]; };
   for (const Expressions::Node& node : kernel.expressions.nodes()) {
@@ -41,6 +45,7 @@ void interpret(const KernelExpressions& kernel, const std::vector<double>& q, co
       case Operation::constant: x.push_back(node.value); break;
       case Operation::q: x.push_back(q[static_cast<std::size_t>(node.a)]); break;
       case Operation::p: x.push_back(p[static_cast<std::size_t>(node.a)]); break;
+      case Operation::tau: x.push_back(tau[static_cast<std::size_t>(node.a)]); break;
       case Operation::sine: x.push_back(s); break;
       case Operation::cosine: x.push_back(c); break;
       case Operation::negative: x.push_back(-at(node.a)); break;
@@ -50,7 +55,8 @@ void interpret(const KernelExpressions& kernel, const std::vector<double>& q, co
       case Operation::quotient: x.push_back(at(node.a) / at(node.b)); break;
     }
   }
-  for (std::size_t i = 0; i < rates.v.size(); ++i) rates.v[i] = at(kernel.v[i]), rates.pdot[i] = at(kernel.pdot[i]);
+  for (std::size_t i = 0; i < kernel.v.size(); ++i) rates.v[i] = at(kernel.v[i]), rates.pdot[i] = at(kernel.pdot[i]);
+  for (std::size_t i = 0; i < kernel.udot.size(); ++i) rates.udot[i] = at(kernel.udot[i]);
   for (std::size_t i = 0; i < rates.qdot.size(); ++i) rates.qdot[i] = at(kernel.qdot[i]);
 }
 
@@ -89,11 +95,47 @@ std::vector<double> moved(Prng& random, std::span<const double> from, double by)
   return to;
 }
 
-RatesFunction compiled(const std::string& source, Library& library) {
+void* compiled(const std::string& source, Library& library, const char* function) {
   std::string why;
   library = compile_library({MOMENTREE_COMPILER}, source, why);
   CHECK_MESSAGE(why.empty(), why);
-  return reinterpret_cast<RatesFunction>(library.symbol("kernel_rates"));
+  return library.symbol(function);
+}
+RatesFunction compiled(const std::string& source, Library& library) {
+  return reinterpret_cast<RatesFunction>(compiled(source, library, "kernel_rates"));
+}
+VelocityRatesFunction compiled_velocities(const std::string& source, Library& library) {
+  return reinterpret_cast<VelocityRatesFunction>(compiled(source, library, "kernel_accelerations"));
+}
+
+// Velocities and joint forces at random, zero for DoFs at rest.
+std::pair<std::vector<double>, std::vector<double>> any_motion(const Tree& tree, Prng& random) {
+  std::vector<double> u(static_cast<std::size_t>(tree.nv())), tau(u.size());
+  for (const int b : tree.order())
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
+      if (((tree.link(b).locked & ~tree.link(b).driven) >> i & 1u) == 0) {
+        const auto k = static_cast<std::size_t>(tree.first_p(b) + i);
+        u[k] = random.uniform(-1, 1), tau[k] = random.uniform(-3, 3);
+      }
+  return {u, tau};
+}
+
+// The kernels' accelerations, to workspace.a, by either of their passes.
+template <bool Keep>
+void accelerate_by_kernels(const Tree& tree, const std::vector<double>& q, const std::vector<double>& u,
+                           const std::vector<double>& tau, Workspace<double>& workspace) {
+  sweep_velocities<double, Keep>(tree, q.data(), u.data(), workspace);
+  std::copy(tau.begin(), tau.end(), workspace.a.get());
+  solve_accelerations<double, Keep>(tree, q.data(), workspace, {-tree.gravity(), {}});
+}
+
+double velocity_error(const Tree& tree, const std::vector<double>& q, const Rates& found, const Workspace<double>& workspace) {
+  const double allowed = std::fmax(1e-13, 30 * velocity_resolution(tree, q));
+  const double of_q =
+      distance(found.qdot, workspace.qdot.get()) / (allowed * (largest(workspace.qdot.get(), found.qdot.size()) + 1e-3));
+  const double of_u =
+      distance(found.udot, workspace.a.get()) / (allowed * (largest(workspace.a.get(), found.udot.size()) + 1e-3));
+  return of_q >= of_u ? of_q : of_u;
 }
 
 }  // namespace
@@ -125,6 +167,43 @@ TEST_CASE("expressions are what the kernels compute, on trees of all kinds and v
         CAPTURE(seed);
         CHECK(off <= 1);
         worst = std::fmax(worst, off);
+      }
+    }
+  }
+  MESSAGE("worst: " << worst << " of what is allowed");
+  int combinations = 0;
+  for (const auto& kind : seen)
+    for (const bool variant : kind) combinations += variant ? 1 : 0;
+  CHECK(combinations >= 25);
+}
+
+TEST_CASE("velocities: expressions are what the kernels compute, on trees of all kinds and variants") {
+  bool seen[9][5] = {};
+  double worst = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const RandomTree random = random_tree(seed, {.max_bodies = 30, .drives = true});
+    Tree tree(random.model);
+    Prng draw(seed + 900);
+    Workspace<double> workspace(tree);
+    State state = start_state(random.model, tree);
+    if (seed % 2 == 1) rearrange(draw, tree, state, workspace);
+    for (const KernelRun& s : tree.kernel_runs()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
+    const KernelExpressions one = velocity_expressions(tree, false, RevoluteOrder::reduce_first);
+    const KernelExpressions other = velocity_expressions(tree, false, RevoluteOrder::rotate_first);
+    CHECK(velocity_expressions(tree).operations().total() == std::min(one.operations().total(), other.operations().total()));
+    Rates rates(tree);
+    for (int i = 0; i < 3; ++i) {
+      const std::vector<double> q = moved(draw, state.q(), 0.1);
+      const auto [u, tau] = any_motion(tree, draw);
+      for (const bool keep : {false, true}) {
+        keep ? accelerate_by_kernels<true>(tree, q, u, tau, workspace) : accelerate_by_kernels<false>(tree, q, u, tau, workspace);
+        for (const KernelExpressions* kernel : {&one, &other}) {
+          interpret(*kernel, q, u, rates, tau);
+          const double off = velocity_error(tree, q, rates, workspace);
+          CAPTURE(seed);
+          CHECK(off <= 1);
+          worst = std::fmax(worst, off);
+        }
       }
     }
   }
@@ -195,7 +274,22 @@ TEST_CASE("compiled source gives the engine's rates, at many states") {
       worst = off <= worst ? worst : off;
     }
     CHECK(worst <= 1);
-    MESSAGE(c.name << ": worst " << worst << " of what is allowed");
+    const VelocityRatesFunction accelerations = compiled_velocities(kernel_source(velocity_expressions(tree)), library);
+    REQUIRE((accelerations != nullptr));
+    CHECK(*static_cast<const int*>(library.symbol("kernel_nq")) == tree.nq());
+    CHECK(*static_cast<const int*>(library.symbol("kernel_nv")) == tree.nv());
+    double worst_u = 0;
+    for (int i = 0; i < 300; ++i) {
+      const double far = i % 10 == 0 ? 4e6 : 1;
+      const std::vector<double> q = moved(random, state.q(), tree.quaternion_joints().empty() ? far : 0.3);
+      const auto [u, tau] = any_motion(tree, random);
+      accelerate_by_kernels<false>(tree, q, u, tau, workspace);
+      accelerations(q.data(), u.data(), tau.data(), found.qdot.data(), found.udot.data());
+      const double off = velocity_error(tree, q, found, workspace);
+      worst_u = off <= worst_u ? worst_u : off;
+    }
+    CHECK(worst_u <= 1);
+    MESSAGE(c.name << ": worst " << worst << " of what is allowed, in velocities " << worst_u);
   }
 }
 
@@ -215,6 +309,9 @@ TEST_CASE("compiled source with dampers, springs and efforts: the oracle's rates
   Library library;
   const RatesFunction rates = compiled(kernel_source(kernel), library);
   REQUIRE((rates != nullptr));
+  Library other;
+  const VelocityRatesFunction accelerations = compiled_velocities(kernel_source(velocity_expressions(tree, true)), other);
+  REQUIRE((accelerations != nullptr));
   const System system = system_of(model);
   Prng random(3);
   Rates found(tree);
@@ -231,6 +328,18 @@ TEST_CASE("compiled source with dampers, springs and efforts: the oracle's rates
       CHECK(std::fabs(again[k] - p[k]) < 1e-13);
       CHECK(std::fabs(expected[k] - found.pdot[k]) < 1e-13 * rate);
       CHECK(found.qdot[k] == found.v[k]);
+    }
+    // In velocities, with further joint forces.
+    const auto [u, tau] = any_motion(tree, random);
+    accelerations(q.data(), u.data(), tau.data(), found.qdot.data(), found.udot.data());
+    const MassMatrix mass = mass_matrix(system, q);
+    const Accelerations own = accelerate(system, q, {u.begin(), u.end()}, mass);
+    const std::vector<Real> caused = solve(mass, {tau.begin(), tau.end()});
+    Real most = 1;
+    for (std::size_t k = 0; k < u.size(); ++k) most = std::fmax(most, std::fabs(own.v[k]) + std::fabs(caused[k]));
+    for (std::size_t k = 0; k < u.size(); ++k) {
+      CHECK(std::fabs(own.v[k] + caused[k] - found.udot[k]) < 1e-12 * most);
+      CHECK(found.qdot[k] == u[k]);
     }
   }
 }

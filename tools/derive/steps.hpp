@@ -270,13 +270,19 @@ struct Text {
   }
   /// (20): ṗ = Eᵀ (Tb − Ω × Pb), E being constant in F.
   std::array<T, NV> momentum_rate(const Force<T>& weight, const Six& frame, const Six& Pb) const {
-    const Six wrench = six(weight - cross(motion(frame), force(Pb)));
+    const Six wrench = six(weight - gyroscopic(motion(frame), force(Pb)));
     std::array<T, NV> rate;
     for (std::size_t i = 0; i < NV; ++i) {
       rate[i] = T(0);
       for (std::size_t j = 0; j < 6; ++j) rate[i] = rate[i] + E[i][j] * wrench[j];
     }
     return rate;
+  }
+
+  Force<T> gyroscopic(const Motion<T>& frame, const Force<T>& Pb) const {
+    if constexpr (requires { K::template gyroscopic<T>(k.body.mc, frame, Pb); })
+      if (root && leaf) return K::template gyroscopic<T>(k.body.mc, frame, Pb);
+    return cross(frame, Pb);
   }
 
   static void rotate_out(Motion<T>& velocity, Vector3<T>& gravity, const T& cos, const T& sin) {

@@ -1,8 +1,9 @@
 #pragma once
 // Free (six DoFs): position in parent-side axes and a unit quaternion; u = (v; ω) relative to the parent, in child axes, v being
 // that of the joint's child-side origin. The kernel frame of a floating body is at its centre of mass, c from there: E = (I, −c×;
-// 0, I), constant, with the inverse (I, c×; 0, I). Eᵀ Pb = p determines Pb. Only Pb passes inboard: M̂ = 0 exactly. The generic
-// subtraction would leave round-off there and couple bodies that are uncoupled.
+// 0, I), constant, with the inverse (I, c×; 0, I). Elsewhere, and for joints with armature or locked DoFs, c = 0. Eᵀ Pb = p
+// determines Pb. Only Pb passes inboard: M̂ = 0 exactly. The generic subtraction would leave round-off there and couple bodies
+// that are uncoupled.
 #include <momentree/joint/joint.hpp>
 
 namespace momentree {
@@ -39,34 +40,14 @@ struct SixDofs : GenericKernels<K, 7, 6> {
   static constexpr std::array<int, 0> angles{};
 
   template <class T>
-  MOMENTREE_INLINE static void pose(const auto& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+  MOMENTREE_INLINE static void pose(const auto&, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
     R = rotation_matrix(Quaternion<T>{j.q[3], j.q[4], j.q[5], j.q[6]});
-    r = Vector3<T>{j.q[0], j.q[1], j.q[2]} + R * offset<T>(k);
+    r = {j.q[0], j.q[1], j.q[2]};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 6> columns(const auto& k, const JointState<T>&) {
-    const Vector3<T> o{T(0), T(0), T(0)}, x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)}, c = offset<T>(k);
-    return {{{x, o}, {y, o}, {z, o}, {{T(0), -c.z, c.y}, x}, {{c.z, T(0), -c.x}, y}, {{-c.y, c.x, T(0)}, z}}};
-  }
-  /// c
-  template <class T>
-  MOMENTREE_INLINE static Vector3<T> offset(const auto& k) {
-    return {T(k.geometry[0]), T(k.geometry[1]), T(k.geometry[2])};
-  }
-  /// E⁻ᵀ f: forces or momenta of the DoFs as a wrench on the kernel frame.
-  template <class T>
-  MOMENTREE_INLINE static Force<T> wrench(const Vector3<T>& c, const T* f) {
-    const Vector3<T> l{f[0], f[1], f[2]};
-    return {l, Vector3<T>{f[3], f[4], f[5]} - cross(c, l)};
-  }
-  /// u = E⁻¹ a.
-  template <class T>
-  MOMENTREE_INLINE static void rates(const Vector3<T>& c, const Motion<T>& a, T* u) {
-    const Vector3<T> v = a.v + cross(c, a.w);
-    u[0] = v.x, u[1] = v.y, u[2] = v.z, u[3] = a.w.x, u[4] = a.w.y, u[5] = a.w.z;
-  }
-  static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>&, const double* force) {
-    return wrench<double>(offset<double>(k), force);
+  MOMENTREE_INLINE static Columns<T, 6> columns(const auto&, const JointState<T>&) {
+    const Vector3<T> o{T(0), T(0), T(0)}, x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)};
+    return {{{x, o}, {y, o}, {z, o}, {o, x}, {o, y}, {o, z}}};
   }
   template <class T>
   MOMENTREE_INLINE static void coordinate_rate(const T* q, const T* u, T* qdot) {
@@ -99,19 +80,62 @@ struct SixDofs : GenericKernels<K, 7, 6> {
   static void closure(const JointSpec&, Closure&) {}
 };
 
+/// With the kernel frame at c from the joint's child-side origin.
+template <class K>
+struct SixDofsOfCentre : SixDofs<K> {
+  /// c
+  template <class T>
+  MOMENTREE_INLINE static Vector3<T> offset(const auto& k) {
+    return {T(k.geometry[0]), T(k.geometry[1]), T(k.geometry[2])};
+  }
+  /// E⁻ᵀ f: forces or momenta of the DoFs as a wrench on the kernel frame.
+  template <class T>
+  MOMENTREE_INLINE static Force<T> wrench(const Vector3<T>& c, const T* f) {
+    const Vector3<T> l{f[0], f[1], f[2]};
+    return {l, Vector3<T>{f[3], f[4], f[5]} - cross(c, l)};
+  }
+  /// u = E⁻¹ a.
+  template <class T>
+  MOMENTREE_INLINE static void rates(const Vector3<T>& c, const Motion<T>& a, T* u) {
+    const Vector3<T> v = a.v + cross(c, a.w);
+    u[0] = v.x, u[1] = v.y, u[2] = v.z, u[3] = a.w.x, u[4] = a.w.y, u[5] = a.w.z;
+  }
+  template <class T>
+  MOMENTREE_INLINE static void pose(const auto& k, const JointState<T>& j, Matrix3<T>& R, Vector3<T>& r) {
+    SixDofs<K>::template pose<T>(k, j, R, r);
+    r = r + R * offset<T>(k);
+  }
+  template <class T>
+  MOMENTREE_INLINE static Columns<T, 6> columns(const auto& k, const JointState<T>& j) {
+    Columns<T, 6> E = SixDofs<K>::template columns<T>(k, j);
+    const Vector3<T> c = offset<T>(k);
+    E[3].v = {T(0), -c.z, c.y}, E[4].v = {c.z, T(0), -c.x}, E[5].v = {-c.y, c.x, T(0)};
+    return E;
+  }
+  /// (17)
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> spatial_velocity(const auto& k, const JointState<T>&, const Motion<T>& in, const T* u) {
+    const Vector3<T> w{u[3], u[4], u[5]};
+    return in + Motion<T>{Vector3<T>{u[0], u[1], u[2]} + cross(w, offset<T>(k)), w};
+  }
+  static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>&, const double* force) {
+    return wrench<double>(offset<double>(k), force);
+  }
+};
+
 struct GenericFree : SixDofs<GenericFree> {};
 
 template <class T>
 struct FreeRecord {
-  Motion<T> a0;       ///< E u if the parent is at rest
-  Force<T> P;         ///< Pb
-  Vector3<T> offset;  ///< c
+  Motion<T> a0;        ///< E u if the parent is at rest
+  Force<T> P;          ///< Pb
+  Vector3<T> offset;   ///< c
   JointMass<T, 6> Mj;  ///< in terms of velocities of the kernel frame: Mb
   Vector3<T> mc;
   DenseTransform<T> x;
 };
 
-struct FreeKernels : SixDofs<FreeKernels> {
+struct FreeKernels : SixDofsOfCentre<FreeKernels> {
   template <class T>
   using Record = FreeRecord<T>;
 
@@ -141,12 +165,12 @@ struct FreeKernels : SixDofs<FreeKernels> {
   MOMENTREE_INLINE static Force<T> articulated_momentum(const Record<T>& w, const T*, const Motion<T>&) {
     return w.P;
   }
-  /// (17)
+  /// Ω × Pb, (20), of a body that carries no other. There Pb.l = m v + ω × mc, and without the products m v v, which cancel,
+  /// nothing but its own momentum turns a light body.
   template <class T>
-  MOMENTREE_INLINE static Motion<T> spatial_velocity(const LinkConstants& k, const JointState<T>&, const Motion<T>& in,
-                                                     const T* u) {
-    const Vector3<T> w{u[3], u[4], u[5]};
-    return in + Motion<T>{Vector3<T>{u[0], u[1], u[2]} + cross(w, offset<T>(k)), w};
+  MOMENTREE_INLINE static Force<T> gyroscopic(const auto& mc, const Motion<T>& a, const Force<T>& P) {
+    const Vector3<T> c{T(mc.x), T(mc.y), T(mc.z)};
+    return {cross(a.w, P.l), cross(a.w, P.h) + cross(a.v, cross(a.w, c))};
   }
   /// (51): only τ reaches the parent.
   template <class T>

@@ -19,12 +19,8 @@ struct Break : ActionBase {
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::release; }
   ActionResult apply(TopologyEditor& editor) const override {
     const int joint = editor.joint(name);
-    if (const JointId loop = editor.loop(name); loop.index >= 0) {
-      editor.break_loop(loop);
-      return ActionResult::done();
-    }
-    if (joint < 0) return editor.missing(name);
-    if (!can_break(editor.tree(), {joint})) return ActionResult::skipped("it holds nothing: the body is already free");
+    if (joint < 0) return ActionResult::skipped("the joint no longer exists");
+    if (!is_loop({joint}) && !can_break(editor.tree(), {joint})) return ActionResult::skipped("it holds nothing: the body is already free");
     editor.break_off(joint);
     return ActionResult::done();
   }

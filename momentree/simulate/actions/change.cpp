@@ -51,7 +51,7 @@ double angle_hint(const KindInfo& kind, const Values& q) {
 
 ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
   const int number = editor.joint(name);
-  if (number < 0) return editor.missing(name);
+  if (number < 0) return ActionResult::skipped("the joint no longer exists");
   const Joint old = editor.declared(number);
   const Values q = editor.coordinates(number);
   const KindInfo &before = info(old.kind), &now = info(to.spec.kind);
@@ -81,11 +81,11 @@ ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
   plan.joint.at = old.at, plan.joint.child_at = old.child_at;
   if (old.kind == spec.kind && (!now.pitch || old.pitch == spec.pitch)) {
     if (editor.locked(number) == 0) return ActionResult::skipped("it is already that joint");
-    const JointParameters* own = editor.tree().parameters(editor.tree().carrier(number));
+    const JointParameters* own = editor.parameters(number);
     if (own != nullptr && own->drive != nullptr && own->drive->moves())
       return ActionResult::refused("its prescribed motion is suspended by a lock", "unlock it instead");
     plan.joint.parameters = old.parameters, plan.joint.function = old.function;
-    plan.q = q;
+    plan.q = q, plan.keeps_parameters = true;
   } else if (const auto kept = joint_coordinates(spec, motion, angle_hint(before, q))) {
     plan.q = *kept;
   } else {
@@ -138,6 +138,7 @@ ActionResult Change::apply(TopologyEditor& editor) const {
   else
     editor.become(number, found);
   const JointParameters parameters = editor.begun(number, to.spec.parameters);
+  if (ActionResult result = editor.supports(number, parameters); result.outcome != ActionResult::Outcome::done) return result;
   const ActionResult follows = editor.can_follow(number, parameters);
   if (follows.outcome != ActionResult::Outcome::done) return follows;
   if (!(parameters == JointParameters{})) editor.set(number, parameters);

@@ -27,6 +27,7 @@ struct Lock : ActionBase {
     if (result.outcome != ActionResult::Outcome::done) return result;
     const int joint = editor.joint(name);
     if ((wanted & ~editor.locked(joint)) == 0) return ActionResult::skipped("it is already locked");
+    if (ActionResult possible = editor.can_lock(joint, wanted); possible.outcome != ActionResult::Outcome::done) return possible;
     editor.lock(joint, wanted);
     return result;
   }
@@ -45,7 +46,7 @@ struct Lock : ActionBase {
   }
   ActionResult check(const TopologyEditor& editor, unsigned& wanted) const {
     const int joint = editor.joint(name);
-    if (joint < 0) return editor.missing(name);
+    if (joint < 0) return ActionResult::skipped("the joint no longer exists");
     const KindInfo& kind = info(editor.declared(joint).kind);
     if (kind.nv == 0) return ActionResult::skipped("a " + std::string(kind.name) + " has no degree of freedom");
     for (const int i : dofs)

@@ -20,10 +20,9 @@ struct Set : ActionBase {
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::parameters; }
   ActionResult apply(TopologyEditor& editor) const override {
     const int joint = editor.joint(name);
-    const JointId loop = editor.loop(name);
-    if (joint < 0 && loop.index < 0) return editor.missing(name);
+    if (joint < 0) return ActionResult::skipped("the joint no longer exists");
     JointParameters all;
-    if (const JointParameters* own = editor.parameters(name)) all = *own;
+    if (const JointParameters* own = editor.parameters(joint)) all = *own;
     const auto take = [](Values& to, const Values& from) {
       if (!from.empty()) to = from;
     };
@@ -39,11 +38,11 @@ struct Set : ActionBase {
     take(all.friction.coulomb, parameters.friction.coulomb);
     take(all.friction.speed, parameters.friction.speed);
     if (parameters.strength.any()) all.strength = parameters.strength;
-    if (loop.index >= 0) return set_loop(editor, loop, all);
     JointSpec spec = spec_of(editor.declared(joint));
     spec.parameters = all;
     for (const JointProblem& problem : check_joint(spec))
       return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
+    if (ActionResult result = editor.supports(joint, all); result.outcome != ActionResult::Outcome::done) return result;
     if (all.drive != nullptr && all.drive->moves() && editor.declared(joint).function >= 0)
       return ActionResult::refused("a function drives the joint, so its motion can't be prescribed", "remove the function first");
     if ((editor.declared(joint).locked & 1u) == 0) {
@@ -52,19 +51,6 @@ struct Set : ActionBase {
       if (follows.outcome != ActionResult::Outcome::done) return follows;
     }
     editor.set(joint, all);
-    return ActionResult::done();
-  }
-
- private:
-  static ActionResult set_loop(TopologyEditor& editor, JointId loop, const JointParameters& all) {
-    const Loop& now = *editor.tree().find_loop(loop.index - first_loop);
-    LoopSpec spec;
-    spec.name = editor.joint_name(loop.index), spec.body = {now.body}, spec.to = {now.to};
-    spec.joint = spec_of(now.joint);
-    spec.joint.parameters = all;
-    for (const BodyProblem& problem : check_loop(spec, editor.tree().bodies()))
-      return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
-    editor.set_loop(loop, all);
     return ActionResult::done();
   }
 };

@@ -32,7 +32,7 @@ struct Unlock : Lock {
  private:
   const JointParameters* parameters(const TopologyEditor& editor) const {
     const int joint = editor.joint(name);
-    return joint < 0 ? nullptr : editor.tree().parameters(editor.tree().carrier(joint));
+    return joint < 0 ? nullptr : editor.parameters(joint);
   }
 };
 

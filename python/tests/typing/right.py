@@ -118,7 +118,7 @@ def run(sim: mt.Simulation) -> None:
 
 
 def batch(model: mt.Model) -> None:
-    worlds = mt.Batch(model, 4, precision="float32")
+    worlds = mt.Batch(model, 4, precision="float32", variables="velocities")
     worlds.step(1e-3)
     worlds.step(np.full(4, 1e-3))
     worlds.q = np.zeros((4, 2))

@@ -1,0 +1,38 @@
+#pragma once
+// Steps of states in velocities, in lanes; included only by instantiate/*.cpp.
+#include <momentree/batch/stepper.ipp>
+#include <momentree/dynamics/velocity.ipp>
+
+namespace momentree::batch {
+
+template <class T>
+class PackVelocityStepper final : public PackStepper<T> {
+ public:
+  explicit PackVelocityStepper(const Tree& tree) : PackStepper<T>(tree) {}
+  void rates(const Tree& tree, const double* q, const double* u, double* qdot, double* udot, double* v) noexcept override {
+    this->load(tree, q, u, this->q_.get(), this->y_.get());
+    evaluate_with(tree, this->q_.get(), this->y_.get(), [](T*) {});
+    this->store(tree.nq(), this->workspace_.qdot.get(), qdot);
+    this->store(tree.nv(), this->workspace_.a.get(), udot);
+    this->store(tree.nv(), this->workspace_.v.get(), v);
+  }
+
+ private:
+  // add_forces(τ) adds the joint forces.
+  template <class Forces>
+  void evaluate_with(const Tree& tree, const T* q, const T* u, const Forces& add_forces) noexcept {
+    const Vec3& g = tree.gravity();
+    T* const tau = this->workspace_.a.get();
+    sweep_velocities<T, false>(tree, q, u, this->workspace_);
+    for (int i = 0; i < tree.nv(); ++i) tau[i] = T(0);
+    add_forces(tau);
+    solve_accelerations<T, false>(tree, q, this->workspace_, {{T(-g.x), T(-g.y), T(-g.z)}, {T(0), T(0), T(0)}});
+  }
+  void evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
+                const T* u) noexcept override {
+    evaluate_with(tree, q, u, [&](T* tau) { this->add_forces(tree, plan, effort, t, q, tau); });
+  }
+  const T* ydot() const noexcept override { return this->workspace_.a.get(); }
+};
+
+}  // namespace momentree::batch
