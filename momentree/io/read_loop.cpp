@@ -11,16 +11,19 @@ namespace {
 using namespace type;
 
 constexpr Key loop_entries[] = {
-    {"name", string, "Name of the joint, among all joints of the scenario", nullptr, "a name, by which events and results refer to it"},
+    {"name", string, "Name of the joint, among all joints of the scenario", nullptr,
+     "a name, by which events and results refer to it"},
     {"body", string, "Full name of the body that is the joint's child", nullptr, "a body, for example \"arm/hand\""},
     {"to", string, "Full name of the body that is its parent; \"ground\", or no key: the ground"},
     {"at", table(placement_table), "Placement of the joint's frame in the frame of `to`"},
     {"child_at", table(placement_table), "Placement of the joint's frame in the body's frame"},
-    {"assemble", boolean, "Whether the loop is closed at the start by changing the initial values; else they must close it", "true"},
+    {"assemble", boolean, "Whether the loop is closed at the start by changing the initial values; else they must close it",
+     "true"},
 };
 
 /// The body of that name; nothing, with a report, if there is none.
-std::optional<BodyId> body_named(const Value& value, const char* key, const std::string& loop, bool may_be_ground, Reading& reading) {
+std::optional<BodyId> body_named(const Value& value, const char* key, const std::string& loop, bool may_be_ground,
+                                 Reading& reading) {
   const auto name = read_string(value, key, reading.out);
   if (!name || reading.opaque.contains(mechanism_of(*name))) return std::nullopt;
   if (may_be_ground && *name == "ground") return ground;
@@ -38,7 +41,7 @@ std::optional<BodyId> body_named(const Value& value, const char* key, const std:
 
 }  // namespace
 
-constinit const KeyTable loop_table{"[[loop]]", "loop", "A joint that closes a loop", loop_entries, {}, {&joint_geometry}, true};
+constinit const KeyTable loop_table{"[[loop]]", "loop", "A joint that closes a loop", loop_entries, {}, {&loop_geometry}, true};
 
 void read_loop(const Value& table, Reading& reading) {
   Diagnostics& out = reading.out;
@@ -66,7 +69,8 @@ void read_loop(const Value& table, Reading& reading) {
   if (!child || !parent || errors != out.errors()) return;
   spec.body = *child, spec.to = *parent;
   for (const BodyProblem& problem : check_loop(spec, reading.scenario.model.size()))
-    out.error(fields.place_of(problem.field), "loop " + in_quotes(spec.name) + ": " + problem.field + ": " + problem.what, problem.hint);
+    out.error(fields.place_of(problem.field), "loop " + in_quotes(spec.name) + ": " + problem.field + ": " + problem.what,
+              problem.hint);
   if (errors == out.errors()) reading.scenario.model.add_loop(std::move(spec));
 }
 

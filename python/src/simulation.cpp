@@ -180,12 +180,12 @@ void register_simulation(nb::module_& m) {
       .def_prop_ro(
           "statistics", &statistics_of,
           "Counts of steps, evaluations and changes, and the processor times (s) that they took, of all runs so far; a copy.")
-      .def_prop_ro(
-          "energy_balance", &balance_of,
-          "The energy ledger since the start (J), a copy: initial, final, dissipated, work, lost_in_impacts, released, projection, "
-          "error.\n\n"
-          "error = final + dissipated + lost_in_impacts + released - initial - work - projection; it is zero for exact "
-          "integration. projection is what closing the loops after steps brought in.")
+      .def_prop_ro("energy_balance", &balance_of,
+                   "The energy ledger since the start (J), a copy: initial, final, dissipated, work, lost_in_impacts, released, "
+                   "projection, "
+                   "error.\n\n"
+                   "error = final + dissipated + lost_in_impacts + released - initial - work - projection; it is zero for exact "
+                   "integration. projection is what closing the loops after steps brought in.")
       .def_prop_ro(
           "title", [](const SimulationObject& self) { return self.scenario().title; }, "Title of the scenario; may be empty.")
       .def_prop_ro(

@@ -375,8 +375,7 @@ void register_world(nb::module_& m) {
           "loops", [](const WorldPtr& w) { return python_class("_world", "Loops")(w); },
           "The joints that close loops, by name: a mapping. `joints` has them, too.")
       .def_prop_ro(
-          "loop_status",
-          [](const WorldPtr& w) { return loop_status(Reading(w)->loop_status()); },
+          "loop_status", [](const WorldPtr& w) { return loop_status(Reading(w)->loop_status()); },
           "The equations of the closed loops: `rows`, `rank` and `residual`.")
       .def("_body",
            [](const WorldPtr& w, nb::handle name) {
