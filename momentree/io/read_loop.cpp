@@ -3,6 +3,8 @@
 #include <momentree/io/read_action.hpp>
 #include <momentree/io/scenario_parts.hpp>
 #include <momentree/simulate/assembly.hpp>
+#include <momentree/simulate/strengths.hpp>
+#include <momentree/simulate/world.hpp>
 
 namespace momentree::io {
 
@@ -74,6 +76,18 @@ void read_loop(const Value& table, Reading& reading) {
   if (errors == out.errors()) reading.scenario.model.add_loop(std::move(spec));
 }
 
+namespace {
+
+void check_strengths(Reading& reading) {
+  const World world(reading.scenario.model, Variables::velocities);
+  const std::optional<Error> error = undetermined_strength(world);
+  if (!error) return;
+  for (const auto& [joint, place] : reading.joints)
+    if (error->where == "joint '" + joint + "'") reading.out.error(place, error->where + ": " + error->problem, error->hint);
+}
+
+}  // namespace
+
 void check_loops(Reading& reading) {
   if (reading.scenario.model.loops().empty()) return;
   Integration& how = reading.scenario.integration;
@@ -84,7 +98,7 @@ void check_loops(Reading& reading) {
     reading.out.error(at, "the method '" + how.method + "' can't integrate closed loops", "use rk4, midpoint, dopri5 or dop853");
   how.variables = Variables::velocities;
   const std::optional<Error> error = check_assembly(reading.scenario.model);
-  if (!error) return;
+  if (!error) return check_strengths(reading);
   for (const LoopSpec& loop : reading.scenario.model.loops())
     if (error->where == "loop '" + loop.name + "'")
       reading.out.error(reading.joints.at(loop.name), error->where + ": " + error->problem, error->hint);
