@@ -162,7 +162,7 @@ std::string loops_text(const World& world) {
   const auto name = [&world](BodyId body) { return body == ground ? std::string("ground") : world.model()[body].name; };
   for (const JointId loop : world.loops()) {
     const JointView joint = world.joint(loop);
-    table.row({std::string(joint.name), kind_text(joint), name(joint.child) + " to " + name(joint.parent)});
+    table.row({"'" + std::string(joint.name) + "'", kind_text(joint), name(joint.child) + " to " + name(joint.parent)});
   }
   return table.text("  ");
 }
