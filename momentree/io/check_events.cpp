@@ -91,6 +91,8 @@ std::unordered_map<std::string, double> earliest_instants(const Scenario& scenar
   };
   for (const BodySpec& body : scenario.model.bodies())  // joints break by themselves, too
     if (body.joint.parameters.strength.any()) take("strength of " + body.joint_name, 0);
+  for (const LoopSpec& loop : scenario.model.loops())
+    if (loop.joint.parameters.strength.any()) take("strength of " + loop.name, 0);
   std::unordered_map<std::string_view, std::vector<const ScenarioEvent*>> followers;
   for (const ScenarioEvent& event : scenario.events) {
     if (event.after.empty())

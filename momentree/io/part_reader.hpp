@@ -42,6 +42,9 @@ class PartReader {
   /// A table with the keys of [[force]]; a wildcard in the body's name gives several forces.
   [[nodiscard]] std::vector<BodyForce> forces(const Value& table, const Model& model) const;
 
+  /// A table with the keys of [[loop]], but `name`.
+  [[nodiscard]] LoopSpec loop(const std::string& name, const Value& table, const Model& model) const;
+
   /// An event's table with `when` and the keys that go with it: one part, or one for each match of a wildcard.
   [[nodiscard]] std::vector<TriggerPart> triggers(const Value& event, const World& world) const;
   /// The value of an action's key in an event: a name, a table, or a list of them. Names of bodies are checked here, those of

@@ -5,6 +5,8 @@
 #include <momentree/io/read_action.hpp>
 #include <momentree/io/scenario_parts.hpp>
 #include <momentree/simulate/assembly.hpp>
+#include <momentree/simulate/strengths.hpp>
+#include <momentree/simulate/world.hpp>
 
 namespace momentree::io {
 
@@ -52,7 +54,7 @@ std::optional<BodyId> body_named(const Value& value, const char* key, const std:
 
 }  // namespace
 
-constinit const KeyTable loop_table{"[[loop]]", "loop", "A joint that closes a loop", loop_entries, {}, {&joint_geometry}, true};
+constinit const KeyTable loop_table{"[[loop]]", "loop", "A joint that closes a loop", loop_entries, {}, {&loop_geometry}, true};
 
 void read_loop(const Value& table, Reading& reading) {
   Diagnostics& out = reading.out;
@@ -106,6 +108,18 @@ bool loops_fit(Reading& reading) {
   return true;
 }
 
+namespace {
+
+void check_strengths(Reading& reading) {
+  const World world(reading.scenario.model, Variables::velocities);
+  const std::optional<Error> error = undetermined_strength(world);
+  if (!error) return;
+  for (const auto& [joint, place] : reading.joints)
+    if (error->where == "joint '" + joint + "'") reading.out.error(place, error->where + ": " + error->problem, error->hint);
+}
+
+}  // namespace
+
 void check_loops(Reading& reading) {
   if (reading.scenario.model.loops().empty()) return;
   Integration& how = reading.scenario.integration;
@@ -116,7 +130,7 @@ void check_loops(Reading& reading) {
     reading.out.error(at, "the method '" + how.method + "' can't integrate closed loops", "use rk4, midpoint, dopri5 or dop853");
   how.variables = Variables::velocities;
   const std::optional<Error> error = check_assembly(reading.scenario.model);
-  if (!error) return;
+  if (!error) return check_strengths(reading);
   for (const LoopSpec& loop : reading.scenario.model.loops())
     if (error->where == "loop '" + loop.name + "'")
       report_loop(loop.name, error->where + ": " + error->problem, error->hint, reading);

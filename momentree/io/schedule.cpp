@@ -128,6 +128,8 @@ Schedule with_followers(std::vector<const ScenarioEvent*> events, const Simulati
   std::set<std::string> names;
   for (const BodySpec& body : simulation.world().model().bodies())  // joints break by themselves, too
     if (body.joint.parameters.strength.any()) names.insert("strength of " + body.joint_name);
+  for (const LoopSpec& loop : simulation.world().model().loops())
+    if (loop.joint.parameters.strength.any()) names.insert("strength of " + loop.name);
   std::vector<const ScenarioEvent*> waiting;
   for (const ScenarioEvent* event : events) {
     if (!event->after.empty()) {
