@@ -252,7 +252,7 @@ TEST_CASE("tables of a mechanism give parameters to joints that close loops") {
   const Folder folder;
   const ReadResult result = folder.read(
       four_bar_sdf(),
-      "[mechanism.joint.j3]\ndamping = 0.7\nstrength = { force = 100 }\n"
+      "[mechanism.joint.j3]\ndamping = 0.7\n"
       "[mechanism.joint.\"*\"]\nstiffness = 5\narmature = 0.1\n"
       "[[event]]\nwhen = { reaction_force = \"m/j3\", exceeds = 50, undetermined = \"least_norm\" }\nbreak = \"m/j3\"\n");
   REQUIRE_MESSAGE(result.scenario, rendered(result.diagnostics));
@@ -260,11 +260,17 @@ TEST_CASE("tables of a mechanism give parameters to joints that close loops") {
   const JointParameters& p = model.loops()[0].joint.parameters;
   CHECK(p.damping[0] == 0.7);
   CHECK(p.stiffness[0] == 5);
-  CHECK(p.strength.force == 100);
   CHECK(!p.armature.any());
   CHECK(model[{0}].joint.parameters.armature[0] == 0.1);
   CHECK(said(result, Severity::note).find("armature: joint 'j3' closes a loop and cannot have it") != std::string::npos);
   CHECK(result.scenario->events.size() == 1);
+  const ReadResult strong = folder.read(
+      "<mujoco><worldbody><body name='a'><geom size='0.1'/><joint axis='1 0 0'/></body><body name='b' pos='0 0 1'>"
+      "<geom size='0.1'/><freejoint name='f'/></body></worldbody><equality><weld name='glue' body1='b' body2='a'/>"
+      "</equality></mujoco>",
+      "[mechanism.joint.glue]\nstrength = { force = 100 }\n", "m.xml");
+  REQUIRE_MESSAGE(strong.scenario, rendered(strong.diagnostics));
+  CHECK(strong.scenario->model.loops()[0].joint.parameters.strength.force == 100);
 
   CHECK(folder.says(four_bar_sdf(), "[mechanism.joint.j3]\nangle = 1\n") ==
         "s.toml:6:9: error: angle: joint 'j3' closes a loop and has no start values: its position follows from the other joints; "
