@@ -31,8 +31,8 @@ std::string evaluation_text(const World& world, const Style& style) {
   reactions.row({"joint", "on", "force", "torque"});
   bodies.row({"body", "linear", "angular"});
   const Model& model = world.model();
-  if (totals.loops.rows > 0)
-    sums.row({"loops", format("%d equations, %d independent, open by %.2g", totals.loops.rows, totals.loops.rank, totals.loops.residual)});
+  if (const LoopStatus& loops = totals.loops; loops.rows > 0)
+    sums.row({"loops", format("%d equations, %d independent, open by %.2g", loops.rows, loops.rank, loops.residual)});
   const auto show_joint = [&](JointId number) {
     const JointView joint = world.joint(number);
     const JointForces forces = world.joint_forces(number);

@@ -144,6 +144,29 @@ int bodies_in_planes(const Tree& tree) {
   return bodies;
 }
 
+/// DoFs that are locked or have a prescribed motion.
+int held_dofs(const World& world) {
+  int held = 0;
+  for (int b = 0; b < world.model().size(); ++b) {
+    const JointView joint = world.joint({b});
+    const JointParameters* const parameters = joint.parameters;
+    const bool driven = parameters != nullptr && parameters->drive && parameters->drive->moves();
+    for (int i = 0; i < info(joint.kind).nv; ++i) held += driven || (joint.locked >> i & 1u) != 0 ? 1 : 0;
+  }
+  return held;
+}
+
+/// The loop joints, one line each.
+std::string loops_text(const World& world) {
+  Table table(Table::Values::left);
+  const auto name = [&world](BodyId body) { return body == ground ? std::string("ground") : world.model()[body].name; };
+  for (const JointId loop : world.loops()) {
+    const JointView joint = world.joint(loop);
+    table.row({"'" + std::string(joint.name) + "'", kind_text(joint), name(joint.child) + " to " + name(joint.parent)});
+  }
+  return table.text("  ");
+}
+
 std::string totals_text(const World& world) {
   double mass = 0;
   for (const BodySpec& body : world.model().bodies()) mass += body.mass;
@@ -155,6 +178,12 @@ std::string totals_text(const World& world) {
   row("degrees of freedom", format("%d", world.tree().nv()));
   if (world.springs() > 0) row("springs", format("%d", world.springs()));
   row("mass", mass_text(mass));
+  if (world.tree().has_loops()) {
+    const LoopStatus loops = world.loop_status();
+    row("loops", count_text(static_cast<long>(world.loops().size()), "joint", "joints") +
+                     format(", %d equations, %d independent", loops.rows, loops.rank));
+    row("mobility", format("%d", world.tree().nv() - held_dofs(world) - loops.rank));
+  }
   const Vec3 g = world.model().gravity();
   row("gravity", format("%g %g %g m/s²", g.x, g.y, g.z));
   const Operations operations = count_operations(world.tree());
@@ -223,6 +252,7 @@ int explain(const ExplainOptions& options) {
             drawing.of(mechanism.root);
   }
   text += springs_text(world, style);
+  if (world.tree().has_loops()) text += '\n' + style.heading("Loops") + '\n' + loops_text(world);
   if (!scenario->events.empty()) text += '\n' + style.heading("Events") + '\n';
   for (const io::ScenarioEvent& event : scenario->events)
     for (const Action& action : event.actions) text += "  " + when_text(event) + ": " + action.text() + '\n';

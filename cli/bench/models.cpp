@@ -11,6 +11,7 @@
 #include <cli/interrupt.hpp>
 #include <cli/record.hpp>
 #include <cli/text.hpp>
+#include <momentree/base/error.hpp>
 #include <momentree/io/json_writer.hpp>
 #include <momentree/io/text_file.hpp>
 
@@ -109,6 +110,9 @@ int bench_models(const BenchOptions& options, const std::vector<std::string>& pe
     std::shared_ptr<const io::Scenario> scenario = load(path, {}, Notes::counted, io::Severity::error);
     if (!scenario) return bad_input;
     if (compile(scenario->model).nv() == 0) throw_error({"nothing in it moves: there is nothing to measure", path, ""});
+    if (const auto& loops = scenario->model.loops(); !loops.empty())
+      throw_error({"closed loops are not measured: joint " + io::in_quotes(loops.front().name) + " closes one", path,
+                   "leave it out, or measure another model"});
     if (!peers.empty()) {
       files.push_back(folder->file(std::to_string(files.size())));
       try {

@@ -14,7 +14,7 @@ namespace {
 using detail::LoopCorrection;
 
 constexpr double closed = 1e-14;       // |φ| relative to the size of the loop, and as a sine of angles
-constexpr double nearly = 1e-11;       // where rounding does not allow more
+constexpr double nearly = 1e-7;        // where redundant rows contradict each other: axes of CAD files have such errors
 constexpr double at_assembly = 1e-6;   // pivots while coordinates are far off
 constexpr int most_corrections = 8, most_assembly_steps = 200;
 

@@ -94,6 +94,8 @@ std::unordered_map<std::string, double> earliest_instants(const Scenario& scenar
     if (body.joint.parameters.strength.any()) take("strength of " + body.joint_name, 0);
   for (const Spring& spring : scenario.model.springs())
     if (std::isfinite(spring.strength)) take("strength of " + spring.name, 0);
+  for (const LoopSpec& loop : scenario.model.loops())
+    if (loop.joint.parameters.strength.any()) take("strength of " + loop.name, 0);
   std::unordered_map<std::string_view, std::vector<const ScenarioEvent*>> followers;
   for (const ScenarioEvent& event : scenario.events) {
     if (event.after.empty())

@@ -1,6 +1,7 @@
 #include <momentree/io/joint_tables.hpp>
 
 #include <algorithm>
+#include <limits>
 
 #include <momentree/io/joint_keys.hpp>
 
@@ -238,6 +239,39 @@ void JointTables::apply(const std::string& joint, BodySpec& spec) const {
     return found == places.end() ? std::nullopt : std::optional(found->second);
   };
   start_motion(spec, place_of("q"), place_of("v"), reading_.out);
+}
+
+void JointTables::apply(const std::string& joint, LoopSpec& loop) {
+  if (!any()) return;
+  constexpr int any_bodies = std::numeric_limits<int>::max();
+  const auto problem_with = [](std::string_view key, const auto& problems) {
+    const auto found = std::find_if(problems.begin(), problems.end(), [key](const auto& each) { return each.field == key; });
+    return found == problems.end() ? std::pair<std::string, std::string>() : std::pair(found->what, found->hint);
+  };
+  each_for(joint, [&](const JointTable& table) {
+    const JointTable::Part* part = table.part(loop.joint.kind);
+    if (!part) return;
+    for (const auto& [name, value] : part->entries) {
+      const std::string_view key(name);
+      const bool start =
+          std::any_of(joint_starts.begin(), joint_starts.end(), [key](const Key& each) { return key == each.name; });
+      LoopSpec tried = loop;
+      take(tried.joint.parameters, part->parameters, key);
+      auto [what, hint] = problem_with(key, check_loop(tried, any_bodies));
+      if (!start && what.empty()) {
+        loop.joint = std::move(tried.joint);
+      } else if (table.wild() && problem_with(key, check_joint(tried.joint)).first.empty()) {
+        if (left_out_.insert(value).second)
+          reading_.out.note(value->place, std::string(key) + ": joint " + in_quotes(joint) + " closes a loop and cannot have it");
+      } else if (start) {
+        reading_.out.error(value->place, std::string(key) + ": joint " + in_quotes(joint) + " " + no_loop_start,
+                           no_loop_start_hint);
+      } else if (sound_) {
+        reading_.out.error(value->place, "joint " + in_quotes(joint) + ": " + std::string(key) + ": " + what, hint);
+        sound_ = false;
+      }
+    }
+  });
 }
 
 void JointTables::check(const std::string& joint, const BodySpec& spec) {

@@ -2,6 +2,7 @@
 // [mechanism.joint.NAME]: parameters and initial values that a mechanism gives to joints of its model or chain. Internal to the
 // reader.
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -68,6 +69,9 @@ class JointTables {
             const std::unordered_map<std::string, std::string>& bodies = {});
   /// Applies every matching table to the joint.
   void apply(const std::string& joint, BodySpec& spec) const;
+  /// The same for a joint that closes a loop. What such joints don't have is an error in a table under its name, and left out
+  /// with a note if the name has a wildcard.
+  void apply(const std::string& joint, LoopSpec& spec);
   /// Reports if the result is not a valid joint, for the first such joint. Call it once the joint has its initial values.
   void check(const std::string& joint, const BodySpec& spec);
   /// The place that gives the initial values of a joint under its own name, if there is one.
@@ -85,6 +89,7 @@ class JointTables {
   std::vector<std::size_t> wild_;                       // indices of those with wildcards
   std::unordered_map<std::string, std::size_t> exact_;  // by name
   bool sound_ = true;
+  std::set<const Value*> left_out_;  // values of tables with wildcards that loop joints don't have
 };
 
 /// Reports an error if the mechanism's `state` and a table under the joint's name both give its initial values.

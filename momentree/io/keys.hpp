@@ -111,5 +111,7 @@ extern const KeyTable scenario_table, world_table, integrate_table, output_table
     coupling_table, mimic_table, event_table, condition_table, point_table;
 /// Kind, axis, axis2 and pitch; and the initial values.
 extern const KeyList joint_geometry, joint_starts;
+/// The geometry of a joint that closes a loop.
+extern const KeyList loop_geometry;
 
 }  // namespace momentree::io

@@ -86,6 +86,15 @@ Spring PartReader::spring(const std::string& name, const Value& table, const Mod
   return part.scenario.model.springs().back();
 }
 
+LoopSpec PartReader::loop(const std::string& name, const Value& table, const Model& model) const {
+  PartReading part(what_, model);
+  for (const BodySpec& body : model.bodies()) part.reading.joints.emplace(body.joint_name, Place{});
+  for (const LoopSpec& loop : model.loops()) part.reading.joints.emplace(loop.name, Place{});
+  read_loop(with_entry(table, "name", name), part.reading);
+  part.check();
+  return part.scenario.model.loops().back();
+}
+
 std::vector<TriggerPart> PartReader::triggers(const Value& event, const World& world) const {
   PartReading part(what_, world);
   std::optional<std::vector<TriggerMatch>> matches = matches_of_trigger(event, part.reading);

@@ -44,6 +44,8 @@ class PartReader {
 
   /// A table with the keys of [[spring]] except its name.
   [[nodiscard]] Spring spring(const std::string& name, const Value& table, const Model& model) const;
+  /// A table with the keys of [[loop]], but `name`.
+  [[nodiscard]] LoopSpec loop(const std::string& name, const Value& table, const Model& model) const;
 
   /// An event's table with `when` and the keys that go with it: one part, or one for each match of a wildcard.
   [[nodiscard]] std::vector<TriggerPart> triggers(const Value& event, const World& world) const;

@@ -49,6 +49,11 @@ JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
   const auto body = reading.body_of_joint.find(*name);
   const std::string& carried = body == reading.body_of_joint.end() ? *name : body->second;
   const Model& model = reading.scenario.model;
+  if (model.has_joint(*name) && is_loop(model.joint(*name))) {
+    out.error(value.place, std::string(key) + ": joint " + in_quotes(*name) + " closes a loop, where it can't be coupled",
+              "let another joint of the loop be the one that closes it");
+    return {-1};
+  }
   if (!model.has_body(carried)) return {-1};  // of a mechanism with errors
   const JointId joint = model.inboard_joint(model.body(carried));
   const JointSpec& spec = model[joint].joint;

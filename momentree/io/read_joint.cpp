@@ -21,6 +21,12 @@ std::vector<std::string> kind_names() {
   return names;
 }
 
+std::vector<std::string> loop_kind_names() {
+  std::vector<std::string> names = kind_names();
+  std::erase(names, info(Kind::free).name);
+  return names;
+}
+
 constexpr Key geometry_entries[] = {
     {"kind", choice(&kind_names), "Kind of joint", nullptr, ""},
     {"axis", vector(dimension::number), "Axis in the joint's frame, of any length but zero", "[0, 0, 1]", nullptr,
@@ -28,6 +34,11 @@ constexpr Key geometry_entries[] = {
     {"axis2", vector(dimension::number), "Second axis, turned by the first rotation", nullptr, nullptr, &KindInfo::axis2},
     {"pitch", number(dimension::length), "Displacement per turn", nullptr, nullptr, &KindInfo::pitch},
 };
+
+constexpr Key loop_geometry_entries[] = {{"kind", choice(&loop_kind_names), "Kind of joint", nullptr, ""},
+                                         geometry_entries[1],
+                                         geometry_entries[2],
+                                         geometry_entries[3]};
 
 // One number, or a list; quaternions count as coordinates.
 constexpr const char* coordinates =
@@ -109,7 +120,7 @@ void pass_over(Fields& fields) {
 
 }  // namespace
 
-constinit const KeyList joint_geometry = geometry_entries, joint_starts = starts_entries;
+constinit const KeyList joint_geometry = geometry_entries, loop_geometry = loop_geometry_entries, joint_starts = starts_entries;
 constinit const KeyTable joint_table{"[mechanism.body.joint]",         "joint", "The inboard joint of a body", own_entries, {},
                                      {&joint_geometry, &joint_starts}, true};
 constinit const KeyTable joint_start_table{"start", "joint_start", "Initial values of a joint", starts_entries};

@@ -1,8 +1,12 @@
 // [[loop]]: joints that close kinematic loops.
+#include <vector>
+
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/read_action.hpp>
 #include <momentree/io/scenario_parts.hpp>
 #include <momentree/simulate/assembly.hpp>
+#include <momentree/simulate/strengths.hpp>
+#include <momentree/simulate/world.hpp>
 
 namespace momentree::io {
 
@@ -11,16 +15,28 @@ namespace {
 using namespace type;
 
 constexpr Key loop_entries[] = {
-    {"name", string, "Name of the joint, among all joints of the scenario", nullptr, "a name, by which events and results refer to it"},
+    {"name", string, "Name of the joint, among all joints of the scenario", nullptr,
+     "a name, by which events and results refer to it"},
     {"body", string, "Full name of the body that is the joint's child", nullptr, "a body, for example \"arm/hand\""},
     {"to", string, "Full name of the body that is its parent; \"ground\", or no key: the ground"},
     {"at", table(placement_table), "Placement of the joint's frame in the frame of `to`"},
     {"child_at", table(placement_table), "Placement of the joint's frame in the body's frame"},
-    {"assemble", boolean, "Whether the loop is closed at the start by changing the initial values; else they must close it", "true"},
+    {"assemble", boolean, "Whether the loop is closed at the start by changing the initial values; else they must close it",
+     "true"},
 };
 
+constexpr long most_rows = 5000, most_columns = 4'000'000;
+
+void report_loop(const std::string& loop, std::string what, std::string hint, Reading& reading) {
+  if (const auto spots = reading.from_model.find(loop); spots != reading.from_model.end())
+    spots->second.file->error({spots->second.joint}, std::move(what), std::move(hint));
+  else
+    reading.out.error(reading.joints.at(loop), std::move(what), std::move(hint));
+}
+
 /// The body of that name; nothing, with a report, if there is none.
-std::optional<BodyId> body_named(const Value& value, const char* key, const std::string& loop, bool may_be_ground, Reading& reading) {
+std::optional<BodyId> body_named(const Value& value, const char* key, const std::string& loop, bool may_be_ground,
+                                 Reading& reading) {
   const auto name = read_string(value, key, reading.out);
   if (!name || reading.opaque.contains(mechanism_of(*name))) return std::nullopt;
   if (may_be_ground && *name == "ground") return ground;
@@ -38,7 +54,7 @@ std::optional<BodyId> body_named(const Value& value, const char* key, const std:
 
 }  // namespace
 
-constinit const KeyTable loop_table{"[[loop]]", "loop", "A joint that closes a loop", loop_entries, {}, {&joint_geometry}, true};
+constinit const KeyTable loop_table{"[[loop]]", "loop", "A joint that closes a loop", loop_entries, {}, {&loop_geometry}, true};
 
 void read_loop(const Value& table, Reading& reading) {
   Diagnostics& out = reading.out;
@@ -66,9 +82,43 @@ void read_loop(const Value& table, Reading& reading) {
   if (!child || !parent || errors != out.errors()) return;
   spec.body = *child, spec.to = *parent;
   for (const BodyProblem& problem : check_loop(spec, reading.scenario.model.size()))
-    out.error(fields.place_of(problem.field), "loop " + in_quotes(spec.name) + ": " + problem.field + ": " + problem.what, problem.hint);
+    out.error(fields.place_of(problem.field), "loop " + in_quotes(spec.name) + ": " + problem.field + ": " + problem.what,
+              problem.hint);
   if (errors == out.errors()) reading.scenario.model.add_loop(std::move(spec));
 }
+
+bool loops_fit(Reading& reading) {
+  const Model& model = reading.scenario.model;
+  if (model.loops().empty()) return true;
+  std::vector<long> depth;  // number of bodies from the ground
+  depth.reserve(static_cast<std::size_t>(model.size()));
+  const auto depth_of = [&depth](BodyId body) { return body == ground ? 0 : depth[static_cast<std::size_t>(body.index)]; };
+  for (const BodySpec& body : model.bodies()) depth.push_back(depth_of(body.parent) + 1);
+  long rows = 0, columns = 0;
+  for (const LoopSpec& loop : model.loops()) {
+    const long own = 6 - info(loop.joint.kind).nv;
+    rows += own, columns += own * (depth_of(loop.body) + depth_of(loop.to));
+    if (rows <= most_rows && columns <= most_columns) continue;
+    report_loop(loop.name,
+                rows > most_rows ? "a scenario has loops of at most " + std::to_string(most_rows) + " equations in total"
+                                 : "the loops are too long: their equations concern too many bodies",
+                "they are solved together, which would need too much memory", reading);
+    return false;
+  }
+  return true;
+}
+
+namespace {
+
+void check_strengths(Reading& reading) {
+  const World world(reading.scenario.model, Variables::velocities);
+  const std::optional<Error> error = undetermined_strength(world);
+  if (!error) return;
+  for (const auto& [joint, place] : reading.joints)
+    if (error->where == "joint '" + joint + "'") reading.out.error(place, error->where + ": " + error->problem, error->hint);
+}
+
+}  // namespace
 
 void check_loops(Reading& reading) {
   if (reading.scenario.model.loops().empty()) return;
@@ -80,10 +130,10 @@ void check_loops(Reading& reading) {
     reading.out.error(at, "the method '" + how.method + "' can't integrate closed loops", "use rk4, midpoint, dopri5 or dop853");
   how.variables = Variables::velocities;
   const std::optional<Error> error = check_assembly(reading.scenario.model);
-  if (!error) return;
+  if (!error) return check_strengths(reading);
   for (const LoopSpec& loop : reading.scenario.model.loops())
     if (error->where == "loop '" + loop.name + "'")
-      reading.out.error(reading.joints.at(loop.name), error->where + ": " + error->problem, error->hint);
+      report_loop(loop.name, error->where + ": " + error->problem, error->hint, reading);
 }
 
 }  // namespace momentree::io

@@ -110,6 +110,7 @@ bool check_roots(const Import& import, const ModelChoice& choice, Reading& readi
 void check_state(const Import& import, const MechanismState& state, Reading& reading) {
   if (state.joints.empty()) return;
   std::unordered_map<std::string, Place> known;
+  if (!check_loop_starts(import, state, reading)) return;
   for (const ImportedBody& body : import.model.bodies) known.emplace(body.spec.joint_name, Place{});
   for (const auto& [name, value] : state.joints)
     if (!known.contains(name))
@@ -235,6 +236,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
       names.emplace_back(body.spec.joint_name, held.joint.kind);
       if (body.spec.name != body.spec.joint_name) of_bodies.emplace(body.spec.name, body.spec.joint_name);
     }
+    for (const ImportedLoop& loop : import->model.loops) names.emplace_back(loop.spec.name, loop.spec.joint.kind);
     joints.read(names, of_bodies);
   }
 
@@ -256,6 +258,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
     }
     joints.check(spec.joint_name, spec);
   }
+  for (const ImportedLoop& loop : import->model.loops) limited += loop.limits.any();
   warn_of_limits(limited, mechanism, choice, reading);
   coupled = coupled && check_motions(*import, choice, specs, reading);
   if (coupled) start_followers(*import, choice.state, joints, specs);
@@ -279,6 +282,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
     shapes.back() = given.front();
     shapes.back().more.assign(given.begin() + 1, given.end());
   }
+  read_model_loops(*import, mechanism, choice, joints, first, errors, reading);
   if (coupled && errors == reading.out.errors()) couple_followers(*import, choice, first, reading);
   if (errors == reading.out.errors()) add_springs(*import, choice, mechanism, first, reading);
 }

@@ -66,6 +66,7 @@ void read_state_file(Fields& fields, Reading& reading) {
 // Checks of the whole model. A body with a duplicate name was never added, and needs no further message.
 void check_whole(Reading& reading) {
   Diagnostics& out = reading.out;
+  if (!loops_fit(reading)) return;
   const std::size_t errors = out.errors() + reading.model_errors();
   for (const SingularJoint& singular : singular_joints(reading.scenario.model)) {
     const std::string& joint = reading.scenario.model[singular.body].joint_name;

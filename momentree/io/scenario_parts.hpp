@@ -135,6 +135,14 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
 /// Reads the bodies of a model file. `errors`: as above.
 void read_model(const Value& file, const std::string& mechanism, const ModelChoice& choice, JointTables& joints,
                 std::size_t errors, Reading& reading);
+/// Adds the loop joints of a model file, whose bodies begin at `first`. `errors`: as above.
+void read_model_loops(const Import& import, const std::string& mechanism, const ModelChoice& choice, JointTables& joints,
+                      int first, std::size_t errors, Reading& reading);
+/// Reports start values that the mechanism's state gives to joints that close loops.
+bool check_loop_starts(const Import& import, const MechanismState& state, Reading& reading);
+/// Why a loop joint has no start values.
+inline constexpr const char* no_loop_start = "closes a loop and has no start values: its position follows from the other joints";
+inline constexpr const char* no_loop_start_hint = "give start values to the joints of the tree";
 /// The order of a mechanism's bodies: root first and parents before children, otherwise as in the file. Empty, with reports, if
 /// the number of roots is not that of the mechanism, a parent is unknown, or the joints form a cycle.
 std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const std::string& mechanism, Place place,
@@ -160,6 +168,8 @@ void read_force(const Value& table, Reading& reading);
 void read_spring(const Value& table, Reading& reading);
 
 void read_loop(const Value& table, Reading& reading);
+/// False, with a report, if the loops need more memory than is reasonable.
+bool loops_fit(Reading& reading);
 /// Reports loops that cannot be closed at the start.
 void check_loops(Reading& reading);
 

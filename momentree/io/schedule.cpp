@@ -135,6 +135,8 @@ Schedule with_followers(std::vector<const ScenarioEvent*> events, const Simulati
     if (body.joint.parameters.strength.any()) names.insert("strength of " + body.joint_name);
   for (const Spring& spring : simulation.world().model().springs())
     if (std::isfinite(spring.strength)) names.insert("strength of " + spring.name);
+  for (const LoopSpec& loop : simulation.world().model().loops())
+    if (loop.joint.parameters.strength.any()) names.insert("strength of " + loop.name);
   std::vector<const ScenarioEvent*> waiting;
   for (const ScenarioEvent* event : events) {
     if (!event->after.empty()) {

@@ -126,12 +126,23 @@ class Reader {
     loop.name = joint.name();
     loop.loop.body = joint.child.index, loop.loop.to = joint.parent.index;
     loop.loop.joint = joint.joint, loop.loop.parameters = joint.parameters;
+    const KindInfo& kind = info(joint.joint.kind);
+    if (joint.joint.locked != 0) {
+      if (joint.q.empty())
+        return out_.error(joint.entry->place, "loop joint " + in_quotes(loop.name) + " is locked, and has no q");
+      loop.loop.held = joint.q;
+      if (!locked_form(joint.joint, joint.q))
+        return out_.error(joint.entry->place, "loop joint " + in_quotes(loop.name) + ": only some degrees of freedom of a " +
+                                                  std::string(kind.name) + " that closes a loop can't be locked");
+    }
     LoopSpec spec;
     spec.name = loop.name, spec.body = joint.child, spec.to = joint.parent, spec.joint = spec_of(joint.joint);
+    if (spec.joint.kind == Kind::free) spec.joint.kind = Kind::weld;  // a loop joint may become free, not begin so
     spec.joint.parameters = joint.parameters;
     for (const BodyProblem& problem : check_loop(spec, model_.size()))
-      out_.error(joint.entry->place, "loop joint " + in_quotes(loop.name) + ": " + problem.field + ": " + problem.what, problem.hint);
-    const std::size_t angle = std::string_view(info(joint.joint.kind).q_units).find('r');
+      out_.error(joint.entry->place, "loop joint " + in_quotes(loop.name) + ": " + problem.field + ": " + problem.what,
+                 problem.hint);
+    const std::size_t angle = std::string_view(kind.q_units).find('r');
     if (angle != std::string_view::npos && !joint.q.empty()) loop.turn = joint.q[static_cast<int>(angle)];
     result_.forest.loops.push_back(std::move(loop));
   }

@@ -12,6 +12,7 @@ RunState Simulation::Impl::run_state() {
   all.queue = queue.state(world);
   all.balance = balance;
   all.dissipated = ledger.dissipated, all.work = ledger.work;
+  all.balance.projection = ledger.projection;
   all.proposal = method->proposal();
   all.evaluated = world.workspace_.evaluated == world.state_.stamp();
   all.evaluations = evaluate.count, all.evaluation_seconds = evaluate.seconds;
@@ -34,6 +35,7 @@ void Simulation::Impl::continue_from(const RunState& from) {
   queue.continue_from(from.queue, world);
   balance = from.balance;
   ledger = {from.dissipated, from.work};
+  ledger.projection = from.balance.projection;
   if (from.evaluated) evaluate_state();
   evaluate.count = from.evaluations, evaluate.seconds = from.evaluation_seconds;
   statistics = from.statistics;

@@ -20,6 +20,7 @@
 #include <momentree/simulate/instant.hpp>
 #include <momentree/simulate/run_state.hpp>
 #include <momentree/simulate/stops.hpp>
+#include <momentree/simulate/strengths.hpp>
 #include <momentree/simulate/topology_record.hpp>
 
 namespace momentree {
@@ -46,6 +47,7 @@ struct Simulation::Impl {
         method(new_method()),
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
     world.loops_allowed_ = takes_velocities(integration.method) && integration.variables != Variables::momenta;
+    if (std::optional<Error> error = undetermined_strength(world)) throw_error(std::move(*error));
     begin();
   }
 

@@ -58,6 +58,18 @@ std::string name_of(const World& world, const Strength& strength) {
   return std::string(world.joint_name({strength.joint}));
 }
 
+std::optional<Error> undetermined_strength(const World& world) {
+  if (!world.tree().has_loops()) return std::nullopt;
+  for (const Strength& strength : strengths(world))
+    if (!world.joint_forces({strength.joint}).determined)
+      return Error(
+          "strength: the closed loops do not determine its reaction",
+          "joint '" + std::string(world.joint_name({strength.joint})) + "'",
+          "let a loop block fewer directions, for example by a ball joint instead of a revolute one, or use an event whose "
+          "condition says undetermined = \"least_norm\"");
+  return std::nullopt;
+}
+
 Condition condition_of(const Strength& strength) { return {std::make_shared<Load>(strength), strength.most, true}; }
 
 std::string event_name(const World& world, const Strength& strength) { return "strength of " + name_of(world, strength); }

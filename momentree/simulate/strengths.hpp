@@ -1,8 +1,10 @@
 #pragma once
 // Strengths of joints (JointStrength) and springs: each is monitored as if an event "strength of <joint>" had been scheduled that
 // breaks the joint when its reaction exceeds the strength, or the spring when its force does.
+#include <optional>
 #include <vector>
 
+#include <momentree/base/error.hpp>
 #include <momentree/simulate/condition.hpp>
 
 namespace momentree {
@@ -22,6 +24,8 @@ bool has_strengths(const World& world);
 std::vector<Strength> strengths(const World& world);
 /// The joint or spring.
 std::string name_of(const World& world, const Strength& strength);
+/// The mistake of a strength of a joint whose reaction the closed loops leave open: `where` is "joint 'name'".
+[[nodiscard]] std::optional<Error> undetermined_strength(const World& world);
 Condition condition_of(const Strength& strength);
 std::string event_name(const World& world, const Strength& strength);
 

@@ -1,4 +1,6 @@
 // Loop joints of a world.
+#include <algorithm>
+
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/loop_system.hpp>
 #include <momentree/dynamics/momentum.hpp>
@@ -34,8 +36,12 @@ JointView World::loop_view(JointId number) const {
   if (loop_values_.size() < tree_.loops().size()) loop_values_.resize(tree_.loops().size());
   LoopValues& own = loop_values_[i];
   loop_coordinates(tree_, workspace_, static_cast<int>(i), own.q, own.v);
-  for (int k = 0; k < kind.nv; ++k)
-    if ((loop.joint.locked >> k & 1u) != 0) own.v[k] = 0;
+  for (int k = 0; k < kind.nv; ++k) {
+    if ((loop.joint.locked >> k & 1u) == 0) continue;
+    own.v[k] = 0;
+    if (kind.nq == kind.nv) own.q[k] = loop.held[k];
+  }
+  if (kind.nq != kind.nv && loop.joint.locked != 0) std::copy_n(loop.held.begin(), kind.nq, own.q);
   JointView view;
   view.name = joint_name(number);
   view.kind = loop.joint.kind;

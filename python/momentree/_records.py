@@ -58,6 +58,17 @@ class Wrench(NamedTuple):
     """Torque (N m), or angular impulse (N m s), shape (3,)."""
 
 
+class LoopStatus(NamedTuple):
+    """The equations of all closed loops of a world."""
+
+    rows: int
+    """Number of equations; 0 without loops."""
+    rank: int
+    """How many of them are independent."""
+    residual: float
+    """By how much the loops are open: the largest error of an equation (m, or the sine of an angle)."""
+
+
 class Totals(NamedTuple):
     """Energies and momenta of a whole world, just before or after an event."""
 
@@ -69,6 +80,8 @@ class Totals(NamedTuple):
     """Linear momentum (N s), world axes, shape (3,)."""
     angular: Array
     """Angular momentum about the world's origin (N m s), world axes, shape (3,)."""
+    loops: LoopStatus = LoopStatus(0, 0, 0.0)
+    """The equations of the closed loops."""
 
     @property
     def energy(self) -> float:

@@ -31,6 +31,10 @@ Component = Literal["fx", "fy", "fz", "mx", "my", "mz"]
 """Of a wrench: forces, then torques."""
 
 
+Undetermined = Literal["least_norm"]
+"""What a condition takes for a reaction that closed loops leave open."""
+
+
 def given(**fields: Any) -> dict[str, Any]:
     """The fields that are not None."""
     return {key: value for key, value in fields.items() if value is not None}
@@ -148,7 +152,8 @@ class Condition:
     def scenario_value(self) -> dict[str, Any]:
         """The condition as an event's table of a scenario file."""
         threshold = {"exceeds" if self.exceeds else "below": self.threshold}
-        return {"when": {self.quantity.key: _plain(self.quantity.value), **threshold}, **given(**self._options)}
+        quantity = {self.quantity.key: _plain(self.quantity.value), **self.quantity.options}
+        return {"when": {**quantity, **threshold}, **given(**self._options)}
 
     def __repr__(self) -> str:
         return f"<momentree.Condition {self.quantity} {'>' if self.exceeds else '<'} {self.threshold}>"
@@ -166,11 +171,13 @@ class Quantity:
     Comparing it with a number by ``>`` or ``<`` makes a :class:`Condition`.
     """
 
-    def __init__(self, key: str, value: Any, names: Sequence[object] = ()) -> None:
+    def __init__(self, key: str, value: Any, names: Sequence[object] = (), options: Mapping[str, Any] | None = None) -> None:
         self.key: str = key
         """Its key in scenario files; ``"function"`` for a Python function."""
         self.value: Any = value
         """Its value in scenario files, or the function."""
+        self.options: dict[str, Any] = dict(options or {})
+        """Keys that go with it in scenario files: ``{"undetermined": "least_norm"}``."""
         self._handles = _handles(names)
 
     def __gt__(self, threshold: Number) -> Condition:
@@ -212,22 +219,23 @@ class Reaction:
     It is the wrench of the parent on the child, about the origin of the child's frame, in the child's axes.
     """
 
-    def __init__(self, joint: JointName) -> None:
+    def __init__(self, joint: JointName, undetermined: Undetermined | None = None) -> None:
         self._joint = joint
+        self._options = given(undetermined=undetermined)
 
     @property
     def force(self) -> Quantity:
         """Norm of the force (N); of a spring, the size of its force."""
-        return Quantity("reaction_force", self._joint, [self._joint])
+        return Quantity("reaction_force", self._joint, [self._joint], self._options)
 
     @property
     def torque(self) -> Quantity:
         """Norm of the torque (N m)."""
-        return Quantity("reaction_torque", self._joint, [self._joint])
+        return Quantity("reaction_torque", self._joint, [self._joint], self._options)
 
     def component(self, name: Component) -> Quantity:
         """One component in the child's axes: ``"fx"``, ``"fy"``, ``"fz"`` (N), ``"mx"``, ``"my"`` or ``"mz"`` (N m)."""
-        return Quantity("reaction", {"joint": self._joint, "component": name}, [self._joint])
+        return Quantity("reaction", {"joint": self._joint, "component": name}, [self._joint], self._options)
 
 
 def _plain(value: Any) -> Any:

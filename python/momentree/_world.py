@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, TypeVar, overload
 
 from momentree._core import Body, Joint, Spring, World
+from momentree._errors import Error
 
 
 Value = TypeVar("Value")
@@ -83,7 +84,8 @@ class Bodies(Named[Body]):
 
 
 class Joints(Named[Joint]):
-    """The joints of a world by name, in the order of their numbers, without those that were removed with their body.
+    """The joints of a world by name, in the order of their numbers, without those that were removed with their body. Loop joints
+    come last.
 
     An unknown name is an Error that suggests the nearest one.
     """
@@ -130,3 +132,28 @@ class Springs(Named[Spring]):
 
     def __repr__(self) -> str:
         return f"<momentree.Springs: {', '.join(self)}>"
+
+
+class Loops(Joints):
+    """The joints of a world that close loops, by name, in the order in which they were made.
+
+    An unknown name is an Error that suggests the nearest one.
+    """
+
+    def __getitem__(self, name: str) -> Joint:
+        joint = super().__getitem__(name)
+        if not joint.loop:
+            raise Error(f"the joint '{name}' closes no loop", hint="world.joints has all joints")
+        return joint
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._world._loop_names()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._world._loop_names())
+
+    def __len__(self) -> int:
+        return len(self._world._loop_names())
+
+    def __repr__(self) -> str:
+        return f"<momentree.Loops: {', '.join(self)}>"

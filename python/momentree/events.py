@@ -20,6 +20,7 @@ from momentree._vocabulary import (
     Quantity,
     Reaction,
     Signals,
+    Undetermined,
     Vector,
     drive_of,
     given,
@@ -258,10 +259,12 @@ def speed(joint: JointName) -> Quantity:
     return Quantity("speed", joint, [joint])
 
 
-def reaction(joint: JointName) -> Reaction:
+def reaction(joint: JointName, *, undetermined: Undetermined | None = None) -> Reaction:
     """The wrench that a joint transmits: ``reaction("load").force > 40``.
 
     Args:
         joint: Name of the joint, or its handle.
+        undetermined: ``"least_norm"``: of a reaction that closed loops leave open, take the one for which the sum of squares over
+            all joints is least. Without it, a condition on such a reaction is an Error.
     """
-    return Reaction(joint)
+    return Reaction(joint, undetermined)

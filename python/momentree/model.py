@@ -163,6 +163,38 @@ class Model(_core.ModelBase):
         table = given(stiffness=stiffness, rest=rest, damping=damping, tension_only=tension_only, strength=strength)
         self._add_spring(name, {"from": _spring_end(start), "to": _spring_end(end), **table})
 
+    def add_loop(
+        self,
+        name: str,
+        *,
+        body: str | _core.ModelBody,
+        to: Parent = None,
+        joint: JointSpec,
+        at: Pose | None = None,
+        child_at: Pose | None = None,
+        assemble: bool = True,
+    ) -> None:
+        """Close a loop: join a body to another, or to the ground, by a joint in addition to their inboard joints.
+
+        Args:
+            name: Name of the joint, by which events and ``world.joints`` refer to it.
+            body: The joint's child: its name, or what ``add`` returned for it.
+            to: The joint's parent, in the same way; ``None`` or ``"ground"``: the ground.
+            joint: :func:`Ball`, :func:`Revolute` …: any kind but ``free``, without armature, hard stops and prescribed motion.
+            at: Placement of the joint's frame in the frame of ``to``: a position (m), or ``{"xyz": …, "quat": …}``; default: the
+                same frame.
+            child_at: Placement of the joint's frame in the frame of ``body``, in the same way.
+            assemble: Whether a simulation closes the loop at the start by changing the start coordinates as little as possible;
+                otherwise a loop that is open at the start is an Error.
+
+        Raises:
+            Error: A value is impossible or a name unknown or used twice; the model is unchanged.
+        """
+        if not isinstance(joint, JointSpec):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise Error(f"joint: expected a joint, found {type(joint).__name__}", hint="for example momentree.Ball()")
+        fields = {**joint.scenario_value(), **given(at=pose(at), child_at=pose(child_at), assemble=assemble)}
+        self._add_loop(name, body, to, fields)
+
     def copy(self) -> Model:
         """An independent copy: what is added to one is not in the other."""
         copy = Model.__new__(Model)

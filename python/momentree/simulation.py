@@ -449,7 +449,7 @@ class Simulation(_core.SimulationBase):
 
 def _portable(value: Any) -> Any:
     if isinstance(value, Condition):
-        quantity = Quantity(value.quantity.key, _plain(value.quantity.value))
+        quantity = Quantity(value.quantity.key, _plain(value.quantity.value), options=value.quantity.options)
         return Condition(quantity, value.threshold, value.exceeds)._with(**value._options)
     return value
 

@@ -6,7 +6,7 @@ Nothing else of the package needs this module. Names of bodies and joints may be
 from __future__ import annotations
 
 from momentree._records import Array
-from momentree._vocabulary import BodyName, JointName, Number, Numbers, Pose, Signal, Signals, Vector
+from momentree._vocabulary import BodyName, JointName, Number, Numbers, Pose, Signal, Signals, Undetermined, Vector
 from momentree.batch import Precision, Variables, Worlds
 from momentree.model import Axes, Parent, Shape
 from momentree.simulation import DriveFunction, ForceFunction, Trigger
@@ -27,6 +27,7 @@ __all__ = [
     "Signal",
     "Signals",
     "Trigger",
+    "Undetermined",
     "Variables",
     "Vector",
     "Worlds",

@@ -6,10 +6,15 @@
 
 namespace momentree::python {
 
+nb::object loop_status(const LoopStatus& status) {
+  return python_class("_records", "LoopStatus")(status.rows, status.rank, status.residual);
+}
+
 namespace {
 
 nb::object totals(const Totals& t) {
-  return python_class("_records", "Totals")(t.kinetic, t.potential, from_vec3(t.linear), from_vec3(t.angular));
+  return python_class("_records", "Totals")(t.kinetic, t.potential, from_vec3(t.linear), from_vec3(t.angular),
+                                            loop_status(t.loops));
 }
 
 nb::object impulse_of(const std::array<double, 6>& six) {

@@ -55,6 +55,19 @@ void add_force(ModelObject& self, const std::string& body, nb::handle fields) {
   for (BodyForce& force : io::PartReader(call).forces(to_value(fields, call), self.model)) self.model.add_force(std::move(force));
 }
 
+void add_loop(const ModelPtr& self, const std::string& name, nb::handle body, nb::handle to, nb::handle fields) {
+  const std::string call = call_of("Model.add_loop", name);
+  Value table = to_value(fields, call);
+  const auto end = [&](const char* key, nb::handle of) {
+    const BodyId id = parent_in(self, of);
+    const std::string text = id == ground ? "ground" : self->model[id].name;
+    table.table()->insert(table.table()->begin(), Value::Entry{key, table.place, Value(text, table.place)});
+  };
+  if (!to.is_none()) end("to", to);
+  end("body", body);
+  self->model.add_loop(io::PartReader(call).loop(name, table, self->model));
+}
+
 template <class Name>
 std::vector<std::string> names(const ModelObject& self, Name name) {
   std::vector<std::string> all;
@@ -81,6 +94,10 @@ std::shared_ptr<ModelObject> in_order(const ModelObject& self, const std::vector
   for (Spring spring : self.model.springs()) {
     for (SpringEnd* end : {&spring.from, &spring.to}) end->body = now(end->body.index);
     sorted->model.add_spring(std::move(spring));
+  }
+  for (LoopSpec loop : self.model.loops()) {
+    loop.body = now(loop.body.index), loop.to = now(loop.to.index);
+    sorted->model.add_loop(std::move(loop));
   }
   for (io::JointCoupling coupling : self.couplings) {
     coupling.joint = {now(coupling.joint.index).index}, coupling.leader = {now(coupling.leader.index).index};
@@ -115,6 +132,7 @@ void register_model(nb::module_& m) {
           },
           "gravity"_a)
       .def("_add", &add, "name"_a, "parent"_a.none(), "fields"_a)
+      .def("_add_loop", &add_loop, nb::arg(), nb::arg().none(), nb::arg().none(), nb::arg())
       .def("_add_force", &add_force)
       .def("_add_spring", &add_spring)
       .def("__len__", [](const ModelObject& self) { return self.model.size(); })
@@ -123,7 +141,7 @@ void register_model(nb::module_& m) {
           "Names of the bodies, in the order of adding, a copy.")
       .def_prop_ro(
           "joint_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.joint_name; }); },
-          "Names of the joints, in the order of adding, a copy.")
+          "Names of the joints of bodies, in the order of adding, a copy.")
       .def_prop_ro(
           "spring_names",
           [](const ModelObject& self) {
@@ -132,6 +150,14 @@ void register_model(nb::module_& m) {
             return all;
           },
           "Names of the springs, in the order of adding, a copy.")
+      .def_prop_ro(
+          "loop_names",
+          [](const ModelObject& self) {
+            std::vector<std::string> all;
+            for (const LoopSpec& loop : self.model.loops()) all.push_back(loop.name);
+            return all;
+          },
+          "Names of the joints that close loops, in the order of adding, a copy.")
       .def_prop_rw(
           "gravity", [](const ModelObject& self) { return from_vec3(self.model.gravity()); },
           [](ModelObject& self, nb::handle gravity) { self.model.set_gravity(to_vec3(gravity, "gravity")); }, nb::arg().none(),

@@ -6,6 +6,8 @@
 
 namespace momentree::python {
 
+/// momentree.LoopStatus.
+nb::object loop_status(const LoopStatus& status);
 /// momentree.Event.
 nb::object event_record(const Event& event);
 

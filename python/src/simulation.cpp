@@ -103,7 +103,7 @@ void make_step(const SimulationPtr& self, std::optional<double> dt) {
 nb::dict integration_of(const SimulationObject& self) {
   const Integration& how = self.scenario().integration;
   nb::dict all;
-  all["method"] = how.method, all["variables"] = name_of(how.state_variables()), all["step"] = how.step,
+  all["method"] = how.method, all["variables"] = name_of(how.state_variables(self.scenario().model)), all["step"] = how.step,
   all["event_tolerance"] = how.event_tolerance;
   if (is_adaptive(how.method)) {
     all["rtol"] = how.rtol, all["atol"] = how.atol;
@@ -129,6 +129,7 @@ nb::dict balance_of(const SimulationPtr& self) {
   nb::dict all;
   all["initial"] = e.initial, all["final"] = e.final, all["dissipated"] = e.dissipated, all["work"] = e.work;
   all["lost_in_impacts"] = e.lost_in_impacts, all["released"] = e.released, all["error"] = e.error;
+  all["projection"] = e.projection;
   return all;
 }
 
@@ -179,10 +180,12 @@ void register_simulation(nb::module_& m) {
       .def_prop_ro(
           "statistics", &statistics_of,
           "Counts of steps, evaluations and changes, and the processor times (s) that they took, of all runs so far; a copy.")
-      .def_prop_ro(
-          "energy_balance", &balance_of,
-          "The energy ledger since the start (J), a copy: initial, final, dissipated, work, lost_in_impacts, released, error.\n\n"
-          "error = final + dissipated + lost_in_impacts + released - initial - work; it is zero for exact integration.")
+      .def_prop_ro("energy_balance", &balance_of,
+                   "The energy ledger since the start (J), a copy: initial, final, dissipated, work, lost_in_impacts, released, "
+                   "projection, "
+                   "error.\n\n"
+                   "error = final + dissipated + lost_in_impacts + released - initial - work - projection; it is zero for exact "
+                   "integration. projection is what closing the loops after steps brought in.")
       .def_prop_ro(
           "title", [](const SimulationObject& self) { return self.scenario().title; }, "Title of the scenario; may be empty.")
       .def_prop_ro(

@@ -212,6 +212,7 @@ void SimulationObject::set_drive(const std::string& joint, nb::handle function) 
   Simulation& sim = simulation();
   int number = sim.world().find_joint(joint);
   if (number < 0) sim.drive_all(joint, [](const EvaluationContext&, std::span<double>) {});  // throws, and names the nearest
+  if (is_loop({number})) sim.drive_all(joint, [](const EvaluationContext&, std::span<double>) {});  // throws: not supported
   if (inputs_.size() <= static_cast<std::size_t>(number)) inputs_.resize(static_cast<std::size_t>(sim.world().model().size()));
   // A new input: a branch may share the former one.
   auto& input = inputs_[static_cast<std::size_t>(number)];

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "model_object.hpp"
+#include "records.hpp"
 #include "world_object.hpp"
 
 #include <momentree/topology/change.hpp>
@@ -38,6 +39,13 @@ std::vector<std::string> joint_names(const World& world) {
   std::vector<std::string> names;
   for (int b = 0; b < world.model().size(); ++b)
     if (world.tree().carrier(b) >= 0) names.emplace_back(world.joint_name({b}));
+  for (const JointId loop : world.loops()) names.emplace_back(world.joint_name(loop));
+  return names;
+}
+
+std::vector<std::string> loop_names(const World& world) {
+  std::vector<std::string> names;
+  for (const JointId loop : world.loops()) names.emplace_back(world.joint_name(loop));
   return names;
 }
 
@@ -55,7 +63,20 @@ void check_body_exists(const World& world, const BodyObject& body) {
     refuse("there is no body '" + body.name + "' in the state that was restored", "it was added afterwards");
 }
 
+bool is_present_loop(const World& world, const JointObject& joint) {
+  return world.tree().find_loop(joint.id.index - first_loop) != nullptr && world.joint_name(joint.id) == joint.body;
+}
+
+// The joint of a handle at present: a loop joint that took the place of a broken joint has another number.
+JointId present_joint(const World& world, const JointObject& joint) {
+  if (!is_loop(joint.id) || is_present_loop(world, joint)) return joint.id;
+  const int number = world.find_joint(joint.body);
+  if (number < 0) refuse("the joint '" + joint.body + "' no longer exists", "world.joints lists the present ones");
+  return {number};
+}
+
 void check_joint_exists(const World& world, const JointObject& joint) {
+  if (is_loop(joint.id)) return;  // present_joint looks for it
   if (!is_body(world, joint.id.index, joint.body))
     refuse("there is no joint of '" + joint.body + "' in the state that was restored", "it was added afterwards");
   if (world.tree().carrier(joint.id.index) < 0) refuse("the joint of this handle was removed with its body");
@@ -103,7 +124,7 @@ JointId joint_of(const World& world, const SimulationObject& object, nb::handle 
     const auto& handle = nb::cast<const JointObject&>(name);
     check_owner(handle.world, object);
     check_joint_exists(world, handle);
-    return handle.id;
+    return present_joint(world, handle);
   }
   return find_joint(world, text_of(name, "joint"));
 }
@@ -143,7 +164,7 @@ auto of_joint(Get get) {
   return [get](const JointObject& joint) {
     const Reading world(joint.world);
     check_joint_exists(*world, joint);
-    return get(*world, joint.id);
+    return get(*world, present_joint(*world, joint));
   };
 }
 
@@ -210,7 +231,7 @@ void register_joint(nb::module_& m) {
                    "Name at present: after the joint broke, that of the body that broke off.")
       .def_prop_ro(
           "index", [](const JointObject& j) { return j.id.index; },
-          "Number of the joint, that of the body it was added with, from 0.")
+          "Number of the joint, that of the body it was added with, from 0; loop joints have other numbers, from 2**28 on.")
       .def_prop_ro("kind", of_joint([](const World& w, JointId j) { return std::string(info(w.joint(j).kind).name); }),
                    "Its kind at present: \"revolute\", \"free\" …")
       .def_prop_ro("parent", of_joint(parent_of), "Name of its declared parent, or \"ground\".")
@@ -247,6 +268,11 @@ void register_joint(nb::module_& m) {
                      return nb::tuple(dofs);
                    }),
                    "Indices of its locked degrees of freedom, in the order of v.")
+      .def_prop_ro("loop", of_joint([](const World&, JointId j) { return is_loop(j); }),
+                   "True if it closes a loop. Such a joint has no p, pdot and a of its own: shape (0,).")
+      .def_prop_ro("determined", of_joint([](const World& w, JointId j) { return w.joint_forces(j).determined; }),
+                   "False if the closed loops leave its reaction open. Other reactions then cause the same motion; `reaction` is "
+                   "that of those for which the sum of squares over all joints is least.")
       .def("__repr__", of_joint([](const World& w, JointId j) {
              return "<momentree.Joint '" + std::string(w.joint_name(j)) + "', " + info(w.joint(j).kind).name + ">";
            }))
@@ -270,7 +296,9 @@ const EvaluationContext& context_of(const ContextObject& c) {
 // Within an evaluation the world's names may be read, but nothing else of it.
 JointId context_joint(const ContextObject& c, nb::handle name) {
   (void)context_of(c);
-  return joint_of(c.simulation->simulation().world(), *c.simulation, name);
+  const JointId joint = joint_of(c.simulation->simulation().world(), *c.simulation, name);
+  if (is_loop(joint)) refuse("a joint that closes a loop has no coordinates within a step", "read the joints of the tree");
+  return joint;
 }
 BodyId context_body(const ContextObject& c, nb::handle name) {
   (void)context_of(c);
@@ -346,6 +374,12 @@ void register_world(nb::module_& m) {
           "bodies", [](const WorldPtr& w) { return python_class("_world", "Bodies")(w); }, "The bodies by name: a mapping.")
       .def_prop_ro(
           "joints", [](const WorldPtr& w) { return python_class("_world", "Joints")(w); }, "The joints by name: a mapping.")
+      .def_prop_ro(
+          "loops", [](const WorldPtr& w) { return python_class("_world", "Loops")(w); },
+          "The joints that close loops, by name: a mapping. `joints` has them, too.")
+      .def_prop_ro(
+          "loop_status", [](const WorldPtr& w) { return loop_status(Reading(w)->loop_status()); },
+          "The equations of the closed loops: `rows`, `rank` and `residual`.")
       .def("_body",
            [](const WorldPtr& w, nb::handle name) {
              const Reading world(w);
@@ -356,10 +390,12 @@ void register_world(nb::module_& m) {
            [](const WorldPtr& w, nb::handle name) {
              const Reading world(w);
              const JointId joint = joint_of(*world, *w->simulation, name);
-             return JointObject{w, joint, world->model()[BodyId{joint.index}].name};
+             return JointObject{
+                 w, joint, is_loop(joint) ? std::string(world->joint_name(joint)) : world->model()[BodyId{joint.index}].name};
            })
       .def("_body_names", [](const WorldPtr& w) { return body_names(*Reading(w)); })
       .def("_joint_names", [](const WorldPtr& w) { return joint_names(*Reading(w)); })
+      .def("_loop_names", [](const WorldPtr& w) { return loop_names(*Reading(w)); })
       .def("_has_body",
            [](const WorldPtr& w, const std::string& name) {
              const Reading world(w);

@@ -93,6 +93,36 @@ TEST_CASE("a checkpoint reads back to the same bytes, and the run continues from
   CHECK(continued.events().size() == 2);
 }
 
+TEST_CASE("a checkpoint of a world with loops reads back to the same bytes, and one that is damaged is refused") {
+  Model model = io::test::two_mechanisms();
+  LoopSpec clasp;
+  clasp.name = "clasp", clasp.body = model.body("arm/hand"), clasp.joint.kind = Kind::ball;
+  clasp.at = World(model).motions()[static_cast<std::size_t>(clasp.body.index)].pose;
+  model.add_loop(clasp);
+  Simulation simulation(model);
+  simulation.at(0.01).then(attach("arm/hand", "pendulum", clasp.joint)).named("more");
+  simulation.at(0.02).then(lock("more"));
+  REQUIRE(simulation.run_until(0.03) == Status::ok);
+  REQUIRE(simulation.world().loops().size() == 2);
+  const io::Checkpoint saved{{"1.2.3", "0123456789abcdef", "5", true}, 60, simulation.run_state(), {}};
+  const std::string bytes = io::checkpoint_bytes(saved);
+  const io::Checkpoint read = io::read_checkpoint(bytes, "checkpoint");
+  CHECK(io::checkpoint_bytes(read) == bytes);
+  CHECK(read.run.balance.projection == simulation.energy().projection);
+  io::require_fit(simulation, read, "checkpoint");
+  const auto damaged = [&](auto change) {
+    io::Checkpoint changed = saved;
+    change(changed.run.world.engine);
+    CHECK(io::test::error_of([&] { io::require_fit(simulation, changed, "checkpoint"); }).find("damaged") != std::string::npos);
+  };
+  damaged([](Snapshot& engine) { engine.topology.loops[0].body = 99; });
+  damaged([](Snapshot& engine) { engine.topology.loops[0].to = engine.topology.loops[0].body; });
+  damaged([](Snapshot& engine) { engine.topology.loops[0].number = -1; });
+  damaged([](Snapshot& engine) { engine.topology.loops[1].number = engine.topology.loops[0].number; });
+  damaged([](Snapshot& engine) { engine.topology.loops[1].held = {}; });
+  damaged([](Snapshot& engine) { engine.turns.push_back(0), engine.turns.push_back(0), engine.turns.push_back(0); });
+}
+
 TEST_CASE("a changed, truncated or lengthened checkpoint is refused") {
   const std::string bytes = io::checkpoint_bytes(checkpoint_after(0.03));
   const auto refusal = [](const std::string& text) {

@@ -1,6 +1,7 @@
 // A checkpoint is applied to a simulation only if it fits: numbers that are out of range would otherwise stop the program.
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <vector>
 
 #include <momentree/base/error.hpp>
@@ -26,12 +27,14 @@ class Fit {
     require(run_.queue.entries.size() == now_.queue.entries.size(), "a run with other events");
     check_places();
     check_joints();
+    check_loops();
     check_state();
     check_springs();
     for (const QueueState::Borne& b : run_.queue.strengths)
-      require(b.strength.spring < 0 ? joint(b.strength.joint) : spring(b.strength.spring), whole);
-    for (const auto* names : {&run_.world.joint_names, &run_.world.mechanism_names})
-      for (const auto& [number, name] : *names) require(body(number), whole);
+      require(b.strength.spring < 0 ? joint(b.strength.joint) || loops_.contains(b.strength.joint) : spring(b.strength.spring),
+              whole);
+    for (const auto& [number, name] : run_.world.joint_names) require(body(number) || loop_number(number - first_loop), whole);
+    for (const auto& [number, name] : run_.world.mechanism_names) require(body(number), whole);
   }
 
  private:
@@ -95,6 +98,20 @@ class Fit {
     }
   }
 
+  static bool loop_number(int number) { return number >= 0 && number < 1 << 20; }  // far more than a run can make
+
+  void check_loops() {
+    const auto alive = [this](int b) { return body(b) && topology_.places[at(b)].joint >= 0; };
+    for (const Loop& loop : topology_.loops) {
+      require(loop_number(loop.number) && loops_.insert(loop.id().index).second, whole);
+      require(alive(loop.body) && (loop.to == -1 || alive(loop.to)) && loop.body != loop.to, whole);
+      const KindInfo& kind = info(loop.joint.kind);
+      require(loop.joint.locked >> kind.nv == 0, whole);
+      require(loop.joint.locked == 0 || (loop.held.size() == kind.nq && locked_form(loop.joint, loop.held)), whole);
+    }
+    require(run_.world.engine.turns.size() <= topology_.loops.size(), whole);
+  }
+
   void check_state() const {
     const Snapshot& engine = run_.world.engine;
     std::size_t nq = 0, nv = 0;
@@ -104,9 +121,11 @@ class Fit {
       nq += at(kind.nq), nv += at(kind.nv);
     }
     require(engine.q.size() == nq && engine.y.size() == nv && std::isfinite(engine.time), whole);
-    for (const auto* numbers : {&engine.q, &engine.y})
+    for (const auto* numbers : {&engine.q, &engine.y, &engine.turns})
       require(std::all_of(numbers->begin(), numbers->end(), [](double x) { return std::isfinite(x); }), whole);
-    require(engine.variables == now_.world.engine.variables, "a run in other variables");
+    // A run whose events close a loop goes on in velocities.
+    require(engine.variables == now_.world.engine.variables || engine.variables == Variables::velocities,
+            "a run in other variables");
     require(std::isfinite(run_.proposal) && run_.proposal > 0, whole);
     for (const ActiveLimit& limit : run_.world.active_limits)
       require(joint(limit.joint) && limit.dof >= 0 && limit.dof < info(kinds_[at(limit.joint)]).nv, whole);
@@ -120,6 +139,7 @@ class Fit {
   const std::string& path_;
   std::vector<char> carried_;  // by joint
   std::vector<Kind> kinds_;    // by joint
+  std::set<int> loops_;        // numbers of loop joints, as handles
 };
 
 }  // namespace

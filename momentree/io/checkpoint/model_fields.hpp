@@ -134,15 +134,19 @@ template <class Archive>
 void fields(Archive& archive, Part<Archive, Topology::SpringChange>& s) {
   archive(s.spring, s.broken, s.law);
 }
+template <class Archive>
+void fields(Archive& archive, Part<Archive, Loop>& l) {
+  archive(l.number, l.body, l.to, l.joint, l.parameters, l.held);
+}
 /// Without functions and added bodies.
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Topology>& t) {
-  archive(t.places, t.changed, t.own, t.springs, t.model);
+  archive(t.places, t.changed, t.own, t.springs, t.loops, t.model);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Snapshot>& s) {
   bool velocities = s.variables == Variables::velocities;
-  archive(s.topology, s.time, s.q, s.y, velocities);
+  archive(s.topology, s.time, s.q, s.y, s.turns, velocities);
   if constexpr (!Archive::writes) s.variables = velocities ? Variables::velocities : Variables::momenta;
 }
 template <class Archive>

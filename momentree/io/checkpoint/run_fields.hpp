@@ -32,7 +32,7 @@ void fields(Archive& archive, Part<Archive, QueueState>& q) {
 
 template <class Archive>
 void fields(Archive& archive, Part<Archive, EnergyBalance>& e) {
-  archive(e.initial, e.final, e.dissipated, e.work, e.lost_in_impacts, e.released, e.error, e.largest_kinetic);
+  archive(e.initial, e.final, e.dissipated, e.work, e.lost_in_impacts, e.released, e.error, e.projection, e.largest_kinetic);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, RunStatistics>& s) {
@@ -46,7 +46,7 @@ void fields(Archive& archive, Part<Archive, ProgressMonitor::Mark>& m) {
 
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Totals>& t) {
-  archive(t.kinetic, t.potential, t.linear, t.angular);
+  archive(t.kinetic, t.potential, t.linear, t.angular, t.loops.rows, t.loops.rank, t.loops.residual);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, ActionRecord>& a) {
@@ -56,7 +56,7 @@ template <class Archive>
 void fields(Archive& archive, Part<Archive, JointRecord>& j) {
   archive(j.name);
   kind(archive, j.kind);
-  archive(j.parent, j.child, j.at, j.child_at, j.axis, j.axis2, j.pitch, j.locked);
+  archive(j.parent, j.child, j.at, j.child_at, j.axis, j.axis2, j.pitch, j.locked, j.loop);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, TopologyRecord::Moved>& m) {

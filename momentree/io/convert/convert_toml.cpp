@@ -1,8 +1,10 @@
 #include <momentree/io/convert/convert.hpp>
 
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 #include <unordered_map>
+#include <unordered_set>
 
 #include <momentree/base/check.hpp>
 #include <momentree/base/error.hpp>
@@ -75,12 +77,16 @@ class Converter {
   Converted convert() {
     Value::Table document;
     for (const char* key :
-         {"format", "title", "state", "world", "mechanism", "force", "spring", "coupling", "event", "integrate", "output"}) {
+          {"format", "title", "state", "world", "mechanism", "force", "loop", "spring", "coupling", "event", "integrate", "output"}) {
       if (mimics_ && std::string_view(key) == "coupling") {
         add(document, key, couplings());
         continue;
       }
       const Value::Entry* entry = scenario_.document->find(key);
+      if (std::string_view(key) == "loop") {
+        if (Value all = loops(entry); !all.array()->empty()) add(document, key, std::move(all));
+        continue;
+      }
       if (const std::size_t own = springs_of(entry);
           std::string_view(key) == "spring" && own < scenario_.model.springs().size()) {
         add(document, key, springs(entry, own));
@@ -160,6 +166,18 @@ class Converter {
     if (own > 0) all.insert(all.end(), entry->value.array()->begin(), entry->value.array()->end());
     return value(std::move(all));
   }
+  // The loop tables: one for each loop joint of a model file, and the scenario's own.
+  Value loops(const Value::Entry* own) const {
+    Value::Array all;
+    std::unordered_set<std::string_view> given;
+    if (own)
+      for (const Value& loop : *own->value.array())
+        if (const std::string* name = string_at(loop, "name")) given.insert(*name);
+    for (const LoopSpec& loop : scenario_.model.loops())
+      if (!given.contains(loop.name)) all.push_back(value(describe_loop(loop, scenario_.model)));
+    if (own) all.insert(all.end(), own->value.array()->begin(), own->value.array()->end());
+    return value(std::move(all));
+  }
 
   // The mechanism of a model file: its bodies and joints, as this scenario attaches and initialises them.
   Value::Table expanded(const Value& mechanism) {
@@ -234,7 +252,7 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
     add(document, "world", value(std::move(world)));
   }
   LeftOut left_out;
-  Value::Array mechanisms, forces, springs;
+  Value::Array mechanisms, forces, loops, springs;
   const auto bodies = by_mechanism(model);
   for (int b = 0; b < model.size(); ++b) {
     const std::string& name = model[BodyId{b}].name;
@@ -244,9 +262,11 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
     explain_carriers(mechanisms.back());
   }
   for (const BodyForce& force : model.forces()) forces.push_back(value(describe_force(force, model)));
+  for (const LoopSpec& loop : model.loops()) loops.push_back(value(describe_loop(loop, model)));
   for (const Spring& spring : model.springs()) springs.push_back(value(describe_spring(spring, model)));
   add(document, "mechanism", value(std::move(mechanisms)));
   if (!forces.empty()) add(document, "force", value(std::move(forces)));
+  if (!loops.empty()) add(document, "loop", value(std::move(loops)));
   if (!springs.empty()) add(document, "spring", value(std::move(springs)));
   return toml_text(value(std::move(document)));
 }

@@ -67,6 +67,7 @@ class UrdfWriter {
     root_ = root;
     find_members();
     refuse_kinds();
+    refuse_loops();
     for (const int b : members_) note_names(model_[BodyId{b}]);
     for (const int b : members_) add(b);
     note_world();
@@ -97,6 +98,16 @@ class UrdfWriter {
     }
     if (!names.empty())
       throw_error({"URDF has no such joint: " + names, scenario_.path, "write a .toml, or change the joint's kind"});
+  }
+
+  void refuse_loops() {
+    std::string names;
+    for (const LoopSpec& loop : model_.loops()) {
+      const auto member = [&](BodyId body) { return std::find(members_.begin(), members_.end(), body.index) != members_.end(); };
+      if (member(loop.body) || member(loop.to)) names += (names.empty() ? "" : ", ") + in_quotes(loop.name);
+    }
+    if (!names.empty())
+      throw_error({"URDF has no closed loops: " + names, scenario_.path, "write a .toml, or remove the [[loop]] first"});
   }
 
   void note_names(const BodySpec& spec) {

@@ -125,6 +125,15 @@ class JointValueWriter {
   const KindInfo& kind_;
 };
 
+void add_geometry(Value::Table& table, const JointSpec& joint, const Pose& at, const Pose& child_at) {
+  const KindInfo& kind = info(joint.kind);
+  if (kind.axis && !(joint.axis.x == 0 && joint.axis.y == 0 && joint.axis.z > 0)) add(table, "axis", list(joint.axis));
+  if (kind.axis2) add(table, "axis2", list(joint.axis2));
+  if (kind.pitch) add(table, "pitch", number(joint.pitch));
+  if (Value::Table place = placement(at); !place.empty()) add(table, "at", value(std::move(place)));
+  if (Value::Table place = placement(child_at); !place.empty()) add(table, "child_at", value(std::move(place)));
+}
+
 void add_start(Value::Table& table, const BodySpec& spec, const KindInfo& kind) {
   const auto& drive = spec.joint.parameters.drive;
   if (drive && drive->moves() && !drive->motion[0].signal().from_here()) return;  // the motion gives the initial values
@@ -145,14 +154,22 @@ Value::Table describe_joint(const BodySpec& spec, const std::string& name, const
   if (!name.empty()) add(table, "name", text(name));
   add(table, "kind", text(kind.name));
   if (!parent.empty()) add(table, "parent", text(parent));
-  if (kind.axis && !(spec.joint.axis.x == 0 && spec.joint.axis.y == 0 && spec.joint.axis.z > 0))
-    add(table, "axis", list(spec.joint.axis));
-  if (kind.axis2) add(table, "axis2", list(spec.joint.axis2));
-  if (kind.pitch) add(table, "pitch", number(spec.joint.pitch));
-  if (Value::Table at = placement(spec.at); !at.empty()) add(table, "at", value(std::move(at)));
-  if (Value::Table at = placement(spec.child_at); !at.empty()) add(table, "child_at", value(std::move(at)));
+  add_geometry(table, spec.joint, spec.at, spec.child_at);
   add_start(table, spec, kind);
   JointValueWriter(spec.joint.parameters, kind).write(table, joint_keys());
+  return table;
+}
+
+Value::Table describe_loop(const LoopSpec& loop, const Model& model) {
+  const KindInfo& kind = info(loop.joint.kind);
+  Value::Table table;
+  add(table, "name", text(loop.name));
+  add(table, "kind", text(kind.name));
+  add(table, "body", text(model[loop.body].name));
+  if (!(loop.to == ground)) add(table, "to", text(model[loop.to].name));
+  add_geometry(table, loop.joint, loop.at, loop.child_at);
+  JointValueWriter(loop.joint.parameters, kind).write(table, joint_keys());
+  if (!loop.assemble) add(table, "assemble", Value(false, Place{}));
   return table;
 }
 

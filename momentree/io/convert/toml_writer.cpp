@@ -93,7 +93,7 @@ bool has_header(std::string_view path, const Value::Entry& entry) {
     return std::find(keys.begin(), keys.end(), entry.key) != keys.end();
   };
   if (entry.value.is_array_of_tables())
-    return path.empty() ? is({"mechanism", "force", "coupling", "event"}) : path == "mechanism" && is({"body"});
+    return path.empty() ? is({"mechanism", "force", "loop", "coupling", "event"}) : path == "mechanism" && is({"body"});
   if (!entry.value.table()) return false;
   if (path.empty()) return is({"world", "integrate", "output"});
   return path == "mechanism" ? is({"chain"}) : path == "mechanism.body" && is({"joint"});

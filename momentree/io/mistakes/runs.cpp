@@ -45,8 +45,10 @@ constexpr Mistake mistakes_in_runs[] = {
     {"a scenario", "forces load loads externalforce externalforces", "force", "[[force]]"},
     {"a scenario", "springs rope ropes tendon tendons wire wires guy guys", "spring", "[[spring]]"},
     {"a scenario", "couplings gear gears transmission transmissions mimic", "coupling", "[[coupling]]"},
-    {"a scenario", "constraint constraints equality closure closures", "",
-     "closed loops are not supported yet; [[coupling]] makes a joint follow another"},
+    {"a scenario",
+     "loops constraint constraints equality equalities connect closure closures closedloop loopjoint loopjoints kinematicloop "
+     "bilateral bilaterals",
+     "loop", "[[loop]] with body = \"arm/hand\", to = \"arm/base\" and kind = \"ball\""},
     {"a scenario", "actuator actuators motor motors controller servo drive", "",
      "a joint is driven by its own key: drive = { effort = \"5 N m\" } in [mechanism.body.joint]"},
     {"a scenario", "integrator integration simulation simulate simulator solver settings options config run time", "integrate",

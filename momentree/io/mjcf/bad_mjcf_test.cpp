@@ -148,16 +148,40 @@ TEST_CASE("MJCF: names and what they refer to") {
   });
 }
 
-TEST_CASE("MJCF: loops and non-rigid bodies are refused") {
+TEST_CASE("MJCF: impossible equalities and non-rigid bodies are refused") {
+  const auto equality = [](const std::string& text) {
+    return mjcf(body(geom + "<joint name='j'/><site name='s'/><site name='t' fromto='0 0 0 1 0 0'/>") +
+                    body(geom + "<joint name='k' type='ball'/>", "b"),
+                "", "<equality>\n" + text + "</equality>");
+  };
   check({
-      {mjcf(body(geom), "", "<equality><connect body1='a' anchor='0 0 0'/></equality>"),
-       "m.xml:5:11: error: <connect> closes a loop: it connects 'a' to the world in addition to the tree of bodies; closed loops "
-       "are not "
-       "supported yet: leave it out, or give it active=\"false\""},
-      {mjcf(body(geom), "", "<equality><weld body1='a' body2='b'/></equality>"),
-       "m.xml:5:11: error: <weld> closes a loop: it connects 'a' to 'b' in addition to the tree of bodies; closed loops are not "
-       "supported "
-       "yet: leave it out, or give it active=\"false\""},
+      {equality("<connect body1='a' body2='c' anchor='0 0 0'/>"), "m.xml:6:27: error: there is no body 'c'"},
+      {equality("<connect body1='a' body2='b'/>"),
+       "m.xml:6:1: error: <connect> has no 'anchor'; the point in the frame of body1, for example anchor=\"0 0 0.5\""},
+      {equality("<weld body2='b'/>"),
+       "m.xml:6:1: error: <weld> has no 'body1'; the name of a body, or two sites: site1 and site2"},
+      {equality("<weld body1='a' body2='a'/>"), "m.xml:6:1: error: <weld> joins a body to itself"},
+      {equality("<weld body1='world'/>"), "m.xml:6:1: error: <weld> joins the world to itself"},
+      {equality("<weld site1='s'/>"), "m.xml:6:1: error: <weld> has no 'site2'; both ends are sites, or both are bodies"},
+      {equality("<weld site1='s' site2='u'/>"), "m.xml:6:24: error: there is no site 'u'"},
+      {equality("<weld site1='s' site2='t'/>"),
+       "m.xml:3:88: error: a site of <equality> is not placed by fromto here; give it pos, and quat or the like"},
+      {equality("<weld body1='a' body2='b' relpose='0 0 0 1e-12 0 0 0'/>"),
+       "m.xml:6:36: error: relpose: the quaternion has no direction"},
+      {equality("<weld body1='a' body2='b' relpose='0 0 0'/>"), "m.xml:6:36: error: relpose: expected 7 numbers, found 3"},
+      {equality("<weld name='w' body1='a' body2='b'/>\n<weld name='w' body1='b' body2='a'/>"),
+       "m.xml:7:13: error: duplicate equality 'w': the name is already used by another on line 6"},
+      {equality("<weld name='w/x' body1='a' body2='b'/>"),
+       "m.xml:6:13: error: name: an equality cannot be named 'w/x': it has a character that is not allowed; a name has no / , \" "
+       "* "
+       "and no control characters"},
+      {equality("<joint joint1='j' joint2='l'/>"), "m.xml:6:27: error: there is no joint 'l'"},
+      {equality("<joint joint1='k' joint2='j'/>"),
+       "m.xml:6:16: error: joint1: joint 'k' is a ball joint; it needs one degree of freedom"},
+      {mjcf(body(geom + "<site name='s'/>\n<site name='s'/>")),
+       "m.xml:4:13: error: duplicate site 's': the name is already used by another on line 3"},
+      {mjcf(body(geom + "<freejoint/>"), "", "<equality><connect body1='a' anchor='nan 0 0'/></equality>"),
+       "m.xml:5:38: error: anchor: 'nan' is not a finite number"},
       {mjcf(body(geom), "", "<deformable/>"), "m.xml:5:1: error: <deformable> is not supported: bodies are rigid; leave it out"},
       {inside(geom + "<composite type='rope'/>"),
        "m.xml:3:32: error: <composite> is not supported; save the model as MuJoCo compiled it (mj_saveLastXML)"},

@@ -225,7 +225,7 @@ class BodyReader {
     body.shapes = std::move(shapes_);
     reading_.import.model.bodies.push_back(std::move(body));
     const int number = static_cast<int>(reading_.import.model.bodies.size()) - 1;
-    for (const XmlElement site : sites_) read_site(site, childclass_, number, reading_);
+    for (const XmlElement site : sites_) read_site(site, childclass_, name_, number, reading_);
     return number;
   }
 
@@ -360,7 +360,7 @@ void read_world(XmlElement worldbody, Reading& reading) {
     if (name == "body")
       bodies.push_back(child);
     else if (name == "site")
-      read_site(child, childclass, -1, reading);
+      read_site(child, childclass, "", -1, reading);
     else if (name == "frame" || name == "replicate" || name == "composite" || name == "flexcomp" || name == "attach")
       reading.file_of(child).error({child}, child.tag() + " is not supported",
                                    "save the model as MuJoCo compiled it (mj_saveLastXML)");

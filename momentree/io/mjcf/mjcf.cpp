@@ -31,27 +31,6 @@ void read_materials(XmlElement asset, Reading& reading) {
   }
 }
 
-// Two bodies connected in addition to the tree: a closed loop.
-void refuse_loops(XmlElement equality, Reading& reading) {
-  for (const XmlElement each : children_of(equality, reading)) {
-    XmlFile& file = reading.file_of(each);
-    const auto active = each.find("active");
-    const bool closes = each.name() == "connect" || each.name() == "weld";
-    if (!closes || (active && each.attribute(*active) == "false")) {
-      file.once(Severity::note, each.tag() + " in <equality> is ignored", "", {each});
-      continue;
-    }
-    const auto of = [&](const char* name) {
-      const auto i = each.find(name);
-      return i ? in_quotes(each.attribute(*i)) : std::string("the world");
-    };
-    file.error(
-        {each},
-        each.tag() + " closes a loop: it connects " + of("body1") + " to " + of("body2") + " in addition to the tree of bodies",
-        "closed loops are not supported yet: leave it out, or give it active=\"false\"");
-  }
-}
-
 void leave_out(XmlElement section, const std::string& why, Reading& reading) {
   for (const XmlElement each : children_of(section, reading))
     reading.file_of(each).once(Severity::note, each.tag() + " in " + section.tag() + " is ignored", why, {each});
@@ -93,6 +72,7 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
   }
   bool has_world = false;
   std::vector<XmlElement> tendons;
+  std::vector<XmlElement> equalities;
   for (const XmlElement each : sections) {
     const std::string_view tag = each.name();
     XmlFile& file = reading.file_of(each);
@@ -101,7 +81,7 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
       read_world(each, reading);
       if (file.enough()) return;
     } else if (tag == "equality") {
-      refuse_loops(each, reading);
+      equalities.push_back(each);
     } else if (tag == "contact") {
       leave_out(each, "contact is not simulated", reading);
     } else if (tag == "tendon") {
@@ -124,6 +104,7 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
   if (reading.compiler.settotalmass > 0) scale_mass(import.model, reading.compiler.settotalmass);
   name_joints(import.model, reading);
   for (const XmlElement each : tendons) read_tendons(each, reading);
+  if (!equalities.empty()) read_equalities(equalities, reading);
 }
 
 }  // namespace momentree::io

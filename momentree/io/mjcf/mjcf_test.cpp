@@ -75,23 +75,18 @@ TEST_CASE("MJCF: shapes are kept, with the colour of their material") {
   CHECK(shape.more[0].colour == "#00ff00");
 }
 
-TEST_CASE("MJCF: ignored elements are reported once, with their lines; loops are refused") {
+TEST_CASE("MJCF: ignored elements are reported once, with their lines") {
   const ReadResult result = read_scenario_text(
       mujoco("<body name='a'>" + geom + "<joint name='j'/></body>", "",
              "<contact><exclude/></contact>\n<tendon><fixed/>\n<fixed/></tendon>\n<actuator><muscle/></actuator>\n"
-             "<equality><joint joint1='j'/><weld body1='a' active='false'/></equality>"),
+             "<equality><weld body1='a' active='false'/></equality>"),
       "m.xml");
   REQUIRE(result.scenario);
   CHECK(said(result, Severity::note) ==
         "m.xml:5:10: note: <exclude> in <contact> is ignored; contact is not simulated\n"
         "m.xml:6:9: note: <fixed> in <tendon> is ignored (lines 6 and 7)\n"
         "m.xml:8:11: note: <muscle> in <actuator> is ignored; an event's set = { joint, drive } drives a joint\n"
-        "m.xml:9:11: note: <joint> in <equality> is ignored\n"
-        "m.xml:9:30: note: <weld> in <equality> is ignored");
-  CHECK(errors(mujoco("<body name='a'>" + geom + "</body>", "", "<equality><connect body1='a' body2='b'/></equality>")) ==
-        "m.xml:5:11: error: <connect> closes a loop: it connects 'a' to 'b' in addition to the tree of bodies; closed loops are "
-        "not supported "
-        "yet: leave it out, or give it active=\"false\"");
+        "m.xml:9:11: note: <weld> in <equality> is left out: it is not active");
 }
 
 TEST_CASE("MJCF: impossible elements are refused with their places") {

@@ -36,9 +36,10 @@ struct Reading {
   std::unordered_map<std::string, Class> classes{};
   std::unordered_map<std::string, std::string> colours{};  ///< of materials
   std::unordered_map<std::string, XmlElement> body_names{}, joint_names{};
-  /// Named sites, which tendons connect.
+  /// Named sites, which equalities and tendons connect.
   struct Site {
     XmlElement element{};
+    std::string childclass, body;  ///< the world: no body
     SpringEnd end{};
   };
   std::unordered_map<std::string, Site> sites{};
@@ -95,10 +96,12 @@ Mass sum_of(const std::vector<Mass>& parts);
 /// Reads <worldbody> with everything in it, and adds its bodies to the model.
 void read_world(XmlElement worldbody, Reading& reading);
 
-/// Notes a <site> of a body, by its index; −1: of the ground.
-void read_site(XmlElement element, const std::string& childclass, int body, Reading& reading);
+/// Notes a <site> of a body, by its name and index; "" and −1: of the world.
+void read_site(XmlElement element, const std::string& childclass, const std::string& name, int body, Reading& reading);
 /// Reads <tendon>, once all bodies are read.
 void read_tendons(XmlElement tendon, Reading& reading);
+/// Reads all <equality> sections, once the bodies are known.
+void read_equalities(const std::vector<XmlElement>& sections, Reading& reading);
 
 void read_compiler(XmlElement compiler, Reading& reading);
 void read_defaults(XmlElement defaults, const std::string& parent, Reading& reading, int depth = 0);

@@ -7,7 +7,7 @@
 
 namespace momentree::io::mjcf {
 
-void read_site(XmlElement element, const std::string& childclass, int body, Reading& reading) {
+void read_site(XmlElement element, const std::string& childclass, const std::string& body_name, int body, Reading& reading) {
   const auto name = element.find("name");
   if (!name) return;  // nothing can refer to it
   Attributes attributes(element, childclass, reading);
@@ -16,7 +16,7 @@ void read_site(XmlElement element, const std::string& childclass, int body, Read
   if (const auto ends = attributes.has("fromto") ? attributes.numbers("fromto", 6) : std::nullopt)
     point = 0.5 * Vec3{(*ends)[0] + (*ends)[3], (*ends)[1] + (*ends)[4], (*ends)[2] + (*ends)[5]};
   const std::string key(element.attribute(*name));
-  const auto [first, fresh] = reading.sites.emplace(key, Reading::Site{element, {{body}, point}});
+  const auto [first, fresh] = reading.sites.emplace(key, Reading::Site{element, childclass, body_name, {{body}, point}});
   if (!fresh)
     reading.file_of(element).error({element, *name}, "duplicate site " + in_quotes(key) +
                                                          ": the name is already used by another on " +

@@ -1,10 +1,12 @@
 // Builds a tree from links and joints that name each other, without recursion, since a chain may be as long as memory allows.
 #include <algorithm>
+#include <optional>
 #include <unordered_map>
 #include <unordered_set>
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/model/importer.hpp>
+#include <momentree/io/model/spanning.hpp>
 
 namespace momentree::io {
 
@@ -15,10 +17,33 @@ XmlLocation name_spot(XmlElement element) {
   return {element, i ? *i : XmlLocation::no_attribute};
 }
 
+constexpr const char* tree_format =
+    "the format describes trees: leave out one of these joints, and close the loop by a [[loop]] of the scenario";
+
 class Arranger {
  public:
   Arranger(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, Import& import)
       : links_(links), joints_(joints), import_(import) {}
+
+  // With a spanning tree of the joints.
+  LinkTree span() {
+    tree_.parent.assign(links_.size(), -1);
+    note_names();
+    std::vector<SpanningEnds> ends;
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      if (const auto each = ends_of(j)) ends.push_back({each->parent, each->child, joints_[j].rows, j});
+    if (!sound_) return std::move(tree_);
+    tree_.joint = spanning_joints(links_.size(), ends);
+    for (const SpanningEnds& each : ends) {
+      const auto child = static_cast<std::size_t>(each.child);
+      if (tree_.joint[child] == static_cast<int>(each.joint))
+        tree_.parent[child] = each.parent;
+      else
+        tree_.loops.push_back(each.joint);
+    }
+    put_in_order();
+    return std::move(tree_);
+  }
 
   LinkTree arrange() {
     tree_.joint.assign(links_.size(), -1);
@@ -32,6 +57,9 @@ class Arranger {
   }
 
  private:
+  struct Ends {
+    int parent, child;
+  };
   struct Second {
     std::size_t joint;
     int parent, child;
@@ -76,19 +104,26 @@ class Arranger {
     return -1;
   }
 
-  void connect(std::size_t j) {
+  // The links of a joint; nothing, with a report, if they are not known.
+  std::optional<Ends> ends_of(std::size_t j) {
     const NamedJoint& joint = joints_[j];
     const int child = find(joint.child, joint.child_spot, "child");
     const int parent = joint.from_ground ? -1 : find(joint.parent, joint.parent_spot, "parent");
-    if (child < 0 || (parent < 0 && !joint.from_ground)) return;
-    const auto c = static_cast<std::size_t>(child);
-    if (parent == child) {
-      error(joint.child_spot, "joint " + in_quotes(joint.name) + " joins link " + in_quotes(joint.child) + " to itself");
-    } else if (tree_.joint[c] >= 0) {
-      seconds_.push_back({j, parent, child});
+    if (child < 0 || (parent < 0 && !joint.from_ground)) return {};
+    if (parent != child) return Ends{parent, child};
+    error(joint.child_spot, "joint " + in_quotes(joint.name) + " joins link " + in_quotes(joint.child) + " to itself");
+    return {};
+  }
+
+  void connect(std::size_t j) {
+    const auto ends = ends_of(j);
+    if (!ends) return;
+    const auto child = static_cast<std::size_t>(ends->child);
+    if (tree_.joint[child] >= 0) {
+      seconds_.push_back({j, ends->parent, ends->child});
     } else {
-      tree_.joint[c] = static_cast<int>(j);
-      tree_.parent[c] = parent;
+      tree_.joint[child] = static_cast<int>(j);
+      tree_.parent[child] = ends->parent;
     }
   }
 
@@ -124,7 +159,7 @@ class Arranger {
     std::string what = "link " + in_quotes(joint.child) + " has two parents: joint " + in_quotes(joint.name) + " joins it to " +
                        (parent < 0 ? "the ground" : in_quotes(joint.parent)) + ", and " + in_quotes(first.name) + " on " +
                        line_of(first.element) + " to " + (first.from_ground ? "the ground" : in_quotes(first.parent));
-    std::string hint = "a mechanism is a tree: leave out one of the two joints";
+    std::string hint = tree_format;
     if (--loops_left_ >= 0) {
       const std::vector<int> one = path_up(child), other = path_up(parent);
       std::unordered_map<int, std::size_t> on_one;
@@ -150,7 +185,7 @@ class Arranger {
         add(j);
         for (std::size_t i = 0; i < k; ++i) add(inboard(other[i]));
         what += ". That closes the loop " + chain(loop, " – ") + " of the joints " + chain(joints, ", ");
-        hint = "closed loops are not supported yet: leave out one of its joints";
+        hint = tree_format;
       }
     }
     error(joint.child_spot, std::move(what), std::move(hint));
@@ -167,7 +202,7 @@ class Arranger {
     }
     if (shown > 8) names += " on …";
     error(joints_[static_cast<std::size_t>(tree_.joint[static_cast<std::size_t>(start)])].parent_spot,
-          "the joints form a cycle: " + names, "a mechanism is a tree with a root; closed loops are not supported yet");
+          "the joints form a cycle: " + names, tree_format);
   }
 
   enum State : char { unseen, walking, placed, gone };
@@ -206,8 +241,9 @@ class Arranger {
 
 }  // namespace
 
-LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, Import& import) {
-  return Arranger(links, joints, import).arrange();
+LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, Loops loops, Import& import) {
+  Arranger arranger(links, joints, import);
+  return loops == Loops::closed ? arranger.span() : arranger.arrange();
 }
 
 }  // namespace momentree::io

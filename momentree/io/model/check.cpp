@@ -32,6 +32,12 @@ bool check_one(const ImportedBody& body) {
   return sound;
 }
 
+void check_imported_loops(const ImportedModel& model) {
+  for (const ImportedLoop& loop : model.loops)
+    for (const BodyProblem& problem : check_loop(loop.spec, static_cast<int>(model.bodies.size())))
+      if (problem.field != "name") report(loop.spots, problem.field, problem.field + ": " + problem.what, problem.hint);
+}
+
 void check_inertias(const ImportedModel& model) {
   const auto sound = [](const ImportedBody& body) { return check_mass(body.spec.mass, body.spec.inertia).what.empty(); };
   if (std::all_of(model.bodies.begin(), model.bodies.end(), sound)) return;  // then every group of them is sound, too
@@ -81,6 +87,7 @@ void check_imported(ImportedModel& model) {
     if (body.spots.file->enough()) return;
     sound = check_one(body) && sound;
   }
+  check_imported_loops(model);
   check_followers(model);
   check_inertias(model);
   if (sound) warn_of_massless(model);

@@ -27,6 +27,13 @@ struct ImportedBody {
   BodySpots spots{};
 };
 
+/// A joint that closes a loop, in addition to the joints of the tree.
+struct ImportedLoop {
+  LoopSpec spec;         ///< the name without a mechanism; bodies are indices among those of this model
+  JointLimits limits{};  ///< as in the file; not used yet
+  BodySpots spots{};     ///< the body's are the joint's
+};
+
 /// A joint that follows another according to the file: q = multiplier·q(leader) + offset.
 struct Follower {
   int body = -1, leader = -1;  ///< joints, identified by the bodies that they carry
@@ -49,6 +56,7 @@ struct ImportedModel {
   std::string title;  ///< the model's name in the file
   /// parents before their children; a deque, since the elements are large and should not be moved
   std::deque<ImportedBody> bodies;
+  std::vector<ImportedLoop> loops;
   std::vector<Follower> followers;
   std::vector<ImportedSpring> springs;
   std::optional<Vec3> gravity;  ///< if the file has one (m/s²)

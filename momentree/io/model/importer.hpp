@@ -61,15 +61,20 @@ struct NamedLink {
 struct NamedJoint {
   std::string name, parent, child;  ///< names of links; the child is never the ground
   bool from_ground = false;         ///< the parent is the ground
+  int rows = 6;                     ///< number of DoFs that it blocks
   XmlElement element{};
   XmlLocation parent_spot{}, child_spot{};
 };
 struct LinkTree {
   std::vector<std::size_t> order;  ///< of links: parents first, otherwise as in the file; empty if there is an error
   std::vector<int> joint, parent;  ///< by link: its inboard joint and its parent's index, −1: none
+  std::vector<std::size_t> loops;  ///< the joints that are not part of the tree
 };
-/// Reports duplicate names, unknown links, second parents (closed loops, by name) and cycles. More than one root is allowed.
-LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, Import& import);
+/// How joints that form no tree are treated.
+enum class Loops { refused, closed };
+/// Reports duplicate names and unknown links. More than one root is allowed. If a link has several inboard joints, or joints form
+/// a cycle: `refused`: reports them, by name; `closed`: a spanning tree of spanning_joints(), whose other joints close loops.
+LinkTree arrange(const std::vector<NamedLink>& links, const std::vector<NamedJoint>& joints, Loops loops, Import& import);
 
 /// Format-independent checks of bodies, reported at their places in the file. Call it last.
 void check_imported(ImportedModel& model);

@@ -147,21 +147,13 @@ TEST_CASE("SDF: links and joints that form no tree are refused") {
       {head + a_link("a") + joint("j", "a", "world") + end,
        "m.sdf:6:8: error: child: the world cannot be a joint's child; swap parent and child, and reverse the axis"},
       {head + a_link("a") + joint("j", "a", "a") + end, "m.sdf:6:8: error: joint 'j' joins link 'a' to itself"},
-      {head + a_link("a") + a_link("b") + joint("j", "a", "b") + joint("k", "b", "a") + end,
-       "m.sdf:11:9: error: the joints form a cycle: 'a' on 'b' on 'a'; a mechanism is a tree with a root; closed loops "
-       "are not supported yet"},
-      {head + a_link("a") + a_link("b") + a_link("c") + joint("j", "a", "c") + joint("k", "b", "c") + end,
-       "m.sdf:13:8: error: link 'c' has two parents: joint 'k' joins it to 'b', and 'j' on line 6 to 'a'; a mechanism is a tree: "
-       "leave out one of the two joints"},
-      {head + a_link("a") + a_link("b") + a_link("c") + joint("ab", "a", "b") + joint("ac", "a", "c") + joint("bc", "b", "c") +
-           end,
-       "m.sdf:18:8: error: link 'c' has two parents: joint 'bc' joins it to 'b', and 'ac' on line 11 to 'a'. That closes the "
-       "loop 'a' – 'c' – 'b' – 'a' of the joints 'ac' (line 11), 'bc' (line 16), 'ab' (line 6); closed loops are not supported "
-       "yet: leave out one of its joints"},
-      {head + a_link("a") + a_link("b") + joint("j", "world", "a") + joint("k", "a", "b") + joint("l", "world", "b") + end,
-       "m.sdf:17:8: error: link 'b' has two parents: joint 'l' joins it to the ground, and 'k' on line 10 to 'a'. That closes "
-       "the loop the ground – 'a' – 'b' – the ground of the joints 'j' (line 5), 'k' (line 10), 'l' (line 15); closed loops are "
-       "not supported yet: leave out one of its joints"},
+      {head + a_link("a") + a_link("b") + joint("j", "a", "b") + joint("k", "a", "b", "<axis><xyz>1 0</xyz></axis>") + end,
+       "m.sdf:13:12: error: xyz: expected 3 numbers, found 2"},
+      {head + a_link("a") + a_link("b") + joint("j", "a", "b") +
+           joint("k", "a", "b", "<axis><xyz>0 0 1</xyz><mimic joint='j'/></axis>") +
+           joint("l", "a", "b", "<axis><xyz>0 0 1</xyz></axis>") + "<link name='c'>" + mass + "</link>" +
+           joint("m", "b", "c", "<axis><xyz>0 0 1</xyz><mimic joint='k'/></axis>") + end,
+       "m.sdf:23:37: error: mimic: joint 'k' closes a loop and can't lead another"},
       {head + end, "m.sdf:2:1: error: there is no <link> in it; for example <link name=\"base\">"},
       {"<sdf version='1.9'/>",
        "m.sdf:1:1: error: the file has no <model> and no <world>; for example <model name=\"arm\">, with its links"},
@@ -169,9 +161,28 @@ TEST_CASE("SDF: links and joints that form no tree are refused") {
        "m.sdf:2:1: error: a second <model> in addition to that on line 1; put models into one <world>"},
       {"<sdf version='1.9'><world><model name='a'><static>1</static>" + a_link("a") + "</model>\n<model name='b'>" + a_link("b") +
            "</model>\n" + joint("j", "b::b", "a::a") + "</world></sdf>",
-       "m.sdf:7:8: error: child: 'a::a' belongs to a static model: the joint would close a loop; swap parent and child, or make "
+       "m.sdf:7:8: error: child: 'a::a' belongs to a static model, and the joint would carry it; swap parent and child, or make "
        "the model non-static"},
   });
+}
+
+TEST_CASE("SDF: more loops than memory could hold are refused") {
+  std::string many = head, longer = head;
+  for (int i = 0; i < 20'000; ++i) {
+    const std::string name = std::to_string(i);
+    many += a_link("l" + name);
+    longer += a_link("l" + name);
+    if (i == 0) continue;
+    many += joint("j" + name, "l" + std::to_string(i - 1), "l" + name) + joint("k" + name, "l0", "l" + name);
+    longer += joint("j" + name, "l" + std::to_string(i - 1), "l" + name);
+  }
+  for (int i = 0; i < 1000; ++i) longer += joint("k" + std::to_string(i), "l" + std::to_string(19'000 + i), "l0");
+  CHECK(
+      errors_of(many + end, "m.sdf") ==
+      "m.sdf:11005:1: error: a scenario has loops of at most 5000 equations in total; they are solved together, which would need "
+      "too much memory");
+  CHECK(errors_of(longer + end, "m.sdf").find("error: the loops are too long: their equations concern too many bodies; they") !=
+        std::string::npos);
 }
 
 TEST_CASE("SDF: invalid names are refused") {

@@ -26,10 +26,11 @@ class Builder {
     if (!frames_.sound()) return;
     if (links_.empty())
       return frames_.error({frames_.scopes()[0].part->element}, "there is no <link> in it", "for example <link name=\"base\">");
-    const LinkTree tree = arrange(links_, ends_, import_);
+    const LinkTree tree = arrange(links_, ends_, Loops::closed, import_);
     body_of_.assign(links_.size(), -1);
     for (const NamedJoint& each : ends_) joint_names_.insert(each.name);
     for (const std::size_t link : tree.order) add_body(link, tree);
+    for (const std::size_t joint : tree.loops) add_loop(joint);
     if (import_.errors() == 0) follow(tree);
   }
 
@@ -77,7 +78,7 @@ class Builder {
           continue;
         }
         frames_.error(part.child_spot,
-                      "child: " + in_quotes(part.child) + " belongs to a static model: the joint would close a loop",
+                      "child: " + in_quotes(part.child) + " belongs to a static model, and the joint would carry it",
                       "swap parent and child, or make the model non-static");
         continue;
       }
@@ -86,6 +87,7 @@ class Builder {
       ends.child = links_[link_at(joint.child)].name;
       ends.from_ground = joint.parent < 0;
       if (joint.parent >= 0) ends.parent = links_[link_at(joint.parent)].name;
+      ends.rows = 6 - info(part.kind).nv;
       ends.element = part.element;
       ends.parent_spot = part.parent_spot;
       ends.child_spot = part.child_spot;
@@ -163,6 +165,22 @@ class Builder {
     body.floats = true;
   }
 
+  void add_loop(std::size_t j) {
+    const Joined& joint = joints_[j];
+    ImportedBody joined;  // as if it were the inboard joint of its child
+    join(joint, joined.spec, joined);
+    ImportedLoop& loop = import_.model.loops.emplace_back();
+    loop.spec.name = ends_[j].name;
+    loop.spec.body = {body_of_[link_at(joint.child)]};
+    loop.spec.to = joint.parent < 0 ? ground : BodyId{body_of_[link_at(joint.parent)]};
+    loop.spec.joint = std::move(joined.spec.joint);
+    loop.spec.at = joined.spec.at;
+    loop.spec.child_at = joined.spec.child_at;
+    loop.limits = std::move(joined.limits);
+    const XmlElement element = joint.part->element;
+    loop.spots = {&import_.file_of(element), element, element, {}, joined.spots.limits};
+  }
+
   // <mimic> of newer versions.
   void follow(const LinkTree& tree) {
     std::unordered_map<std::string_view, int> body_of_joint;
@@ -184,9 +202,18 @@ class Builder {
         texts.fields.finish();
         if (!leader) continue;
         const auto own = body_of_joint.find(ends_[j].name);
-        const auto other = body_of_joint.find(frames_.scopes()[static_cast<std::size_t>(joints_[j].scope)].prefix + *leader);
+        if (own == body_of_joint.end()) {
+          file.warning({axis.mimic},
+                       "joint " + in_quotes(ends_[j].name) + " closes a loop and can't follow another: <mimic> is ignored",
+                       "its position follows from the joints of the tree");
+          continue;
+        }
+        const std::string full = frames_.scopes()[static_cast<std::size_t>(joints_[j].scope)].prefix + *leader;
+        const auto other = body_of_joint.find(full);
         if (other == body_of_joint.end()) {
-          file.error(texts.fields.location("joint"), "mimic: there is no joint " + in_quotes(*leader));
+          file.error(texts.fields.location("joint"),
+                     joint_names_.contains(full) ? "mimic: joint " + in_quotes(*leader) + " closes a loop and can't lead another"
+                                                 : "mimic: there is no joint " + in_quotes(*leader));
           continue;
         }
         follower.body = own->second;

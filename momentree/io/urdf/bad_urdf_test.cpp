@@ -135,22 +135,20 @@ TEST_CASE("URDF: links and joints that form no tree are refused") {
       {head + a_link("a") + a_link("b") + joint("j", "b", "b") + joint("k", "a", "b") + "</robot>",
        "r.urdf:6:14: error: joint 'j' joins link 'b' to itself"},
       {head + a_link("a") + a_link("b") + joint("j", "a", "b") + joint("k", "b", "a") + "</robot>",
-       "r.urdf:10:15: error: the joints form a cycle: 'a' on 'b' on 'a'; a mechanism is a tree with a root; closed loops "
-       "are "
-       "not supported yet"},
+       "r.urdf:10:15: error: the joints form a cycle: 'a' on 'b' on 'a'; the format describes trees: leave out one of "
+       "these joints, and close the loop by a [[loop]] of the scenario"},
       {head + a_link("a") + a_link("b") + "</robot>",
        "r.urdf:3:1: error: a second root: link 'b' is not the child of any joint, like 'a' on line 2; join one to the other, or "
        "make two files"},
       {head + a_link("a") + a_link("b") + a_link("c") + joint("j", "a", "c") + joint("k", "b", "c") + "</robot>",
-       "r.urdf:12:14: error: link 'c' has two parents: joint 'k' joins it to 'b', and 'j' on line 5 to 'a'; a mechanism is a "
-       "tree: "
-       "leave out one of the two joints"},
+       "r.urdf:12:14: error: link 'c' has two parents: joint 'k' joins it to 'b', and 'j' on line 5 to 'a'; the format "
+       "describes trees: leave out one of these joints, and close the loop by a [[loop]] of the scenario"},
       {head + a_link("a") + a_link("b") + a_link("c") + joint("ab", "a", "b") + joint("ac", "a", "c") + joint("bc", "b", "c") +
            "</robot>",
        "r.urdf:17:14: error: link 'c' has two parents: joint 'bc' joins it to 'b', and 'ac' on line 10 to 'a'. That closes the "
        "loop "
-       "'a' – 'c' – 'b' – 'a' of the joints 'ac' (line 10), 'bc' (line 15), 'ab' (line 5); closed loops are not supported yet: "
-       "leave out one of its joints"},
+       "'a' – 'c' – 'b' – 'a' of the joints 'ac' (line 10), 'bc' (line 15), 'ab' (line 5); the format describes trees: leave "
+       "out one of these joints, and close the loop by a [[loop]] of the scenario"},
       {head + "</robot>", "r.urdf:1:1: error: the robot has no <link>"},
       {head + "<link>" + mass + "</link></robot>", "r.urdf:2:1: error: <link> has no 'name'; for example name=\"upper_arm\""},
       {head + a_link("") + "</robot>", "r.urdf:2:13: error: name: a link cannot be named '': it is empty"},

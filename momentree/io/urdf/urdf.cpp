@@ -117,7 +117,7 @@ void Urdf::read(XmlElement robot, Import& import) {
   if (links.empty()) return file.error({robot}, "the robot has no <link>");
 
   const std::size_t errors = file.out().errors();
-  const LinkTree tree = arrange(links, ends, import);
+  const LinkTree tree = arrange(links, ends, Loops::refused, import);
   std::vector<int> body_of_link(links.size(), -1);
   std::unordered_set<std::string_view> joint_names;
   for (const NamedJoint& each : ends) joint_names.insert(each.name);

@@ -140,6 +140,26 @@ def batch(model: mt.Model) -> None:
     assert_type(worlds.bodies["arm/hand"].position, Array)
 
 
+def ring() -> mt.Model:
+    model = mt.Model()
+    crank = model.add("ring/crank", mass=1, com=(0.5, 0, 0), inertia=0.1, joint=mt.Revolute((0, 1, 0)), q=0.5)
+    model.add("ring/rod", mass=1, com=(0.5, 0, 0), inertia=0.1, parent=crank, at=(1, 0, 0), joint=mt.Revolute((0, 1, 0)), q=-1)
+    model.add_loop("guide", body="ring/rod", joint=mt.Ball(damping=0.1), child_at=(1, 0, 0), at={"xyz": [1.5, 0, 0]}, assemble=True)
+    assert_type(model.loop_names, list[str])
+    return model
+
+
+def loops(sim: mt.Simulation) -> None:
+    assert_type(sim.world.loops["guide"], mt.Joint)
+    assert_type(sim.world.loop_status, mt.LoopStatus)
+    assert_type(sim.world.loop_status.residual, float)
+    assert_type(sim.world.joints["guide"].loop, bool)
+    assert_type(sim.world.joints["guide"].determined, bool)
+    sim.when(mt.reaction("guide", undetermined="least_norm").force > 1e6).then(mt.break_joint("guide"))
+    sim.run(0.01)
+    assert_type(sim.energy_balance, dict[str, float])
+
+
 def spring(stiffness: float, joint: str) -> Callable[[mt.Context], float]:
     def effort(context: mt.Context) -> float:
         return -stiffness * float(context.q(joint)[0])
@@ -155,6 +175,7 @@ if __name__ == "__main__":
     batch(arm(wind=False))
     for use in (read, write, events, run):
         use(mt.Simulation(arm(), method="dopri5", step=1e-3, rtol=1e-9))
+    loops(mt.Simulation(ring()))
     driven = load(arm().to_toml())
     driven.drive("arm/upper", spring(2.0, "arm/upper"))
     run(driven)

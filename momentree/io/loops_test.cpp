@@ -1,0 +1,206 @@
+// Scenarios with closed loops: mistakes, conversion, state documents.
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <momentree/io/convert/convert.hpp>
+#include <momentree/io/session.hpp>
+#include <momentree/io/state_document.hpp>
+#include <tests/bad_input.hpp>
+
+namespace momentree::io {
+namespace {
+
+using namespace bad_input;
+using Json = nlohmann::json;
+
+std::string bar(const std::string& name, const std::string& length, const std::string& joint) {
+  return "[[mechanism.body]]\nname = \"" + name + "\"\nmass = 1\ncom = [" + length +
+         ", 0, 0]\ninertia = [1e-4, 0.02, 0.02]\n[mechanism.body.joint]\nkind = \"revolute\"\naxis = [0, 1, 0]\n" + joint + "\n";
+}
+
+// A four-bar linkage in the plane of x and z: lines 1 to 37.
+const std::string bars = "format = 1\n[[mechanism]]\nname = \"m\"\nroots = 2\n" +
+                         bar("crank", "0.15", "angle = -1.2\nspeed = 3") +
+                         bar("coupler", "0.35", "parent = \"crank\"\nat = { xyz = [0.3, 0, 0] }\nangle = 0.9") +
+                         bar("rocker", "0.25", "at = { xyz = [0.8, 0, 0] }\nangle = -1.6");
+const std::string open_pin =
+    "[[loop]]\nname = \"pin\"\nkind = \"revolute\"\nbody = \"m/coupler\"\nto = \"m/rocker\"\naxis = [0, 1, 0]\n";
+const std::string pin = open_pin + "at = { xyz = [0.5, 0, 0] }\nchild_at = { xyz = [0.7, 0, 0] }\n";
+const std::string linkage = bars + pin;
+
+std::string loop(const std::string& what) { return bars + "[[loop]]\n" + what + "\n"; }
+
+Session session_of(const std::string& text) { return load_text(text, "s.toml"); }
+
+std::string document(const Session& session) {
+  const Simulation& sim = session.simulation();
+  return state_json(sim.world(), {}, sim.step_memory());
+}
+
+// The document of a simulation, read back by a simulation of the same scenario: the same text, and the same future.
+void check_document(const std::string& scenario, Simulation& sim, double until) {
+  const std::string text = state_json(sim.world(), {}, sim.step_memory());
+  CAPTURE(text);
+  const ReadResult read = read_scenario_text(scenario, "s.toml");
+  REQUIRE(read.scenario);
+  Simulation again(read.scenario->model, read.scenario->integration);
+  const RestoredState state = read_state(text, "s.json", again.world().first_model());
+  restore(again, {state});
+  again.resume({}, state.memory);
+  CHECK(state_json(again.world(), {}, again.step_memory()) == text);
+  REQUIRE(again.run_until(until) == Status::ok);
+  REQUIRE(sim.run_until(until) == Status::ok);
+  CHECK(state_json(again.world(), {}, again.step_memory()) == state_json(sim.world(), {}, sim.step_memory()));
+}
+
+}  // namespace
+
+TEST_CASE("mistakes in loops are reported with their places") {
+  check({
+      {loop("kind = \"ball\"\nbody = \"m/rocker\""),
+       "s.toml:35:1: error: missing key 'name' in [[loop]]; a name, by which events and results refer to it"},
+      {loop("name = \"pin\"\nkind = \"ball\""),
+       "s.toml:35:1: error: missing key 'body' in [[loop]]; a body, for example \"arm/hand\""},
+      {loop("name = \"pin\"\nkind = \"ball\"\nbody = \"m/roker\""),
+       "s.toml:38:8: error: loop 'pin': body: there is no body 'm/roker'; did you mean 'm/rocker'?"},
+      {loop("name = \"pin\"\nkind = \"ball\"\nbody = \"rocker\""),
+       "s.toml:38:8: error: loop 'pin': body: there is no body 'rocker'; did you mean 'm/rocker'?"},
+      {loop("name = \"pin\"\nkind = \"ball\"\nbody = \"m/rocker\"\nto = \"m/rocker\""),
+       "s.toml:39:6: error: loop 'pin': to: a loop can't join a body to itself; name another body, or leave 'to' out for the "
+       "ground"},
+      {loop("name = \"pin\"\nkind = \"free\"\nbody = \"m/rocker\""),
+       "s.toml:37:8: error: loop 'pin': a free joint constrains nothing, so it can't close a loop; use any other kind"},
+      {loop("name = \"m/crank\"\nkind = \"ball\"\nbody = \"m/rocker\""), ""},
+      {linkage + "armature = 1\n", ""},
+      {linkage + "limits = { lower = -1, upper = 1 }\n", ""},
+      {linkage + "drive = { motion = { rate = 1 } }\n", ""},
+      {linkage + "angle = 1\n", ""},
+      {linkage + "parent = \"m/rocker\"\n", ""},
+      {linkage + "assemble = false\n", ""},
+      {bars + open_pin + "at = { xyz = [5, 0, 0] }\n", ""},
+      {linkage + "[integrate]\nvariables = \"momenta\"\n", ""},
+      {linkage + "[integrate]\nmethod = \"damped\"\n", ""},
+      {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5 }\nbreak = \"pin\"\n", ""},
+      {linkage + "strength = { force = 5 }\n", ""},
+      {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5, undetermined = \"all\" }\nbreak = \"pin\"\n", ""},
+      {linkage + "[[coupling]]\njoint = \"pin\"\nfollows = \"m/crank\"\nstiffness = 1\n", ""},
+  });
+}
+
+TEST_CASE("a scenario with a loop is assembled, and its loop joint is one of the joints") {
+  const Session session = session_of(linkage + "damping = 0.5\n");
+  const World& world = session.simulation().world();
+  CHECK(session.simulation().world().state().variables() == Variables::velocities);
+  REQUIRE(world.loops().size() == 1);
+  const JointId number = world.loops()[0];
+  CHECK(world.joint_name(number) == "pin");
+  CHECK(world.joint(number).parameters->damping.of(0) == 0.5);
+  CHECK(world.loop_status().rows == 5);
+  CHECK(world.loop_status().rank == 2);
+  CHECK(world.loop_status().residual < 1e-12);
+  const Json text = Json::parse(document(session));
+  const Json& joint = text.at("joints").at("pin");
+  CHECK(joint.at("loop") == true);
+  CHECK(joint.at("p").empty());
+  CHECK(joint.at("q").size() == 1);
+  CHECK(joint.at("reaction").at("determined") == false);
+  CHECK(text.at("joints").at("m/crank").at("reaction").contains("determined"));
+  CHECK(text.at("loops").at("rows") == 5);
+}
+
+TEST_CASE("conversion keeps loops, and refuses them for URDF") {
+  const std::string text =
+      linkage +
+      "damping = 0.5\nfriction = { coulomb = 1, speed = 0.1 }\nstrength = { force = 1e9 }\nassemble = true\n"
+      "[[loop]]\nname = \"rope\"\nkind = \"universal\"\naxis2 = [0, 0, 1]\nbody = \"m/rocker\"\nat = { xyz = [0.8, 0, 0] }\n";
+  // The strength of a joint that loops leave open would be an error.
+  const ReadResult read =
+      read_scenario_text(text.substr(0, text.find("strength")) + text.substr(text.find("assemble")), "s.toml");
+  INFO(said(read));
+  REQUIRE(read.scenario);
+  const std::string written = to_toml(*read.scenario, "").text, of_model = to_toml(read.scenario->model, read.scenario->shapes);
+  for (const std::string& each : {written, of_model}) {
+    CAPTURE(each);
+    const ReadResult again = read_scenario_text(each, "again.toml");
+    REQUIRE(again.scenario);
+    CHECK(to_toml(again.scenario->model, again.scenario->shapes) == of_model);
+    const std::vector<LoopSpec>&one = read.scenario->model.loops(), &two = again.scenario->model.loops();
+    REQUIRE(two.size() == 2);
+    for (std::size_t i = 0; i < 2; ++i) {
+      CHECK(one[i].name == two[i].name);
+      CHECK(one[i].body == two[i].body);
+      CHECK(one[i].to == two[i].to);
+      CHECK(one[i].joint.kind == two[i].joint.kind);
+      CHECK(one[i].joint.parameters == two[i].joint.parameters);
+      CHECK(one[i].at.position.x == two[i].at.position.x);
+    }
+  }
+  std::string why;
+  try {
+    static_cast<void>(to_urdf(*read.scenario, "m", ""));
+  } catch (const Error& error) {
+    why = error.what();
+  }
+  CHECK(why.find("URDF has no closed loops: 'pin', 'rope'") != std::string::npos);
+}
+
+TEST_CASE("documents of worlds with loops read back to the same text and continue to the same bits") {
+  struct Change {
+    const char* what;
+    std::vector<Action> actions;
+  };
+  JointSpec ball, slide;
+  ball.kind = Kind::ball, ball.parameters.damping = 0.1, ball.parameters.stiffness = 2;
+  slide.kind = Kind::cylindrical, slide.axis = {0, 1, 0};
+  const std::vector<Change> changes{
+      {"nothing", {}},
+      {"a loop joint breaks", {break_joint("pin")}},
+      {"a loop joint takes the place of a joint", {break_joint("m/coupler")}},
+      {"a loop joint takes the place of a root joint", {break_joint("m/crank")}},
+      {"a loop is made", {attach("m/rocker", "m/crank", ball)}},
+      {"a loop is made on the ground", {weld("m/coupler")}},
+      {"a loop joint is locked", {lock("pin")}},
+      {"a loop joint becomes another", {change_joint("pin", slide)}},
+      {"a loop joint becomes free", {free_joint("pin")}},
+      {"new parameters", {set_parameters("pin", {.damping = 3})}},
+  };
+  for (const char* method : {"rk4", "midpoint", "dopri5", "dop853"}) {
+    CAPTURE(method);
+    const std::string scenario = linkage + "damping = 0.1\n[integrate]\nmethod = \"" + method + "\"\n";
+    for (const Change& change : changes) {
+      CAPTURE(change.what);
+      Session session = session_of(scenario);
+      Simulation& sim = session.simulation();
+      REQUIRE(sim.run_until(0.1) == Status::ok);
+      if (!change.actions.empty()) sim.apply(change.actions, "clasp");
+      check_document(scenario, sim, 0.2);
+      sim.apply(break_joint("m/rocker"), "cut");
+      check_document(scenario, sim, 0.3);
+    }
+  }
+}
+
+TEST_CASE("bad loop joints in documents are refused") {
+  const Session session = session_of(linkage);
+  const std::string text = document(session);
+  const auto says = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    const std::size_t loop = changed.find("\"pin\": {"), at = changed.find(from, loop);
+    REQUIRE(at != std::string::npos);
+    changed.replace(at, from.size(), to);
+    try {
+      static_cast<void>(read_state(changed, "s.json", session.simulation().world().first_model()));
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(says("\"m/coupler\"", "\"m/rocker\"").find("a loop can't join a body to itself") != std::string::npos);
+  CHECK(says("\"m/coupler\"", "\"m/couple\"").find("m/couple") != std::string::npos);
+  CHECK(says("\"parameters\": {}", "\"parameters\": {\"armature\": 1}").find("armature") != std::string::npos);
+}
+
+}  // namespace momentree::io

@@ -1,0 +1,179 @@
+"""Closed loops: models, joints, changes, and round trips of worlds with loops."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import momentree as mt
+
+AXIS = (0, 1, 0)
+
+
+def four_bar(to: mt.typing.Parent = None, **loop: Any) -> mt.Model:
+    """A crank, a coupler and a rocker in the plane of x and z; the rocker ends on the ground at x = 0.8 m."""
+    model = mt.Model()
+
+    def bar(name: str, length: float, parent: mt.typing.Parent, at: mt.typing.Vector, q: float, v: float = 0.0) -> mt.ModelBody:
+        inertia = (1e-4, length**2 / 12, length**2 / 12)
+        return model.add(
+            name, mass=1, com=(length / 2, 0, 0), inertia=inertia, parent=parent, at=at, joint=mt.Revolute(AXIS), q=q, v=v
+        )
+
+    crank = bar("bar/crank", 0.3, None, (0, 0, 0), -1.2, 3.0)
+    coupler = bar("bar/coupler", 0.7, crank, (0.3, 0, 0), 0.9)
+    rocker = bar("bar/rocker", 0.5, coupler, (0.7, 0, 0), 1.6)
+    model.add_loop("pin", body=rocker, to=to, joint=mt.Revolute(AXIS), child_at=(0.5, 0, 0), at=(0.8, 0, 0), **loop)
+    return model
+
+
+def test_a_model_with_a_loop_is_assembled_and_stays_closed() -> None:
+    sim = mt.Simulation(four_bar())
+    assert sim.integration["variables"] == "velocities"
+    assert list(sim.world.joints) == ["bar/crank", "bar/coupler", "bar/rocker", "pin"]
+    assert list(sim.world.loops) == ["pin"] and len(sim.world.loops) == 1
+    status = sim.world.loop_status
+    assert (status.rows, status.rank) == (5, 2) and status.residual < 1e-12
+    sim.run(0.3)
+    pin = sim.world.loops["pin"]
+    assert pin.loop and pin.kind == "revolute" and pin.parent == "ground" and pin.child == "bar/rocker"
+    assert pin.q.shape == pin.v.shape == (1,) and pin.p.shape == pin.pdot.shape == pin.a.shape == (0,)
+    rocker = sim.world.bodies["bar/rocker"]
+    w, x, y, z = rocker.quaternion
+    end = rocker.position + 0.5 * np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
+    assert np.allclose(end, [0.8, 0, 0], atol=1e-12)
+    assert np.linalg.norm(pin.reaction.force) > 0.1
+    assert not pin.determined, "a planar linkage of revolute joints leaves forces out of its plane open"
+    balance = sim.energy_balance
+    assert set(balance) >= {"projection", "error"} and abs(balance["error"]) < 1e-6 and abs(balance["projection"]) < 1e-6
+    with pytest.raises(mt.Error, match="closes no loop"):
+        sim.world.loops["bar/crank"]
+    with pytest.raises(mt.Error, match="pin"):
+        sim.world.loops["pim"]
+
+
+def test_what_loops_do_not_support_is_an_error() -> None:
+    with pytest.raises(mt.Error, match="velocities"):
+        mt.Simulation(four_bar(), variables="momenta")
+    with pytest.raises(mt.Error, match="damped"):
+        mt.Simulation(four_bar(), method="damped")
+    with pytest.raises(mt.Error, match="open at the start"):
+        mt.Simulation(four_bar(assemble=False))
+    with pytest.raises(mt.Error, match="can't be closed"):
+        model = four_bar()
+        model.add_loop("far", body="bar/crank", joint=mt.Ball(), at=(9, 0, 0))
+        mt.Simulation(model)
+    with pytest.raises(mt.Error, match="batches do not support closed loops"):
+        mt.Batch(four_bar(), 2)
+    sim = mt.Simulation(four_bar())
+    with pytest.raises(mt.Error, match="closes a loop"):
+        sim.drive("pin", lambda context: 0.0)
+    sim.drive("bar/crank", lambda context: float(context.q("pin")[0]))
+    with pytest.raises(mt.Error, match="no coordinates within a step"):
+        sim.run(0.01)
+    with pytest.raises(mt.Error, match="closes a loop"):
+        mt.Simulation(four_bar()).apply(mt.lock("pin"))
+
+
+def test_mistakes_in_add_loop_leave_the_model_unchanged() -> None:
+    model = four_bar()
+    for error, arguments in {
+        "there is no body 'bar/rod'": {"body": "bar/rod", "joint": mt.Ball()},
+        "free joint constrains nothing": {"body": "bar/rocker", "joint": mt.Free()},
+        "can't join a body to itself": {"body": "bar/rocker", "to": "bar/rocker", "joint": mt.Ball()},
+        "armature": {"body": "bar/rocker", "joint": mt.Revolute(AXIS, armature=1)},
+        "expected a joint": {"body": "bar/rocker", "joint": "ball"},
+        "damping": {"body": "bar/rocker", "joint": mt.Ball(damping=-1)},
+    }.items():
+        with pytest.raises(mt.Error, match=error):
+            model.add_loop("other", **arguments)
+    with pytest.raises(mt.Error, match="pin"):
+        model.add_loop("pin", body="bar/rocker", joint=mt.Ball())
+    assert model.loop_names == ["pin"]
+
+
+def test_models_with_loops_survive_copies_pickles_and_texts() -> None:
+    model = four_bar("bar/crank", assemble=True)
+    model.add_loop("clasp", body="bar/coupler", joint=mt.Ball(stiffness=2, damping=0.1), at=(0.2, 0, -0.3), assemble=False)
+    for other in (copy.copy(model), pickle.loads(pickle.dumps(model)), copy.deepcopy(model)):
+        assert other.to_toml() == model.to_toml() and other.loop_names == ["pin", "clasp"]
+    with pytest.raises(mt.Error, match="URDF has no closed loops"):
+        model.to_urdf()
+
+
+def test_breaks_put_the_loop_joint_into_the_tree() -> None:
+    sim = mt.Simulation(four_bar())
+    sim.keep_history()
+    pin = sim.world.joints["pin"]
+    sim.run(0.1)
+    before = {name: body.linear for name, body in sim.world.bodies.items()}
+    event = sim.apply(mt.break_joint("bar/coupler"))
+    assert event.lost == pytest.approx(0, abs=1e-12)
+    for name, body in sim.world.bodies.items():
+        assert np.allclose(body.linear, before[name], atol=1e-9)
+    assert len(sim.world.loops) == 0 and sim.world.loop_status.rows == 0
+    assert not pin.loop and pin.name == "pin" and pin.determined, "the handle follows the joint"
+    sim.run(0.2)
+    sim.apply(mt.break_joint(pin))
+    with pytest.raises(mt.Error, match="no longer exists"):
+        print(pin.q)
+    sim.undo(0)
+    assert pin.loop and list(sim.world.loops) == ["pin"]
+    sim.apply(mt.break_joint("pin"))
+    assert "pin" not in sim.world.joints and len(sim.world.loops) == 0
+
+
+def test_welds_and_attachments_make_loops() -> None:
+    model = mt.Model()
+    for side in (-1, 1):
+        model.add(f"arm{side}/bar", mass=1, com=(0, 0, -0.5), inertia=0.1, at=(side, 0, 0), joint=mt.Ball(), v=(0.3, side, 0.1))
+    sim = mt.Simulation(model, method="dop853", variables="velocities")
+    event = sim.apply(mt.attach("arm1/bar", to="arm-1/bar", joint=mt.Ball()), name="clasp")
+    assert list(sim.world.loops) == ["clasp"] and event.lost > 0
+    assert sim.world.joints["clasp"].determined and sim.world.loop_status.rank == 3
+    assert event.after.loops.rows == 3 and event.before.loops.rows == 0
+    before = sim.world.bodies["arm1/bar"].angular
+    assert sim.apply(mt.break_joint("clasp")).lost == pytest.approx(0, abs=1e-12)
+    assert np.allclose(sim.world.bodies["arm1/bar"].angular, before, atol=1e-12)
+
+
+def test_conditions_on_reactions_that_loops_leave_open() -> None:
+    sim = mt.Simulation(four_bar())
+    with pytest.raises(mt.Error, match="do not determine"):
+        sim.when(mt.reaction("pin").force > 5)
+    sim.when(mt.reaction("pin", undetermined="least_norm").force > 5).then(mt.break_joint("pin")).named("tears")
+    sim.run(1)
+    assert [event.name for event in sim.events] == ["tears"]
+    assert "pin" not in sim.world.joints
+
+
+@pytest.mark.parametrize("method", ["rk4", "midpoint", "dopri5", "dop853"])
+@pytest.mark.parametrize("cut", ["pin", "bar/coupler", "bar/crank"])
+def test_worlds_with_loops_go_on_bit_for_bit(method: str, cut: str) -> None:
+    sim = mt.Simulation(four_bar(), method=method)
+    sim.when(mt.reaction("pin", undetermined="least_norm").force > 1e6).then(mt.break_joint("pin"))
+    sim.at(0.05).then(mt.break_joint(cut))
+    sim.at(0.09).then(mt.weld("bar/rocker", to="bar/crank")).named("clasp")
+    for until in (0.03, 0.07, 0.12):
+        sim.run(until)
+        others = [pickle.loads(pickle.dumps(sim)), sim.branch()]
+        again = sim.branch()
+        again.restore(sim.snapshot())
+        others.append(again)
+        reference = sim.branch()
+        reference.run(0.2)
+        for other in others:
+            other.run(0.2)
+            assert other.state_json() == reference.state_json()
+
+
+def test_runs_have_columns_of_loop_joints() -> None:
+    sim = mt.Simulation(four_bar())
+    run = sim.run(0.1, record_every=0.01, reactions=True)
+    pin = run.joints["pin"]
+    assert pin.q.shape[1] == 1 and np.isfinite(pin.q).all() and np.isfinite(pin.reaction.force).all()
+    assert np.isnan(pin.p).all() or pin.p.shape[1] == 0
