@@ -83,9 +83,9 @@ def test_conditions_and_repetitions_are_armed_as_they_were(seed: int) -> None:
     assert fingerprint(copied) == fingerprint(sim)
 
 
-@given(seeds)
-def test_changes_before_the_pickle_are_kept(seed: int) -> None:
-    sim = start(seed, 6)
+@given(seeds, st.sampled_from(["momenta", "velocities"]))
+def test_changes_before_the_pickle_are_kept(seed: int, variables: str) -> None:
+    sim = start(seed, 6, variables=variables)  # a loop is closed in velocities only
     rng = random.Random(seed)
     for _ in range(5):
         try:
