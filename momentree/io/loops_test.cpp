@@ -59,34 +59,64 @@ void check_document(const std::string& scenario, Simulation& sim, double until) 
 }  // namespace
 
 TEST_CASE("mistakes in loops are reported with their places") {
+  const std::string give = "give it to a joint of the tree: any joint of a loop can be the one that closes it";
+  const std::string least =
+      "add undetermined = \"least_norm\" to take the least of all possible reactions, or let a loop block fewer directions, for "
+      "example "
+      "by a ball joint instead of a revolute one";
   check({
       {loop("kind = \"ball\"\nbody = \"m/rocker\""),
-       "s.toml:35:1: error: missing key 'name' in [[loop]]; a name, by which events and results refer to it"},
-      {loop("name = \"pin\"\nkind = \"ball\""),
-       "s.toml:35:1: error: missing key 'body' in [[loop]]; a body, for example \"arm/hand\""},
+       "s.toml:36:1: error: [[loop]] has no 'name'; a name, by which events and results refer to it"},
+      {loop("name = \"pin\"\nkind = \"ball\""), "s.toml:36:1: error: [[loop]] has no 'body'; a body, for example \"arm/hand\""},
       {loop("name = \"pin\"\nkind = \"ball\"\nbody = \"m/roker\""),
-       "s.toml:38:8: error: loop 'pin': body: there is no body 'm/roker'; did you mean 'm/rocker'?"},
+       "s.toml:39:8: error: loop 'pin': body: there is no body 'm/roker'; did you mean 'm/rocker'?"},
       {loop("name = \"pin\"\nkind = \"ball\"\nbody = \"rocker\""),
-       "s.toml:38:8: error: loop 'pin': body: there is no body 'rocker'; did you mean 'm/rocker'?"},
+       "s.toml:39:8: error: loop 'pin': body: there is no body 'rocker'; did you mean 'm/rocker'?"},
       {loop("name = \"pin\"\nkind = \"ball\"\nbody = \"m/rocker\"\nto = \"m/rocker\""),
-       "s.toml:39:6: error: loop 'pin': to: a loop can't join a body to itself; name another body, or leave 'to' out for the "
+       "s.toml:40:6: error: loop 'pin': to: a loop can't join a body to itself; name another body, or leave 'to' out for the "
        "ground"},
       {loop("name = \"pin\"\nkind = \"free\"\nbody = \"m/rocker\""),
-       "s.toml:37:8: error: loop 'pin': a free joint constrains nothing, so it can't close a loop; use any other kind"},
-      {loop("name = \"m/crank\"\nkind = \"ball\"\nbody = \"m/rocker\""), ""},
-      {linkage + "armature = 1\n", ""},
-      {linkage + "limits = { lower = -1, upper = 1 }\n", ""},
-      {linkage + "drive = { motion = { rate = 1 } }\n", ""},
-      {linkage + "angle = 1\n", ""},
-      {linkage + "parent = \"m/rocker\"\n", ""},
-      {linkage + "assemble = false\n", ""},
-      {bars + open_pin + "at = { xyz = [5, 0, 0] }\n", ""},
-      {linkage + "[integrate]\nvariables = \"momenta\"\n", ""},
-      {linkage + "[integrate]\nmethod = \"damped\"\n", ""},
-      {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5 }\nbreak = \"pin\"\n", ""},
-      {linkage + "strength = { force = 5 }\n", ""},
-      {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5, undetermined = \"all\" }\nbreak = \"pin\"\n", ""},
-      {linkage + "[[coupling]]\njoint = \"pin\"\nfollows = \"m/crank\"\nstiffness = 1\n", ""},
+       "s.toml:38:8: error: loop 'pin': a free joint constrains nothing, so it can't close a loop; use any other kind"},
+      {loop("name = \"m/crank\"\nkind = \"ball\"\nbody = \"m/rocker\""),
+       "s.toml:37:8: error: duplicate joint 'm/crank': the name is already used by another on line 6"},
+      {linkage + "armature = 1\n",
+       "s.toml:44:12: error: loop 'pin': armature: is not supported for joints that close a loop yet; " + give},
+      {linkage + "limits = { lower = -1, upper = 1 }\n",
+       "s.toml:44:10: error: loop 'pin': limits: hard stops are not supported for joints that close a loop yet; give "
+       "'stiffness', or " +
+           give},
+      {linkage + "drive = { motion = { rate = 1 } }\n",
+       "s.toml:44:9: error: loop 'pin': drive: a prescribed motion is not supported for joints that close a loop yet; " + give},
+      {linkage + "angle = 1\n",
+       "s.toml:44:1: error: unknown key 'angle' in [[loop]]; the coordinates of a loop joint follow from those of its bodies: "
+       "give start "
+       "values to the joints of the tree"},
+      {linkage + "parent = \"m/rocker\"\n",
+       "s.toml:44:1: error: unknown key 'parent' in [[loop]]; write 'to', as in to = \"linkage/rocker\""},
+      {linkage + "assemble = false\n",
+       "s.toml:37:8: error: loop 'pin': it is open at the start, by 0.0039 of its size; give start values at which it is closed, "
+       "or leave "
+       "out 'assemble = false'"},
+      {bars + open_pin + "at = { xyz = [5, 0, 0] }\n",
+       "s.toml:37:8: error: loop 'pin': it can't be closed from these start values: it stays open by 0.4 of its size; check its "
+       "bodies, "
+       "'at', 'child_at' and axes, or give start values nearer to a closed position"},
+      {linkage + "[integrate]\nvariables = \"momenta\"\n",
+       "s.toml:37:8: error: closed loops are integrated in velocities; leave 'variables' out of [integrate]"},
+      {linkage + "[integrate]\nmethod = \"damped\"\n",
+       "s.toml:37:8: error: the method 'damped' can't integrate closed loops; use rk4, midpoint, dopri5 or dop853"},
+      {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5 }\nbreak = \"pin\"\n",
+       "s.toml:44:3: error: when: reaction_force: the closed loops do not determine the reaction of joint 'pin'; " + least},
+      {linkage + "strength = { force = 5 }\n",
+       "s.toml:37:8: error: joint 'pin': strength: the closed loops do not determine its reaction; let a loop block fewer "
+       "directions, for "
+       "example by a ball joint instead of a revolute one, or use an event whose condition says undetermined = \"least_norm\""},
+      {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5, undetermined = \"all\" }\nbreak = \"pin\"\n",
+       "s.toml:45:61: error: undetermined: there is no 'all'; \"least_norm\""},
+      {linkage + "[[coupling]]\njoint = \"pin\"\nfollows = \"m/crank\"\nstiffness = 1\n",
+       "s.toml:45:9: error: joint: joint 'pin' closes a loop, where it can't be coupled; let another joint of the loop be the "
+       "one that "
+       "closes it"},
   });
 }
 
@@ -115,7 +145,7 @@ TEST_CASE("conversion keeps loops, and refuses them for URDF") {
   const std::string text =
       linkage +
       "damping = 0.5\nfriction = { coulomb = 1, speed = 0.1 }\nstrength = { force = 1e9 }\nassemble = true\n"
-      "[[loop]]\nname = \"rope\"\nkind = \"universal\"\naxis2 = [0, 0, 1]\nbody = \"m/rocker\"\nat = { xyz = [0.8, 0, 0] }\n";
+      "[[loop]]\nname = \"rope\"\nkind = \"universal\"\naxis2 = [0, 1, 0]\nbody = \"m/rocker\"\nat = { xyz = [0.8, 0, 0] }\n";
   // The strength of a joint that loops leave open would be an error.
   const ReadResult read =
       read_scenario_text(text.substr(0, text.find("strength")) + text.substr(text.find("assemble")), "s.toml");

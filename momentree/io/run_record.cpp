@@ -43,7 +43,7 @@ void RunRecord::begin_epoch(const Simulation& simulation) {
   const World& world = simulation.world();
   const Tree& tree = world.tree();
   if (world.model().size() != model_.size()) model_ = world.model();
-  Epoch epoch{times_.size(), tree.revision(), world.snapshot(), {}, tree.nq(), tree.nv()};
+  Epoch epoch{times_.size(), tree.revision(), world.snapshot(), {}, tree.nq(), tree.nv(), 0, 0, 0};
   epoch.world.engine.q.clear(), epoch.world.engine.y.clear();
   for (int j = 0; j < tree.bodies(); ++j) {
     Layout layout;
@@ -53,12 +53,19 @@ void RunRecord::begin_epoch(const Simulation& simulation) {
     }
     epoch.joints.push_back(std::move(layout));
   }
+  for (const JointId loop : world.loops()) {
+    const KindInfo& kind = info(world.joint(loop).kind);
+    epoch.joints.push_back(
+        {std::string(world.joint_name(loop)), epoch.loop_q, kind.nq, epoch.loop_v, kind.nv, kind.q_units, loop.index});
+    epoch.loop_q += kind.nq, epoch.loop_v += kind.nv, ++epoch.loops;
+  }
   epochs_.push_back(std::move(epoch));
 }
 
 std::size_t RunRecord::row_size(const Epoch& epoch) const {
   const auto nq = static_cast<std::size_t>(epoch.nq), nv = static_cast<std::size_t>(epoch.nv);
-  return nq + 2 * nv + (reactions_ ? nv + 6 * epoch.joints.size() : 0);
+  const auto loops = static_cast<std::size_t>(epoch.loop_q + epoch.loop_v + epoch.loops);
+  return nq + 2 * nv + loops + (reactions_ ? nv + 6 * epoch.joints.size() : 0);
 }
 
 void RunRecord::drop_last_row() {
@@ -66,6 +73,17 @@ void RunRecord::drop_last_row() {
   times_.pop_back(), offsets_.pop_back(), ledger_.pop_back();
   if (epochs_.back().first_row == times_.size() && times_.size() > 0) epochs_.pop_back();
   if (times_.empty()) epochs_.clear();
+}
+
+void RunRecord::add_loops(const World& world, const Epoch& epoch) {
+  for (const Layout& joint : epoch.joints)
+    if (joint.loop >= 0)
+      for (const double x : world.joint({joint.loop}).q) numbers_.push_back(x);
+  for (const Layout& joint : epoch.joints)
+    if (joint.loop >= 0)
+      for (const double x : world.joint({joint.loop}).v) numbers_.push_back(x);
+  const std::vector<double>& turns = world.state().turns();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(epoch.loops); ++i) numbers_.push_back(i < turns.size() ? turns[i] : 0);
 }
 
 void RunRecord::observe(const Simulation& simulation) {
@@ -81,10 +99,12 @@ void RunRecord::observe(const Simulation& simulation) {
     add(world.state().q());
     add(world.v());
     add(world.p());
+    if (epoch.loops > 0) add_loops(world, epoch);
     if (reactions_) {
       add(world.a());
       for (std::size_t j = 0; j < epoch.joints.size(); ++j) {
-        const Wrench w = epoch.joints[j].name.empty() ? Wrench{} : world.reaction({static_cast<int>(j)});
+        const Layout& joint = epoch.joints[j];
+        const Wrench w = joint.name.empty() ? Wrench{} : world.reaction({joint.loop < 0 ? static_cast<int>(j) : joint.loop});
         const double six[] = {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
         add(six);
       }
@@ -152,13 +172,16 @@ JointRows RunRecord::joint(std::string_view name) const {
     if (&epoch != last) last = &epoch, number = static_cast<std::size_t>(found_in(epoch) - epoch.joints.begin());
     if (number == epoch.joints.size()) return;
     const Layout& at = epoch.joints[number];
-    const double* const v = numbers + epoch.nq;
-    std::copy_n(numbers + at.first_q, at.nq, table.q.data() + row * table.nq);
+    const bool in_tree = at.loop < 0;
+    const double* const loops = numbers + epoch.nq + std::ptrdiff_t{2} * epoch.nv;
+    const double* const q = in_tree ? numbers : loops;
+    const double* const v = in_tree ? numbers + epoch.nq : loops + epoch.loop_q;
+    std::copy_n(q + at.first_q, at.nq, table.q.data() + row * table.nq);
     std::copy_n(v + at.first_p, at.nv, table.v.data() + row * table.nv);
-    std::copy_n(v + epoch.nv + at.first_p, at.nv, table.p.data() + row * table.nv);
+    if (in_tree) std::copy_n(v + epoch.nv + at.first_p, at.nv, table.p.data() + row * table.nv);
     if (!reactions_) return;
-    const double* const a = v + std::ptrdiff_t{2} * epoch.nv;
-    std::copy_n(a + at.first_p, at.nv, table.a.data() + row * table.nv);
+    const double* const a = loops + epoch.loop_q + epoch.loop_v + epoch.loops;
+    if (in_tree) std::copy_n(a + at.first_p, at.nv, table.a.data() + row * table.nv);
     std::copy_n(a + epoch.nv + 6 * number, 6, table.wrench.data() + row * 6);
   });
   for (std::size_t first = 0; first < 4; ++first)
@@ -177,6 +200,8 @@ WorldSnapshot RunRecord::state(std::size_t row) const {
   snapshot.engine.q.assign(numbers, numbers + epoch.nq);
   const double* const y = numbers + epoch.nq + (snapshot.engine.variables == Variables::momenta ? epoch.nv : 0);
   snapshot.engine.y.assign(y, y + epoch.nv);
+  const double* const turns = numbers + epoch.nq + std::ptrdiff_t{2} * epoch.nv + epoch.loop_q + epoch.loop_v;
+  snapshot.engine.turns.assign(turns, turns + epoch.loops);
   return snapshot;
 }
 

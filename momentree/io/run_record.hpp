@@ -67,19 +67,22 @@ class RunRecord {
     std::string name;
     int first_q = 0, nq = 0, first_p = 0, nv = 0;
     const char* q_units = "";
+    int loop = -1;  ///< the number of a loop joint, whose numbers are in a part of their own
   };
   // Rows of one topology.
   struct Epoch {
     std::size_t first_row = 0;
     std::uint64_t revision = 0;
     WorldSnapshot world;
-    std::vector<Layout> joints;  // by joint number
+    std::vector<Layout> joints;  // by joint number, then those of loops
     int nq = 0, nv = 0;
+    int loop_q = 0, loop_v = 0, loops = 0;  // coordinates and velocities of loop joints, and their number
   };
   struct Ledger {
     double dissipated, lost, released, work, error;
   };
   void begin_epoch(const Simulation& simulation);
+  void add_loops(const World& world, const Epoch& epoch);
   std::size_t row_size(const Epoch& epoch) const;
   void drop_last_row();
   template <class Visit>
@@ -92,8 +95,9 @@ class RunRecord {
   std::string model_json_, status_, summary_, final_;
   bool reactions_;
   std::vector<Epoch> epochs_;
-  std::vector<double> times_, numbers_;  // of each row q, v, p; with reactions a and a wrench for each joint
-  std::vector<std::size_t> offsets_;     // of the rows in numbers_
+  std::vector<double> times_,
+      numbers_;                       // of each row q, v, p; of loops q, v, turns; with reactions a and a wrench for each joint
+  std::vector<std::size_t> offsets_;  // of the rows in numbers_
   std::vector<Ledger> ledger_;
   std::size_t events_before_ = 0;
   std::vector<Event> events_;

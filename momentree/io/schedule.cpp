@@ -181,8 +181,15 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
   std::stable_sort(events.begin(), events.end(), [](const auto* a, const auto* b) { return a->time < b->time; });
   Schedule all = with_followers(std::move(events), simulation);
   for (const ScenarioEvent* event : all.events) {
+    std::optional<Simulation::Scheduled> condition;
+    try {
+      if (event->condition) condition = simulation.when(*event->condition);
+    } catch (const Error& error) {  // on a reaction that closed loops leave open
+      all.problems.push_back({event->place, "when: " + error.problem, error.hint});
+      continue;
+    }
     Simulation::Scheduled scheduled = [&] {
-      if (event->condition) return simulation.when(*event->condition);
+      if (condition) return *condition;
       if (!event->after.empty()) return simulation.after(event->after, event->delay);
       if (event->period > 0) {
         const double periods = std::max(0.0, std::ceil((simulation.time() - event->time) / event->period));

@@ -42,6 +42,13 @@ void World::remove(BodyId body) {
   Event ledger;
   TopologyEditor editor(*this);
   editor.begin(ledger, "");
+  const auto outboard = [&](int x) {
+    while (x >= 0 && x != b) x = tree_.parent(x);
+    return x == b;
+  };
+  for (const JointId loop : loops())
+    if (const Loop& each = *tree_.find_loop(loop.index - first_loop); outboard(each.body) || outboard(each.to))
+      editor.break_off(loop.index);
   const int joint = tree_.joint_of(b);
   if (can_break(tree_, tree_.inboard_joint(body))) {
     editor.break_off(joint);

@@ -321,7 +321,14 @@ void Simulation::force(std::string_view body, BodyFunction wrench) {
 }
 
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
-  changing().world.restore(time, forest, joints);
+  const WorldSnapshot before = changing().world.snapshot();
+  try {
+    impl_->world.restore(time, forest, joints);
+  } catch (...) {  // loops that cannot be closed: nothing has changed
+    impl_->world.restore(before);
+    impl_->evaluate_state();
+    throw;
+  }
   impl_->method = impl_->new_method();
   impl_->begin();
 }

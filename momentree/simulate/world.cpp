@@ -43,7 +43,10 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   }
   for (const Topology::Loaded& load : loads)
     if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
-  State state(tree_, variables_);
+  if (tree_.has_loops() && !loops_allowed_)
+    throw_error({"the state has closed loops, which are integrated in velocities", "",
+                 "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853"});
+  State state(tree_, tree_.has_loops() ? Variables::velocities : variables_);
   workspace_ = Workspace<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
   motions_of_ = accelerations_of_ = {};
