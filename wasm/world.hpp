@@ -78,7 +78,14 @@ std::string events_json(const std::vector<Event>& events, std::size_t first);
 std::unique_ptr<Simulation> start(const io::Scenario& scenario);
 std::vector<Threshold> thresholds_of(const io::Scenario& scenario, const World& world);
 
+/// The row of a joint in mt_joints, which it keeps for as long as it exists, and the number of rows.
+int row_of(const World& world, JointId joint);
+int joint_rows(const World& world);
+
 void fill_motions(const World& world, std::vector<double>& all);
+/// The same for a model at these coordinates of the joints of its tree, or the nearest ones at which its loops are closed; `all`
+/// stays as it is if there are none near by.
+void pose(const Model& model, const double* q, std::vector<double>& all);
 void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thresholds, bool reactions,
                  std::vector<double>& all);
 void fill_totals(const Simulation& simulation, double* all);

@@ -1,5 +1,5 @@
 // The list of events: each with its certificate, and on a click the pair of pictures before and after it.
-import type { Motion, RunEvent, Vec3 } from "../recording";
+import type { Motion, RunEvent, Totals, Vec3 } from "../recording";
 import { drawBeforeAfter } from "../viewer/before_after";
 import type { Player } from "../viewer/player";
 import type { Stage } from "../viewer/stage";
@@ -32,6 +32,12 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
     };
     momentum("linear momentum (N s)", before.linear, after.linear);
     momentum("angular momentum (N m s)", before.angular, after.angular);
+    const loops = (name: string, of: (loops: NonNullable<Totals["loops"]>) => string) => {
+      if (before.loops || after.loops) rows.push([name, ...[before, after].map((t) => (t.loops ? of(t.loops) : "–")), "", ""]);
+    };
+    loops("equations of loops", ({ rows: number }) => String(number));
+    loops("independent of them", ({ rank }) => String(rank));
+    loops("residual of loops", ({ residual }) => digits(residual, 2));
   }
   const notes: string[] = [];
   const least = before ? 1e-14 * Math.max(Math.abs(before.kinetic + before.potential), before.kinetic) : 0;

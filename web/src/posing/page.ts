@@ -25,10 +25,12 @@ export function showModel(page: HTMLElement, engine: Engine, scenario: string) {
   const joints = run.topology.joints.map((joint) => ({
     ...joint,
     units: kinds[joint.kind].q,
-    q: world.coordinates(joint.number),
+    q: world.coordinates(joint.row),
   }));
-  const moving = joints.filter(({ units }) => units.length > 0);
-  let q = joints.map((joint) => joint.q);
+  const tree = joints.filter(({ loop }) => !loop);
+  const moving = tree.filter(({ units }) => units.length > 0);
+  const loops = joints.length - tree.length;
+  let q = tree.map((joint) => joint.q);
   const pose = () => {
     run.addFrame({ ...first, poses: posesOf(world.motionsAt(q.flat())) });
     picture.show(player.time);
@@ -37,6 +39,7 @@ export function showModel(page: HTMLElement, engine: Engine, scenario: string) {
   const title = model.title || "A model";
   document.title = `${title} – momentree`;
   const about = [count(model.bodies.length, "body", "bodies"), count(moving.length, "joint that moves", "joints that move")];
+  if (loops > 0) about.push(`${count(loops, "loop", "loops")}, closed by the least change of the joints`);
   page.append(h("header", {}, h("h1", {}, title), h("p", {}, about.join(" · ")), themeButton()));
   const player = new Player(() => [first.time, first.time]);
   const list = h("section", { class: "plots sliders", "aria-label": "Joints" });
@@ -54,7 +57,7 @@ export function showModel(page: HTMLElement, engine: Engine, scenario: string) {
     list.replaceChildren(h("button", { type: "button", onclick: reset }, "Back to the start"));
     for (const joint of moving) {
       const element = jointSliders(joint, joint.q, picture.size, (changed) => {
-        q[joints.indexOf(joint)] = changed;
+        q[tree.indexOf(joint)] = changed;
         pose();
       });
       sections.set(joint.child, element);
@@ -62,7 +65,7 @@ export function showModel(page: HTMLElement, engine: Engine, scenario: string) {
     }
   };
   const reset = () => {
-    q = joints.map((joint) => joint.q);
+    q = tree.map((joint) => joint.q);
     pose();
     fill();
   };

@@ -69,7 +69,7 @@ describe("the engine", () => {
     world.run(0.5);
     const poses = (motions: ArrayLike<number>) => Array.from(motions).filter((_number, i) => i % 13 < 7);
     const now = poses(world.motions());
-    close(poses(world.motionsAt(joints.flatMap(({ number }) => world.coordinates(number)))), now);
+    close(poses(world.motionsAt(joints.flatMap(({ row }) => world.coordinates(row)))), now);
     close(now, poses(world.motions()), 15); // the world has not changed
     expect(Math.max(...now.map((x, i) => Math.abs(x - poses(start)[i])))).toBeGreaterThan(0.05);
   });
