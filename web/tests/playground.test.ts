@@ -129,12 +129,12 @@ test("a weld of two bodies of one mechanism closes a loop; a click on its mark c
     [phone, "phone"],
   ] as const) {
     const { page, complaints } = await playground(view);
-    await load(page, three);
-    await playTo(page, 0.3);
+    await load(page, three.replace("links = 3", "links = 4"));
+    await playTo(page, 0.4);
     const middle = (body: number) =>
       page.evaluate((n) => {
-        const [a, b] = [window.playground.placeOf(n), window.playground.placeOf(1)];
-        return n === 0 ? { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 } : { x: a.x + 8, y: a.y + 8 };
+        const [a, b] = [window.playground.placeOf(n), window.playground.placeOf(n + 1)];
+        return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 };
       }, body);
     await page.getByRole("button", { name: "Weld", exact: true }).click();
     for (const at of [await middle(2), await middle(0)]) await page.mouse.click(at.x, at.y);

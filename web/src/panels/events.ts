@@ -45,7 +45,11 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
   if (significant(event.lost)) notes.push(`Lost in the impact: ${digits(event.lost)} J`);
   if (significant(event.released)) notes.push(`Released by removed degrees of freedom: ${digits(event.released)} J`);
   if (significant(event.work)) notes.push(`Work of the event: ${digits(event.work)} J`);
-  if (event.hardest) {
+  const momenta = [before, after].flatMap((t) => (t ? [t] : []));
+  const exceeds = (impulse: number, of: "linear" | "angular") =>
+    impulse > 1e-12 * Math.max(0, ...momenta.map((t) => size(t[of])));
+  // Otherwise it is round-off: a weld of bodies that do not move relative to each other.
+  if (event.hardest && (exceeds(event.hardest.linear, "linear") || exceeds(event.hardest.angular, "angular"))) {
     const { joint, linear, angular } = event.hardest;
     notes.push(`Largest impulse: ${digits(linear)} N s, ${digits(angular)} N m s, through ${joint}`);
   }

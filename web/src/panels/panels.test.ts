@@ -125,8 +125,10 @@ describe("certificates", () => {
     expect(notes).toEqual(["Lost in the impact: 1 J", "Largest impulse: 8 N s, 0.5 N m s, through grasp"]);
   });
 
-  it("omit energies that are round-off", () => {
+  it("omit energies and impulses that are round-off", () => {
     expect(certificate({ ...event, lost: 1e-16, released: -2e-17, hardest: null }).notes).toEqual([]);
+    const hardest = { joint: "pin", linear: 1e-15, angular: 2e-15 };
+    expect(certificate({ ...event, lost: 0, hardest }).notes).toEqual([]);
   });
 
   it("show the equations of closed loops", () => {
