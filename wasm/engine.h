@@ -65,9 +65,12 @@ int mt_bodies(const MtWorld* world);
  * velocity in world axes. NaN for a removed body. */
 const double* mt_motions(MtWorld* world);
 /* The same for the loaded scenario at other coordinates and at rest, whatever the present state: `q` has the coordinates of all
- * joints of the tree in the order of their numbers; prescribed motions are at time 0. Loops are closed by the least change of the
- * coordinates; if that is impossible, the result is that of the last call. The world does not change. */
+ * joints of the tree in the order of their numbers; prescribed motions are at time 0. Loops are closed by the
+ * least change of the joints whose coordinates are as in the last call's result, or as at the start, so that a joint that is moved
+ * stays where it was put; if that is impossible, the result is that of the last call. The world does not change. mt_posed: the
+ * resulting coordinates, as in `q`. */
 const double* mt_motions_at(MtWorld* world, const double* q);
+const double* mt_posed(const MtWorld* world);
 enum { mt_motion_size = 13, mt_joint_size = 29, mt_totals_size = 17 };
 /* Per joint 29 numbers: nq, nv, q (7), v (6), p (6), the reaction on the declared child at its origin in its axes (force and
  * torque, 6), the load: the largest ratio of a reaction to the value at which the joint breaks (its strength, or an event's

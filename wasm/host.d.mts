@@ -121,6 +121,8 @@ export class World {
   motions(): Float64Array;
   /** Of the loaded scenario at these coordinates of all joints of its tree, in the order of their numbers. */
   motionsAt(q: readonly number[]): Float64Array;
+  /** All `count` coordinates of the last motionsAt(): with closed loops others than it was given. */
+  posed(count: number): number[];
   /** The coordinates of the joint in that row. */
   coordinates(row: number): number[];
   /** Number of rows of joints(). */

@@ -167,6 +167,10 @@ export class World {
     this.calls.mt_release(at);
     return this.engine.numbers(motions, this.bodies * motionSize);
   }
+  /** The coordinates of the last motionsAt(). */
+  posed(count) {
+    return Array.from(this.engine.numbers(this.calls.mt_posed(this.handle), count));
+  }
   coordinates(row) {
     const numbers = this.joints().subarray(jointSize * row);
     return Array.from(numbers.subarray(2, 2 + numbers[0]));

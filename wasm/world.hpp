@@ -51,7 +51,7 @@ struct MtWorld {
   int revision = 0;
   std::size_t events_seen = 0;
   momentree::wasm::Grip grip;
-  std::vector<double> motions, joints;
+  std::vector<double> motions, joints, posed;
   double totals[mt_totals_size]{};
 
   /// Carries out actions as an event at this instant; the reason for a refusal is stored in `text`.
@@ -83,9 +83,10 @@ int row_of(const World& world, JointId joint);
 int joint_rows(const World& world);
 
 void fill_motions(const World& world, std::vector<double>& all);
-/// The same for a model at these coordinates of the joints of its tree, or the nearest ones at which its loops are closed; `all`
-/// stays as it is if there are none near by.
-void pose(const Model& model, const double* q, std::vector<double>& all);
+/// The same for a model at these coordinates of the joints of its tree. Loops are closed by the least change of the joints whose
+/// coordinates are as in `posed`, the result of the last call, which becomes the present one. Nothing changes if that is
+/// impossible.
+void pose(const Model& model, const double* q, std::vector<double>& motions, std::vector<double>& posed);
 void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thresholds, bool reactions,
                  std::vector<double>& all);
 void fill_totals(const Simulation& simulation, double* all);
