@@ -65,6 +65,7 @@ EXPORT(mt_load) int mt_load(MtWorld* world, const char* text, size_t length) {
   world->thresholds = wasm::thresholds_of(*world->scenario, world->simulation->world());
   world->store = std::make_shared<wasm::Store>();
   world->grip = {};
+  world->motions.clear(), world->posed.clear();
   world->events_seen = 0;
   world->changed();
   return 1;
@@ -104,22 +105,15 @@ EXPORT(mt_motions) const double* mt_motions(MtWorld* world) {
   return world->motions.data();
 }
 EXPORT(mt_motions_at) const double* mt_motions_at(MtWorld* world, const double* q) {
-  World posed(world->scenario->model);
-  std::vector<JointStart> joints;
-  for (int j = 0; j < posed.model().size(); ++j) {
-    const KindInfo& kind = info(posed.model()[{j}].joint.kind);
-    JointStart& joint = joints.emplace_back(JointStart{{j}, {}, {}, {}});
-    for (int i = 0; i < kind.nq; ++i) joint.q.push_back(*q++);
-    for (int i = 0; i < kind.nv; ++i) joint.v.push_back(0);
-  }
-  posed.restore(0, {}, joints);
-  wasm::fill_motions(posed, world->motions);
+  wasm::pose(world->scenario->model, q, world->motions, world->posed);
   return world->motions.data();
 }
+EXPORT(mt_posed) const double* mt_posed(const MtWorld* world) { return world->posed.data(); }
 EXPORT(mt_joints) const double* mt_joints(MtWorld* world, int with_reactions) {
   wasm::fill_joints(*world->simulation, world->thresholds, with_reactions != 0, world->joints);
   return world->joints.data();
 }
+EXPORT(mt_joint_rows) int mt_joint_rows(const MtWorld* world) { return wasm::joint_rows(world->simulation->world()); }
 EXPORT(mt_totals) const double* mt_totals(MtWorld* world) {
   wasm::fill_totals(*world->simulation, world->totals);
   return world->totals;

@@ -1,8 +1,9 @@
 /* The engine as a module for browsers: worlds that are made from scenario texts, run, changed and restored.
  *
  * Quantities are doubles in SI units; pointers refer to the module's memory. Bodies and joints are numbered from 0 in the order
- * of the scenario. A body's number never changes, and a joint keeps its number for as long as it exists (mt_model and
- * mt_topology give the names). The body that a joint carries at the start has the same number as the joint.
+ * of the scenario; joints that close loops have numbers from 268435456 (2^28) on. A body's number never changes, and a joint keeps
+ * its number for as long as it exists (mt_model and mt_topology give the names), but for one that takes the place of a broken joint
+ * in the tree. The body that a joint carries at the start has the same number as the joint.
  *
  * Errors in a scenario or an action are never thrown: the function's result reports them, and mt_text gives the reason.
  * Unexpected errors are passed to the imported function momentree.fail(text, length), which must not return: it throws, and the
@@ -48,8 +49,9 @@ void mt_model(MtWorld* world);
  * "v": ["rad/s"], "p": ["N m s"]}, …}. The components of a quaternion (w, x, y, z) have the unit "". */
 void mt_kinds(MtWorld* world);
 /* Sets the text to the present topology: {"mechanisms": [{"name", "root", "grounded", "bodies": […]}], "joints": [{"number",
- * "name", "kind", "parent", "child", "locked": bits, "at", "child_at", "axis", "damping", "force", "torque"}]}: bodies by number,
- * -1: the ground; "force" and "torque": the joint's strength, null: unlimited. */
+ * "row", "name", "kind", "parent", "child", "locked": bits, "at", "child_at", "axis", "damping", "force", "torque", "loop"}]}:
+ * bodies by number, -1: the ground; "row": the joint's place in mt_joints; "force" and "torque": the joint's strength, null:
+ * unlimited; "loop": true for a joint that closes a loop, absent for others. */
 void mt_topology(MtWorld* world);
 /* Changes whenever the result of mt_topology may have changed. */
 int mt_revision(const MtWorld* world);
@@ -63,15 +65,23 @@ int mt_bodies(const MtWorld* world);
  * velocity in world axes. NaN for a removed body. */
 const double* mt_motions(MtWorld* world);
 /* The same for the loaded scenario at other coordinates and at rest, whatever the present state: `q` has the coordinates of all
- * joints in the order of their numbers; prescribed motions are at time 0. The world does not change. */
+ * joints of the tree in the order of their numbers; prescribed motions are at time 0. Loops are closed by the
+ * least change of the joints whose coordinates are as in the last call's result, or as at the start, so that a joint that is moved
+ * stays where it was put; if that is impossible, the result is that of the last call. The world does not change. mt_posed: the
+ * resulting coordinates, as in `q`. */
 const double* mt_motions_at(MtWorld* world, const double* q);
-enum { mt_motion_size = 13, mt_joint_size = 28, mt_totals_size = 16 };
-/* Per joint 28 numbers: nq, nv, q (7), v (6), p (6), the reaction on the declared child at its origin in its axes (force and
+const double* mt_posed(const MtWorld* world);
+enum { mt_motion_size = 13, mt_joint_size = 29, mt_totals_size = 17 };
+/* Per joint 29 numbers: nq, nv, q (7), v (6), p (6), the reaction on the declared child at its origin in its axes (force and
  * torque, 6), the load: the largest ratio of a reaction to the value at which the joint breaks (its strength, or an event's
- * threshold), NaN if there is none. nq is -1 if the joint no longer exists; reactions are zero unless requested. */
+ * threshold), NaN if there is none; 0 if closed loops leave the reaction open (it is then the least of those possible), else 1.
+ * First the joints of the tree in the order of their numbers, then those that close loops: a joint keeps its row for as long as it
+ * has its number. nq is -1 where there is no joint (any more); p of a joint that closes a loop is zero; reactions are zero unless
+ * requested. */
 const double* mt_joints(MtWorld* world, int with_reactions);
-/* 16 numbers: time; kinetic, potential; linear momentum (3), angular momentum about the world's origin (3); the energy balance:
- * initial, final, dissipated, work, lost in impacts, released, error. */
+int mt_joint_rows(const MtWorld* world);
+/* 17 numbers: time; kinetic, potential; linear momentum (3), angular momentum about the world's origin (3); the energy balance:
+ * initial, final, dissipated, work, lost in impacts, released, error, and the energy that keeping loops closed brought in. */
 const double* mt_totals(MtWorld* world);
 /* Number of events that have happened; sets the text to those from number `first` on, a JSON array of lines of events.jsonl. */
 int mt_event_count(const MtWorld* world);

@@ -1,6 +1,6 @@
 // The types of host.mjs.
 export const motionSize: 13;
-export const jointSize: 28;
+export const jointSize: 29;
 export const status: {
   readonly ok: 0;
   readonly diverged: 1;
@@ -48,6 +48,8 @@ export interface PlacedPose {
 
 export interface TopologyJoint {
   readonly number: number;
+  /** Its place in the rows of World.joints(). */
+  readonly row: number;
   readonly name: string;
   readonly kind: string;
   readonly parent: number;
@@ -59,6 +61,8 @@ export interface TopologyJoint {
   readonly damping: number;
   readonly force: number | null;
   readonly torque: number | null;
+  /** It closes a loop: it is not the inboard joint of its child. */
+  readonly loop?: boolean;
 }
 
 export interface Topology {
@@ -87,6 +91,8 @@ export interface WorldTotals {
     readonly lost: number;
     readonly released: number;
     readonly error: number;
+    /** Energy that keeping loops closed brought in. */
+    readonly projection: number;
   };
 }
 
@@ -115,10 +121,14 @@ export class World {
   readonly bodies: number;
   run(time: number, budget?: number): Outcome;
   motions(): Float64Array;
-  /** Of the loaded scenario at these coordinates of all its joints, in the order of their numbers. */
+  /** Of the loaded scenario at these coordinates of all joints of its tree, in the order of their numbers. */
   motionsAt(q: readonly number[]): Float64Array;
-  /** The coordinates of a joint. */
-  coordinates(joint: number): number[];
+  /** All `count` coordinates of the last motionsAt(): with closed loops others than it was given. */
+  posed(count: number): number[];
+  /** The coordinates of the joint in that row. */
+  coordinates(row: number): number[];
+  /** Number of rows of joints(). */
+  readonly jointRows: number;
   joints(withReactions?: boolean): Float64Array;
   totals(): WorldTotals;
   cut(joint: number): Outcome;

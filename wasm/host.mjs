@@ -2,7 +2,7 @@
 // functions with their units and array layouts.
 
 export const motionSize = 13;
-export const jointSize = 28;
+export const jointSize = 29;
 export const status = { ok: 0, diverged: 1, interrupted: 2, refused: 3 };
 
 /** An unexpected error of the engine. The instance that threw it must not be used again. */
@@ -156,7 +156,10 @@ export class World {
   motions() {
     return this.engine.numbers(this.calls.mt_motions(this.handle), this.bodies * motionSize);
   }
-  /** `q`: the coordinates of all joints. */
+  get jointRows() {
+    return this.calls.mt_joint_rows(this.handle);
+  }
+  /** `q`: the coordinates of all joints of the tree. */
   motionsAt(q) {
     const at = this.calls.mt_allocate(8 * q.length || 1);
     this.engine.numbers(at, q.length).set(q);
@@ -164,18 +167,22 @@ export class World {
     this.calls.mt_release(at);
     return this.engine.numbers(motions, this.bodies * motionSize);
   }
-  coordinates(joint) {
-    const row = this.joints().subarray(jointSize * joint);
-    return Array.from(row.subarray(2, 2 + row[0]));
+  /** The coordinates of the last motionsAt(). */
+  posed(count) {
+    return Array.from(this.engine.numbers(this.calls.mt_posed(this.handle), count));
+  }
+  coordinates(row) {
+    const numbers = this.joints().subarray(jointSize * row);
+    return Array.from(numbers.subarray(2, 2 + numbers[0]));
   }
   joints(withReactions = false) {
-    return this.engine.numbers(this.calls.mt_joints(this.handle, withReactions ? 1 : 0), this.bodies * jointSize);
+    return this.engine.numbers(this.calls.mt_joints(this.handle, withReactions ? 1 : 0), this.jointRows * jointSize);
   }
   totals() {
-    const n = this.engine.numbers(this.calls.mt_totals(this.handle), 16);
+    const n = this.engine.numbers(this.calls.mt_totals(this.handle), 17);
     const [time, kinetic, potential, ...rest] = n;
-    const [initial, final, dissipated, work, lost, released, error] = rest.slice(6);
-    const balance = { initial, final, dissipated, work, lost, released, error };
+    const [initial, final, dissipated, work, lost, released, error, projection] = rest.slice(6);
+    const balance = { initial, final, dissipated, work, lost, released, error, projection };
     return {
       time,
       kinetic,

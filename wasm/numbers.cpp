@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include <momentree/simulate/topology_record.hpp>
 #include <wasm/world.hpp>
 
 namespace momentree::wasm {
@@ -33,30 +34,32 @@ void fill_motions(const World& world, std::vector<double>& all) {
 void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thresholds, bool reactions,
                  std::vector<double>& all) {
   const World& world = simulation.world();
-  all.assign(static_cast<std::size_t>(world.model().size()) * mt_joint_size, 0);
-  for (int j = 0; j < world.model().size(); ++j) {
-    double* row = all.data() + static_cast<std::ptrdiff_t>(j) * mt_joint_size;
-    row[27] = none;
-    if (world.tree().carrier(j) < 0) {
-      row[0] = -1;
-      continue;
-    }
-    const JointView joint = world.joint({j});
+  const int rows = joint_rows(world);
+  all.assign(static_cast<std::size_t>(rows) * mt_joint_size, 0);
+  const auto row_at = [&all](int place) { return all.data() + static_cast<std::ptrdiff_t>(place) * mt_joint_size; };
+  for (int r = 0; r < rows; ++r) row_at(r)[0] = -1, row_at(r)[27] = none, row_at(r)[28] = 1;
+  for (const JointId number : present_joints(world)) {
+    double* const row = row_at(row_of(world, number));
+    const JointView joint = world.joint(number);
     row[0] = static_cast<double>(joint.q.size()), row[1] = static_cast<double>(joint.v.size());
     std::copy(joint.q.begin(), joint.q.end(), row + 2);
     std::copy(joint.v.begin(), joint.v.end(), row + 9);
     std::copy(joint.p.begin(), joint.p.end(), row + 15);
     if (!reactions) continue;
-    const Wrench w = world.reaction({j});
+    const JointForces forces = world.joint_forces(number);
+    const Wrench& w = forces.reaction;
     const double wrench[6] = {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
     std::copy(std::begin(wrench), std::end(wrench), row + 21);
-    row[27] = load_of(norm(w.force), norm(w.torque), world.joint({j}).parameters);
+    row[28] = forces.determined ? 1 : 0;
+    row[27] = load_of(norm(w.force), norm(w.torque), world.joint(number).parameters);
   }
   if (!reactions) return;
   for (const Threshold& each : thresholds) {
-    double* row = all.data() + static_cast<std::ptrdiff_t>(each.joint) * mt_joint_size;
+    const int place = row_of(world, {each.joint});
+    if (place >= rows || row_at(place)[0] < 0) continue;
+    double* const row = row_at(place);
     const std::optional<double> value = each.condition.what->value(world, {});
-    if (row[0] < 0 || !value) continue;
+    if (!value) continue;
     row[27] = std::fmax(row[27], std::fabs(*value / each.condition.threshold));
   }
 }
@@ -64,9 +67,10 @@ void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thr
 void fill_totals(const Simulation& simulation, double* all) {
   const Totals t = simulation.world().totals();
   const EnergyBalance e = simulation.energy();
-  const double numbers[mt_totals_size] = {
-      simulation.time(), t.kinetic, t.potential, t.linear.x,   t.linear.y, t.linear.z,        t.angular.x, t.angular.y,
-      t.angular.z,       e.initial, e.final,     e.dissipated, e.work,     e.lost_in_impacts, e.released,  e.error};
+  const double numbers[mt_totals_size] = {simulation.time(), t.kinetic,    t.potential, t.linear.x,        t.linear.y,
+                                          t.linear.z,        t.angular.x,  t.angular.y, t.angular.z,       e.initial,
+                                          e.final,           e.dissipated, e.work,      e.lost_in_impacts, e.released,
+                                          e.error,           e.projection};
   std::copy(std::begin(numbers), std::end(numbers), all);
 }
 

@@ -1,6 +1,7 @@
 // Names and structure of a world, as JSON.
 #include <momentree/io/joint_json.hpp>
 #include <momentree/io/summary.hpp>
+#include <momentree/simulate/topology_record.hpp>
 #include <wasm/world.hpp>
 
 namespace momentree::wasm {
@@ -53,10 +54,13 @@ std::string topology_json(const World& world) {
     json.end_array().end_object();
   }
   json.end_array().key("joints").begin_array();
-  for (int j = 0; j < world.model().size(); ++j) {
-    if (world.tree().carrier(j) < 0) continue;
-    const JointView joint = world.joint({j});
-    json.begin_object().member("number", j).member("name", joint.name).member("kind", info(joint.kind).name);
+  for (const JointId number : present_joints(world)) {
+    const JointView joint = world.joint(number);
+    json.begin_object()
+        .member("number", number.index)
+        .member("row", row_of(world, number))
+        .member("name", joint.name)
+        .member("kind", info(joint.kind).name);
     json.member("parent", joint.parent.index).member("child", joint.child.index);
     json.member("locked", static_cast<int>(joint.locked));
     io::write_pose(json, "at", joint.at);
@@ -64,6 +68,7 @@ std::string topology_json(const World& world) {
     json.member("axis", joint.axis);
     const JointParameters none, &p = joint.parameters != nullptr ? *joint.parameters : none;
     json.member("damping", p.damping.of(0)).member("force", p.strength.force).member("torque", p.strength.torque);
+    if (joint.loop) json.member("loop", true);
     json.end_object();
   }
   json.end_array();

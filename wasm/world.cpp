@@ -1,6 +1,8 @@
 // Worlds made from scenarios, and the changes to them.
 #include <wasm/world.hpp>
 
+#include <algorithm>
+
 #include <momentree/io/schedule.hpp>
 
 namespace momentree::wasm {
@@ -13,6 +15,16 @@ std::unique_ptr<Simulation> start(const io::Scenario& scenario) {
   io::schedule(*simulation, std::move(events));  // the reader has found no problems with them
   simulation->keep_history();
   return simulation;
+}
+
+int row_of(const World& world, JointId joint) {
+  return is_loop(joint) ? world.model().size() + joint.index - first_loop : joint.index;
+}
+
+int joint_rows(const World& world) {
+  int rows = world.model().size();
+  for (const JointId loop : world.loops()) rows = std::max(rows, row_of(world, loop) + 1);
+  return rows;
 }
 
 std::vector<Threshold> thresholds_of(const io::Scenario& scenario, const World& world) {
@@ -38,8 +50,9 @@ int MtWorld::act(const std::vector<Action>& actions) {
 
 std::optional<std::string> MtWorld::joint_name(int joint) {
   const World& world = simulation->world();
-  if (joint >= 0 && joint < world.model().size() && world.tree().carrier(joint) >= 0)
-    return std::string(world.joint_name({joint}));
+  const bool exists = is_loop({joint}) ? world.tree().find_loop(joint - first_loop) != nullptr
+                                       : joint >= 0 && joint < world.model().size() && world.tree().carrier(joint) >= 0;
+  if (exists) return std::string(world.joint_name({joint}));
   text = "joint number " + std::to_string(joint) + " no longer exists";
   return std::nullopt;
 }

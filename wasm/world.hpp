@@ -51,7 +51,7 @@ struct MtWorld {
   int revision = 0;
   std::size_t events_seen = 0;
   momentree::wasm::Grip grip;
-  std::vector<double> motions, joints;
+  std::vector<double> motions, joints, posed;
   double totals[mt_totals_size]{};
 
   /// Carries out actions as an event at this instant; the reason for a refusal is stored in `text`.
@@ -78,7 +78,15 @@ std::string events_json(const std::vector<Event>& events, std::size_t first);
 std::unique_ptr<Simulation> start(const io::Scenario& scenario);
 std::vector<Threshold> thresholds_of(const io::Scenario& scenario, const World& world);
 
+/// The row of a joint in mt_joints, which it keeps for as long as it exists, and the number of rows.
+int row_of(const World& world, JointId joint);
+int joint_rows(const World& world);
+
 void fill_motions(const World& world, std::vector<double>& all);
+/// The same for a model at these coordinates of the joints of its tree. Loops are closed by the least change of the joints whose
+/// coordinates are as in `posed`, the result of the last call, which becomes the present one. Nothing changes if that is
+/// impossible.
+void pose(const Model& model, const double* q, std::vector<double>& motions, std::vector<double>& posed);
 void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thresholds, bool reactions,
                  std::vector<double>& all);
 void fill_totals(const Simulation& simulation, double* all);

@@ -13,13 +13,24 @@ namespace {
 using Edge3 = std::pair<Vec3, Vec3>;
 
 /// The extents of all bodies, by body number.
-std::vector<std::vector<Edge3>> drawn_extents(const Model& model, const std::vector<Shape>& shapes) {
+std::vector<std::vector<Edge3>> drawn_extents(const World& world, const std::vector<Shape>& shapes) {
+  const Model& model = world.model();
   std::vector<std::vector<Edge3>> extents(static_cast<std::size_t>(model.size()));
+  const auto reach = [&](BodyId body, const Vec3& point) {  // from the inboard joint, unless there is such a line
+    const Edge3 line{model[body].child_at.position, point};
+    auto& own = extents[static_cast<std::size_t>(body.index)];
+    if (norm(line.second - line.first) > 0 && std::find(own.begin(), own.end(), line) == own.end()) own.push_back(line);
+  };
   for (const BodySpec& child : model.bodies()) {
     if (child.parent == ground) continue;
     const Vec3 from = model[child.parent].child_at.position;
     if (norm(child.at.position - from) > 0)
       extents[static_cast<std::size_t>(child.parent.index)].emplace_back(from, child.at.position);
+  }
+  for (const JointId loop : world.loops()) {
+    const JointView joint = world.joint(loop);
+    reach(joint.child, joint.child_at.position);
+    if (joint.parent != ground) reach(joint.parent, joint.at.position);
   }
   for (int b = 0; b < model.size(); ++b) {
     const BodySpec& body = model[BodyId{b}];
@@ -90,7 +101,7 @@ std::string model_json(const World& world, const std::string& title, const std::
   JsonWriter json(text, 2);
   json.begin_object().member("format", 1).member("title", title).member("gravity", model.gravity());
   write_mechanisms(json, world);
-  const auto extents = drawn_extents(model, shapes);
+  const auto extents = drawn_extents(world, shapes);
   json.key("bodies").begin_object();
   for (int b = 0; b < model.size(); ++b) {
     if (!world.alive({b})) continue;  // removed

@@ -48,6 +48,18 @@ TEST_CASE("a body is drawn to its children, a leaf through its centre of mass") 
   CHECK(mentions(model_json(World(rod), "", {ball}), R"("extent": [[[0.25, 0, 0], [0.5, 0, 0]]])"));
 }
 
+TEST_CASE("bodies are drawn to the joints that close loops") {
+  Model bars;
+  const BodyId crank = bars.add({.name = "crank", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}});
+  const BodyId bar =
+      bars.add({.name = "bar", .mass = 1, .com = {1, 0, 0}, .inertia = diagonal(1), .parent = crank, .joint = Revolute{}});
+  bars.add_loop({.name = "pin", .body = bar, .joint = Revolute{}, .at = {2, 0, 0}, .child_at = {2, 0, 0}});
+  const std::string text = model_json(World(bars, Variables::velocities), "");
+  CHECK(mentions(text, R"("extent": [[[0, 0, 0], [2, 0, 0]]])"));
+  CHECK(mentions(text, R"("pin": {"kind": "revolute", "parent": null, "child": "bar")"));
+  CHECK(mentions(text, R"("loop": true)"));
+}
+
 TEST_CASE("bodies that were removed are not in the document") {
   Simulation simulation(arm());
   simulation.remove(simulation.world().model().body("arm/nut"));

@@ -1,7 +1,7 @@
 // What the module promises beside its numbers: node module.mjs MODULE
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { Engine, status } from "../../wasm/host.mjs";
+import { Engine, jointSize, status } from "../../wasm/host.mjs";
 
 const bytes = readFileSync(process.argv[2]);
 const engine = await Engine.of(bytes);
@@ -55,18 +55,43 @@ assert.deepEqual(
 );
 assert.equal(world.events().length, 1);
 
-// A lock takes energy and no more; welding two bodies of one mechanism is refused, with words; a weld between two joins them.
+// A lock takes energy and no more; a weld between two mechanisms joins them.
 assert.equal(world.lock(1).status, status.ok);
 assert.equal(world.topology().joints[1].locked, 1);
 assert.ok(world.totals().kinetic <= after.kinetic * (1 + 1e-12));
 assert.equal(world.unlock(1).status, status.ok);
-const loop = world.weld(2, 0);
-assert.equal(loop.status, status.refused);
-assert.match(loop.message, /weld/);
+const again = world.weld(1, 0);
+assert.equal(again.status, status.refused);
+assert.match(again.message, /already joined/);
 assert.equal(world.weld(3, 2).status, status.ok);
 assert.equal(world.topology().mechanisms.length, 1);
 assert.equal(world.attach(5, 0, "no such kind", [0, 0, 1]).status, status.refused);
 assert.equal(world.cut(99).status, status.refused);
+
+// Welding two bodies of one mechanism closes a loop: a joint in addition, with a row of its own, that can be locked and cut.
+const openLoop = world.snapshot();
+assert.equal(world.jointRows, 6);
+assert.equal(world.weld(4, 0).status, status.ok);
+const loop = world.topology().joints.find((joint) => joint.loop);
+assert.deepEqual([loop.kind, loop.child, loop.parent, loop.row], ["weld", 4, 0, 6]);
+assert.equal(world.jointRows, 7);
+assert.equal(world.joints(true).length, 7 * jointSize);
+assert.equal(world.joints(true)[jointSize * loop.row], 0); // a weld has no coordinates
+const { loops } = world.events().at(-1).after;
+assert.ok(loops.rows === 6 && loops.rank > 0 && loops.residual < 1e-9);
+assert.equal(world.run(world.time + 0.1).status, status.ok);
+const turning = world.totals().linear;
+assert.equal(world.cut(loop.number).status, status.ok);
+nearAll(turning, world.totals().linear);
+assert.equal(world.topology().joints.some((joint) => joint.loop), false);
+assert.equal(world.cut(loop.number).status, status.refused);
+assert.equal(world.undo(world.eventCount - 1).status, status.ok);
+assert.equal(world.topology().joints.filter((joint) => joint.loop).length, 1);
+const withLoop = world.branch();
+assert.equal(withLoop.run(withLoop.time + 0.05).status, status.ok);
+assert.equal(withLoop.topology().joints.filter((joint) => joint.loop).length, 1);
+withLoop.destroy();
+assert.equal(world.restore(openLoop).status, status.ok);
 
 // A snapshot is exact, and undoing goes back to just before.
 const kept = world.snapshot();

@@ -38,6 +38,10 @@ export interface Joint {
   readonly at: Vec3;
   readonly childAt: Vec3;
   readonly locked?: boolean;
+  /** It closes a loop: it joins its bodies in addition to their inboard joints. */
+  readonly loop?: boolean;
+  /** It closed a loop until it took the place of a broken inboard joint. */
+  readonly wasLoop?: boolean;
 }
 
 /** A spring between points of two bodies, in their frames (of the ground in the world). */
@@ -78,6 +82,8 @@ export interface Totals {
   readonly potential: number;
   readonly linear: Vec3;
   readonly angular: Vec3;
+  /** The equations of closed loops: their number, how many are independent, and how far open the loops are. */
+  readonly loops?: { readonly rows: number; readonly rank: number; readonly residual: number };
 }
 
 /** An event with its certificate: the members that are used of a line of events.jsonl (docs/results.md). */

@@ -1,4 +1,5 @@
 // The documents of a result that pages read: model.json, and the topology records of events.jsonl (docs/results.md).
+import { withHistory } from "./viewer/joints";
 import type { Joint, Model, Phase, Pose, RunEvent, Shape, Spring, Vec3 } from "./recording";
 
 interface JointFile {
@@ -8,6 +9,7 @@ interface JointFile {
   at: Pose;
   child_at: Pose;
   locked?: boolean | boolean[];
+  loop?: boolean;
 }
 
 interface SpringFile {
@@ -48,6 +50,7 @@ function jointsOf(file: Record<string, JointFile>, bodies: ReadonlyMap<string, n
     at: joint.at.xyz,
     childAt: joint.child_at.xyz,
     locked: joint.locked === true,
+    ...(joint.loop && { loop: true }),
   }));
   return joints.filter(({ child }) => child >= 0);
 }
@@ -100,7 +103,8 @@ export function phasesOf(file: ModelFile, model: Model, events: readonly EventFi
   for (const { time, topology } of events) {
     if (!topology) continue;
     const replaced = new Set([...topology.gone, ...Object.keys(topology.joints)]);
-    joints = [...joints.filter(({ name }) => !replaced.has(name)), ...jointsOf(topology.joints, bodies)];
+    const changed = withHistory(jointsOf(topology.joints, bodies), joints);
+    joints = [...joints.filter(({ name }) => !replaced.has(name)), ...changed];
     mechanism = mechanism.slice();
     for (const [name, ranges] of Object.entries(topology.moved))
       for (const [first, count] of ranges) mechanism.fill(numberOf(name), first, first + count);

@@ -35,7 +35,7 @@ export function launch({ webgl = true } = {}): Promise<Browser> {
 /** What the playground tells programs. */
 interface App {
   run: { frames: number; last: { time: number; totals: Totals } } | null;
-  topology: { joints: { child: number; kind: string; locked: number; name: string }[]; mechanisms: unknown[] };
+  topology: { joints: { child: number; kind: string; locked: number; name: string; loop?: boolean }[]; mechanisms: unknown[] };
   playing: boolean;
 }
 interface Totals {
@@ -45,7 +45,7 @@ interface Totals {
 }
 declare global {
   interface Window {
-    playground: { app: App; placeOf(child: number): { x: number; y: number } };
+    playground: { app: App; placeOf(of: number | string): { x: number; y: number } };
   }
 }
 

@@ -104,7 +104,7 @@ test("a click locks a joint, another unlocks it; a lock keeps the part from bend
   expect(complaints).toEqual([]);
 });
 
-test("welding two bodies; a weld that would close a loop is refused with a reason", async () => {
+test("welding two bodies; a weld of two bodies that a joint joins is refused with a reason", async () => {
   const { page, complaints } = await playground();
   await load(page, three);
   await page.getByLabel("Joint", { exact: true }).selectOption("arm/3");
@@ -121,6 +121,39 @@ test("welding two bodies; a weld that would close a loop is refused with a reaso
   await expect.poll(() => page.locator(".notice").innerText(), patience).toContain("weld");
   expect(await page.evaluate(() => window.playground.app.topology.mechanisms.length)).toBe(2);
   expect(complaints).toEqual([]);
+});
+
+test("a weld of two bodies of one mechanism closes a loop; a click on its mark cuts it, and undo closes it again", async () => {
+  for (const [view, name] of [
+    [desktop, "desktop"],
+    [phone, "phone"],
+  ] as const) {
+    const { page, complaints } = await playground(view);
+    await load(page, three.replace("links = 3", "links = 4"));
+    await playTo(page, 0.4);
+    const middle = (body: number) =>
+      page.evaluate((n) => {
+        const [a, b] = [window.playground.placeOf(n), window.playground.placeOf(n + 1)];
+        return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 };
+      }, body);
+    await page.getByRole("button", { name: "Weld", exact: true }).click();
+    for (const at of [await middle(2), await middle(0)]) await page.mouse.click(at.x, at.y);
+    const loops = () =>
+      page.evaluate(() => window.playground.app.topology.joints.flatMap((joint) => (joint.loop ? joint.name : [])));
+    await expect.poll(loops, patience).toHaveLength(1);
+    const [weld] = await loops();
+    expect(await page.evaluate(() => window.playground.app.topology.mechanisms.length)).toBe(1);
+    await page.getByLabel("Joint", { exact: true }).selectOption(weld);
+    expect(await page.locator(".joint-state").innerText()).toBe("weld, closes a loop");
+    await keep(page, `playground-loop-${name}`);
+    await page.getByRole("button", { name: "Cut", exact: true }).first().click();
+    const at = await page.evaluate((joint) => window.playground.placeOf(joint), weld);
+    await page.mouse.click(at.x, at.y);
+    await expect.poll(loops, patience).toEqual([]);
+    await page.getByRole("button", { name: "Undo" }).first().click();
+    await expect.poll(loops, patience).toEqual([weld]);
+    expect(complaints).toEqual([]);
+  }
 });
 
 test("a broken scenario shows its errors at their lines, and the world stays", async () => {

@@ -60,9 +60,14 @@ int find(const Numbers& numbers, const Value& name) {
 void read_joints(const Value::Table& joints, const Numbers& numbers, Recording& run, Diagnostics& out) {
   for (const Value::Entry& entry : joints) {
     Record joint(entry.value, "joint", out);
-    if (joint.find("loop") != nullptr) continue;  // in addition to the body's inboard joint
     const int child = find(numbers, joint["child"]);
-    if (child < 0) continue;  // bodies.csv may have fewer bodies than the world
+    if (child < 0) continue;              // bodies.csv may have fewer bodies than the world
+    if (joint.find("loop") != nullptr) {  // in addition to the body's inboard joint
+      run.loops.push_back({entry.key, joint.text("kind"), find(numbers, joint["parent"]), child,
+                           Record(joint["at"], "at", out).vec("xyz"), Record(joint["child_at"], "child_at", out).vec("xyz"),
+                           true});
+      continue;
+    }
     RecordedBody& body = run.bodies[static_cast<std::size_t>(child)];
     body.joint = entry.key;
     body.kind = joint.text("kind");
@@ -72,10 +77,13 @@ void read_joints(const Value::Table& joints, const Numbers& numbers, Recording& 
   }
 }
 
-/// Without model.json: a line from each body's origin to those of its children.
+/// Without model.json: a line from each body's origin to those of its children, and to joints that close loops.
 void guess_extents(Recording& run) {
-  for (const RecordedBody& body : run.bodies)
-    if (body.parent >= 0) run.bodies[static_cast<std::size_t>(body.parent)].extent.emplace_back(Vec3{}, body.at);
+  const auto reach = [&run](int body, const Vec3& point) {
+    if (body >= 0 && norm(point) > 0) run.bodies[static_cast<std::size_t>(body)].extent.emplace_back(Vec3{}, point);
+  };
+  for (const RecordedBody& body : run.bodies) reach(body.parent, body.at);
+  for (const RecordedLoop& loop : run.loops) reach(loop.parent, loop.at), reach(loop.child, loop.child_at);
 }
 
 void read_model(const Value& document, const Numbers& numbers, Recording& run, std::vector<std::string>& mechanism_of,

@@ -38,11 +38,21 @@ struct RecordedFrame {
   std::vector<Pose> poses;  ///< by body
 };
 
+/// A joint that closes a loop, in addition to the inboard joints. One that takes the place of a broken inboard joint stays here.
+struct RecordedLoop {
+  std::string name, kind;
+  int parent = -1, child = -1;  ///< bodies; parent −1: the ground
+  Vec3 at{}, child_at{};        ///< origin of its frame in the parent (or the world), and in the child (m)
+  bool at_start = false;        ///< the model has it: the extents of its bodies reach to it
+  friend bool operator==(const RecordedLoop&, const RecordedLoop&) = default;
+};
+
 /// The mechanisms from the time `from` (s) on.
 struct Phase {
   double from = 0;
   std::vector<int> mechanism;  ///< by body: an index in Recording::mechanisms
   std::vector<char> joined;    ///< by body: its inboard joint is that of the start, and still exists
+  std::vector<int> loops;      ///< joints that close loops: indices in Recording::loops
 };
 
 struct RecordedEvent {
@@ -51,6 +61,7 @@ struct RecordedEvent {
   std::vector<std::string> actions;
   int impacts = 0;                  ///< on joint limits
   std::vector<int> broken;          ///< bodies whose inboard joint it broke
+  std::vector<int> opened;          ///< joints that closed loops and that it broke: indices in Recording::loops
   std::vector<int> broken_springs;  ///< indices in Recording::springs
   RecordedFrame frame;              ///< the poses of the bodies: the row nearest to its time; empty if there is none
 };
@@ -62,6 +73,7 @@ struct Recording {
   std::vector<RecordedSpring> springs;
   std::vector<RecordedFrame> frames;
   std::vector<RecordedEvent> events;
+  std::vector<RecordedLoop> loops;      ///< all joints of the run that close loops
   std::vector<Phase> phases;            ///< at least one, ordered by time
   std::vector<std::string> mechanisms;  ///< all mechanisms of the run, in order of appearance
   double every = 0;                     ///< requested time between frames (s)

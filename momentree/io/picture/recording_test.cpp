@@ -12,6 +12,7 @@
 #include <momentree/io/picture/body_table.hpp>
 #include <momentree/io/picture/frame_svg.hpp>
 #include <momentree/io/picture/labels.hpp>
+#include <momentree/io/picture/scene.hpp>
 #include <momentree/io/svg.hpp>
 
 namespace momentree::io {
@@ -153,6 +154,66 @@ TEST_CASE("bodies that do not exist cannot move to another mechanism") {
     directory.write("events.jsonl", event(0.5, "", R"("gone":[],"joints":{},"moved":{"a":[)" + std::string(range) + "]}"));
     CHECK(mentions(complaint(directory), "events.jsonl:1"));
   }
+}
+
+TEST_CASE("a joint that closes a loop is drawn while it exists, and is not the inboard joint of its child") {
+  const auto loop = [](const std::string& name, const std::string& kind, const std::string& parent, const std::string& child) {
+    std::string text = joint(name, kind, parent, child);
+    return text.insert(text.size() - 1, R"(,"loop":true)");
+  };
+  Directory directory;
+  std::string table = header_of_two;
+  for (int k = 0; k <= 8; ++k) table += row(0.1 * k, 1);
+  directory.write("bodies.csv", table);
+  std::string model = model_of_two("Two");
+  model.insert(model.rfind("}}"), "," + loop("pin", "ball", "", "a/2"));
+  directory.write("model.json", model);
+  directory.write(
+      "events.jsonl",
+      event(0.1, R"({"kind":"break","joint":"pin"})", R"("gone":["pin"],"joints":{},"moved":{})") +
+          event(0.2, R"({"kind":"attach","joint":"clasp","body":"a/1","to":"a/2"})",
+                R"("gone":[],"joints":{)" + loop("clasp", "revolute", "a/2", "a/1") + R"(},"moved":{})") +
+          event(0.3, R"({"kind":"break","joint":"a/pin"})",  // the clasp takes its place in the tree
+                R"("gone":["a/pin"],"joints":{)" + joint("clasp", "revolute", "a/2", "a/1") + R"(},"moved":{})") +
+          event(0.4, R"({"kind":"break","joint":"clasp"})", R"("gone":["clasp"],"joints":{},"moved":{"a/2":[[1,1]]})"));
+  const Recording run = read_recording(directory.path(), 0.1);
+  CHECK(run.bodies[1].joint == "a/pin");
+  REQUIRE(run.loops.size() == 2);
+  CHECK(run.loops[0].name == "pin");
+  CHECK(run.loops[0].at_start);
+  CHECK(run.loops[1].parent == 1);
+  CHECK(run.loops[1].child == 0);
+  CHECK(!run.loops[1].at_start);
+  const auto loops_at = [&run](double time) { return run.phase_at(time).loops; };
+  CHECK(loops_at(0.05) == std::vector<int>{0});
+  CHECK(loops_at(0.15).empty());
+  CHECK(loops_at(0.25) == std::vector<int>{1});
+  CHECK(loops_at(0.35) == std::vector<int>{1});
+  CHECK(loops_at(0.45).empty());
+  CHECK(run.mechanisms == std::vector<std::string>{"a", "a/2"});
+  CHECK(run.phase_at(0.35).mechanism == std::vector<int>{0, 0});  // held together by what was a loop
+  CHECK(run.phase_at(0.35).joined == std::vector<char>{1, 0});
+  CHECK(run.events[0].opened == std::vector<int>{0});
+  CHECK(run.events[0].broken.empty());
+  CHECK(run.events[1].opened.empty());
+  CHECK(run.events[2].broken == std::vector<int>{1});
+  CHECK(run.events[2].opened.empty());
+  CHECK(run.events[3].opened == std::vector<int>{1});
+
+  const Scene scene = build_scene(run, choose_view(drawn_points(run), run.gravity));
+  const auto joints_at = [&scene](std::size_t frame) { return scene.frames[frame].joints.size(); };
+  CHECK(joints_at(0) == 1);  // that to the ground is an anchor
+  CHECK(scene.anchors.size() == 2);
+  CHECK(joints_at(2) == 2);
+  CHECK(joints_at(3) == 1);
+  CHECK(joints_at(5) == 0);
+  // Lines from its bodies to the one that was made in the run, while it is there.
+  const auto lines_at = [&scene](std::size_t frame) { return scene.frames[frame].primitives.size(); };
+  CHECK(lines_at(1) == 2);
+  CHECK(lines_at(2) == 3);
+  CHECK(lines_at(5) == 2);
+  CHECK(scene.events[0].places.size() == 1);
+  CHECK(mentions(draw_svg(run), "0.3 s: "));
 }
 
 TEST_CASE("poses alone are enough for a picture") {

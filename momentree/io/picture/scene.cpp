@@ -74,6 +74,19 @@ Vec3 spring_end(const RecordedFrame& frame, int body, const Vec3& point) {
   return body < 0 ? point : frame.poses[static_cast<std::size_t>(body)] * point;
 }
 
+/// The point of a body's lines that is nearest to a point, in its axes; its joint if it has none.
+Vec3 nearest_drawn(const RecordedBody& body, const Vec3& point) {
+  Vec3 best = body.child_at;
+  for (const auto& [from, to] : body.extent) {
+    const Vec3 along = to - from;
+    const double length = dot(along, along);
+    const double share = length > 0 ? std::clamp(dot(point - from, along) / length, 0.0, 1.0) : 0.0;
+    const Vec3 near = from + share * along;
+    if (norm(near - point) < norm(best - point)) best = near;
+  }
+  return best;
+}
+
 double distance(const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 /// Draws one instant.
@@ -88,6 +101,7 @@ class FrameBuilder {
     for (std::size_t b = 0; b < run_.bodies.size(); ++b) add_body(b);
     for (const RecordedSpring& spring : run_.springs)
       if (frame_.time < spring.until) add_spring(spring);
+    for (const int i : phase_.loops) add_loop(run_.loops[static_cast<std::size_t>(i)]);
     for (std::size_t m = 0; m < run_.mechanisms.size(); ++m) add_end(static_cast<int>(m));
     if (has_area_)
       std::stable_sort(out_.primitives.begin(), out_.primitives.end(),
@@ -124,11 +138,34 @@ class FrameBuilder {
     for (const auto& [from, to] : body.extent) add(Primitive::Kind::line, b, {pose * from, pose * to});
     if (body.extent.empty() && !shaped) add(Primitive::Kind::dot, b, {pose * body.child_at});
     if (!phase_.joined[b]) return;
-    const Vec3 here = pose * body.child_at;
-    const Vec3 there = body.parent < 0 ? body.at : frame_.poses[static_cast<std::size_t>(body.parent)] * body.at;
-    const KindInfo* const kind = find_kind(body.kind);
-    if (displaces(kind) && norm(here - there) > 1e-9) add(Primitive::Kind::displacement, b, {there, here});
-    if (body.parent >= 0 && moves(kind)) out_.joints.push_back(view_(here));
+    add_joint(b, body.kind, body.parent, body.at, body.child_at);
+  }
+
+  Vec3 place(int body, const Vec3& point) const {
+    return body < 0 ? point : frame_.poses[static_cast<std::size_t>(body)] * point;
+  }
+
+  void add_joint(std::size_t child, const std::string& name, int parent, const Vec3& at, const Vec3& child_at) {
+    const Vec3 here = place(static_cast<int>(child), child_at), there = place(parent, at);
+    const KindInfo* const kind = find_kind(name);
+    if (displaces(kind) && norm(here - there) > 1e-9) add(Primitive::Kind::displacement, child, {there, here});
+    if (parent >= 0 && moves(kind)) out_.joints.push_back(view_(here));
+  }
+
+  /// One that was made in the run may be away from what is drawn of its bodies: lines from them to it show what it joins.
+  void add_loop(const RecordedLoop& loop) {
+    const auto child = static_cast<std::size_t>(loop.child);
+    add_joint(child, loop.kind, loop.parent, loop.at, loop.child_at);
+    if (loop.at_start) return;
+    if (loop.parent >= 0) add_reach(static_cast<std::size_t>(loop.parent), loop.at);
+    add_reach(child, loop.child_at);
+  }
+
+  void add_reach(std::size_t b, const Vec3& point) {
+    const RecordedBody& body = run_.bodies[b];
+    const Vec3 from = nearest_drawn(body, point);
+    if (norm(from - point) > 1e-9)
+      add(Primitive::Kind::line, b, {place(static_cast<int>(b), from), place(static_cast<int>(b), point)});
   }
 
   void add_spring(const RecordedSpring& spring) {
@@ -211,6 +248,11 @@ Scene build_scene(const Recording& run, const View& view) {
     scene.anchors.push_back(view(body.at));
     scene.bounds.add(scene.anchors.back());
   }
+  for (const RecordedLoop& loop : run.loops) {
+    if (loop.parent >= 0) continue;
+    scene.anchors.push_back(view(loop.at));
+    scene.bounds.add(scene.anchors.back());
+  }
   for (const RecordedEvent& event : run.events) {
     if (event.name == "stop") {  // joints bounce on their stops many times: these impacts are counted, not listed
       scene.impacts += event.impacts;
@@ -218,12 +260,14 @@ Scene build_scene(const Recording& run, const View& view) {
     }
     SceneEvent shown{event.time, {}, {}};
     for (const std::string& action : event.actions) shown.text += (shown.text.empty() ? "" : ", ") + action;
-    for (const int b : event.broken) {
-      if (event.frame.poses.empty()) break;
-      shown.places.push_back(
-          view(event.frame.poses[static_cast<std::size_t>(b)] * run.bodies[static_cast<std::size_t>(b)].child_at));
+    const auto mark = [&](int body, const Vec3& point) {
+      if (event.frame.poses.empty()) return;
+      shown.places.push_back(view(event.frame.poses[static_cast<std::size_t>(body)] * point));
       scene.bounds.add(shown.places.back());
-    }
+    };
+    for (const int b : event.broken) mark(b, run.bodies[static_cast<std::size_t>(b)].child_at);
+    for (const int i : event.opened)
+      mark(run.loops[static_cast<std::size_t>(i)].child, run.loops[static_cast<std::size_t>(i)].child_at);
     for (const int s : event.broken_springs) {
       if (event.frame.poses.empty()) break;
       const RecordedSpring& spring = run.springs[static_cast<std::size_t>(s)];

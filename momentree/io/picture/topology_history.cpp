@@ -12,6 +12,7 @@ TopologyHistory::TopologyHistory(Recording& run, const std::vector<std::string>&
     phase.mechanism.push_back(mechanism(mechanism_of[b]));
   }
   phase.joined.assign(run.bodies.size(), 1);
+  for (std::size_t i = 0; i < run.loops.size(); ++i) phase.loops.push_back(static_cast<int>(i));
   run.phases = {phase};
 }
 
@@ -28,6 +29,14 @@ int TopologyHistory::body(const Value& name) const {
 }
 
 void TopologyHistory::remove(const std::string& joint, RecordedEvent& event, Phase& phase) {
+  if (const int opened = loop(joint, phase); opened >= 0) {
+    event.opened.push_back(opened);
+    std::erase(phase.loops, opened);
+  }
+  unlink(joint, event, phase);
+}
+
+void TopologyHistory::unlink(const std::string& joint, RecordedEvent& event, Phase& phase) {
   const auto link = links_.find(joint);
   if (link == links_.end()) return;
   if (link->second.at_start) {
@@ -37,15 +46,50 @@ void TopologyHistory::remove(const std::string& joint, RecordedEvent& event, Pha
   links_.erase(link);
 }
 
+int TopologyHistory::loop(const std::string& name, const Phase& phase) const {
+  for (const int i : phase.loops)
+    if (run_.loops[static_cast<std::size_t>(i)].name == name) return i;
+  return -1;
+}
+
+// True if that is all that the joint is: one that closes a loop, not the inboard joint of its child. One that has taken the place
+// of a broken inboard joint stays in the picture as it was.
+bool TopologyHistory::put_loop(RecordedLoop now, bool closes, RecordedEvent& event, Phase& phase) {
+  const int known = loop(now.name, phase);
+  if (!closes && known < 0) return false;
+  if (known >= 0) {
+    now.at_start = run_.loops[static_cast<std::size_t>(known)].at_start;
+    if (now == run_.loops[static_cast<std::size_t>(known)]) return closes;
+    std::erase(phase.loops, known);
+  }
+  if (now.kind == "free") {  // it holds nothing
+    if (known >= 0) event.opened.push_back(known);
+    return closes;
+  }
+  phase.loops.push_back(static_cast<int>(run_.loops.size()));
+  run_.loops.push_back(std::move(now));
+  return closes;
+}
+
 void TopologyHistory::put(const Value::Entry& entry, RecordedEvent& event, Phase& phase, Diagnostics& out) {
   Record joint(entry.value, "joint", out);
   const int parent = body(joint["parent"]), child = body(joint["child"]);
   if (child < 0) return;
+  const RecordedLoop loop{entry.key,
+                          joint.text("kind"),
+                          parent,
+                          child,
+                          Record(joint["at"], "at", out).vec("xyz"),
+                          Record(joint["child_at"], "child_at", out).vec("xyz"),
+                          false};
+  const bool closes = joint.find("loop") != nullptr;
+  if (closes) unlink(entry.key, event, phase);  // an earlier joint of that name
+  if (put_loop(loop, closes, event, phase)) return;
   const auto link = links_.find(entry.key);
   const bool same = link != links_.end() && link->second.parent == parent && link->second.child == child;
   const bool floats = joint.text("kind") == "free" && parent < 0;
   if (same && !floats) return;
-  remove(entry.key, event, phase);
+  unlink(entry.key, event, phase);
   if (!floats) links_[entry.key] = {parent, child, false};
 }
 
@@ -54,6 +98,7 @@ void TopologyHistory::add(Record& line, RecordedEvent& event, Diagnostics& out) 
   phase.from = event.time;
   phase.mechanism = run_.phases.back().mechanism;
   phase.joined = run_.phases.back().joined;
+  phase.loops = run_.phases.back().loops;
   if (line.find("changes"))
     for (const Value& value : line.list("changes")) {
       Record change(value, "change", out);

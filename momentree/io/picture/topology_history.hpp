@@ -24,8 +24,11 @@ class TopologyHistory {
     bool at_start = false;
   };
   int mechanism(const std::string& name);
-  int body(const Value& name) const;  // −1: the ground, or not recorded
+  int loop(const std::string& name, const Phase& phase) const;  // index in run_.loops; −1: none
+  int body(const Value& name) const;                            // −1: the ground, or not recorded
   void remove(const std::string& joint, RecordedEvent& event, Phase& phase);
+  void unlink(const std::string& joint, RecordedEvent& event, Phase& phase);
+  bool put_loop(RecordedLoop loop, bool closes, RecordedEvent& event, Phase& phase);
   void put(const Value::Entry& entry, RecordedEvent& event, Phase& phase, Diagnostics& out);
 
   Recording& run_;

@@ -2,6 +2,7 @@
 import type { Topology, WorldTotals } from "../../../wasm/host.mjs";
 import type { Model, Motion, Phase, RunEvent } from "../recording";
 import { lastNotAfter } from "../viewer/frames";
+import { withHistory } from "../viewer/joints";
 import type { Frame } from "./messages";
 
 interface BranchData {
@@ -87,10 +88,11 @@ export class LiveRecording implements Motion {
       locked: locked !== 0,
     }));
     const { phases } = this.current;
+    const before = phases[phases.length - 1]?.joints ?? [];
     while (phases.length > 0 && phases[phases.length - 1].from >= time) phases.pop();
     const broken = topology.broken_springs ?? [];
     const springs = (this.model.springs ?? []).filter(({ name }) => !broken.includes(name));
-    phases.push({ from: time, mechanism, joints, springs });
+    phases.push({ from: time, mechanism, joints: withHistory(joints, before), springs });
   }
 
   addEvents(events: readonly RunEvent[]) {

@@ -28,11 +28,17 @@ export type ToWorker =
   /** Continues a branch at its end. */
   | { type: "branch"; branch: number };
 
+/** Numbers per joint in `Frame.loads`. */
+export const loadSize = 3;
+
 export interface Frame {
   readonly time: number;
   /** Per body x, y, z, qw, qx, qy, qz. */
   readonly poses: Float32Array;
-  /** Per joint number: load as a fraction of the load at which it breaks (NaN: unlimited), and reaction force (N). */
+  /**
+   * By the joints' rows: load as a fraction of the load at which it breaks (NaN: unlimited), reaction force (N), and whether the
+   * reaction is determined (0: closed loops leave it open).
+   */
   readonly loads: Float32Array;
   readonly totals: WorldTotals;
 }

@@ -4,8 +4,10 @@ import { beforeAll, beforeEach, describe, expect, it } from "vitest";
 import { Engine } from "../../../wasm/host.mjs";
 import { modelOf } from "../result_files";
 import { affectedBodies } from "../viewer/before_after";
+import { shownJoint } from "../viewer/joints";
+import { loadColours } from "../playground/load_colours";
 import { LiveRecording } from "./live";
-import type { FromWorker } from "./messages";
+import { loadSize, type FromWorker } from "./messages";
 import { Session } from "./session";
 
 const chain = `format = 1
@@ -103,10 +105,75 @@ describe("a session", () => {
   });
 
   it("reports why an action is refused, and changes nothing", () => {
-    session.handle({ type: "act", action: { action: "weld", body: 3, to: 0 } });
+    session.handle({ type: "act", action: { action: "weld", body: 1, to: 0 } });
     const refused = posted.find((message) => message.type === "refused");
     expect(refused?.type === "refused" && refused.message).toMatch(/weld/);
     expect(run!.events).toEqual([]);
+  });
+
+  const loops = () => run!.topology.joints.filter(({ loop }) => loop);
+
+  it("closes a loop by a weld of two bodies of one mechanism, opens it by a cut, and goes back across both", () => {
+    play(6);
+    session.handle({ type: "act", action: { action: "weld", body: 2, to: 0 } });
+    expect(posted.some(({ type }) => type === "refused")).toBe(false);
+    const [weld] = loops();
+    expect(weld).toMatchObject({ kind: "weld", parent: 0, child: 2, row: 4 });
+    expect(run!.topology.mechanisms).toHaveLength(1);
+    expect(run!.last.loads).toHaveLength(loadSize * 5);
+    expect(run!.events[0].after?.loops).toMatchObject({ rows: 6 });
+    const shown = () => shownJoint(run!.model, run!.phases[run!.phases.length - 1].joints[4], run!.last.poses).lines;
+    expect(shown()).toHaveLength(2);
+    const apart = () => Math.hypot(...[0, 1, 2].map((k) => run!.last.poses[14 + k] - run!.last.poses[k]));
+    const distance = apart();
+    play(6);
+    expect(apart()).toBeCloseTo(distance, 5);
+    expect(loadColours(run!.last, run!.topology).colours.has(weld.name)).toBe(true);
+    session.handle({ type: "act", action: { action: "cut", joint: weld.number } });
+    expect(loops()).toEqual([]);
+    play(6);
+    const end = run!.last;
+    session.handle({ type: "undo", event: 1 });
+    expect(loops()).toHaveLength(1);
+    session.handle({ type: "undo", event: 0 });
+    expect(loops()).toEqual([]);
+    session.handle({ type: "branch", branch: 0 });
+    expect([...run!.last.poses]).toEqual([...end.poses]);
+  });
+
+  it("after the break of a joint of a loop, the loop joint holds the part and can be cut like any other", () => {
+    play(6);
+    session.handle({ type: "act", action: { action: "weld", body: 3, to: 0 } });
+    play(24); // the scenario breaks chain/3
+    expect(loops()).toEqual([]);
+    expect(run!.topology.mechanisms).toHaveLength(1);
+    const { joints } = run!.phases[run!.phases.length - 1];
+    const held = joints.filter(({ wasLoop }) => wasLoop);
+    expect(held).toHaveLength(1);
+    const { number } = run!.topology.joints.find(({ name }) => name === held[0].name)!;
+    session.handle({ type: "act", action: { action: "cut", joint: number } });
+    expect(run!.topology.mechanisms).toHaveLength(2);
+  });
+
+  it("reads scenarios with closed loops, and reports those that can't be closed", () => {
+    const bars = (at: string) => `${chain.replace("links = 4", 'links = 3\nangle = "40 deg"').replace("break = ", "lock = ")}
+[[loop]]
+name = "pin"
+kind = "revolute"
+body = "chain/3"
+at = { xyz = ${at} }
+child_at = { xyz = [0.2, 0, 0] }
+`;
+    session.handle({ type: "load", text: bars("[0.3, 0, 0]") });
+    expect(loops().map(({ name }) => name)).toEqual(["pin"]);
+    const [mark] = run!.phases[0].joints.filter(({ loop }) => loop);
+    const place = () => shownJoint(run!.model, mark, run!.last.poses).at;
+    play(12);
+    expect(place()[0]).toBeCloseTo(0.3, 5);
+    expect(place()[1]).toBeCloseTo(0, 5);
+    session.handle({ type: "check", text: bars("[3, 0, 0]") });
+    const checked = posted[posted.length - 1];
+    expect(checked.type === "checked" && checked.diagnostics.map(({ what }) => what).join()).toMatch(/pin.*can't be closed/);
   });
 
   it("keeps its world if another scenario has errors", () => {

@@ -3,7 +3,7 @@
 import { jointSize, motionSize, status, type Engine, type Outcome, type World } from "../../../wasm/host.mjs";
 import type { RunEvent } from "../recording";
 import type { ModelFile } from "../result_files";
-import type { Frame, FromWorker, ToWorker, UserAction } from "./messages";
+import { loadSize, type Frame, type FromWorker, type ToWorker, type UserAction } from "./messages";
 
 /** Interval of snapshots (s of simulated time), and frames per second of simulated time. */
 const snapshotInterval = 0.25;
@@ -35,11 +35,12 @@ export function posesOf(motions: Float64Array): Float32Array {
 
 export function frameOf(world: World): Frame {
   const poses = posesOf(world.motions());
-  const loads = new Float32Array(2 * world.bodies);
   const rows = world.joints(true);
-  for (let j = 0; j < world.bodies; j++) {
+  const count = rows.length / jointSize;
+  const loads = new Float32Array(loadSize * count);
+  for (let j = 0; j < count; j++) {
     const row = rows.subarray(jointSize * j, jointSize * (j + 1));
-    loads.set(row[0] < 0 ? [NaN, NaN] : [row[27], Math.hypot(row[21], row[22], row[23])], 2 * j);
+    loads.set(row[0] < 0 ? [NaN, NaN, 1] : [row[27], Math.hypot(row[21], row[22], row[23]), row[28]], loadSize * j);
   }
   return { time: world.time, poses, loads, totals: world.totals() };
 }

@@ -1,5 +1,5 @@
 // The list of events: each with its certificate, and on a click the pair of pictures before and after it.
-import type { Motion, RunEvent, Vec3 } from "../recording";
+import type { Motion, RunEvent, Totals, Vec3 } from "../recording";
 import { drawBeforeAfter } from "../viewer/before_after";
 import type { Player } from "../viewer/player";
 import type { Stage } from "../viewer/stage";
@@ -32,6 +32,12 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
     };
     momentum("linear momentum (N s)", before.linear, after.linear);
     momentum("angular momentum (N m s)", before.angular, after.angular);
+    const loops = (name: string, of: (loops: NonNullable<Totals["loops"]>) => string) => {
+      if (before.loops || after.loops) rows.push([name, ...[before, after].map((t) => (t.loops ? of(t.loops) : "–")), "", ""]);
+    };
+    loops("equations of loops", ({ rows: number }) => String(number));
+    loops("independent of them", ({ rank }) => String(rank));
+    loops("residual of loops", ({ residual }) => digits(residual, 2));
   }
   const notes: string[] = [];
   const least = before ? 1e-14 * Math.max(Math.abs(before.kinetic + before.potential), before.kinetic) : 0;
@@ -40,7 +46,11 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
   const what = event.changes.some(({ spring }) => spring) ? "what broke" : "removed degrees of freedom";
   if (significant(event.released)) notes.push(`Released by ${what}: ${digits(event.released)} J`);
   if (significant(event.work)) notes.push(`Work of the event: ${digits(event.work)} J`);
-  if (event.hardest) {
+  const momenta = [before, after].flatMap((t) => (t ? [t] : []));
+  const exceeds = (impulse: number, of: "linear" | "angular") =>
+    impulse > 1e-12 * Math.max(0, ...momenta.map((t) => size(t[of])));
+  // Otherwise it is round-off: a weld of bodies that do not move relative to each other.
+  if (event.hardest && (exceeds(event.hardest.linear, "linear") || exceeds(event.hardest.angular, "angular"))) {
     const { joint, linear, angular } = event.hardest;
     notes.push(`Largest impulse: ${digits(linear)} N s, ${digits(angular)} N m s, through ${joint}`);
   }

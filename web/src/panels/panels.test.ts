@@ -125,8 +125,19 @@ describe("certificates", () => {
     expect(notes).toEqual(["Lost in the impact: 1 J", "Largest impulse: 8 N s, 0.5 N m s, through grasp"]);
   });
 
-  it("omit energies that are round-off", () => {
+  it("omit energies and impulses that are round-off", () => {
     expect(certificate({ ...event, lost: 1e-16, released: -2e-17, hardest: null }).notes).toEqual([]);
+    const hardest = { joint: "pin", linear: 1e-15, angular: 2e-15 };
+    expect(certificate({ ...event, lost: 0, hardest }).notes).toEqual([]);
+  });
+
+  it("show the equations of closed loops", () => {
+    const loops = { rows: 6, rank: 3, residual: 2.5e-13 };
+    expect(certificate({ ...event, after: { ...totals(3, 2), loops } }).rows.slice(3)).toEqual([
+      ["equations of loops", "–", "6", "", ""],
+      ["independent of them", "–", "3", "", ""],
+      ["residual of loops", "–", "2.5e−13", "", ""],
+    ]);
   });
 
   it("have no rows if nothing was recorded", () => {
@@ -178,6 +189,10 @@ describe("the summary", () => {
     expect(energyTable({ ...summary, energy })).toEqual([
       ["at the start", "8 J"],
       ["error of the balance", "0 J"],
+    ]);
+    expect(energyTable({ ...summary, energy: { initial: 8, projection: 2e-9, error: 0 } })[1]).toEqual([
+      "brought in by closing loops",
+      "2e−9 J",
     ]);
   });
 });

@@ -1,7 +1,8 @@
 // The plots next to the picture: energy, momentum, and the data of any joint; each with a choice of quantities.
-import type { Column, JointQuantity, Recording, WorldQuantity } from "../recording";
+import type { Column, JointQuantity, Recording, RunEvent, WorldQuantity } from "../recording";
 import { affectedBodies } from "../viewer/before_after";
 import type { Theme } from "../viewer/colours";
+import { inboardJoints } from "../viewer/frames";
 import type { Player } from "../viewer/player";
 import { h } from "./dom";
 import { Plot, significantColumns } from "./plot";
@@ -38,7 +39,10 @@ const readable: Record<string, string> = {
 
 /** Present energy plus energy lost, minus energy added: it is constant if the balance closes. */
 export function balanceOf(columns: readonly Column[]): Column | null {
-  const terms = columns.map((column) => ({ values: column.values, sign: column.label === "work" ? -1 : 1 }));
+  const terms = columns.map((column) => ({
+    values: column.values,
+    sign: column.label === "work" ? -1 : 1,
+  }));
   if (terms.length === 0) return null;
   const values = new Float64Array(terms[0].values.length);
   for (const { values: term, sign } of terms) for (let i = 0; i < values.length; i++) values[i] += sign * term[i];
@@ -128,7 +132,7 @@ export class Plots {
     // First the joint that breaks or joins, otherwise that of any event.
     const separating = this.run.events.filter((event) => event.mechanisms.before.join() !== event.mechanisms.after.join());
     for (const event of [...separating, ...this.run.events]) {
-      const joint = affectedBodies(this.run, event).map((body) => this.jointOf(body))[0];
+      const joint = this.loopOf(event) ?? affectedBodies(this.run, event).map((body) => this.jointOf(body))[0];
       if (joint === undefined) continue;
       this.joint.value = joint;
       break;
@@ -147,6 +151,14 @@ export class Plots {
   }
 
   private jointOf(body: number): string | undefined {
-    return this.run.model.joints.find((joint) => joint.child === body && this.run.joints.includes(joint.name))?.name;
+    const name = inboardJoints(this.run.model.joints).get(body)?.name;
+    return name !== undefined && this.run.joints.includes(name) ? name : undefined;
+  }
+
+  /** The joint that closes a loop and that an event made, changed or broke. */
+  private loopOf({ changes }: RunEvent): string | undefined {
+    const loops = new Set(this.run.phases.flatMap(({ joints }) => joints.filter(({ loop }) => loop).map(({ name }) => name)));
+    const done = changes.filter(({ skipped }) => skipped === undefined).flatMap(({ joint }) => joint ?? []);
+    return done.find((name) => loops.has(name) && this.run.joints.includes(name));
   }
 }

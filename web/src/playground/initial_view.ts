@@ -4,7 +4,7 @@ import * as THREE from "three";
 import type { LiveRecording } from "../engine/live";
 import type { Vec3 } from "../recording";
 import { viewOf, type View } from "../viewer/camera";
-import { phaseAt, pointOf } from "../viewer/frames";
+import { inboardJoints, phaseAt, pointOf } from "../viewer/frames";
 
 const distance = (a: Vec3, b: Vec3) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 
@@ -12,7 +12,7 @@ export function initialView(run: LiveRecording, frame: number, reach: (body: num
   const poses = run.poses(frame);
   const { bodies } = run.model;
   const { joints } = phaseAt(run, run.time(frame));
-  const inboard = new Map(joints.map((joint) => [joint.child, joint]));
+  const inboard = inboardJoints(joints);
   const view = viewOf(run, reach);
   const along = (["x", "y", "z"] as const).filter((axis) => Math.abs(view.direction[axis]) > 0.99);
   // The box around a ball has corners outside the ball: seen obliquely, it is much wider.

@@ -1,6 +1,6 @@
 // Colours joints by load: as a fraction of the load at which they break if that is known, otherwise of the largest
 // force.
-import type { Frame } from "../engine/messages";
+import { loadSize, type Frame } from "../engine/messages";
 import type { Topology } from "../../../wasm/host.mjs";
 
 const steps = ["#3b6fd4", "#2fa37c", "#c9a21a", "#e5761c", "#d92525"];
@@ -20,21 +20,26 @@ export interface LoadColours {
 export function loadColours(frame: Frame, topology: Topology): LoadColours {
   const rows = topology.joints
     .filter(({ kind }) => kind !== "free")
-    .map((joint) => ({ joint, share: frame.loads[2 * joint.number], force: frame.loads[2 * joint.number + 1] }));
+    .map((joint) => {
+      const [share, force, determined] = frame.loads.subarray(loadSize * joint.row, loadSize * (joint.row + 1));
+      return { joint, share: share ?? NaN, force: force ?? NaN, determined: determined !== 0 };
+    });
+  const of = ({ joint, determined }: (typeof rows)[number]) =>
+    determined ? joint.name : `${joint.name} (the loops leave it open: the least of those possible)`;
   const most = Math.max(...rows.map(({ force }) => (Number.isFinite(force) ? force : 0)), 1e-12);
   const known = rows.filter(({ share }) => Number.isFinite(share));
   const colours = new Map<string, string>();
   for (const { joint, share, force } of rows) {
-    if (known.length > 0 && !Number.isFinite(share)) continue;
+    if (!Number.isFinite(known.length > 0 ? share : force)) continue;
     colours.set(joint.name, loadColour(known.length > 0 ? share : force / most));
   }
-  const worst = [...(known.length > 0 ? known : rows)].sort((a, b) =>
+  const worst = [...(known.length > 0 ? known : rows.filter(({ force }) => Number.isFinite(force)))].sort((a, b) =>
     known.length > 0 ? b.share - a.share : b.force - a.force,
   )[0];
   if (!worst) return { colours, text: "" };
   const text =
     known.length > 0
-      ? `Closest to breaking: ${worst.joint.name}, at ${(100 * worst.share).toFixed(0)} % of its strength`
-      : `Largest joint force: ${worst.force.toPrecision(3)} N, at ${worst.joint.name}`;
+      ? `Closest to breaking: ${of(worst)}, at ${(100 * worst.share).toFixed(0)} % of its strength`
+      : `Largest joint force: ${worst.force.toPrecision(3)} N, at ${of(worst)}`;
   return { colours, text };
 }

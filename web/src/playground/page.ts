@@ -24,7 +24,7 @@ const tools: readonly { tool: Tool; label: string; key: string; hint: string }[]
   { tool: "grab", label: "Grab", key: "g", hint: "Drag a body and throw it" },
   { tool: "cut", label: "Cut", key: "c", hint: "Click a joint: its outboard bodies become a separate mechanism" },
   { tool: "lock", label: "Lock", key: "l", hint: "Click a joint to lock or unlock it" },
-  { tool: "weld", label: "Weld", key: "w", hint: "Click two bodies to join them rigidly" },
+  { tool: "weld", label: "Weld", key: "w", hint: "Click two bodies to join them rigidly; two of one mechanism close a loop" },
 ];
 
 export function showPlayground(page: HTMLElement, app: App) {
@@ -169,7 +169,6 @@ export function showPlayground(page: HTMLElement, app: App) {
     poses: () => app.run!.poses(app.frame),
     phase: () => phaseAt(app.run!, app.run!.time(app.frame)),
   };
-  const jointOf = (child: number) => app.topology?.joints.find((joint) => joint.child === child);
   const actions = {
     grab: (body: number, point: readonly [number, number, number], target: readonly [number, number, number]) => {
       if (app.shownFrame !== null) app.continueFrom(app.run!.time(app.frame));
@@ -178,8 +177,8 @@ export function showPlayground(page: HTMLElement, app: App) {
     },
     pull: (target: readonly [number, number, number]) => app.send({ type: "pull", target }),
     release: () => app.send({ type: "release" }),
-    joint: (child: number) => {
-      const joint = jointOf(child);
+    joint: (name: string) => {
+      const joint = app.topology?.joints.find((each) => each.name === name);
       if (!joint || joint.kind === "free") return app.showNotice("There is no joint here");
       if (tool === "cut") app.act({ action: "cut", joint: joint.number });
       else app.act({ action: joint.locked ? "unlock" : "lock", joint: joint.number });
@@ -271,9 +270,11 @@ export function showPlayground(page: HTMLElement, app: App) {
   return {
     start,
     showProblem,
-    // For programs that use the playground: position of a joint in the page.
-    placeOf: (child: number) => {
-      const joint = scene.phase().joints.find((each) => each.child === child);
+    // For programs that use the playground: position in the page of a joint, by its name or as the inboard joint of a body.
+    placeOf: (of: number | string) => {
+      const joint = scene
+        .phase()
+        .joints.find((each) => (typeof of === "string" ? each.name === of : !each.loop && each.child === of));
       return joint && pointer ? pointer.placeOf(joint) : null;
     },
   };

@@ -19,7 +19,7 @@ export function jointControls(app: App): HTMLElement {
     if (!joint) return;
     lock.disabled = joint.locked !== 0 || joint.kind === "weld";
     unlock.disabled = joint.locked === 0;
-    state.textContent = `${joint.kind}${joint.locked ? ", locked" : ""}`;
+    state.textContent = [joint.kind, ...(joint.locked ? ["locked"] : []), ...(joint.loop ? ["closes a loop"] : [])].join(", ");
   };
   let shown: unknown = null;
   const show = () => {

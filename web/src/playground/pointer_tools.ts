@@ -1,7 +1,8 @@
 // The pointer in the picture: it grabs and throws bodies; a click with another tool selects a joint or a body.
 import * as THREE from "three";
 import type { Triple } from "../../../wasm/host.mjs";
-import { pointOf } from "../viewer/frames";
+import { inboardJoints, pointOf } from "../viewer/frames";
+import { shownJoint } from "../viewer/joints";
 import type { Joint, Phase } from "../recording";
 import type { Stage } from "../viewer/stage";
 
@@ -16,7 +17,7 @@ export interface PointerActions {
   grab(body: number, point: Triple, target: Triple): void;
   pull(target: Triple): void;
   release(): void;
-  joint(child: number): void;
+  joint(name: string): void;
   body(body: number): void;
 }
 
@@ -46,10 +47,10 @@ export class PointerTools {
     for (const end of ["pointerup", "pointercancel"] as const) canvas.addEventListener(end, (event) => this.release(event));
   }
 
-  /** The child of the joint nearest to a point of the page, or −1; joints to the ground count, free joints do not. */
-  jointAt(x: number, y: number, tolerance: number): number {
+  /** The joint nearest to a point of the page, or null; joints to the ground count, free joints do not. */
+  jointAt(x: number, y: number, tolerance: number): Joint | null {
     const box = this.stage.canvas.getBoundingClientRect();
-    let best = -1;
+    let best: Joint | null = null;
     let least = tolerance;
     for (const joint of this.scene.phase().joints) {
       if (joint.kind === "free") continue;
@@ -57,15 +58,16 @@ export class PointerTools {
       const distance = Math.hypot(at.x - x, at.y - y);
       if (distance < least) {
         least = distance;
-        best = joint.child;
+        best = joint;
       }
     }
     return best;
   }
 
   /** Position of a joint in the page. */
-  placeOf({ child, childAt }: Joint, box = this.stage.canvas.getBoundingClientRect()) {
-    const p = new THREE.Vector3(...pointOf(this.scene.poses(), child, childAt)).project(this.stage.camera);
+  placeOf(joint: Joint, box = this.stage.canvas.getBoundingClientRect()) {
+    const { at } = shownJoint(this.stage.model, joint, this.scene.poses());
+    const p = new THREE.Vector3(...at).project(this.stage.camera);
     return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height };
   }
 
@@ -82,7 +84,7 @@ export class PointerTools {
     const hit = this.stage.pick(event.clientX, event.clientY, event.pointerType === "touch" ? 22 : 12);
     if (this.tool !== "grab") {
       const joint = this.jointAt(event.clientX, event.clientY, 24);
-      if (hit || joint >= 0) {
+      if (hit || joint) {
         this.pressed = { pointer: event.pointerId, x: event.clientX, y: event.clientY };
         event.stopImmediatePropagation();
       }
@@ -143,7 +145,7 @@ export class PointerTools {
     const hit = this.stage.pick(x, y, 12);
     if (this.tool === "weld") {
       if (hit) this.actions.body(hit.body);
-    } else if (joint >= 0) this.actions.joint(joint);
-    else if (hit) this.actions.joint(hit.body);
+    } else if (joint) this.actions.joint(joint.name);
+    else if (hit) this.actions.joint(inboardJoints(this.scene.phase().joints).get(hit.body)?.name ?? "");
   }
 }

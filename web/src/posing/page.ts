@@ -25,22 +25,32 @@ export function showModel(page: HTMLElement, engine: Engine, scenario: string) {
   const joints = run.topology.joints.map((joint) => ({
     ...joint,
     units: kinds[joint.kind].q,
-    q: world.coordinates(joint.number),
+    q: world.coordinates(joint.row),
   }));
-  const moving = joints.filter(({ units }) => units.length > 0);
-  let q = joints.map((joint) => joint.q);
-  const pose = () => {
+  const tree = joints.filter(({ loop }) => !loop);
+  const moving = tree.filter(({ units }) => units.length > 0);
+  const loops = joints.length - tree.length;
+  let q = tree.map((joint) => joint.q);
+  const pose = (changed?: number) => {
     run.addFrame({ ...first, poses: posesOf(world.motionsAt(q.flat())) });
+    if (loops > 0) {
+      // Closing them moves other joints, too.
+      const all = world.posed(q.flat().length);
+      q = q.map((each) => all.splice(0, each.length));
+      q.forEach((each, j) => j !== changed && shown.get(j)?.set(each));
+    }
     picture.show(player.time);
   };
 
   const title = model.title || "A model";
   document.title = `${title} – momentree`;
   const about = [count(model.bodies.length, "body", "bodies"), count(moving.length, "joint that moves", "joints that move")];
+  if (loops > 0) about.push(count(loops, "loop, which stays closed", "loops, which stay closed"));
   page.append(h("header", {}, h("h1", {}, title), h("p", {}, about.join(" · ")), themeButton()));
   const player = new Player(() => [first.time, first.time]);
   const list = h("section", { class: "plots sliders", "aria-label": "Joints" });
   const sections = new Map<number, HTMLElement>();
+  const shown = new Map<number, ReturnType<typeof jointSliders>>();
   const picture = new Picture(run, player, (body) => sections.get(body)?.scrollIntoView({ block: "nearest" }), {
     static: true,
     alternatives: [h("code", {}, "momentree view MODEL --svg FILE"), " draws the model without a browser."],
@@ -53,16 +63,18 @@ export function showModel(page: HTMLElement, engine: Engine, scenario: string) {
     }
     list.replaceChildren(h("button", { type: "button", onclick: reset }, "Back to the start"));
     for (const joint of moving) {
-      const element = jointSliders(joint, joint.q, picture.size, (changed) => {
-        q[joints.indexOf(joint)] = changed;
-        pose();
+      const number = tree.indexOf(joint);
+      const sliders = jointSliders(joint, joint.q, picture.size, (changed) => {
+        q[number] = changed;
+        pose(number);
       });
-      sections.set(joint.child, element);
-      list.append(element);
+      shown.set(number, sliders);
+      sections.set(joint.child, sliders.element);
+      list.append(sliders.element);
     }
   };
   const reset = () => {
-    q = joints.map((joint) => joint.q);
+    q = tree.map((joint) => joint.q);
     pose();
     fill();
   };

@@ -69,8 +69,45 @@ describe("the engine", () => {
     world.run(0.5);
     const poses = (motions: ArrayLike<number>) => Array.from(motions).filter((_number, i) => i % 13 < 7);
     const now = poses(world.motions());
-    close(poses(world.motionsAt(joints.flatMap(({ number }) => world.coordinates(number)))), now);
+    close(poses(world.motionsAt(joints.flatMap(({ row }) => world.coordinates(row)))), now);
     close(now, poses(world.motions()), 15); // the world has not changed
     expect(Math.max(...now.map((x, i) => Math.abs(x - poses(start)[i])))).toBeGreaterThan(0.05);
+  });
+
+  it("keeps loops closed, and the last pose where that is impossible", () => {
+    const world = engine.world();
+    const bars = `format = 1
+[[mechanism]]
+name = "bars"
+[mechanism.chain]
+links = 3
+length = 1
+mass = 1
+inertia = 0.1
+angle = "40 deg"
+[[loop]]
+name = "pin"
+kind = "revolute"
+body = "bars/3"
+at = { xyz = [1.5, 0, 0] }
+child_at = { xyz = [1, 0, 0] }
+`;
+    expect(world.load(bars).diagnostics.filter(({ severity }) => severity === "error")).toEqual([]);
+    const { joints } = world.topology();
+    const q = joints.filter(({ loop }) => !loop).flatMap(({ row }) => world.coordinates(row));
+    expect(q).toHaveLength(3);
+    const end = (motions: Float64Array) => {
+      const [x, y, , w, , , qz] = motions.subarray(26, 33);
+      return [x + 1 - 2 * qz * qz, y + 2 * w * qz];
+    };
+    const start = Array.from(world.motionsAt(q));
+    close(end(Float64Array.from(start)), [1.5, 0], 9);
+    const turned = Float64Array.from(world.motionsAt([q[0] + 0.3, q[1], q[2]]));
+    const posed = world.posed(3);
+    expect(posed[0]).toBe(q[0] + 0.3); // the joint that was moved stays there
+    expect(posed[2]).not.toBe(q[2]);
+    close(end(turned), [1.5, 0], 9);
+    expect(Math.hypot(turned[13] - start[13], turned[14] - start[14])).toBeCloseTo(2 * Math.sin(0.15), 9);
+    expect(world.motionsAt([NaN, 0, 0]).every((x) => Number.isFinite(x))).toBe(true);
   });
 });

@@ -38,13 +38,19 @@ interface PosedJoint {
   readonly units: readonly string[];
 }
 
+interface Sliders {
+  readonly element: HTMLElement;
+  /** Shows other coordinates. */
+  set(q: ArrayLike<number>): void;
+}
+
 /** Sliders of one joint; `reach`: range of lengths (m). `changed` is called with the joint's coordinates. */
 export function jointSliders(
   { name, kind, units }: PosedJoint,
   start: ArrayLike<number>,
   reach: number,
   changed: (q: number[]) => void,
-): HTMLElement {
+): Sliders {
   const values = valuesOf(units, start);
   const rows = labelsOf(units).map(({ label, unit }, i) => {
     const output = h("output");
@@ -66,7 +72,18 @@ export function jointSliders(
       },
     });
     show();
-    return h("label", {}, h("span", {}, label), slider, output);
+    const refresh = () => {
+      slider.value = String(values[i]);
+      show();
+    };
+    return { element: h("label", {}, h("span", {}, label), slider, output), refresh };
   });
-  return h("fieldset", {}, h("legend", {}, name, " ", h("span", { class: "kind" }, kind)), ...rows);
+  const title = h("legend", {}, name, " ", h("span", { class: "kind" }, kind));
+  return {
+    element: h("fieldset", {}, title, ...rows.map(({ element }) => element)),
+    set: (q) => {
+      values.splice(0, values.length, ...valuesOf(units, q));
+      for (const { refresh } of rows) refresh();
+    },
+  };
 }

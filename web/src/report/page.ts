@@ -11,7 +11,7 @@ import { tabs } from "../panels/tabs";
 import { themeButton } from "../panels/theme_button";
 import { Timeline } from "../panels/timeline";
 import { onThemeChange } from "../viewer/colours";
-import { endTime, startTime } from "../viewer/frames";
+import { endTime, inboardJoints, startTime } from "../viewer/frames";
 import { Player } from "../viewer/player";
 
 function subtitle(run: Recording, notes: readonly string[]): string {
@@ -43,8 +43,8 @@ export function showRun(page: HTMLElement, run: Recording, notes: readonly strin
   );
 
   const plots = new Plots(run, player);
-  const jointOf = new Map(run.model.joints.map((joint) => [joint.child, joint.name]));
-  const picture = new Picture(run, player, (body) => plots.chooseJoint(jointOf.get(body) ?? ""), {
+  const jointOf = inboardJoints(run.model.joints);
+  const picture = new Picture(run, player, (body) => plots.chooseJoint(jointOf.get(body)?.name ?? ""), {
     alternatives: [
       "Plots, events and tables work without it. ",
       h("code", {}, "momentree view DIR --svg FILE"),

@@ -76,6 +76,33 @@ describe("the data of a report as a recording", () => {
     expect(run.time(1)).toBe(1);
   });
 
+  it("a joint that closes a loop is in addition to the inboard joints, until it takes the place of one", () => {
+    const clasp = joint("ball", "m/a", "m/b");
+    const closed = recordingOf({
+      ...data,
+      events: [
+        event(0.5, { gone: [], joints: { clasp: { ...clasp, loop: true } }, moved: {} }),
+        event(1, { gone: ["m/elbow"], joints: { clasp }, moved: {} }),
+      ],
+    });
+    expect(closed.phases.map(({ joints }) => joints.map(({ name, loop, wasLoop }) => [name, loop, wasLoop]))).toEqual([
+      [
+        ["m/a", undefined, undefined],
+        ["m/elbow", undefined, undefined],
+      ],
+      [
+        ["m/a", undefined, undefined],
+        ["m/elbow", undefined, undefined],
+        ["clasp", true, undefined],
+      ],
+      [
+        ["m/a", undefined, undefined],
+        ["clasp", undefined, true],
+      ],
+    ]);
+    expect(closed.mechanisms).toEqual(["m"]); // one colour
+  });
+
   it("events remove, make and lock joints, and separate mechanisms", () => {
     expect(run.phases.map(({ from, joints }) => [from, ...joints.map(({ name }) => name)])).toEqual([
       [0, "m/a", "m/elbow"],

@@ -41,9 +41,10 @@ function surroundings(run: Motion, event: RunEvent, frames: readonly ArrayLike<n
   const affected = affectedBodies(run, event);
   for (const body of affected.length > 0 ? affected : run.model.bodies.map((_body, b) => b))
     for (const poses of frames) {
-      const joint = joints.find((each) => each.child === body);
-      const ends = [pointOf(poses, body, joint?.childAt ?? [0, 0, 0])];
-      if (joint && joint.parent >= 0) ends.push(pointOf(poses, joint.parent, joint.at)); // the other side of the break
+      const own = joints.filter((each) => each.child === body);
+      const ends = own.length > 0 ? own.map(({ childAt }) => pointOf(poses, body, childAt)) : [pointOf(poses, body, [0, 0, 0])];
+      // The other side of the break.
+      for (const { parent, at } of own) if (parent >= 0) ends.push(pointOf(poses, parent, at));
       for (const end of ends) {
         const at = new THREE.Vector3(...end);
         box.expandByPoint(at.clone().addScalar(wide)).expandByPoint(at.addScalar(-wide));

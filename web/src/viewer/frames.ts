@@ -1,5 +1,5 @@
 // Poses of a recording at any time: frames are found by bisection, poses between two frames are interpolated.
-import type { Phase, Motion } from "../recording";
+import type { Joint, Phase, Motion } from "../recording";
 
 /** The last index of `count` ordered numbers that does not exceed `time`; 0 if all exceed it. */
 export function lastNotAfter(count: number, at: (index: number) => number, time: number): number {
@@ -17,6 +17,10 @@ export const frameAt = (run: Motion, time: number) => lastNotAfter(run.frames, (
 
 export const phaseAt = (run: Motion, time: number): Phase =>
   run.phases[lastNotAfter(run.phases.length, (index) => run.phases[index].from, time)];
+
+/** By body, its inboard joint: joints that close loops are in addition to those. */
+export const inboardJoints = <J extends Pick<Joint, "child" | "loop">>(joints: readonly J[]): Map<number, J> =>
+  new Map(joints.filter(({ loop }) => !loop).map((joint) => [joint.child, joint]));
 
 export const startTime = (run: Motion) => (run.frames > 0 ? run.time(0) : 0);
 export const endTime = (run: Motion) => (run.frames > 0 ? run.time(run.frames - 1) : 0);

@@ -32,6 +32,26 @@ function colours(view: MechanismsView) {
   return { shown, outlines };
 }
 
+describe("joints", () => {
+  const bar = { ...body("bar"), extent: [[[0, 0, 0] as const, [1, 0, 0] as const] as const] };
+  const bars: Model = { title: "", gravity: [0, 0, 0], bodies: [bar, bar], joints: [] };
+  const weld = { name: "#1", kind: "weld", parent: 0, child: 1, at: [5, 0, 0], childAt: [0, 0, 0], loop: true } as const;
+  /** Numbers of drawn rods and balls. */
+  const drawn = (joints: Phase["joints"]) => {
+    const view = new MechanismsView(bars, new ShapeLibrary(bars), { faded: 0, pixels: 4, joints: true });
+    view.place(poses, { from: 0, mechanism: [0, 0], joints }, theme);
+    view.fit(new THREE.PerspectiveCamera(), 100);
+    const counts: number[] = [];
+    view.group.traverse((object) => object instanceof THREE.InstancedMesh && counts.push(object.count));
+    return counts;
+  };
+
+  it("that close a loop appear when they are made, and vanish when they are broken", () => {
+    expect(drawn([])).toEqual([2, 0]);
+    expect(drawn([weld])).toEqual([4, 1]);
+  });
+});
+
 describe("the bodies' colours", () => {
   const view = () => new MechanismsView(model, new ShapeLibrary(model), { faded: 0, pixels: 4, joints: true });
   const [one, other] = [mechanismColour(theme, 0), mechanismColour(theme, 1)];

@@ -4,6 +4,7 @@ import * as THREE from "three";
 import type { Model, Phase, Vec3 } from "../recording";
 import { mechanismColour, mixed, type Theme } from "./colours";
 import { pointOf } from "./frames";
+import { shownJoint } from "./joints";
 import { outlineMaterial, type Resolution } from "./outline";
 import { pixelSize, Rods } from "./rods";
 import { SpringLines } from "./springs";
@@ -158,10 +159,14 @@ export class MechanismsView {
     for (const joint of phase.joints) {
       if (joint.kind === "free") continue;
       const own = this.style.joints ? this.jointColours.get(joint.name) : undefined;
-      const at = vector(pointOf(poses, joint.child, joint.childAt));
+      const shown = shownJoint(this.model, joint, poses);
+      const at = vector(shown.at);
       const body = colourOf(phase.mechanism[joint.child]);
+      const ofBody = (b: number) => (b === this.highlighted ? new THREE.Color(theme.ink) : body);
+      for (const { body: b, from, to } of shown.lines) this.line(b, vector(from), vector(to), ofBody(b));
+      const isMark = joint.kind !== "weld" || shown.lines.length > 0;
       if (own) this.rods.ball(at, new THREE.Color(own), 2.2, null, 0.25 * this.length);
-      else if (this.style.joints && joint.kind !== "weld") this.rods.ball(at, ink, joint.locked ? 1.1 : 1.35, body);
+      else if (this.style.joints && isMark) this.rods.ball(at, ink, joint.locked || joint.kind === "weld" ? 1.1 : 1.35, body);
       else if (this.lines[joint.child].length > 0) this.rods.ball(at, body, 1); // fills the bend
     }
     this.springs.place(poses, phase, theme);

@@ -43,7 +43,7 @@ export class Stage {
   /** Throws if the browser has no WebGL: see hasWebGL(). */
   constructor(
     private readonly host: HTMLElement,
-    model: Model,
+    readonly model: Model,
   ) {
     this.renderer = new THREE.WebGLRenderer({ antialias: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));

@@ -5,18 +5,22 @@ import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { Color } from "three";
 import type { Model, Motion, Vec3 } from "../recording";
 import { mechanismColour, mixed, type Theme } from "./colours";
-import { frameAt, phaseAt, pointOf } from "./frames";
+import { frameAt, inboardJoints, phaseAt, pointOf } from "./frames";
 import type { Stage } from "./stage";
 
-/** The point of a body that is farthest from its joint. */
+/** The point of a body that is farthest from its joint; of one that is held there by the ground, the joint. */
 export function endOf(model: Model, body: number): Vec3 {
   const { extent, com } = model.bodies[body];
-  return extent.length > 0 ? extent[extent.length - 1][1] : com;
+  const [from, to] = extent[extent.length - 1] ?? [com, com];
+  const held = model.joints.some(
+    ({ loop, parent, child, childAt }) => loop && parent < 0 && child === body && childAt.every((x, i) => x === to[i]),
+  );
+  return held ? from : to;
 }
 
 /** Leaf bodies; the ones farthest from the root first, at most `most`. */
 export function leafBodies(model: Model, most = 6): number[] {
-  const parents = new Map(model.joints.map((joint) => [joint.child, joint.parent]));
+  const parents = new Map([...inboardJoints(model.joints)].map(([body, joint]) => [body, joint.parent]));
   const isParent = new Set(parents.values());
   const depth = (body: number): number => {
     let depth = 0;
