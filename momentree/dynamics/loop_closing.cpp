@@ -13,9 +13,9 @@ namespace {
 
 using detail::LoopCorrection;
 
-constexpr double closed = 1e-14;       // |φ| relative to the size of the loop, and as a sine of angles
-constexpr double nearly = 1e-7;        // where redundant rows contradict each other: axes of CAD files have such errors
-constexpr double at_assembly = 1e-6;   // pivots while coordinates are far off
+constexpr double closed = 1e-14;      // |φ| relative to the size of the loop, and as a sine of angles
+constexpr double nearly = 1e-7;       // where redundant rows contradict each other: axes of CAD files have such errors
+constexpr double at_assembly = 1e-6;  // pivots while coordinates are far off
 constexpr int most_corrections = 8, most_assembly_steps = 200;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -154,7 +154,8 @@ bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& w
   return close_loops(tree, q, u, workspace, energy);
 }
 
-void loop_residuals(const Tree& tree, const double* q, const double* u, Workspace<double>& workspace, double* residuals) noexcept {
+void loop_residuals(const Tree& tree, const double* q, const double* u, Workspace<double>& workspace,
+                    double* residuals) noexcept {
   detail::loop_memory(tree, workspace);
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);

@@ -177,6 +177,16 @@ void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int 
   std::copy_n(right, nv, u);
 }
 
+// The nearest coordinates give the pose of the joint, unless directions are reversed.
+bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
+  const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
+  const Pose pose = joint_pose(workspace.loops->places[at(place)], tree.loop_links()[at(place)]);
+  double q[7] = {};
+  nearest_coordinates(spec, pose, workspace.loops->turns[at(place)], q);
+  const Mat3 R = transpose(rotation_matrix(joint_motion(spec, q).rotation)) * rotation_matrix(pose.rotation);
+  return R.xx + R.yy + R.zz < 2.9;
+}
+
 namespace {
 
 // Energy of a loop joint's spring (J) and its force along the DoFs; zero without one.

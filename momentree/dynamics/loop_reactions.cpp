@@ -56,16 +56,6 @@ double loop_velocities_open(const Tree& tree, const Workspace<double>& workspace
   return worst;
 }
 
-// The nearest coordinates give the pose of the joint, unless directions are reversed.
-bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
-  const LoopPlace& p = workspace.loops->places[at(place)];
-  const JointSpec spec = tree.loop_links()[at(place)].spec;
-  double q[7] = {};
-  nearest_coordinates(spec, {p.r, quaternion_of(p.R)}, workspace.loops->turns[at(place)], q);
-  const Mat3 R = transpose(rotation_matrix(joint_motion(spec, q).rotation)) * p.R;
-  return R.xx + R.yy + R.zz < 2.9;
-}
-
 namespace {
 
 constexpr double undetermined_above = 1e-7;  // of the wrench that a unit null vector causes in a joint
@@ -110,9 +100,9 @@ void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* 
 
 }  // namespace
 
-// Rows that were not chosen are combinations of the chosen ones: each gives a vector of multipliers that moves nothing, but shifts
-// reactions from joint to joint. Of all possible reactions the least ones are reported, in the norm Σ |force|² + |torque / size|²
-// over all joints, which depends neither on the tree nor on the chosen rows.
+// Rows that were not chosen are combinations of the chosen ones: each gives a vector of multipliers that moves nothing, but
+// shifts reactions from joint to joint. Of all possible reactions the least ones are reported, in the norm Σ |force|² + |torque /
+// size|² over all joints, which depends neither on the tree nor on the chosen rows.
 void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
   LoopWorkspace& loops = *workspace.loops;
   loops.open_bodies.assign(at(tree.bodies()), 0);

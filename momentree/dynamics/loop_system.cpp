@@ -50,7 +50,8 @@ void each_body_inward(std::span<const LoopStop> stops, const F& f) {
 
 namespace detail {
 
-void gather_loops(const Tree& tree, const double* q, Workspace<double>& workspace, const Motion<double>& base, bool all) noexcept {
+void gather_loops(const Tree& tree, const double* q, Workspace<double>& workspace, const Motion<double>& base,
+                  bool all) noexcept {
   LoopWorkspace& loops = *workspace.loops;
   const auto stops = tree.loop_stops();
   const auto links = tree.loop_links();
@@ -151,8 +152,7 @@ void choose_rows(LoopWorkspace& loops, double tolerance) noexcept {
   std::vector<int>& order = loops.order;
   for (std::size_t i = 0; i < m; ++i) order[i] = static_cast<int>(i);
   for (std::size_t i = 0; i < m; ++i)
-    for (std::size_t j = 0; j <= i; ++j)
-      F[i * m + j] = loops.A[i * m + j] / std::sqrt(loops.rows[i].scale * loops.rows[j].scale);
+    for (std::size_t j = 0; j <= i; ++j) F[i * m + j] = loops.A[i * m + j] / std::sqrt(loops.rows[i].scale * loops.rows[j].scale);
   const auto element = [&](std::size_t i, std::size_t j) -> double& {  // of the remaining matrix, by original numbers
     const auto a = at(order[i]), b = at(order[j]);
     return a >= b ? F[a * m + b] : F[b * m + a];

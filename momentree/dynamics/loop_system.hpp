@@ -9,8 +9,8 @@ namespace momentree {
 /// A force F and torque T at the point x, world axes, as a wrench on a body in its kernel frame.
 Force<double> on_body(const Kinematics<double>& body, const Vec3& F, const Vec3& T, const Vec3& x) noexcept;
 
-/// The wrench of springs, dampers, friction, efforts and drives of a loop joint on its child, in the joint's child-side frame, and
-/// their effort along the DoFs; adds their power. At the places and velocities of the workspace.
+/// The wrench of springs, dampers, friction, efforts and drives of a loop joint on its child, in the joint's child-side frame,
+/// and their effort along the DoFs; adds their power. At the places and velocities of the workspace.
 Force<double> loop_joint_wrench(const Tree& tree, double t, const Workspace<double>& workspace, int place, double* effort,
                                 Power* power = nullptr) noexcept;
 
@@ -21,14 +21,15 @@ namespace momentree::detail {
 /// Lays out the memory for the tree's present topology; forgets the chosen rows if that changed.
 LoopWorkspace& loop_memory(const Tree& tree, Workspace<double>& workspace);
 
-/// Poses of the bodies at the stops in workspace.bodies and, if `moving`, velocities from workspace.motions; then places and rows.
+/// Poses of the bodies at the stops in workspace.bodies and, if `moving`, velocities from workspace.motions; then places and
+/// rows.
 void place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept;
 
 /// Gathers A and b of the chosen rows from the records. With `all` of all rows.
 void gather_loops(const Tree& tree, const double* q, Workspace<double>& workspace, const Motion<double>& base, bool all) noexcept;
 
-/// Chooses independent rows from A of all rows, by a pivoted factorisation that stops at pivots below `tolerance` (relative to the
-/// rows' scales).
+/// Chooses independent rows from A of all rows, by a pivoted factorisation that stops at pivots below `tolerance` (relative to
+/// the rows' scales).
 void choose_rows(LoopWorkspace& loops, double tolerance) noexcept;
 /// Cholesky factor of the chosen rows of A; solves A λ = right for them, in lambda.
 void factorise_loops(LoopWorkspace& loops) noexcept;
@@ -52,8 +53,8 @@ void solve_chosen(LoopWorkspace& loops, Right right) noexcept {
 /// Adds the multipliers' part to u0 and to the reduced bias wrenches of the bodies at the stops.
 void apply_multipliers(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept;
 
-/// H⁻¹ Jᵀ λ to workspace.a, for A λ = right(row); rows are chosen with that tolerance if it is positive. Evaluates (q, u), so that
-/// places, rows and records are of these.
+/// H⁻¹ Jᵀ λ to workspace.a, for A λ = right(row); rows are chosen with that tolerance if it is positive. Evaluates (q, u), so
+/// that places, rows and records are of these.
 struct LoopCorrection {
   const Tree& tree;
   Workspace<double>& workspace;

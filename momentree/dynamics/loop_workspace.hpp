@@ -8,13 +8,13 @@ namespace momentree {
 
 /// A loop at present: its frames in the world and the motion of the child side.
 struct LoopPlace {
-  Mat3 Ra;         ///< axes of the parent-side frame in the world
-  Vec3 xa, xb;     ///< origins of the two frames
-  Mat3 R;          ///< pose of the child-side frame in the parent-side frame
+  Mat3 Ra;      ///< axes of the parent-side frame in the world
+  Vec3 xa, xb;  ///< origins of the two frames
+  Mat3 R;       ///< pose of the child-side frame in the parent-side frame
   Vec3 r;
-  Vec3 va, wa;     ///< velocity of the point at xa and angular velocity of the parent, world axes
-  Vec3 vb, wb;     ///< the same of xb and the child
-  double size = 0; ///< for tolerances: distance of the loop's bodies from the world's origin, and their extent (m)
+  Vec3 va, wa;      ///< velocity of the point at xa and angular velocity of the parent, world axes
+  Vec3 vb, wb;      ///< the same of xb and the child
+  double size = 0;  ///< for tolerances: distance of the loop's bodies from the world's origin, and their extent (m)
 };
 
 /// One row in the world: φ̇ = F·(v of x_b less that of the parent there) + T·(relative angular velocity).
@@ -33,7 +33,7 @@ struct LoopColumn {
 };
 
 struct LoopWorkspace {
-  std::uint64_t topology = 0;  ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
+  std::uint64_t topology = 0;       ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
   std::vector<LoopPlace> places;    ///< by loop
   std::vector<double> turns;        ///< by loop: the angle to which its own is nearest
   std::vector<LoopRow> rows;        ///< by row
@@ -44,8 +44,8 @@ struct LoopWorkspace {
   std::vector<double> b, lambda;    ///< by row
   std::vector<int> order;           ///< scratch of the pivoted factorisation
   int rank = 0;
-  bool impulsive = false;  ///< the multipliers are impulses
-  bool least = false;      ///< the multipliers are those of the least reactions
+  bool impulsive = false;                              ///< the multipliers are impulses
+  bool least = false;                                  ///< the multipliers are those of the least reactions
   std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by loop: 1 if the loops leave the joint's reaction open
 };
 

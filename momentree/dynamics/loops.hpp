@@ -1,12 +1,13 @@
 #pragma once
-// Closed loops. Between two states a loop is a set of equations φ(q) = 0 and J u = 0 beside the recursions of the tree: the inward
-// pass carries the unit wrenches K of the loops' rows to the ground and gathers
+// Closed loops. Between two states a loop is a set of equations φ(q) = 0 and J u = 0 beside the recursions of the tree: the
+// inward pass carries the unit wrenches K of the loops' rows to the ground and gathers
 //
 //   k = Eᵀ K,   A += kᵀ Mj⁻¹ k,   b += kᵀ u0 + (K − G k)ᵀ a,   K_parent += Xᵀ (K − G k),
 //
-// where u0 = Mj⁻¹ (τ − Eᵀ W) and a is the bias of the acceleration: A = J M⁻¹ Jᵀ, and b = J u̇ without loops. After the small system
-// A λ = −(b + J̇ u) is solved, Mj⁻¹ k λ is added to u0, and the outward pass of the tree gives u̇ with loops. The same passes with
-// momenta in the place of forces give the velocities after an impact, and with zeros the corrections of coordinates and velocities.
+// where u0 = Mj⁻¹ (τ − Eᵀ W) and a is the bias of the acceleration: A = J M⁻¹ Jᵀ, and b = J u̇ without loops. After the small
+// system A λ = −(b + J̇ u) is solved, Mj⁻¹ k λ is added to u0, and the outward pass of the tree gives u̇ with loops. The same
+// passes with momenta in the place of forces give the velocities after an impact, and with zeros the corrections of coordinates
+// and velocities.
 //
 // Redundant rows are the rule: a planar four-bar of revolute joints has 5 rows of rank 2. Rows are chosen by a pivoted
 // factorisation at states, where the loops are closed, and kept for the stages of the step that follows: off the closed
@@ -32,13 +33,13 @@ void add_loop_forces(const Tree& tree, double t, Workspace<double>& workspace) n
 /// Sets the angles to which those of loop joints are nearest to the state's.
 void load_turns(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
-/// Between the inward and the outward pass of solve_accelerations, with Keep: solves for the loops' multipliers. `velocities`: the
-/// passes compute velocities from momenta instead of accelerations from forces.
+/// Between the inward and the outward pass of solve_accelerations, with Keep: solves for the loops' multipliers. `velocities`:
+/// the passes compute velocities from momenta instead of accelerations from forces.
 void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace, const Motion<double>& base, LoopRows rows,
                  bool velocities = false) noexcept;
 
-/// The velocities that generalised impulses cause if the loops stay closed, in place: `u` holds the impulses, packed as p. Requires
-/// an evaluated state at q.
+/// The velocities that generalised impulses cause if the loops stay closed, in place: `u` holds the impulses, packed as p.
+/// Requires an evaluated state at q.
 void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& workspace, double* u) noexcept;
 
 /// The impulse through a loop joint on its declared child (N s, N m s) in the last change: about the origin `at` of the joint's
@@ -61,7 +62,8 @@ LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& 
 
 /// Closes the loops at the start, from coordinates that may be far off: like close_loops, by damped steps. Writes the residual of
 /// each loop; returns false if one cannot be closed.
-[[nodiscard]] bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace, double* residuals) noexcept;
+[[nodiscard]] bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace,
+                                  double* residuals) noexcept;
 /// The residual of each loop at coordinates q and velocities u.
 void loop_residuals(const Tree& tree, const double* q, const double* u, Workspace<double>& workspace, double* residuals) noexcept;
 
@@ -87,8 +89,8 @@ bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int plac
 
 /// Where the loops leave reactions open, chooses the least ones; part of `accelerate`. Allocates if there are redundant rows.
 void find_least_reactions(const Tree& tree, Workspace<double>& workspace);
-/// False if the loops leave the reaction of a joint open: of a loop, by its place, or of the inboard joint of a body. Other reactions
-/// then cause the same motion. Requires `accelerate`.
+/// False if the loops leave the reaction of a joint open: of a loop, by its place, or of the inboard joint of a body. Other
+/// reactions then cause the same motion. Requires `accelerate`.
 bool loop_determined(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 bool joint_determined(const Tree& tree, const Workspace<double>& workspace, int body) noexcept;
 

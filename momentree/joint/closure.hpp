@@ -13,8 +13,8 @@ struct Closure {
     Vec3 a{}, b{};
     double c = 0;
   };
-  /// φ = n · r − h θ: a screw of h metres per radian about the unit vector n; θ is measured from e1 to R e1 and continues over full
-  /// turns. e1, e2, n are orthonormal.
+  /// φ = n · r − h θ: a screw of h metres per radian about the unit vector n; θ is measured from e1 to R e1 and continues over
+  /// full turns. e1, e2, n are orthonormal.
   struct Screw {
     Vec3 n{}, e1{}, e2{};
     double h = 0;

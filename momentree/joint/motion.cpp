@@ -62,6 +62,28 @@ Closure closure_of(const JointSpec& joint) noexcept {
   return rows;
 }
 
+std::optional<LockedForm> locked_form(const JointSpec& joint, unsigned locked, const Values& held) noexcept {
+  LockedForm form;
+  const auto all = (1u << info(joint.kind).nv) - 1;
+  if (locked == 0) {
+    form.rows = closure_of(joint);
+  } else if (locked == all) {
+    form.parent = joint_motion(joint, held.begin());
+    form.rows.add_point(), form.rows.add_rotation();
+  } else {
+    const bool has = dispatch(joint.kind, [&](auto tag) {
+      using K = typename decltype(tag)::type::Kernels;
+      if constexpr (requires { K::lock_part(joint, locked, held.begin(), form); }) {
+        K::lock_part(joint, locked, held.begin(), form);
+        return true;
+      }
+      return false;
+    });
+    if (!has) return std::nullopt;
+  }
+  return form;
+}
+
 int joint_columns(const JointSpec& joint, const double* q, Motion<double>* columns) noexcept {
   return with_kernels(joint, q, [columns](auto tag, const Mat3& C, const LinkConstants& link, const JointState<double>& state) {
     int count = 0;

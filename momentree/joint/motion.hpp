@@ -26,6 +26,15 @@ void nearest_coordinates(const JointSpec& joint, const Pose& motion, double hint
 /// The equations that hold the joint closed if it is not part of the tree.
 Closure closure_of(const JointSpec& joint) noexcept;
 
+/// The same for a joint with locked DoFs (a bit each), held at coordinates `held` (nq numbers): the rows, and by how much the
+/// frames that they concern are displaced from the joint's own. Empty if the kind has no such rows: it then can only be locked as
+/// a whole.
+struct LockedForm {
+  Closure rows{};
+  Pose parent{}, child{};
+};
+std::optional<LockedForm> locked_form(const JointSpec& joint, unsigned locked, const Values& held) noexcept;
+
 /// joint_dofs without allocation: writes at most 6 columns and returns their number.
 int joint_columns(const JointSpec& joint, const double* q, Motion<double>* columns) noexcept;
 

@@ -133,7 +133,7 @@ void check_condition(const World& world, const EventQueue& queue, const Conditio
   if (std::optional<Error> error = unknown_name(world, queue, what.joints(), what.bodies(), what.takes_springs()))
     throw_error(std::move(*error));
   check_quantity(world, queue, what);
-  if (what.is_load() && what.key() != "reaction_impulse" && !condition.least_norm && world.tree().has_loops())
+  if (what.is_reaction() && !condition.least_norm && world.tree().has_loops())
     for (const std::string& name : what.joints()) {
       const int number = world.find_joint(name);
       if (number >= 0 && !world.joint_forces({number}).determined)

@@ -8,9 +8,9 @@
 
 namespace momentree {
 
-/// Closes the loops by the least change of the coordinates, then projects the velocities, both in the metric of the mass matrix. The
-/// state, in velocities, is left unchanged if nothing is open. Returns the mistake if a loop cannot be closed: `where` is "loop
-/// 'name'".
+/// Closes the loops by the least change of the coordinates, then projects the velocities, both in the metric of the mass matrix.
+/// The state, in velocities, is left unchanged if nothing is open. Returns the mistake if a loop cannot be closed: `where` is
+/// "loop 'name'".
 [[nodiscard]] std::optional<Error> assemble(const Tree& tree, const Model& model, const Names& names, State& state);
 
 /// The mistake that keeps a model's loops from being closed at the start.

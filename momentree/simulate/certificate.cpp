@@ -62,7 +62,8 @@ void TopologyEditor::book_impulses(const Impulse* applied) {
     const auto in_frame = [&](int b) {
       const Pose pose = pose_of(b);
       const Mat3 R = rotation_matrix(pose.rotation);
-      return Force<double>{transpose_times(R, given.force), transpose_times(R, given.torque + cross(given.at - pose.position, given.force))};
+      return Force<double>{transpose_times(R, given.force),
+                           transpose_times(R, given.torque + cross(given.at - pose.position, given.force))};
     };
     for (int a = loop.body; a >= 0; a = tree().parent(a)) {
       const Force<double> W = in_frame(a);

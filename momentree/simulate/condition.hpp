@@ -53,6 +53,8 @@ class Quantity {
   /// True for loads on joints: among several that are exceeded at one instant, the one with the largest ratio to its threshold
   /// comes first.
   virtual bool is_load() const { return false; }
+  /// True for reactions, which closed loops may leave open.
+  virtual bool is_reaction() const { return false; }
   /// True for quantities that exist only at instants of change (impulses); they are not located within steps.
   virtual bool is_impulsive() const { return false; }
   /// Empty if its joint, body or mechanism no longer exists. `now`: the events of this instant so far.
@@ -106,7 +108,8 @@ class Condition {
   double threshold;
   bool above;
   bool repeats = false, exact = true;
-  /// For a reaction that closed loops leave open: the least of all possible ones is meant. Otherwise such a condition is an error.
+  /// For a reaction that closed loops leave open: the least of all possible ones is meant. Otherwise such a condition is an
+  /// error.
   bool least_norm = false;
   double hysteresis = -1, duration = 0;
 

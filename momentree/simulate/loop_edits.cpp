@@ -33,9 +33,9 @@ ActionResult TopologyEditor::can_lock(int joint, unsigned dofs) const {
   Joint locked = loop_of(joint).joint;
   locked.locked |= dofs;
   if (locked_form(locked, coordinates(joint))) return ActionResult::done();
-  return ActionResult::refused("only some degrees of freedom of a " + std::string(info(locked.kind).name) +
-                                   " joint that closes a loop can't be locked",
-                               "lock the whole joint, or let another joint of the loop be the one that closes it");
+  return ActionResult::refused(
+      "only some degrees of freedom of a " + std::string(info(locked.kind).name) + " joint that closes a loop can't be locked",
+      "lock the whole joint, or let another joint of the loop be the one that closes it");
 }
 
 double TopologyEditor::turn_of(int joint) const {

@@ -43,9 +43,7 @@ void Names::add(std::string joint, std::string mechanism) {
   mechanisms_.push_back(std::move(mechanism));
 }
 
-void Names::remove_joint(int number) {
-  name_joint(number, {});
-}
+void Names::remove_joint(int number) { name_joint(number, {}); }
 
 void Names::add_loop(int number, std::string name) {
   if (number >= loops_end()) loops_.resize(at(number - first_loop) + 1);

@@ -20,7 +20,9 @@ class Names {
   Names() = default;
   explicit Names(const Model& model);
 
-  const std::string& joint(int number) const { return number >= first_loop ? loops_[known_loop(number)] : joints_[known(number)]; }
+  const std::string& joint(int number) const {
+    return number >= first_loop ? loops_[known_loop(number)] : joints_[known(number)];
+  }
   /// Number of the joint that has that name now; −1 if there is none.
   int find_joint(std::string_view name) const;
   /// The same for repeated look-ups: `number`, −1 at first, caches the result, which is used for as long as that joint has that

@@ -49,9 +49,7 @@ class TopologyEditor {
   const std::string& joint_name(int number) const { return world_.names_.joint(number); }
   std::string body_name(int body) const;
   std::string mechanism_of(int body) const;
-  const Joint& declared(int joint) const {
-    return is_loop({joint}) ? loop_of(joint).joint : tree().joint(tree().carrier(joint));
-  }
+  const Joint& declared(int joint) const { return is_loop({joint}) ? loop_of(joint).joint : tree().joint(tree().carrier(joint)); }
   /// The loop joint of that number, which must exist.
   const Loop& loop_of(int joint) const;
   /// Whether a joint, which may close a loop, supports these parameters and locks; otherwise the result of the action.
@@ -127,12 +125,12 @@ class TopologyEditor {
   bool dry_run_;
   Event* event_ = nullptr;
   std::string made_name_;
-  std::vector<Force<double>> before_;                            // Pb by body, user frames
-  std::map<const Event*, std::vector<Force<double>>> impulses_;  // by joint number, declared child's frame
+  std::vector<Force<double>> before_;                                           // Pb by body, user frames
+  std::map<const Event*, std::vector<Force<double>>> impulses_;                 // by joint number, declared child's frame
   std::map<const Event*, std::map<std::string, Force<double>>> loop_impulses_;  // by the name of the loop joint
-  std::vector<LoopImpulse> loop_impulses_now_;                   // of the last change, by loop
-  std::map<const Event*, std::set<int>> touched_;                // numbers of joints that the event makes or changes
-  std::map<int, std::string> names_at_start_;                    // of these joints, before the first of all events
+  std::vector<LoopImpulse> loop_impulses_now_;                                  // of the last change, by loop
+  std::map<const Event*, std::set<int>> touched_;  // numbers of joints that the event makes or changes
+  std::map<int, std::string> names_at_start_;      // of these joints, before the first of all events
 };
 
 }  // namespace momentree

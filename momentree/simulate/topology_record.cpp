@@ -7,8 +7,16 @@ namespace momentree {
 JointRecord joint_record(const World& world, JointId joint) {
   const JointView view = world.joint(joint);
   const auto name = [&world](BodyId body) { return body == ground ? "ground" : world.model()[body].name; };
-  return {std::string(view.name), view.kind, name(view.parent), name(view.child), view.at,
-          view.child_at,          view.axis, view.axis2,        view.pitch,       view.locked & ~view.resting,
+  return {std::string(view.name),
+          view.kind,
+          name(view.parent),
+          name(view.child),
+          view.at,
+          view.child_at,
+          view.axis,
+          view.axis2,
+          view.pitch,
+          view.locked & ~view.resting,
           view.loop};
 }
 

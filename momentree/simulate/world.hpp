@@ -131,8 +131,8 @@ class World {
 
   /// These functions evaluate the state first if that has not been done.
   const CheckedVector<BodyMotion>& motions() const;  ///< by body number
-  /// The joint with that number: initially the joint of the body with the same number, or a loop joint. It is the same joint for as
-  /// long as it exists, whichever body it carries. Every world has one joint for each of its bodies, and its loop joints.
+  /// The joint with that number: initially the joint of the body with the same number, or a loop joint. It is the same joint for
+  /// as long as it exists, whichever body it carries. Every world has one joint for each of its bodies, and its loop joints.
   JointView joint(JointId joint) const;
   /// These cost another half of an evaluation, once for each state for which they are called. By body number: time derivatives of
   /// `linear` and `angular` of the body's motion; zeros for a removed body.
@@ -236,8 +236,8 @@ class World {
   Model model_;
   Variables variables_ = Variables::momenta;
   bool loops_allowed_ = true;  // a run in momenta, as asked for or because its method requires it, has no loops
-  int first_bodies_ = 0;    // number of bodies that the world was made with
-  Names declared_, names_;  // as in the model, and now
+  int first_bodies_ = 0;       // number of bodies that the world was made with
+  Names declared_, names_;     // as in the model, and now
   std::vector<ActiveLimit> active_limits_;
   Tree tree_;
   State state_;

@@ -6,8 +6,8 @@
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
-#include <momentree/simulate/assembly.hpp>
 #include <momentree/simulate/arguments.hpp>
+#include <momentree/simulate/assembly.hpp>
 #include <momentree/simulate/world.hpp>
 #include <momentree/tree/packed.hpp>
 

@@ -92,8 +92,9 @@ struct SetParameters {
   JointParameters parameters;
 };
 
-/// Adds a loop joint between two bodies, or a body and the ground, whose frames are closed in the present pose: a plastic impact in
-/// the directions that it blocks. `turn`: its present angle, if it has one. A state in momenta continues in velocities. May allocate.
+/// Adds a loop joint between two bodies, or a body and the ground, whose frames are closed in the present pose: a plastic impact
+/// in the directions that it blocks. `turn`: its present angle, if it has one. A state in momenta continues in velocities. May
+/// allocate.
 struct MakeLoop {
   Loop loop;
   double turn = 0;

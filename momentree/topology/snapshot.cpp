@@ -7,12 +7,8 @@ namespace momentree {
 
 Snapshot take_snapshot(const Tree& tree, const State& state) {
   MT_REQUIRE(state.topology() == tree.revision(), foreign_state);
-  return {tree.topology(),
-          state.time(),
-          {state.q().begin(), state.q().end()},
-          {state.y().begin(), state.y().end()},
-          state.turns(),
-          state.variables()};
+  return {tree.topology(), state.time(),     {state.q().begin(), state.q().end()}, {state.y().begin(), state.y().end()},
+          state.turns(),   state.variables()};
 }
 
 void restore(const Snapshot& snapshot, Tree& tree, State& state) {

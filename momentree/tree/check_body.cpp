@@ -55,8 +55,7 @@ class Checks {
   // Names must not need quoting in CSV columns, targets of events or terminals.
   void name(const char* field, const std::string& name) {
     if (name.size() > 500) add(field, "is longer than 500 characters");
-    if (name.find_first_of(",\"*") != std::string::npos)
-      add(field, "must not contain a comma, a quotation mark or an asterisk");
+    if (name.find_first_of(",\"*") != std::string::npos) add(field, "must not contain a comma, a quotation mark or an asterisk");
     if (first_invisible(name) != std::string::npos)
       add(field, "must be UTF-8 without control characters and other invisible characters");
   }
@@ -277,7 +276,9 @@ std::vector<BodyProblem> check_loop(const LoopSpec& spec, int bodies) {
   const JointParameters& p = spec.joint.parameters;
   const char* const instead = "give it to a joint of the tree: any joint of a loop can be the one that closes it";
   if (p.armature.any()) checks.add("armature", "is not supported for joints that close a loop yet", instead);
-  if (p.limits.hard()) checks.add("limits", "hard stops are not supported for joints that close a loop yet", "give 'stiffness', or " + std::string(instead));
+  if (p.limits.hard())
+    checks.add("limits", "hard stops are not supported for joints that close a loop yet",
+               "give 'stiffness', or " + std::string(instead));
   if (p.drive != nullptr && p.drive->moves())
     checks.add("drive", "a prescribed motion is not supported for joints that close a loop yet", instead);
   return std::move(checks.problems);

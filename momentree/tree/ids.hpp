@@ -12,8 +12,8 @@ struct BodyId {
 inline constexpr BodyId ground{-1};
 
 /// Handle of a joint: it stays with the joint for as long as that exists, also where re-rooting makes another body carry it. In a
-/// model the inboard joint of a body has the body's number. Loop joints have numbers from first_loop on; one that takes the place of
-/// a broken joint in the tree then has that joint's number.
+/// model the inboard joint of a body has the body's number. Loop joints have numbers from first_loop on; one that takes the place
+/// of a broken joint in the tree then has that joint's number.
 struct JointId {
   int index = -1;
   friend bool operator==(JointId, JointId) = default;

@@ -1,9 +1,7 @@
 #pragma once
 // Loop joints: joints in addition to those of the tree, which close kinematic loops. They are equations between the bodies that
 // they join, not coordinates.
-#include <optional>
-
-#include <momentree/joint/closure.hpp>
+#include <momentree/joint/motion.hpp>
 #include <momentree/tree/declared.hpp>
 #include <momentree/tree/ids.hpp>
 #include <momentree/tree/kernel_frame.hpp>
@@ -21,17 +19,12 @@ struct Loop {
   JointId id() const { return {first_loop + number}; }
 };
 
-/// What a joint with locked DoFs is equal to: a joint of another kind, whose frames are displaced from those of the joint. Only part of
-/// the kinds have one for every lock: empty if there is none.
-struct LockedForm {
-  JointSpec joint{};
-  Pose parent{}, child{};
-};
-std::optional<LockedForm> locked_form(const Joint& joint, const Values& held);
+inline std::optional<LockedForm> locked_form(const Joint& joint, const Values& held) {
+  return locked_form(spec_of(joint), joint.locked, held);
+}
 
 /// A loop as the recursions use it. Its equations are rows of one system, numbered consecutively in the order of the loops.
 struct LoopLink {
-  JointSpec spec;  ///< the joint whose rows these are: its own kind, or what locks make of it
   Closure closure;
   KernelFrame child, parent;  ///< the joint's frames in the kernel frames of its bodies; for the ground in the world
   int first_row = 0, rows = 0;

@@ -16,31 +16,6 @@ KernelFrame in_kernel_frame(const KernelFrame& kernel, const Pose& at) {
 
 }  // namespace
 
-std::optional<LockedForm> locked_form(const Joint& joint, const Values& held) {
-  const KindInfo& kind = info(joint.kind);
-  LockedForm form{spec_of(joint), {}, {}};
-  if (joint.locked == 0) return form;
-  const auto become = [&](Kind to, const Vec3& axis) {
-    form.joint = JointSpec();
-    form.joint.kind = to, form.joint.axis = axis;
-  };
-  if (joint.locked == (1u << kind.nv) - 1) {
-    form.parent = joint_motion(form.joint, held.begin());
-    become(Kind::weld, z_axis);
-  } else if (joint.kind == Kind::cylindrical) {
-    const bool angle = joint.locked == 1;
-    form.parent = angle ? Pose{{}, from_axis_angle(joint.axis, held[0])} : Pose{held[1] * joint.axis, Quat{}};
-    become(angle ? Kind::prismatic : Kind::revolute, joint.axis);
-  } else if (joint.kind == Kind::universal) {
-    const bool first = joint.locked == 1;
-    (first ? form.parent : form.child).rotation = from_axis_angle(first ? joint.axis : joint.axis2, first ? held[0] : -held[1]);
-    become(Kind::revolute, first ? joint.axis2 : joint.axis);
-  } else {
-    return std::nullopt;
-  }
-  return form;
-}
-
 int Tree::add_loop(Loop loop) {
   MT_REQUIRE(alive(loop.body) && (loop.to == ground.index || alive(loop.to)) && loop.body != loop.to,
              "a loop joint joins two different bodies, or a body and the ground");
@@ -85,8 +60,14 @@ void Tree::list_loops() {
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const Loop& loop = loops_[i];
     const LockedForm form = locked_form(loop.joint, loop.held).value_or(LockedForm{});
-    LoopLink link{form.joint, closure_of(form.joint), in_kernel_frame(frame(loop.body), loop.joint.child_at * form.child),
-                  in_kernel_frame(loop.to < 0 ? KernelFrame{} : frame(loop.to), loop.joint.at * form.parent), loop_rows_, 0, {}, {}};
+    LoopLink link{form.joint,
+                  closure_of(form.joint),
+                  in_kernel_frame(frame(loop.body), loop.joint.child_at * form.child),
+                  in_kernel_frame(loop.to < 0 ? KernelFrame{} : frame(loop.to), loop.joint.at * form.parent),
+                  loop_rows_,
+                  0,
+                  {},
+                  {}};
     link.child_offset = form.child, link.parent_offset = form.parent;
     link.rows = link.closure.rows();
     loop_rows_ += link.rows;
@@ -94,7 +75,8 @@ void Tree::list_loops() {
     const auto place = static_cast<int>(i);
     for (int b = loop.body; b >= 0; b = parent_[at(b)]) loop_stops_.push_back({b, place, 0, -1});
     const auto found = [&](int b) {
-      return std::any_of(loop_stops_.begin(), loop_stops_.end(), [&](const LoopStop& s) { return s.body == b && s.loop == place; });
+      return std::any_of(loop_stops_.begin(), loop_stops_.end(),
+                         [&](const LoopStop& s) { return s.body == b && s.loop == place; });
     };
     for (int b = loop.to; b >= 0 && !found(b); b = parent_[at(b)]) loop_stops_.push_back({b, place, 0, -1});
   }
@@ -106,9 +88,8 @@ void Tree::list_loops() {
     loop_columns_ += loop_links_[at(stop.loop)].rows;
     const int outer = parent_[at(stop.body)];
     if (outer < 0) continue;
-    const auto inner = std::lower_bound(loop_stops_.begin(), loop_stops_.end(), outer, [this](const LoopStop& s, int b) {
-      return place_[at(s.body)] < place_[at(b)];
-    });
+    const auto inner = std::lower_bound(loop_stops_.begin(), loop_stops_.end(), outer,
+                                        [this](const LoopStop& s, int b) { return place_[at(s.body)] < place_[at(b)]; });
     for (auto s = inner; s != loop_stops_.end() && s->body == outer; ++s)
       if (s->loop == stop.loop) stop.inboard = static_cast<int>(s - loop_stops_.begin());
   }

@@ -110,7 +110,8 @@ JointId Model::add_loop(LoopSpec spec) {
   for (const BodyProblem& problem : check_loop(spec, size()))
     throw_error({problem.field + ": " + problem.what, "loop '" + spec.name + "'", problem.hint});
   if (by_joint_->contains(spec.name) || has_spring(spec.name))
-    throw_error({"there is already a joint or spring '" + spec.name + "'", "", "names of joints and springs are unique in a model"});
+    throw_error(
+        {"there is already a joint or spring '" + spec.name + "'", "", "names of joints and springs are unique in a model"});
   const KindInfo& kind = info(spec.joint.kind);
   if (kind.axis) spec.joint.axis = unit(spec.joint.axis);
   if (kind.axis2) spec.joint.axis2 = unit(spec.joint.axis2);

@@ -35,8 +35,8 @@ struct BodySpec {
   std::string joint_name{};  ///< "mechanism/joint"; empty: the body's name
 };
 
-/// A joint that closes a loop: between two bodies of the model, or a body and the ground, in addition to their inboard joints. Its
-/// frame is at `at` in the frame of `to` (parent side) and at `child_at` in that of `body` (child side).
+/// A joint that closes a loop: between two bodies of the model, or a body and the ground, in addition to their inboard joints.
+/// Its frame is at `at` in the frame of `to` (parent side) and at `child_at` in that of `body` (child side).
 struct LoopSpec {
   std::string name;  ///< unique among the joints
   BodyId body, to = ground;
@@ -118,9 +118,7 @@ class Model {
   }
 
   /// The joint of that number, in the tree or closing a loop.
-  const JointSpec& joint_spec(JointId joint) const {
-    return is_loop(joint) ? loop(joint).joint : (*this)[child(joint)].joint;
-  }
+  const JointSpec& joint_spec(JointId joint) const { return is_loop(joint) ? loop(joint).joint : (*this)[child(joint)].joint; }
   const LoopSpec& loop(JointId joint) const {
     const int place = joint.index - first_loop;
     MT_REQUIRE(place >= 0 && place < static_cast<int>(loops_.size()), "a loop joint of this model, as add_loop() returned it");

@@ -283,7 +283,8 @@ class Tree {
   void set_function(int b, std::shared_ptr<const JointFunction> function);
   /// Sets the function that acts on body b, or null for none. It stays until b is removed, whatever b is attached to. Allocates.
   void set_body_function(int b, std::shared_ptr<const BodyFunction> function);
-  /// Adds a loop joint, whose `number` is assigned if it is negative, and returned; removes one; replaces joint and parameters. May allocate.
+  /// Adds a loop joint, whose `number` is assigned if it is negative, and returned; removes one; replaces joint and parameters.
+  /// May allocate.
   int add_loop(Loop loop);
   void remove_loop(int number);
   void set_loop(int number, const Joint& joint, const JointParameters& parameters, const Values& held = {});

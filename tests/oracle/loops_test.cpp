@@ -24,8 +24,8 @@ Pose side(const World& world, BodyId body, const Pose& at) {
   return body == ground ? at : world.motions()[static_cast<std::size_t>(body.index)].pose * at;
 }
 
-// J of one loop joint, with as many rows as it blocks directions: components of the relative velocity of its frames, in world axes
-// about the child's, that are orthogonal to the joint's own motions.
+// J of one loop joint, with as many rows as it blocks directions: components of the relative velocity of its frames, in world
+// axes about the child's, that are orthogonal to the joint's own motions.
 Matrix rows_of(const World& world, JointId loop) {
   const JointView joint = world.joint(loop);
   const int n = world.tree().nv();
@@ -95,14 +95,17 @@ Model with_loops(std::uint64_t seed, bool parameters) {
     loop.body = {random.integer(0, model.size() - 1)}, loop.to = {random.integer(-1, model.size() - 1)};
     if (loop.body == loop.to) continue;
     const std::vector<Kind>& kinds = every_kind();
-    do loop.joint = random_joint(random, kinds[static_cast<std::size_t>(random.integer(0, static_cast<int>(kinds.size()) - 1))], options);
+    do
+      loop.joint =
+          random_joint(random, kinds[static_cast<std::size_t>(random.integer(0, static_cast<int>(kinds.size()) - 1))], options);
     while (loop.joint.kind == Kind::free);
     loop.joint.parameters.armature = {};
     loop.child_at.position = random.vector(0.5);
     const Vec3 axis = random.direction();
     loop.child_at.rotation = from_axis_angle(axis, random.uniform(-2, 2));
     const Values q = random_coordinates(random, loop.joint.kind);
-    loop.at = inverse(side(world, loop.to, {})) * side(world, loop.body, loop.child_at) * inverse(joint_motion(loop.joint, q.begin()));
+    loop.at =
+        inverse(side(world, loop.to, {})) * side(world, loop.body, loop.child_at) * inverse(joint_motion(loop.joint, q.begin()));
     model.add_loop(loop);
   }
   return model;
@@ -140,7 +143,8 @@ TEST_CASE("loops: accelerations obey the equations of motion with random loops o
   CHECK(redundant > 5);
 }
 
-TEST_CASE("loops: making one is a plastic impact, breaking one changes no velocity, and a loop takes the place of a broken joint") {
+TEST_CASE(
+    "loops: making one is a plastic impact, breaking one changes no velocity, and a loop takes the place of a broken joint") {
   int made = 0, replaced = 0;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     CAPTURE(seed);

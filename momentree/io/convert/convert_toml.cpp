@@ -76,8 +76,8 @@ class Converter {
 
   Converted convert() {
     Value::Table document;
-    for (const char* key :
-          {"format", "title", "state", "world", "mechanism", "force", "loop", "spring", "coupling", "event", "integrate", "output"}) {
+    for (const char* key : {"format", "title", "state", "world", "mechanism", "force", "loop", "spring", "coupling", "event",
+                            "integrate", "output"}) {
       if (mimics_ && std::string_view(key) == "coupling") {
         add(document, key, couplings());
         continue;

@@ -99,7 +99,7 @@ class EqualityReader {
       unknown("site", *name, fields.location(key), reading_.sites);
       return {};
     }
-    const auto& [element, childclass, body] = found->second;
+    const auto& [element, childclass, body, end] = found->second;
     Attributes attributes(element, childclass, reading_);
     if (attributes.has("fromto")) {
       attributes.error("fromto", "a site of <equality> is not placed by fromto here", "give it pos, and quat or the like");

@@ -43,6 +43,15 @@ struct CylindricalKernels : ScrewKernels<CylindricalKernels, 2, 2> {
     const bool turns = coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]);
     return coordinates::along_axis(joint.axis, motion.position, q[1]) && turns;
   }
+  static void lock_part(const JointSpec& joint, unsigned locked, const double* held, LockedForm& form) {
+    if (locked == 1) {  // the angle
+      form.parent.rotation = from_axis_angle(joint.axis, held[0]);
+      form.rows.add_line(joint.axis), form.rows.add_rotation();
+    } else {
+      form.parent.position = held[1] * joint.axis;
+      form.rows.add_point(), form.rows.add_axis(joint.axis);
+    }
+  }
   static void closure(const JointSpec& joint, Closure& rows) { rows.add_line(joint.axis), rows.add_axis(joint.axis); }
 };
 

@@ -69,6 +69,11 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
     return coordinates::about_axis(joint.axis2, rest, 0, q[1]) && coordinates::negligible(motion.position) &&
            std::fabs(dot(joint.axis, to) - along) <= coordinates::tolerance;
   }
+  static void lock_part(const JointSpec& joint, unsigned locked, const double* held, LockedForm& form) {
+    const bool first = locked == 1;
+    (first ? form.parent : form.child).rotation = from_axis_angle(first ? joint.axis : joint.axis2, first ? held[0] : -held[1]);
+    form.rows.add_point(), form.rows.add_axis(first ? joint.axis2 : joint.axis);
+  }
   static void closure(const JointSpec& joint, Closure& rows) { rows.add_point(), rows.add_direction(joint.axis, joint.axis2); }
   /// A torque in the plane of the axes that are not locked: along the remaining axis if only one is.
   static Force<double> drive_wrench(const LinkConstants& k, const JointState<double>& j, const double* force) {

@@ -28,7 +28,8 @@ struct Break : ActionBase {
     }
     const int joint = editor.joint(name);
     if (joint < 0) return ActionResult::skipped("the joint no longer exists");
-    if (!is_loop({joint}) && !can_break(editor.tree(), {joint})) return ActionResult::skipped("it holds nothing: the body is already free");
+    if (!is_loop({joint}) && !can_break(editor.tree(), {joint}))
+      return ActionResult::skipped("it holds nothing: the body is already free");
     editor.break_off(joint);
     return ActionResult::done();
   }
