@@ -119,8 +119,9 @@ void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
   }
   loops.lambda = lambda;
   if (null.empty()) return;
-  double size = 1e-300;
+  double size = 0;
   for (const LoopPlace& place : loops.places) size = std::max(size, place.size);
+  if (!(size > 1e-9)) size = 1;  // everything is at the origin
 
   struct Carried {
     int body, loop;

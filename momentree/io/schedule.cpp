@@ -183,7 +183,11 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
   for (const ScenarioEvent* event : all.events) {
     std::optional<Simulation::Scheduled> condition;
     try {
-      if (event->condition) condition = simulation.when(*event->condition);
+      if (event->condition) {
+        Condition given = *event->condition;
+        given.least_norm = given.least_norm || simulation.time() > 0;  // the run that wrote the document went on, too
+        condition = simulation.when(std::move(given));
+      }
     } catch (const Error& error) {  // on a reaction that closed loops leave open
       all.problems.push_back({event->place, "when: " + error.problem, error.hint});
       continue;

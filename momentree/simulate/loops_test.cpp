@@ -13,7 +13,7 @@ namespace {
 
 JointSpec revolute() {
   JointSpec joint;
-  joint.axis = y_axis;
+  joint.kind = Kind::revolute, joint.axis = y_axis;
   return joint;
 }
 

@@ -1,5 +1,6 @@
 #include <momentree/simulate/simulation.hpp>
 
+#include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/simulate/simulation_impl.hpp>
 
 namespace momentree {
@@ -157,6 +158,14 @@ void Simulation::set_gravity(Vec3 gravity) {
   impl.recover();
 }
 
+void Simulation::Impl::leave_velocities() {
+  if (world.tree_.has_loops() || world.state_.variables() == world.variables_) return;
+  const Numbers p = world.p();
+  std::vector<double> q(world.state_.q().begin(), world.state_.q().end()), y(p.begin(), p.end());
+  follow_motions(world.tree_, world.time(), q.data(), y.data());
+  world.state_.change_variables(world.variables_, y);
+}
+
 // The energy that bodies bring into the world and take out of it is work; the event's certificate states it.
 template <class Act>
 void Simulation::Impl::populate(const char* what, const std::string& body, Act act) {
@@ -179,6 +188,7 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   if (keeps_history) past = snapshot();
   act();  // throws if nothing happened
   if (past) history.push_back({events.size(), std::move(*past), {}});
+  leave_velocities();
   method = new_method();
   evaluate_state();
   event.after = world.totals();

@@ -313,6 +313,7 @@ struct Simulation::Impl {
       message = report.message;
       return false;
     }
+    leave_velocities();
     evaluate_state();
     for (Event& event : report.events) {
       add_to_balance(event);
@@ -322,6 +323,9 @@ struct Simulation::Impl {
     resolve_limits();
     return true;
   }
+
+  /// After the last loop is gone, the state is in the run's own variables again, as a state document of it will be.
+  void leave_velocities();
 
   /// Runs `act`, which adds or removes bodies, and records it as an event named `what`.
   template <class Act>
