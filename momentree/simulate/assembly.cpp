@@ -1,6 +1,7 @@
 #include <momentree/simulate/assembly.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace momentree {
 namespace {
 
 constexpr double closed_at_start = 1e-9;  // of loops that must not be assembled
-constexpr double left_as_given = 1e-12;   // what the first step closes: a state that is restored keeps its bits
+constexpr double left_as_given = 2e-11;   // what the first step closes: a state that is restored keeps its bits
 
 std::string short_text(double x) {
   char buffer[32];
@@ -37,7 +38,9 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
                    "give start values at which it is closed, or leave out 'assemble = false'");
   }
   const double worst = *std::max_element(residuals.begin(), residuals.end());
-  if (worst <= left_as_given && loop_velocities_open(tree, workspace) <= left_as_given) return std::nullopt;
+  double speed = 1;
+  for (const double u : state.u()) speed = std::max(speed, std::fabs(u));
+  if (worst <= left_as_given && loop_velocities_open(tree, workspace) <= left_as_given * speed) return std::nullopt;
   std::vector<double> q(state.q().begin(), state.q().end()), u(state.u().begin(), state.u().end());
   if (!assemble_loops(tree, q.data(), u.data(), workspace, residuals.data())) {
     const auto i = static_cast<std::size_t>(std::max_element(residuals.begin(), residuals.end()) - residuals.begin());
