@@ -28,6 +28,60 @@ async function shown(page: Page, series: string): Promise<number> {
   return Number(text.slice(series.length).trim().split(" ")[0].replace("−", "-"));
 }
 
+/** Three bars that the ground closes; the crank's joint to the coupler breaks, and then the bearing of the rocker. */
+const fourBar = `format = 1
+title = "Four-bar"
+[[mechanism]]
+name = "bars"
+[mechanism.chain]
+links = 3
+length = 0.4
+mass = 1
+inertia = 0.013
+axis = [0, 1, 0]
+angle = "-40 deg"
+[[loop]]
+name = "bearing"
+kind = "revolute"
+axis = [0, 1, 0]
+body = "bars/3"
+at = { xyz = [0.6, 0, 0] }
+child_at = { xyz = [0.4, 0, 0] }
+[[event]]
+at = 0.3
+break = "bars/2"
+[[event]]
+at = 0.5
+break = "bearing"
+[integrate]
+until = 0.8
+`;
+
+describe("the report of a run with a closed loop", () => {
+  it("has one mechanism until it breaks; the certificate and the energies tell of the loop", async () => {
+    const file = join(temporary(), "four_bar.toml");
+    writeFileSync(file, fourBar);
+    const { page, complaints } = await openReport(browser, report(file, "--reactions"));
+    expect(await names(page)).toEqual(["bars"]);
+    await keep(page, "report-loop");
+    const event = (name: string) => page.locator(".events .list button", { hasText: name });
+    const certificate = () => page.locator(".certificate").innerText();
+    await event("break bars/2").click();
+    expect(await names(page)).toEqual(["bars", "bars/3"]);
+    expect(await certificate()).toMatch(/equations of loops\s+5\s+–/);
+    expect(await certificate()).toMatch(/independent of them\s+2\s+–/);
+    expect(await certificate()).toContain("residual of loops");
+    await event("break bearing").click();
+    expect(await certificate()).not.toContain("loops");
+    await page.getByLabel("Joint", { exact: true }).selectOption("bearing");
+    expect(await page.getByLabel("Quantity of the joint").locator("option").allInnerTexts()).toContain("reaction force");
+    await page.getByRole("tab", { name: "Times and energy" }).click();
+    expect(await page.locator(".summary").innerText()).toContain("brought in by closing loops");
+    expect(complaints).toEqual([]);
+    await page.context().close();
+  });
+});
+
 describe("the report of a run", () => {
   it("opens from disk without messages or requests", async () => {
     const { page, complaints } = await openReport(browser, chain);
