@@ -4,6 +4,38 @@
 
 namespace momentree {
 
+SimulationSnapshot Simulation::Impl::snapshot() {
+  settle();
+  SimulationSnapshot all{world.snapshot(), {}, events.size(), balance};
+  all.proposal = method->proposal();
+  all.balance.dissipated = ledger.dissipated;
+  all.balance.work = ledger.work;
+  all.balance.projection = ledger.projection;
+  all.impulsive_work = balance.work;
+  all.armed = queue.armed();
+  return all;
+}
+
+void Simulation::Impl::go_back(const SimulationSnapshot& to) {
+  unadjusted.reset();
+  const int bodies = world.tree_.bodies();
+  world.restore(to.world);
+  if (world.tree_.bodies() != bodies) method = new_method();
+  method->set_proposal(to.proposal);
+  balance = to.balance;
+  ledger.dissipated = to.balance.dissipated;
+  ledger.work = to.balance.work;
+  ledger.projection = to.balance.projection;
+  balance.dissipated = 0;
+  balance.work = to.impulsive_work;
+  queue.restore(to.armed, world.time());
+  events.resize(std::min(events.size(), to.events));
+  while (!history.empty() && history.back().events >= to.events) history.pop_back();
+  recover();
+  look_anew();
+  evaluate_state();
+}
+
 // Evaluates nothing: that would change the counts of the run.
 RunState Simulation::Impl::run_state() {
   settle();

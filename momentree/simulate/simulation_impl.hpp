@@ -333,39 +333,9 @@ struct Simulation::Impl {
 
   DryRun dry_run();
 
-  SimulationSnapshot snapshot() {
-    settle();
-    SimulationSnapshot all{world.snapshot(), {}, events.size(), balance};
-    all.proposal = method->proposal();
-    all.balance.dissipated = ledger.dissipated;
-    all.balance.work = ledger.work;
-    all.balance.projection = ledger.projection;
-    all.impulsive_work = balance.work;
-    all.armed = queue.armed();
-    return all;
-  }
-
-  void go_back(const SimulationSnapshot& to) {
-    unadjusted.reset();
-    const int bodies = world.tree_.bodies();
-    world.restore(to.world);
-    if (world.tree_.bodies() != bodies) method = new_method();
-    method->set_proposal(to.proposal);
-    balance = to.balance;
-    ledger.dissipated = to.balance.dissipated;
-    ledger.work = to.balance.work;
-    ledger.projection = to.balance.projection;
-    balance.dissipated = 0;
-    balance.work = to.impulsive_work;
-    queue.restore(to.armed, world.time());
-    events.resize(std::min(events.size(), to.events));
-    while (!history.empty() && history.back().events >= to.events) history.pop_back();
-    recover();
-    look_anew();
-    evaluate_state();
-  }
-
   // run_state.cpp
+  SimulationSnapshot snapshot();
+  void go_back(const SimulationSnapshot& to);
   RunState run_state();
   void continue_from(const RunState& from);
 

@@ -60,14 +60,11 @@ void Tree::list_loops() {
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const Loop& loop = loops_[i];
     const LockedForm form = locked_form(loop.joint, loop.held).value_or(LockedForm{});
-    LoopLink link{form.joint,
-                  closure_of(form.joint),
-                  in_kernel_frame(frame(loop.body), loop.joint.child_at * form.child),
-                  in_kernel_frame(loop.to < 0 ? KernelFrame{} : frame(loop.to), loop.joint.at * form.parent),
-                  loop_rows_,
-                  0,
-                  {},
-                  {}};
+    LoopLink link;
+    link.closure = form.rows;
+    link.child = in_kernel_frame(frame(loop.body), loop.joint.child_at * form.child);
+    link.parent = in_kernel_frame(loop.to < 0 ? KernelFrame{} : frame(loop.to), loop.joint.at * form.parent);
+    link.first_row = loop_rows_;
     link.child_offset = form.child, link.parent_offset = form.parent;
     link.rows = link.closure.rows();
     loop_rows_ += link.rows;
