@@ -173,7 +173,7 @@ TEST_CASE("after changes without names, parts have those that actions would have
 
 TEST_CASE("an impossible action is refused as in a simulation, and leaves the world unchanged") {
   Batch batch(scene(), 2);
-  Simulation sim(scene());
+  Simulation sim(scene(), {.variables = Variables::momenta});
   batch.step(1e-3);
   REQUIRE(sim.run_until(1e-3) == Status::ok);
   const std::vector<Action> impossible[] = {{break_joint("turn/9")},

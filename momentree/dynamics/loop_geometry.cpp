@@ -216,6 +216,9 @@ void joint_force(const Loop& loop, double t, const double* q, const double* u, d
     power.dissipated += friction * u[i], power.work += effort * u[i];
   }
   forces::add_elements({p, kind.nv, ~loop.joint.locked, t, q, u, force, &power});
+  if (!p.limits.soft()) return;
+  for (int i = 0; i < kind.nv; ++i)  // what a soft stop stores is potential energy
+    power.dissipated -= p.limits.stiffness.of(i) * forces::passed(p.limits, i, q[i]) * u[i];
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace momentree {
 
 namespace {
 
-constexpr double rank_tolerance = 1e-9;  // of pivots of the scaled A; those of redundant rows are below 1e-15
+constexpr double rank_tolerance = 1e-12;  // of pivots of the scaled A; those of redundant rows are below 1e-15
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 

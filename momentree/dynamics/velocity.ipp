@@ -90,6 +90,7 @@ struct VelocitySweep {
   template <class K>
   void inboard(const KernelRun& run) const {
     if constexpr (K::rigid && !Keep) return rigid_inboard(run);
+    constexpr unsigned roots = Keep ? node::root : node::grounded;  // they contribute to no parent
     const auto order = tree.order();
     const auto node_flags = tree.node_flags();
     auto* const records = workspace.template records_of<K>(tree, run);
@@ -115,7 +116,7 @@ struct VelocitySweep {
       if constexpr (Keep) put(a.D, workspace.reduced_bias_wrenches[static_cast<std::size_t>(b)]);
       if constexpr (!K::rigid) {
         const auto over = [&](const auto& transform) MOMENTREE_INLINE_LAMBDA {
-          if ((flags & node::root) != 0) return;  // the ground needs no output
+          if ((flags & roots) != 0) return;
           K::add_reduced_bias(record, bias.acceleration, a.D);
           transform.inboard(a.M);  // (16)
           transform.inboard(a.D);
@@ -125,7 +126,7 @@ struct VelocitySweep {
         else
           over(K::template cached_transform<false, T>(link, joint, record));
       }
-      buffers.add_to_parent(b, flags, a);
+      if ((flags & roots) == 0) buffers.add_to_parent(b, flags, a);
     }
     buffers.suspend_inward(run, a);
   }
@@ -184,6 +185,7 @@ struct VelocitySweep {
     const auto node_flags = tree.node_flags();
     if (run.end == run.begin + 1 && (node_flags[static_cast<std::size_t>(run.begin)] & node::grounded) != 0) return;
     Inboard<T> a;
+    begin_moments<false>(a);
     buffers.resume_inward(run, a);
     for (int i = run.end - 1; i >= run.begin; --i) {
       const int b = tree.order()[static_cast<std::size_t>(i)];

@@ -31,7 +31,7 @@ TEST_CASE("welds of neighbours, and loops in momenta, are refused") {
        "s.toml:47:8: error: weld: 'f/x' and 'm/b' are already joined by joint 'm/b+f/x'; lock that joint, or change its kind"},
       {first + "weld = { body = \"m/b\" }\n[integrate]\nvariables = \"momenta\"\n",
        "s.toml:44:8: error: weld: joining 'm/b' to 'ground' would close a loop, and closed loops are integrated in velocities; "
-       "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853"},
+       "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853; batches have no loops yet"},
   });
 }
 

@@ -305,7 +305,7 @@ TEST_CASE("snapshots, branches and undo are exact to the bit, across any number 
 }
 
 TEST_CASE("a dry run finds impossible actions and all joints that will exist, and changes nothing") {
-  Simulation sim(yard());
+  Simulation sim(yard(), {.variables = Variables::momenta});
   sim.at(0.1).then(weld("sat/panel", "tug/hand")).named("grasp");
   sim.at(0.2).then(break_joint("grasp"));
   sim.at(0.3).then(break_joint("grasp"));

@@ -26,6 +26,12 @@ constexpr double noise = 1e-13;
 
 }  // namespace
 
+Force<double> TopologyEditor::impulse_about(int b, const LoopImpulse& given) const {
+  const Pose pose = user_pose(tree(), world_.workspace_.bodies[static_cast<std::size_t>(b)], b);
+  const Mat3 R = rotation_matrix(pose.rotation);
+  return {transpose_times(R, given.force), transpose_times(R, given.torque + cross(given.at - pose.position, given.force))};
+}
+
 void TopologyEditor::remember_momenta() {
   before_.resize(static_cast<std::size_t>(tree().bodies()));
   for (const int b : tree().order())
@@ -59,12 +65,7 @@ void TopologyEditor::book_impulses(const Impulse* applied) {
   for (std::size_t i = 0; i < loop_impulses_now_.size(); ++i) {
     const Loop& loop = tree().loops()[i];
     const LoopImpulse& given = loop_impulses_now_[i];
-    const auto in_frame = [&](int b) {
-      const Pose pose = pose_of(b);
-      const Mat3 R = rotation_matrix(pose.rotation);
-      return Force<double>{transpose_times(R, given.force),
-                           transpose_times(R, given.torque + cross(given.at - pose.position, given.force))};
-    };
+    const auto in_frame = [&](int b) { return impulse_about(b, given); };
     for (int a = loop.body; a >= 0; a = tree().parent(a)) {
       const Force<double> W = in_frame(a);
       Force<double>& S = before_[static_cast<std::size_t>(a)];

@@ -48,7 +48,7 @@ ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec,
   if (!world_.loops_allowed_)
     return ActionResult::refused("joining '" + body_name(body) + "' to '" + body_name(to) +
                                      "' would close a loop, and closed loops are integrated in velocities",
-                                 "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853");
+                                 "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853; batches have no loops yet");
   if (spring(made_name_) >= 0)
     return ActionResult::refused("there is already a spring '" + made_name_ + "'", "give the event another name");
   if (world_.find_joint(made_name_) >= 0)
@@ -64,12 +64,15 @@ ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec,
   MakeLoop change;
   change.loop.body = body, change.loop.to = to;
   change.loop.joint = detail::joint_of(whole);
-  change.loop.parameters = spec.parameters;
   const int made = world_.names_.loops_end();
   change.loop.number = made - first_loop;
   world_.names_.add_loop(made, made_name_);
   touch(made);
   carry_out(change, Nature::impact);
+  if (spec.parameters.any()) {  // what a stretched spring stores comes from outside
+    const Loop& loop = loop_of(made);
+    carry_out(SetLoop{{made}, loop.joint, spec.parameters, loop.held, turn_of(made)}, Nature::outside);
+  }
   return ActionResult::done();
 }
 

@@ -212,8 +212,8 @@ TEST_CASE("misuse: queries about things that the world does not have") {
         {"joint_forces", no_joint, [&] { static_cast<void>(world.joint_forces({body.index})); }},
         {"reaction", no_joint, [&] { static_cast<void>(world.reaction({body.index})); }},
         {"one_freedom", no_joint, [&] { static_cast<void>(world.single_dof({body.index})); }},
-        {"joint_name", "a body and a joint of that number", [&] { static_cast<void>(world.joint_name({body.index})); }},
-        {"mechanism_name", "a body and a joint of that number", [&] { static_cast<void>(world.mechanism_name(body)); }},
+        {"joint_name", "a joint of that number", [&] { static_cast<void>(world.joint_name({body.index})); }},
+        {"mechanism_name", "a joint of that number", [&] { static_cast<void>(world.mechanism_name(body)); }},
     };
     for (const Misuse& misuse : all) check_stopped(misuse);
     CHECK_FALSE(world.alive(body));

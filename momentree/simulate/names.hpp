@@ -59,7 +59,7 @@ class Names {
     return at(number);
   }
   std::size_t known_loop(int number) const {
-    MT_REQUIRE(number < loops_end(), "the world has or had a loop joint of that number");
+    MT_REQUIRE(number < loops_end(), "the world has or had a joint of that number");
     return at(number - first_loop);
   }
   bool has(int number) const { return number >= first_loop ? number < loops_end() : at(number) < joints_.size(); }

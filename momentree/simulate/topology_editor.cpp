@@ -74,12 +74,24 @@ std::vector<Motion<double>> TopologyEditor::dofs(const Joint& joint, const Value
 // the impact is in before_.
 double TopologyEditor::work_of_motions() {
   double work = 0;
+  if (!tree().driven_joints().empty()) locate_bodies(tree(), world_.state_, world_.workspace_);
   for (const int b : tree().driven_joints()) {
     const Force<double>&before = before_[static_cast<std::size_t>(b)],
           after = to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.workspace_, b));
+    Force<double> through{after.l - before.l, after.h - before.h};
+    for (std::size_t i = 0; i < loop_impulses_now_.size(); ++i) {  // contained in Pb, but no joint of the tree transmitted them
+      const Loop& loop = tree().loops()[i];
+      const Force<double> W = impulse_about(b, loop_impulses_now_[i]);
+      const auto inboard = [&](int end) {
+        while (end >= 0 && end != b) end = tree().parent(end);
+        return end == b;
+      };
+      if (inboard(loop.body)) through = through - W;
+      if (inboard(loop.to)) through += W;
+    }
     double along[6];
-    project(tree(), b, joint_state(tree(), world_.state_, world_.workspace_, b),
-            to_kernel_frame(tree().frame(b), {after.l - before.l, after.h - before.h}), along);
+    project(tree(), b, joint_state(tree(), world_.state_, world_.workspace_, b), to_kernel_frame(tree().frame(b), through),
+            along);
     work += along[0] * world_.workspace_.v[static_cast<std::size_t>(tree().first_p(b))];
   }
   return work;

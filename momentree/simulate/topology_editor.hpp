@@ -120,6 +120,8 @@ class TopologyEditor {
   void touch(int joint);
 
   double work_of_motions();
+  // The impulse of a loop on its body, about the origin of body b and in its axes. The bodies have been located.
+  Force<double> impulse_about(int b, const LoopImpulse& given) const;
 
   World& world_;
   bool dry_run_;

@@ -14,7 +14,7 @@ namespace {
 std::size_t place_of(const Tree& tree, JointId joint) {
   for (std::size_t i = 0; i < tree.loops().size(); ++i)
     if (tree.loops()[i].id() == joint) return i;
-  MT_REQUIRE(false, "the loop joint is in this world");
+  MT_REQUIRE(false, "the joint is in this world");
   return 0;
 }
 

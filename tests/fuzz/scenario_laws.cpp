@@ -1,7 +1,9 @@
 #include <tests/fuzz/scenario_laws.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <set>
@@ -56,8 +58,32 @@ void require_same(std::string one, std::string other, const std::string& law, Fi
   one = without_signs_of_zeros(std::move(one)), other = without_signs_of_zeros(std::move(other));
   if (one != other) found.require(false, law, "\n" + difference(one, other));
 }
+/// Texts that differ at most by rounding errors of the numbers in them.
+bool same_but_for_rounding(const std::string& one, const std::string& other) {
+  const char *a = one.c_str(), *b = other.c_str();
+  const auto begins_number = [](const char* at) {
+    return std::isdigit(static_cast<unsigned char>(*at)) != 0 ||
+           (*at == '-' && std::isdigit(static_cast<unsigned char>(at[1])) != 0);
+  };
+  while (*a != 0 && *b != 0) {
+    if (!begins_number(a) || !begins_number(b)) {
+      if (*a++ != *b++) return false;
+      continue;
+    }
+    char *after_a = nullptr, *after_b = nullptr;
+    const double x = std::strtod(a, &after_a), y = std::strtod(b, &after_b);
+    if (!(std::fabs(x - y) <= 1e-9 * std::max({1.0, std::fabs(x), std::fabs(y)}))) return false;
+    a = after_a, b = after_b;
+  }
+  return *a == *b;
+}
+
+/// The same bits; with closed loops, whose equations are then solved from rounded frames, the same but for rounding.
 void require_same_document(const std::string& one, const std::string& other, const std::string& law, Findings& found) {
-  if (one != other) require_same(in_any_order(one), in_any_order(other), law, found);
+  if (one == other) return;
+  const std::string first = in_any_order(one), second = in_any_order(other);
+  if (one.find("\"loop\": true") == std::string::npos || !same_but_for_rounding(first, second))
+    require_same(first, second, law, found);
 }
 
 /// A refusal has a location and a reason.

@@ -69,7 +69,8 @@ Matrix rows_of(const World& world) {
 Matrix null_space(const Matrix& J) {
   const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeFullV);
   int rank = 0;
-  for (int i = 0; i < svd.singularValues().size(); ++i) rank += svd.singularValues()(i) > 1e-9 * svd.singularValues()(0) ? 1 : 0;
+  for (int i = 0; i < svd.singularValues().size(); ++i)
+    rank += svd.singularValues()(i) > 1e-9 * std::max(1.0, svd.singularValues()(0)) ? 1 : 0;
   return svd.matrixV().rightCols(J.cols() - rank);
 }
 
