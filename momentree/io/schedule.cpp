@@ -182,15 +182,14 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
   Schedule all = with_followers(std::move(events), simulation);
   for (const ScenarioEvent* event : all.events) {
     std::optional<Simulation::Scheduled> condition;
-    try {
-      if (event->condition) {
-        Condition given = *event->condition;
-        given.least_norm = given.least_norm || simulation.time() > 0;  // the run that wrote the document went on, too
-        condition = simulation.when(std::move(given));
+    if (event->condition) {
+      Condition given = *event->condition;
+      given.least_norm = given.least_norm || simulation.time() > 0;  // the run that wrote the document went on, too
+      if (const std::optional<Error> error = simulation.check(given)) {
+        all.problems.push_back({event->place, "when: " + error->problem, error->hint});
+        continue;
       }
-    } catch (const Error& error) {  // on a reaction that closed loops leave open
-      all.problems.push_back({event->place, "when: " + error.problem, error.hint});
-      continue;
+      condition = simulation.when(std::move(given));
     }
     Simulation::Scheduled scheduled = [&] {
       if (condition) return *condition;

@@ -128,19 +128,25 @@ void check_quantity(const World& world, const EventQueue& queue, const Quantity&
 
 }  // namespace
 
+std::optional<Error> open_reaction(const World& world, const Condition& condition) {
+  const Quantity& what = *condition.what;
+  if (!what.is_reaction() || condition.least_norm || !world.tree().has_loops()) return std::nullopt;
+  for (const std::string& name : what.joints()) {
+    const int number = world.find_joint(name);
+    if (number >= 0 && !world.joint_forces({number}).determined)
+      return Error{std::string(what.key()) + ": the closed loops do not determine the reaction of joint '" + name + "'", "",
+                   "add undetermined = \"least_norm\" to take the least of all possible reactions, or let a loop block fewer "
+                   "directions, for example by a ball joint instead of a revolute one"};
+  }
+  return std::nullopt;
+}
+
 void check_condition(const World& world, const EventQueue& queue, const Condition& condition) {
   const Quantity& what = *condition.what;
   if (std::optional<Error> error = unknown_name(world, queue, what.joints(), what.bodies(), what.takes_springs()))
     throw_error(std::move(*error));
   check_quantity(world, queue, what);
-  if (what.is_reaction() && !condition.least_norm && world.tree().has_loops())
-    for (const std::string& name : what.joints()) {
-      const int number = world.find_joint(name);
-      if (number >= 0 && !world.joint_forces({number}).determined)
-        throw_error({std::string(what.key()) + ": the closed loops do not determine the reaction of joint '" + name + "'", "",
-                     "add undetermined = \"least_norm\" to take the least of all possible reactions, or let a loop block fewer "
-                     "directions, for example by a ball joint instead of a revolute one"});
-    }
+  if (std::optional<Error> error = open_reaction(world, condition)) throw_error(std::move(*error));
   if (!std::isfinite(condition.threshold)) throw_error({"the threshold must be finite", "", ""});
   if (what.never_negative() && !(condition.threshold > 0))
     throw_error({"a threshold of " + text(condition.threshold) + " must be positive: the quantity is never negative", "", ""});

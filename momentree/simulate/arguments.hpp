@@ -29,6 +29,9 @@ std::optional<Error> wrong_period(double period, double clock, const char* what)
 std::optional<Error> unknown_name(const World& world, const EventQueue& queue, const std::vector<std::string>& joints,
                                   const std::vector<std::string>& bodies, bool springs);
 
+/// An error if closed loops do not determine the reaction in a condition.
+std::optional<Error> open_reaction(const World& world, const Condition& condition);
+
 /// Throws Error for a condition that can never be met or is meaningless.
 void check_condition(const World& world, const EventQueue& queue, const Condition& condition);
 

@@ -147,6 +147,8 @@ RunResult Simulation::try_apply(std::span<const Action> actions, std::string nam
 
 std::optional<Error> Simulation::check(const Action& action) const { return impl().unknown_name(action); }
 
+std::optional<Error> Simulation::check(const Condition& condition) const { return open_reaction(impl().world, condition); }
+
 void Simulation::set_gravity(Vec3 gravity) {
   Impl& impl = changing();
   impl.settle();
@@ -331,14 +333,17 @@ void Simulation::force(std::string_view body, BodyFunction wrench) {
 }
 
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
-  const WorldSnapshot before = changing().world.snapshot();
-  try {
-    impl_->world.restore(time, forest, joints);
-  } catch (...) {  // loops that cannot be closed: nothing has changed
-    impl_->world.restore(before);
-    impl_->evaluate_state();
-    throw;
-  }
+  struct Undo {  // if loops cannot be closed, nothing has changed
+    Impl* impl;
+    WorldSnapshot before;
+    ~Undo() {
+      if (impl == nullptr) return;
+      impl->world.restore(before);
+      impl->evaluate_state();
+    }
+  } undo{&changing(), changing().world.snapshot()};
+  impl_->world.restore(time, forest, joints);
+  undo.impl = nullptr;
   impl_->method = impl_->new_method();
   impl_->begin();
 }

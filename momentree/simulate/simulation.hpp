@@ -180,6 +180,8 @@ class Simulation {
   RunResult try_apply(const Action& action, std::string name = {}) { return try_apply(std::span(&action, 1), std::move(name)); }
   /// The error that then() and apply() would throw for an unknown name in an action; nothing if all names are known.
   [[nodiscard]] std::optional<Error> check(const Action& action) const;
+  /// The error that when() would throw because closed loops do not determine the reaction in a condition; nothing if they do.
+  [[nodiscard]] std::optional<Error> check(const Condition& condition) const;
 
   /// Changes gravity from now on (m/s², world axes). The resulting change of potential energy counts as work. The history that
   /// keep_history() kept is discarded; snapshots taken before do not restore the former gravity. Throws Error for values that are
