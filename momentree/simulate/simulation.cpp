@@ -333,17 +333,18 @@ void Simulation::force(std::string_view body, BodyFunction wrench) {
 }
 
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
-  struct Undo {  // if loops cannot be closed, nothing has changed
-    Impl* impl;
-    WorldSnapshot before;
-    ~Undo() {
-      if (impl == nullptr) return;
-      impl->world.restore(before);
-      impl->evaluate_state();
-    }
-  } undo{&changing(), changing().world.snapshot()};
-  impl_->world.restore(time, forest, joints);
-  undo.impl = nullptr;
+#ifdef __cpp_exceptions
+  const WorldSnapshot before = changing().world.snapshot();
+  try {
+    impl_->world.restore(time, forest, joints);
+  } catch (...) {  // loops that cannot be closed: nothing has changed
+    impl_->world.restore(before);
+    impl_->evaluate_state();
+    throw;
+  }
+#else
+  changing().world.restore(time, forest, joints);  // an error ends the program
+#endif
   impl_->method = impl_->new_method();
   impl_->begin();
 }
