@@ -19,7 +19,6 @@ std::string colour_of(const Primitive& p) {
 class PathWriter {
  public:
   PathWriter(std::string& svg, double width) : svg_(svg), width_(width) {}
-  ~PathWriter() { close(); }
   PathWriter(const PathWriter&) = delete;
   PathWriter& operator=(const PathWriter&) = delete;
 
@@ -35,6 +34,7 @@ class PathWriter {
     end_ = to;
   }
 
+  /// Writes what was added; call it at the end.
   void close() {
     if (data_.empty()) return;
     const bool dashed = kind_ == Kind::displacement;
@@ -104,6 +104,7 @@ void append_frame(std::string& svg, const SceneFrame& frame, const Placement& pl
       else
         append_circle(svg, placement(p.points.front()), 0.8 * width + 1, "fill=\"" + colour_of(p) + "\"");
     }
+    path.close();
   }
   if (width >= 4)  // on thin links the joints would not be visible
     for (const Point2& joint : frame.joints) append_circle(svg, placement(joint), 0.3 * width, "fill=\"#fff\"");
