@@ -149,9 +149,22 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
       to.F = a.R * F, to.T = a.R * T;
       to.velocity = dot(to.F, v) + dot(to.T, p.wb - p.wa);
       to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(cross(p.wa, to.T) + a.R * Tdot, p.wb - p.wa);
-      to.scale = mobility(tree.link(loop.body).body, on_body(workspace.bodies[at(loop.body)], to.F, to.T, p.xb));
-      if (loop.to >= 0) to.scale += mobility(tree.link(loop.to).body, on_body(workspace.bodies[at(loop.to)], to.F, to.T, p.xb));
     });
+  }
+}
+
+void detail::scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept {
+  LoopWorkspace& loops = *workspace.loops;
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    const LoopLink& link = tree.loop_links()[i];
+    for (int k = 0; k < link.rows; ++k) {
+      LoopRow& row = loops.rows[at(link.first_row + k)];
+      const auto at_body = [&](int b) {
+        return mobility(tree.link(b).body, on_body(workspace.bodies[at(b)], row.F, row.T, loops.places[i].xb));
+      };
+      row.scale = at_body(loop.body) + (loop.to >= 0 ? at_body(loop.to) : 0.0);
+    }
   }
 }
 

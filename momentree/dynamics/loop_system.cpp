@@ -12,7 +12,7 @@ namespace momentree {
 
 namespace {
 
-constexpr double rank_tolerance = 1e-12;  // of pivots of the scaled A; those of redundant rows are below 1e-15
+constexpr double rank_tolerance = 1e-9;  // of pivots of the scaled A; those of redundant rows are below 1e-15
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -223,6 +223,7 @@ void LoopCorrection::evaluate(const double* q, const double* u, double tolerance
   reduce_accelerations<double, true>(tree, q, workspace);
   place_loops(tree, q, workspace, true);
   gather_loops(tree, q, workspace, {}, true);
+  scale_rows(tree, workspace);
   choose_rows(*workspace.loops, tolerance > 0 ? tolerance : rank_tolerance);
   factorise_loops(*workspace.loops);
 }
@@ -239,7 +240,10 @@ void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace
   LoopWorkspace& loops = *workspace.loops;  // placed with the forces
   const bool choose = rows == LoopRows::choose || loops.rank < 0;
   detail::gather_loops(tree, q, workspace, base, choose);
-  if (choose) detail::choose_rows(loops, rank_tolerance);
+  if (choose) {
+    detail::scale_rows(tree, workspace);
+    detail::choose_rows(loops, rank_tolerance);
+  }
   detail::factorise_loops(loops);
   detail::solve_chosen(loops, [&](std::size_t row) { return -loops.b[row] - (velocities ? 0.0 : loops.rows[row].drift); });
   detail::apply_multipliers(tree, q, workspace);

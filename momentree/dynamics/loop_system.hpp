@@ -25,6 +25,9 @@ LoopWorkspace& loop_memory(const Tree& tree, Workspace<double>& workspace);
 /// rows.
 void place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept;
 
+/// The scales of the rows, which choosing them needs.
+void scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept;
+
 /// Gathers A and b of the chosen rows from the records. With `all` of all rows.
 void gather_loops(const Tree& tree, const double* q, Workspace<double>& workspace, const Motion<double>& base, bool all) noexcept;
 
