@@ -114,7 +114,7 @@ std::optional<StiffJoint> too_stiff(const Tree& tree, std::span<const double> q,
       return std::sqrt(stiffness / (1 / mobility + (damped ? Damped::implicit_share * step * damping : 0)));
     };
     const Limits damped = limits_of("damped");
-    const bool helps = swing(true) * step <= damped.spring;
+    const bool helps = swing(true) * step <= damped.spring && !tree.has_loops();  // which that method can't integrate
     const auto consider = [&](bool damper, double rate, double limit) {
       const double excess = rate * step / limit;
       if (!(excess > worst_excess)) return;

@@ -49,10 +49,7 @@ ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec,
     return ActionResult::refused("joining '" + body_name(body) + "' to '" + body_name(to) +
                                      "' would close a loop, and closed loops are integrated in velocities",
                                  "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853; batches have no loops yet");
-  if (spring(made_name_) >= 0)
-    return ActionResult::refused("there is already a spring '" + made_name_ + "'", "give the event another name");
-  if (world_.find_joint(made_name_) >= 0)
-    return ActionResult::refused("there is already a joint '" + made_name_ + "'", "give the event another name");
+  if (std::optional<ActionResult> taken = name_taken(body, to)) return *taken;
   if (spec.kind == Kind::free) return ActionResult::skipped("a free joint between them constrains nothing");
   const Pose present = inverse(pose(to)) * pose(body);
   LoopSpec whole;

@@ -238,23 +238,33 @@ bool TopologyEditor::drifts(int body) const {
   return floats(tree(), {body}) && !loosened.contains(tree().joint_of(root_of(tree(), {body}).index));
 }
 
+ActionResult TopologyEditor::already_joined(int body, int to, int joint) const {
+  return ActionResult::refused(
+      "'" + body_name(body) + "' and '" + body_name(to) + "' are already joined by joint '" + joint_name(joint) + "'",
+      "lock that joint, or change its kind");
+}
+
+std::optional<ActionResult> TopologyEditor::name_taken(int body, int to) const {
+  if (spring(made_name_) >= 0)
+    return ActionResult::refused("there is already a spring '" + made_name_ + "'", "give the event another name");
+  const int joint = world_.find_joint(made_name_);
+  if (joint < 0) return std::nullopt;
+  if (is_loop({joint}) && std::minmax(loop_of(joint).body, loop_of(joint).to) == std::minmax(body, to))
+    return already_joined(body, to, joint);
+  return ActionResult::refused("there is already a joint '" + made_name_ + "'", "give the event another name");
+}
+
 ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
   if (body == to) return ActionResult::refused("body '" + body_name(body) + "' can't be joined to itself");
   const int root = root_of(tree(), {body}).index;
   if (to >= 0 && root_of(tree(), {to}).index == root) {
     const bool below = tree().parent(body) == to, above = tree().parent(to) == body;
-    if (below || above)
-      return ActionResult::refused("'" + body_name(body) + "' and '" + body_name(to) + "' are already joined by joint '" +
-                                       joint_name(tree().joint_of(below ? body : to)) + "'",
-                                   "lock that joint, or change its kind");
+    if (below || above) return already_joined(body, to, tree().joint_of(below ? body : to));
     return close_loop(body, to, spec, at);
   }
   const bool floats_here = drifts(body), floats_there = to >= 0 && drifts(to);
   if (!floats_here && !floats_there) return close_loop(body, to, spec, at);
-  if (spring(made_name_) >= 0)
-    return ActionResult::refused("there is already a spring '" + made_name_ + "'", "give the event another name");
-  if (world_.find_joint(made_name_) >= 0)
-    return ActionResult::refused("there is already a joint '" + made_name_ + "'", "give the event another name");
+  if (std::optional<ActionResult> taken = name_taken(body, to)) return *taken;
 
   const int carrier = floats_here ? body : to, other = floats_here ? to : body;
   const int old_root = root_of(tree(), {carrier}).index;

@@ -119,6 +119,9 @@ class TopologyEditor {
   /// Call before the current event makes or changes that joint.
   void touch(int joint);
 
+  ActionResult already_joined(int body, int to, int joint) const;
+  // A refusal if the name of the joint that is to be made is in use.
+  std::optional<ActionResult> name_taken(int body, int to) const;
   double work_of_motions();
   // The impulse of a loop on its body, about the origin of body b and in its axes. The bodies have been located.
   Force<double> impulse_about(int b, const LoopImpulse& given) const;
