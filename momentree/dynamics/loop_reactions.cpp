@@ -112,8 +112,8 @@ void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
   std::vector<std::vector<double>> null;
   const std::vector<double> lambda = loops.lambda;
   for (std::size_t row = 0; row < m; ++row) {
-    if (std::binary_search(loops.chosen.begin(), loops.chosen.end(), static_cast<int>(row))) continue;
-    detail::solve_chosen(loops, [&](std::size_t i) { return -(i >= row ? loops.A[i * m + row] : loops.A[row * m + i]); });
+    if (std::binary_search(loops.kept.rows.begin(), loops.kept.rows.end(), static_cast<int>(row))) continue;
+    detail::solve_chosen(loops, [&](std::size_t i) { return -loops.all.element(loops.A, i, row); });
     loops.lambda[row] = 1;
     null.push_back(loops.lambda);
   }
