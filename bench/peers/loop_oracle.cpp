@@ -1,5 +1,6 @@
 // Accelerations with closed loops by dense matrices: H from inverse dynamics, J by geometry, and the least change of the free
-// accelerations in the metric of H, by an orthogonal factorisation that finds the rank. Also the states at which loops are closed.
+// accelerations in the metric of H, by an orthogonal factorisation that finds the rank. Also the states at which loops are
+// closed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -104,7 +105,8 @@ class Oracle {
   }
 
   Eigen::Index rows() const { return static_cast<Eigen::Index>(model_.loops.size()) * (model_.planar ? 3 : 6); }
-  /// Calls row(first row of a loop, what `of` gives for the body's end less that of the other one), for points and for directions.
+  /// Calls row(first row of a loop, what `of` gives for the body's end less that of the other one), for points and for
+  /// directions.
   template <class Point, class Turn>
   VectorXd relative(const std::vector<Moving>& bodies, const Point& point, const Turn& turn) const {
     VectorXd x(rows());

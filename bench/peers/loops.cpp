@@ -36,10 +36,12 @@ double worst_error(LoopEvaluator& engine, const LoopModel& model) {
 
 int evaluate_loops(const std::string& engine, const std::vector<LoopWay>& ways, const std::string& only) {
   int wrong = 0;
+  const std::string of_name = only.substr(0, only.find('/')),
+                    of_way = only.find('/') < only.size() ? only.substr(only.find('/') + 1) : "";
   for (const LoopModel& model : loop_models()) {
-    if (model.name.find(only) == std::string::npos) continue;
+    if (model.name.find(of_name) == std::string::npos) continue;
     for (const LoopWay& way : ways) {
-      if (!way.fits(model)) continue;
+      if (!way.fits(model) || way.name.find(of_way) == std::string::npos) continue;
       const std::unique_ptr<LoopEvaluator> engine_with_model = way.make(model);
       const double error = worst_error(*engine_with_model, model);
       if (!(error < allowed_error)) {

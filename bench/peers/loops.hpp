@@ -1,6 +1,6 @@
 #pragma once
-// Evaluations with closed loops: from positions and velocities to accelerations, with gravity. The accelerations found are compared
-// with those of a dense solution, implemented here for this purpose (loop_oracle.cpp).
+// Evaluations with closed loops: from positions and velocities to accelerations, with gravity. The accelerations found are
+// compared with those of a dense solution, implemented here for this purpose (loop_oracle.cpp).
 #include <functional>
 #include <memory>
 #include <string>

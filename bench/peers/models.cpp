@@ -24,8 +24,7 @@ EvaluationModel humanoid() {
   Figure figure(31);
   const double side = 0.1, leg = 0.4, arm = 0.27;
   const int pelvis = figure.add(-1, 'z', Vector3d::Zero(), true);
-  for (const double s : {side, -side})
-    figure.limb(pelvis, "zxyyyx", {{0, s, -0.05}, {}, {}, {0, 0, -leg}, {0, 0, -leg}, {}});
+  for (const double s : {side, -side}) figure.limb(pelvis, "zxyyyx", {{0, s, -0.05}, {}, {}, {0, 0, -leg}, {0, 0, -leg}, {}});
   const int chest = figure.limb(pelvis, "zy", {{0, 0, 0.1}, {}});
   for (const double s : {2 * side, -2 * side})
     figure.limb(chest, "yxzyzyx", {{0, s, 0.3}, {}, {}, {0, 0, -arm}, {}, {0, 0, -arm}, {}});

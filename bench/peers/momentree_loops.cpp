@@ -53,7 +53,8 @@ struct Loops : LoopEvaluator {
       const Eigen::Quaterniond turn(Matrix3d(root.turn.transpose() * R[k]));
       const double coordinates[] = {at.x(), at.y(), at.z(), turn.w(), turn.x(), turn.y(), turn.z()};
       std::copy_n(coordinates, 7, q[k].data() + tree.first_q(0));
-      std::copy_n(own_v.data(), 3, u[k].data() + tree.first_p(0)), std::copy_n(own_w.data(), 3, u[k].data() + tree.first_p(0) + 3);
+      std::copy_n(own_v.data(), 3, u[k].data() + tree.first_p(0)),
+          std::copy_n(own_w.data(), 3, u[k].data() + tree.first_p(0) + 3);
     }
     put(0);
     evaluate_velocity_state(tree, state, workspace);  // chooses the rows
@@ -72,7 +73,8 @@ struct Loops : LoopEvaluator {
   }
   std::vector<double> accelerations() override {
     std::vector<double> a(static_cast<std::size_t>(tree.bodies()));
-    for (int b = first; b < tree.bodies(); ++b) a[static_cast<std::size_t>(b)] = workspace.a[static_cast<std::size_t>(tree.first_p(b))];
+    for (int b = first; b < tree.bodies(); ++b)
+      a[static_cast<std::size_t>(b)] = workspace.a[static_cast<std::size_t>(tree.first_p(b))];
     if (first == 0) return a;
     const double* const rate = workspace.a.get() + tree.first_p(0);  // in the body's axes
     const Vector3d linear = R[last] * Vector3d(rate) + w[last].cross(v[last]), angular = R[last] * Vector3d(rate + 3);

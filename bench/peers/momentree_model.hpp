@@ -11,7 +11,9 @@ namespace mt = momentree;
 
 inline mt::Vec3 vec(const Vector3d& a) { return {a.x(), a.y(), a.z()}; }
 inline Vector3d vec(const mt::Vec3& a) { return {a.x, a.y, a.z}; }
-inline mt::Mat3 mat(const Matrix3d& R) { return {R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)}; }
+inline mt::Mat3 mat(const Matrix3d& R) {
+  return {R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)};
+}
 inline mt::Sym3 sym(const Matrix3d& I) { return {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)}; }
 inline Matrix3d mat(const mt::Mat3& R) { return (Matrix3d() << R.xx, R.xy, R.xz, R.yx, R.yy, R.yz, R.zx, R.zy, R.zz).finished(); }
 

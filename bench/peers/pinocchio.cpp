@@ -161,7 +161,8 @@ struct Forward : Evaluator {
 
 int main(int argc, char** words) {
   if (argc == 1) return run("Pinocchio " PINOCCHIO_VERSION, ways);
-  if (std::string(words[1]) == "loops") return evaluate_loops("Pinocchio " PINOCCHIO_VERSION, loop_ways(), argc > 2 ? words[2] : "");
+  if (std::string(words[1]) == "loops")
+    return evaluate_loops("Pinocchio " PINOCCHIO_VERSION, loop_ways(), argc > 2 ? words[2] : "");
   Evaluation way{"aba", evaluator<Forward>()};
   way.most = 100;  // its data for 1000 bodies need 32 GB, including matrices that are not used here
   return evaluate("Pinocchio " PINOCCHIO_VERSION, {way}, {words + 2, words + argc});

@@ -1,6 +1,6 @@
-// Pinocchio with closed loops: constraintDynamics factorises the mass matrix together with the constraints, lcaba recurses over the
-// joints with loops between them, pv and constrainedABA do so with constraints to the ground alone (they ignore a second body). All
-// of them regularise constraints by μ and take as many iterations as that needs; redundant rows need μ > 0.
+// Pinocchio with closed loops: constraintDynamics factorises the mass matrix together with the constraints, lcaba recurses over
+// the joints with loops between them, pv and constrainedABA do so with constraints to the ground alone (they ignore a second
+// body). All of them regularise constraints by μ and take as many iterations as that needs; redundant rows need μ > 0.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -76,8 +76,7 @@ struct Loops : LoopEvaluator {
       PINOCCHIO_COMPILER_DIAGNOSTIC_IGNORED_DEPRECECATED_DECLARATIONS
       if (solver == Solver::constraint_dynamics)
         pin::constraintDynamics(model.model, *model.data, q[k], u[k], effort, constraints, memory, settings);
-      if (solver == Solver::lcaba)
-        pin::lcaba(model.model, *model.data, q[k], u[k], effort, constraints, memory, settings);
+      if (solver == Solver::lcaba) pin::lcaba(model.model, *model.data, q[k], u[k], effort, constraints, memory, settings);
       PINOCCHIO_COMPILER_DIAGNOSTIC_POP
     } else {
       if (solver == Solver::pv) pin::pv(model.model, *model.data, q[k], u[k], effort, constraints, memory, settings);
