@@ -159,6 +159,26 @@ TEST_CASE("the energy balance closes with loops, projection included") {
   }
 }
 
+TEST_CASE("what would leave only some degrees of freedom of a loop joint locked is refused, by lock and by unlock") {
+  for (const Kind kind : {Kind::ball, Kind::planar}) {
+    Simulation sim(four_bar(), {});
+    JointSpec joint;
+    joint.kind = kind;
+    sim.apply(attach("bar/crank", "bar/rocker", joint), "clasp");
+    const auto refusal = [&](const Action& action) {
+      const RunResult result = sim.try_apply({&action, 1}, "change");
+      CHECK(result.status == Status::refused);
+      return result.reason;
+    };
+    CHECK(refusal(lock("clasp", {0})).find("only some degrees of freedom") != std::string::npos);
+    sim.apply(lock("clasp"), "jam");
+    CHECK(refusal(unlock("clasp", {0})).find("only some degrees of freedom") != std::string::npos);
+    CHECK(sim.world().joint(sim.world().loops()[1]).locked == 7u);
+    sim.apply(unlock("clasp"), "release");
+    CHECK(sim.world().joint(sim.world().loops()[1]).locked == 0u);
+  }
+}
+
 TEST_CASE("functions and unsupported parameters of loop joints are refused") {
   Simulation sim(four_bar());
   const auto says = [](const auto& call) {
