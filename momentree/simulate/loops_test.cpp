@@ -179,6 +179,19 @@ TEST_CASE("what would leave only some degrees of freedom of a loop joint locked 
   }
 }
 
+TEST_CASE("a warning says if closing the loops changes the energy, unless the balance itself is off") {
+  EnergyBalance balance;
+  balance.largest_kinetic = 2, balance.projection = -1e-3;
+  CHECK(balance.advice({.method = "rk4"}).empty());
+  balance.projection = -0.1;
+  const std::string fixed = balance.advice({.method = "rk4", .step = 1e-3}), adaptive = balance.advice({.method = "dop853"});
+  CHECK(fixed.find("changed the energy by -0.1 J, 5 % of the largest kinetic energy") != std::string::npos);
+  CHECK(fixed.find("0.00025 s, or an adaptive method: dop853") != std::string::npos);
+  CHECK(adaptive.find("rtol = 1e-10") != std::string::npos);
+  balance.error = 1;
+  CHECK(balance.advice({.method = "rk4"}).find("the energy balance is off") != std::string::npos);
+}
+
 TEST_CASE("functions and unsupported parameters of loop joints are refused") {
   Simulation sim(four_bar());
   const auto says = [](const auto& call) {
