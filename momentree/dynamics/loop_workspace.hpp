@@ -64,6 +64,23 @@ struct RowChoice {
   }
 };
 
+/// Scratch of find_least_reactions. It grows where fewer rows are independent than before.
+struct LoopReactions {
+  /// A wrench in world axes, about the world's origin or about a point.
+  struct WorldWrench {
+    Vec3 F{}, T{};
+  };
+  struct Carried {  ///< a joint, of a body or of a loop, and its wrench about its own point
+    int body, loop;
+    Vec3 at;
+    WorldWrench now;
+  };
+  std::vector<double> null;          ///< multipliers without effect, one after the other
+  std::vector<double> lambda, G, c;  ///< multipliers at first; the system of the least reactions
+  std::vector<WorldWrench> by_body, by_loop, by_null;
+  std::vector<Carried> joints;
+};
+
 struct LoopWorkspace {
   std::uint64_t topology = 0;       ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
   std::vector<LoopPlace> places;    ///< by loop
@@ -76,8 +93,9 @@ struct LoopWorkspace {
   std::vector<double> b, lambda;    ///< by row; behind b as many for scratch
   RowChoice choice;
   int rank = 0;
-  bool impulsive = false;                              ///< the multipliers are impulses
-  bool least = false;                                  ///< the multipliers are those of the least reactions
+  bool impulsive = false;  ///< the multipliers are impulses
+  bool least = false;      ///< the multipliers are those of the least reactions
+  LoopReactions reactions;
   std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by loop: 1 if the loops leave the joint's reaction open
 };
 
