@@ -47,9 +47,9 @@ Model four_bar(int /*bodies*/) {
   crank.at = tilted, crank.q = -1.05, crank.v = 8.0;
   rocker.at = tilted * Pose{{0.4, 0, 0}, {}}, rocker.q = -1.55;
   coupler.parent = model.add(crank), coupler.at = {0.12, 0, 0}, coupler.q = 0.7;
-  const BodyId hung = model.add(coupler), other = model.add(rocker);
-  model.add_loop({.name = "pin",
-                  .body = hung,
+  const BodyId child = model.add(coupler), other = model.add(rocker);
+  model.add_loop({.name = "closure",
+                  .body = child,
                   .to = other,
                   .joint = Revolute{.axis = y_axis},
                   .at = {0.25, 0, 0},
@@ -78,7 +78,7 @@ Model four_bars(int windows) {
   return model;
 }
 
-Model hanging_chain(int bodies) {
+Model suspended_chain(int bodies) {
   Model model;
   BodyId last = ground;
   for (int i = 0; i < bodies; ++i) {

@@ -96,7 +96,7 @@ void close(benchmark::State& run, Model (*make)(int)) {
   BENCHMARK_CAPTURE(close, model, model)->Arg(bodies)
 MOMENTREE_LOOP_BENCHMARK(four_bar, 3);
 MOMENTREE_LOOP_BENCHMARK(four_bars, 40);
-MOMENTREE_LOOP_BENCHMARK(hanging_chain, 100);
+MOMENTREE_LOOP_BENCHMARK(suspended_chain, 100);
 MOMENTREE_LOOP_BENCHMARK(ring, 10);
 MOMENTREE_LOOP_BENCHMARK(two_arms, 15);
 MOMENTREE_LOOP_BENCHMARK(standing_humanoid, 31);

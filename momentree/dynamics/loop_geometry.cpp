@@ -117,7 +117,7 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   std::iota(all.begin(), all.end(), 0);
   detail::lay_out(tree, all, loops.all);
   loops.kept = loops.all;  // for its memory
-  loops.A.resize(loops.all.elements), loops.factor.resize(loops.all.elements);
+  loops.A.resize(loops.all.elements), loops.factor.resize(loops.all.elements), loops.least_pivots.resize(rows);
   loops.b.resize(2 * rows), loops.lambda.resize(rows);
   loops.choice.reserve(n, rows, loops.all.elements);
   loops.rank = -1;

@@ -180,20 +180,28 @@ void gather_loops(const Tree& tree, const double* q, Workspace<double>& workspac
   });
 }
 
+// Between states a mechanism may pass a singular position, where the multiplier of a row that is independent at the start of the
+// step would grow beyond all bounds: there the row is left out, by an infinite element on the diagonal.
 void factorise_loops(LoopWorkspace& loops) noexcept {
+  constexpr double small = 1e-6, share = 0.1;  // of the row's scale, and of its pivot where rows were chosen
   const LoopLayout& kept = loops.kept;
   double* const L = loops.factor.data();
-  for (std::size_t i = 0; i < kept.rows.size(); ++i) {
-    double* const own = L + kept.position[i];
-    const std::ptrdiff_t from = kept.begin[i];
-    for (std::ptrdiff_t j = from; j <= static_cast<std::ptrdiff_t>(i); ++j) {
-      const double* const other = L + kept.position[at(static_cast<int>(j))];
-      double s = loops.whole ? loops.all.element(loops.A, at(kept.rows[i]), at(kept.rows[at(static_cast<int>(j))]))
-                             : loops.A[at(static_cast<int>(kept.position[i] + j))];
-      for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(from, kept.begin[at(static_cast<int>(j))]); k < j; ++k)
-        s -= own[k] * other[k];
-      own[j] = j == static_cast<std::ptrdiff_t>(i) ? std::sqrt(s) : s / other[j];
+  const auto n = static_cast<std::ptrdiff_t>(kept.rows.size());
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    double* const own = L + kept.position[row];
+    const double* const A = loops.A.data() + kept.position[row];
+    const std::ptrdiff_t from = kept.begin[row];
+    for (std::ptrdiff_t j = from; j <= i; ++j) {
+      const auto column = static_cast<std::size_t>(j);
+      const double* const other = L + kept.position[column];
+      double s = loops.whole ? loops.all.element(loops.A, at(kept.rows[row]), at(kept.rows[column])) : A[j];
+      for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(from, kept.begin[column]); k < j; ++k) s -= own[k] * other[k];
+      own[j] = j < i ? s / other[j] : s;
     }
+    double& least = loops.least_pivots[row];
+    if (loops.whole) least = std::min(small * loops.rows[at(kept.rows[row])].scale, share * own[i]);
+    own[i] = own[i] > least ? std::sqrt(own[i]) : HUGE_VAL;
   }
 }
 
@@ -272,7 +280,7 @@ void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& work
 void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace<double>& to) noexcept {
   if (!tree.has_loops()) return;
   LoopWorkspace& loops = detail::loop_memory(tree, to);
-  loops.kept = from.loops->kept, loops.turns = from.loops->turns;
+  loops.kept = from.loops->kept, loops.least_pivots = from.loops->least_pivots, loops.turns = from.loops->turns;
   loops.rank = from.loops->rank;
 }
 

@@ -82,15 +82,16 @@ struct LoopReactions {
 };
 
 struct LoopWorkspace {
-  std::uint64_t topology = 0;       ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
-  std::vector<LoopPlace> places;    ///< by loop
-  std::vector<double> turns;        ///< by loop: the angle to which its own is nearest
-  std::vector<LoopRow> rows;        ///< by row
-  std::vector<LoopColumn> columns;  ///< by stop and row
-  LoopLayout all, kept;             ///< of all rows, and of the chosen ones
-  bool whole = false;               ///< A is that of all rows
-  std::vector<double> A, factor;    ///< of all or of the chosen rows; Cholesky factor of the chosen ones
-  std::vector<double> b, lambda;    ///< by row; behind b as many for scratch
+  std::uint64_t topology = 0;        ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
+  std::vector<LoopPlace> places;     ///< by loop
+  std::vector<double> turns;         ///< by loop: the angle to which its own is nearest
+  std::vector<LoopRow> rows;         ///< by row
+  std::vector<LoopColumn> columns;   ///< by stop and row
+  LoopLayout all, kept;              ///< of all rows, and of the chosen ones
+  bool whole = false;                ///< A is that of all rows
+  std::vector<double> A, factor;     ///< of all or of the chosen rows; Cholesky factor of the chosen ones
+  std::vector<double> least_pivots;  ///< by chosen row: smaller ones are zero at stages
+  std::vector<double> b, lambda;     ///< by row; behind b as many for scratch
   RowChoice choice;
   int rank = 0;
   bool impulsive = false;  ///< the multipliers are impulses
