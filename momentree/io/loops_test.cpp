@@ -79,14 +79,15 @@ TEST_CASE("mistakes in loops are reported with their places") {
        "s.toml:38:8: error: loop 'pin': a free joint constrains nothing, so it can't close a loop; use any other kind"},
       {loop("name = \"m/crank\"\nkind = \"ball\"\nbody = \"m/rocker\""),
        "s.toml:37:8: error: duplicate joint 'm/crank': the name is already used by another on line 6"},
-      {linkage + "armature = 1\n",
-       "s.toml:44:12: error: loop 'pin': armature: is not supported for joints that close a loop yet; " + give},
       {linkage + "limits = { lower = -1, upper = 1 }\n",
        "s.toml:44:10: error: loop 'pin': limits: hard stops are not supported for joints that close a loop yet; give "
        "'stiffness', or " +
            give},
-      {linkage + "drive = { motion = { rate = 1 } }\n",
-       "s.toml:44:9: error: loop 'pin': drive: a prescribed motion is not supported for joints that close a loop yet; " + give},
+      {linkage + "armature = -1\n", "s.toml:44:12: error: loop 'pin': armature: must not be negative"},
+      {bars + "drive = { motion = { rate = 1, offset = -1.6 } }\n" + pin + "drive = { motion = { rate = 2, offset = -0.7 } }\n",
+       "s.toml:38:8: error: joint 'pin': its prescribed motion contradicts the one of 'm/rocker': through the loops, these "
+       "joints "
+       "move together; leave out one of these motions, or drive that joint by 'effort' or 'pd'"},
       {linkage + "angle = 1\n",
        "s.toml:44:1: error: unknown key 'angle' in [[loop]]; the coordinates of a loop joint follow from those of its bodies: "
        "give start "
@@ -195,7 +196,8 @@ TEST_CASE("documents of worlds with loops read back to the same text and continu
       {"a loop joint is locked", {lock("pin")}},
       {"a loop joint becomes another", {change_joint("pin", slide)}},
       {"a loop joint becomes free", {free_joint("pin")}},
-      {"new parameters", {set_parameters("pin", {.damping = 3})}},
+      {"new parameters", {set_parameters("pin", {.damping = 3, .armature = 0.2})}},
+      {"a prescribed motion begins", {set_parameters("pin", {.drive = motion_drive(Signal::ramp_from_here(0.8))})}},
   };
   for (const char* method : {"rk4", "midpoint", "dopri5", "dop853"}) {
     CAPTURE(method);
@@ -230,7 +232,7 @@ TEST_CASE("bad loop joints in documents are refused") {
   };
   CHECK(says("\"m/coupler\"", "\"m/rocker\"").find("a loop can't join a body to itself") != std::string::npos);
   CHECK(says("\"m/coupler\"", "\"m/couple\"").find("m/couple") != std::string::npos);
-  CHECK(says("\"parameters\": {}", "\"parameters\": {\"armature\": 1}").find("armature") != std::string::npos);
+  CHECK(says("\"parameters\": {}", "\"parameters\": {\"limits\": {\"lower\": -9}}").find("hard stops") != std::string::npos);
 }
 
 }  // namespace momentree::io

@@ -59,8 +59,11 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
         if (each.name == names_.joint(loop.id().index)) turns.push_back(each.turn);
     state.set_turns(turns);
   }
-  if (tree_.has_loops())
-    if (std::optional<Error> error = assemble(tree_, model_, names_, state)) throw_error(std::move(*error));
+  if (tree_.has_loops()) {
+    std::optional<Error> error = assemble(tree_, model_, names_, state);
+    if (!error) error = conflicting_motions(tree_, names_, state);
+    if (error) throw_error(std::move(*error));
+  }
   state_ = std::move(state);
 }
 

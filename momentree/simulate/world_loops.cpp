@@ -41,7 +41,7 @@ JointView World::loop_view(JointId number) const {
     own.v[k] = 0;
     if (kind.nq == kind.nv) own.q[k] = loop.held[k];
   }
-  if (kind.nq != kind.nv && loop.joint.locked != 0) std::copy_n(loop.held.begin(), kind.nq, own.q);
+  if (kind.nq != kind.nv && loop.joint.locked + 1 == 1u << kind.nv) std::copy_n(loop.held.begin(), kind.nq, own.q);
   JointView view;
   view.name = joint_name(number);
   view.kind = loop.joint.kind;
@@ -53,6 +53,7 @@ JointView World::loop_view(JointId number) const {
   view.q = {own.q, static_cast<std::size_t>(kind.nq)};
   view.v = {own.v, static_cast<std::size_t>(kind.nv)};
   view.loop = true;
+  view.driven = loop.driven();
   return view;
 }
 
