@@ -41,22 +41,6 @@ double open_by(const Tree& tree, const LoopWorkspace& loops) {
   return worst;
 }
 
-// q ← q + N(q) scale·δ.
-void move(const Tree& tree, const double* delta, double scale, double* q) {
-  for (const int b : tree.order())
-    dispatch(tree.kind(b), [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      if constexpr (K::info.nv > 0) {
-        double rate[7] = {}, part[6] = {};
-        for (int i = 0; i < K::info.nv; ++i) part[i] = scale * delta[tree.first_p(b) + i];
-        double* const own = q + tree.first_q(b);
-        K::Kernels::template coordinate_rate<double>(own, part, rate);
-        for (int i = 0; i < K::info.nq; ++i) own[i] += rate[i];
-        K::Kernels::normalise(own);
-      }
-    });
-}
-
 // The angles of the loops' joints, as hints for the next ones.
 void note_turns(const Tree& tree, Workspace<double>& workspace) {
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
@@ -97,6 +81,21 @@ void close_velocities(LoopCorrection& correction, const double* q, double* u) {
 
 }  // namespace
 
+void detail::displace(const Tree& tree, const double* delta, double scale, double* q) noexcept {
+  for (const int b : tree.order())
+    dispatch(tree.kind(b), [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      if constexpr (K::info.nv > 0) {
+        double rate[7] = {}, part[6] = {};
+        for (int i = 0; i < K::info.nv; ++i) part[i] = scale * delta[tree.first_p(b) + i];
+        double* const own = q + tree.first_q(b);
+        K::Kernels::template coordinate_rate<double>(own, part, rate);
+        for (int i = 0; i < K::info.nq; ++i) own[i] += rate[i];
+        K::Kernels::normalise(own);
+      }
+    });
+}
+
 bool close_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double& energy) noexcept {
   detail::loop_memory(tree, workspace);
   detail::set_loop_motions(tree, t, workspace);
@@ -114,7 +113,7 @@ bool close_loops(const Tree& tree, double t, double* q, double* u, Workspace<dou
     }
     before = open;
     correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
-    move(tree, workspace.a.get(), 1, q);
+    detail::displace(tree, workspace.a.get(), 1, q);
   }
   close_velocities(correction, q, u);
   sweep_velocities<double, true>(tree, q, u, workspace);
@@ -142,7 +141,7 @@ bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<
     bool better = false;
     for (double scale = largest > 0.5 ? 0.5 / largest : 1; scale > 1e-6 && !better; scale /= 2) {
       std::copy_n(from.begin(), n, q);
-      move(tree, step.data(), scale, q);
+      detail::displace(tree, step.data(), scale, q);
       correction.evaluate(q, u, open < 1e-4 ? 0 : at_assembly);
       const double now = open_by(tree, loops);
       if (now < open * (1 - 1e-4 * scale)) open = now, better = true;

@@ -239,6 +239,34 @@ Force<double> loop_joint_wrench(const Tree& tree, double t, const Workspace<doub
   return joint_wrench(spec_of(loop.joint), q, loop.joint.locked, effort);
 }
 
+double loop_holding_force(const Tree& tree, double t, const Workspace<double>& workspace, int place, int dof,
+                          double& size) noexcept {
+  const Loop& loop = tree.loops()[at(place)];
+  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopPlace& p = workspace.loops->places[at(place)];
+  double q[7] = {}, u[6] = {}, effort[6] = {}, passive[6] = {};
+  loop_coordinates(tree, workspace, place, q, u);
+  u[dof] = 0;
+  Vec3 F{}, T{};
+  for (int i = 0; i < link.rows; ++i) {
+    const auto row = at(link.first_row + i);
+    F += workspace.loops->lambda[row] * workspace.loops->rows[row].F;
+    T += workspace.loops->lambda[row] * workspace.loops->rows[row].T;
+  }
+  const Mat3 Rb = loop_child_axes(p, link);
+  Force<double> W{transpose_times(Rb, F), transpose_times(Rb, T)};
+  W += loop_joint_wrench(tree, t, workspace, place, effort);
+  Motion<double> E[6];
+  joint_columns(spec_of(loop.joint), q, E);
+  Power unused;
+  Loop free = loop;
+  free.joint.locked = 0;
+  joint_force(free, t, q, u, passive, unused);
+  const double through = dot(E[dof], W);
+  size = std::fabs(through) + std::fabs(passive[dof]);
+  return through - passive[dof];
+}
+
 void add_loop_forces(const Tree& tree, double t, Workspace<double>& workspace) noexcept {
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];

@@ -22,9 +22,17 @@ LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int p
 Force<double> loop_joint_wrench(const Tree& tree, double t, const Workspace<double>& workspace, int place, double* effort,
                                 Power* power = nullptr) noexcept;
 
+/// The force along a locked DoF of a loop joint that holds it, as a stop on which it rests: without springs and drives. `size`:
+/// of the forces of which it is the difference. Requires `accelerate`.
+double loop_holding_force(const Tree& tree, double t, const Workspace<double>& workspace, int place, int dof,
+                          double& size) noexcept;
+
 }  // namespace momentree
 
 namespace momentree::detail {
+
+/// q ← q + N(q) scale·δ.
+void displace(const Tree& tree, const double* delta, double scale, double* q) noexcept;
 
 /// Lays out the memory for the tree's present topology; forgets the chosen rows if that changed.
 LoopWorkspace& loop_memory(const Tree& tree, Workspace<double>& workspace);

@@ -141,6 +141,7 @@ class Reader {
                  problem.hint);
     const std::size_t angle = std::string_view(kind.q_units).find('r');
     if (angle != std::string_view::npos && !joint.q.empty()) loop.turn = joint.q[static_cast<int>(angle)];
+    loop.active_limits = joint.active_limits;
     result_.forest.loops.push_back(std::move(loop));
   }
 

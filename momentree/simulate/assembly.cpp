@@ -59,6 +59,23 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
   return std::nullopt;
 }
 
+std::optional<Error> beyond_stops(const Tree& tree, const Names& names, const State& state) {
+  Workspace<double> workspace(tree);
+  forward_dynamics(tree, state, workspace);
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    const JointLimits& limits = loop.parameters.limits;
+    if (!limits.hard()) continue;
+    double q[7] = {}, u[6] = {};
+    loop_coordinates(tree, workspace, static_cast<int>(i), q, u);
+    for (int k = 0; k < info(loop.joint.kind).nv; ++k)
+      if (q[k] < limits.lower_of(k) - closed_at_start || q[k] > limits.upper_of(k) + closed_at_start)
+        return Error("it starts beyond its limits, at " + short_text(q[k]), "loop '" + names.joint(loop.id().index) + "'",
+                     "give start values that close the loop within them");
+  }
+  return std::nullopt;
+}
+
 std::optional<Error> check_assembly(const Model& model) {
   if (model.loops().empty()) return std::nullopt;
   const Tree tree(model);
@@ -74,7 +91,8 @@ std::optional<Error> check_assembly(const Model& model) {
   }
   const Names names(model);
   if (std::optional<Error> error = assemble(tree, model, names, state)) return error;
-  return conflicting_motions(tree, names, state);
+  if (std::optional<Error> error = conflicting_motions(tree, names, state)) return error;
+  return beyond_stops(tree, names, state);
 }
 
 }  // namespace momentree

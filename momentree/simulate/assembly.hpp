@@ -17,6 +17,9 @@ namespace momentree {
 /// locks do not allow. `where` is "joint 'name'".
 [[nodiscard]] std::optional<Error> conflicting_motions(const Tree& tree, const Names& names, const State& state);
 
+/// The mistake if a loop joint starts beyond its hard stops.
+[[nodiscard]] std::optional<Error> beyond_stops(const Tree& tree, const Names& names, const State& state);
+
 /// The mistake that keeps a model's loops from being closed at the start.
 [[nodiscard]] std::optional<Error> check_assembly(const Model& model);
 

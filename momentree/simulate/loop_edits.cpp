@@ -125,6 +125,8 @@ void TopologyEditor::hold_by_loop(int body) {
     world_.names_.remove_joint(loop.id().index);
     carry_out(change, Nature::workless);
     world_.names_.name_joint(number, name);
+    for (ActiveLimit& limit : world_.active_limits_)
+      if (limit.joint == loop.id().index) limit.joint = number;
     if (other < 0)
       world_.names_.move_mechanism(body, own);
     else

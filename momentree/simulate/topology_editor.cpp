@@ -161,15 +161,17 @@ ActionResult TopologyEditor::set_spring(int spring, const JointParameters& given
 
 void TopologyEditor::unlock(int joint, unsigned dofs) {
   touch(joint);
-  if (is_loop({joint})) return lock_loop(joint, loop_of(joint).joint.locked & ~dofs);
+  if (is_loop({joint})) return lock_loop(joint, loop_of(joint).joint.locked & ~(dofs & ~world_.held(joint)));
   const JointParameters* p = tree().parameters(tree().carrier(joint));
   const bool resumes = p != nullptr && p->drive != nullptr && p->drive->moves();
   carry_out(Unlock{{joint}, dofs & ~world_.held(joint)}, resumes ? Nature::outside : Nature::workless);
 }
 void TopologyEditor::lock(int joint, unsigned dofs) {
   touch(joint);
-  if (is_loop({joint})) return lock_loop(joint, loop_of(joint).joint.locked | dofs);
-  carry_out(Lock{{joint}, dofs}, Nature::impact);
+  if (is_loop({joint}))
+    lock_loop(joint, loop_of(joint).joint.locked | dofs);
+  else
+    carry_out(Lock{{joint}, dofs}, Nature::impact);
   std::erase_if(world_.active_limits_, [&](const ActiveLimit& h) { return h.joint == joint && (dofs >> h.dof & 1u) != 0; });
 }
 
@@ -177,11 +179,17 @@ void TopologyEditor::apply_restitution(int joint, int dof, double restitution) {
   carry_out(Impact{{joint}, dof, restitution}, Nature::impact);
 }
 void TopologyEditor::engage_limit(int joint, int dof, int sign) {
-  carry_out(Lock{{joint}, 1u << dof}, Nature::impact);
+  if (is_loop({joint}))
+    lock_loop(joint, loop_of(joint).joint.locked | 1u << dof);
+  else
+    carry_out(Lock{{joint}, 1u << dof}, Nature::impact);
   world_.active_limits_.push_back({joint, dof, sign});
 }
 void TopologyEditor::release_limit(int joint, int dof) {
-  carry_out(Unlock{{joint}, 1u << dof}, Nature::workless);
+  if (is_loop({joint}))
+    lock_loop(joint, loop_of(joint).joint.locked & ~(1u << dof));
+  else
+    carry_out(Unlock{{joint}, 1u << dof}, Nature::workless);
   std::erase_if(world_.active_limits_, [&](const ActiveLimit& h) { return h.joint == joint && h.dof == dof; });
 }
 

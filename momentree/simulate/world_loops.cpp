@@ -46,7 +46,7 @@ JointView World::loop_view(JointId number) const {
   view.name = joint_name(number);
   view.kind = loop.joint.kind;
   view.child = {loop.body}, view.parent = {loop.to};
-  view.locked = loop.joint.locked;
+  view.locked = loop.joint.locked & ~held(number.index), view.resting = held(number.index);
   view.at = loop.joint.at, view.child_at = loop.joint.child_at;
   view.axis = loop.joint.axis, view.axis2 = loop.joint.axis2, view.pitch = loop.joint.pitch;
   view.parameters = &loop.parameters;

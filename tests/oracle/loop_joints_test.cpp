@@ -269,3 +269,45 @@ TEST_CASE("loop joints: locks, also of some DoFs, and impacts with armatures act
   }
   CHECK(moving > 80);
 }
+
+TEST_CASE("loop joints: hard stops act as those of the tree") {
+  int hit = 0, rested = 0, moving = 0;
+  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+    CAPTURE(seed);
+    Prng random(seed + 99);
+    const Kind first = kinds[seed % 4];  // some turn far: the second angle of a universal loop joint does not count full turns
+    const Kind last =
+        std::vector<Kind>{Kind::revolute, Kind::prismatic, Kind::helical, Kind::cylindrical, Kind::planar}[seed % 5];
+    const int nv = info(last).nv, bodies = std::max(3, 8 - info(first).nv - nv);
+    Ring ring = random_ring(seed, first, last, bodies);
+    Ring::Joint& end = ring.joints.back();
+    JointLimits& limits = end.spec.parameters.limits;
+    for (int i = 0; i < nv; ++i) {
+      const double q = end.q[i];
+      limits.lower.push_back(q - random.uniform(0.01, 0.2)), limits.upper.push_back(q + random.uniform(0.01, 0.2));
+      limits.restitution.push_back(random.chance(0.5) ? 0.0 : random.uniform(0, 0.8));
+    }
+    Simulation one(ring.forward(), fine), other(ring.backward(), fine);
+    if (!one.run_until(0.4) || !other.run_until(0.4)) continue;
+    ++moving;
+    const std::vector<Event>&e = one.events(), &f = other.events();
+    REQUIRE(e.size() == f.size());
+    for (std::size_t i = 0; i < e.size(); ++i) {
+      CHECK(std::fabs(e[i].time - f[i].time) < 1e-7);
+      CHECK(e[i].actions[0].kind == f[i].actions[0].kind);
+      CHECK(std::fabs(e[i].lost - f[i].lost) < 1e-6 * (1 + e[i].before.kinetic));
+      CHECK(e[i].lost > -1e-9 * (1 + e[i].before.kinetic));
+      hit += e[i].actions[0].kind == "hit" ? 1 : 0, rested += e[i].actions[0].kind == "rest" ? 1 : 0;
+    }
+    compare(one.world(), other.world(), bodies + 1, 1e-6);
+    CHECK(balance_error(one) < 1e-7);
+    const JointView view = one.world().joint({one.world().find_joint(Ring::name(bodies))});
+    for (int i = 0; i < nv; ++i) {
+      CHECK(view.q[static_cast<std::size_t>(i)] > limits.lower[i] - 1e-9);
+      CHECK(view.q[static_cast<std::size_t>(i)] < limits.upper[i] + 1e-9);
+    }
+  }
+  CHECK(moving > 100);
+  CHECK(hit > 50);
+  CHECK(rested > 20);
+}
