@@ -138,7 +138,8 @@ void detail::place_dof_rows(const Tree& tree, Workspace<double>& workspace, int 
 void detail::soften(LoopWorkspace& loops) noexcept {
   const LoopLayout& layout = loops.whole ? loops.all : loops.kept;
   for (std::size_t i = 0; i < layout.rows.size(); ++i)
-    loops.A[static_cast<std::size_t>(layout.position[i] + static_cast<std::ptrdiff_t>(i))] += loops.rows[at(layout.rows[i])].softness;
+    loops.A[static_cast<std::size_t>(layout.position[i] + static_cast<std::ptrdiff_t>(i))] +=
+        loops.rows[at(layout.rows[i])].softness;
 }
 
 void carry_armatures(const Tree& tree, Workspace<double>& workspace) noexcept {

@@ -91,17 +91,17 @@ struct LoopReactions {
 };
 
 struct LoopWorkspace {
-  std::uint64_t topology = 0;       ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
-  std::vector<LoopPlace> places;    ///< by loop
-  std::vector<double> turns;        ///< by loop: the angle to which its own is nearest
+  std::uint64_t topology = 0;          ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
+  std::vector<LoopPlace> places;       ///< by loop
+  std::vector<double> turns;           ///< by loop: the angle to which its own is nearest
   std::vector<Curve::Point> motions;   ///< by loop: its prescribed motion at the time of the evaluation
   std::vector<ArmatureSpeed> carried;  ///< of loop joints with armature, before an impact
-  std::vector<LoopRow> rows;        ///< by row
-  std::vector<LoopColumn> columns;  ///< by stop and row
-  LoopLayout all, kept;             ///< of all rows, and of the chosen ones
-  bool whole = false;               ///< A is that of all rows
-  std::vector<double> A, factor;    ///< of all or of the chosen rows; Cholesky factor of the chosen ones
-  std::vector<double> b, lambda;    ///< by row; behind b as many for scratch
+  std::vector<LoopRow> rows;           ///< by row
+  std::vector<LoopColumn> columns;     ///< by stop and row
+  LoopLayout all, kept;                ///< of all rows, and of the chosen ones
+  bool whole = false;                  ///< A is that of all rows
+  std::vector<double> A, factor;       ///< of all or of the chosen rows; Cholesky factor of the chosen ones
+  std::vector<double> b, lambda;       ///< by row; behind b as many for scratch
   RowChoice choice;
   int rank = 0;
   int struck = -1;         ///< the loop whose DoF a stop struck in the last change, −1: none
