@@ -26,7 +26,9 @@ double open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t loop) {
   double worst = 0;
   for (int i = 0; i < link.rows; ++i) {
     const LoopRow& row = loops.rows[at(link.first_row + i)];
-    const bool length = i < link.closure.positions || i >= link.closure.positions + link.closure.directions;
+    const int rows = link.closure.rows();
+    const bool length = i >= rows ? info(tree.loops()[loop].joint.kind).q_units[link.dof_rows[at(i - rows)].dof] == 'm'
+                                  : i < link.closure.positions || i >= link.closure.positions + link.closure.directions;
     const double part = std::fabs(row.residual) / (length ? std::max(loops.places[loop].size, 1e-300) : 1.0);
     if (!(part <= worst)) worst = part;  // NaN is kept
   }
@@ -37,22 +39,6 @@ double open_by(const Tree& tree, const LoopWorkspace& loops) {
   for (std::size_t i = 0; i < tree.loops().size(); ++i)
     if (const double part = open_by(tree, loops, i); !(part <= worst)) worst = part;
   return worst;
-}
-
-// q ← q + N(q) scale·δ.
-void move(const Tree& tree, const double* delta, double scale, double* q) {
-  for (const int b : tree.order())
-    dispatch(tree.kind(b), [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      if constexpr (K::info.nv > 0) {
-        double rate[7] = {}, part[6] = {};
-        for (int i = 0; i < K::info.nv; ++i) part[i] = scale * delta[tree.first_p(b) + i];
-        double* const own = q + tree.first_q(b);
-        K::Kernels::template coordinate_rate<double>(own, part, rate);
-        for (int i = 0; i < K::info.nq; ++i) own[i] += rate[i];
-        K::Kernels::normalise(own);
-      }
-    });
 }
 
 // The angles of the loops' joints, as hints for the next ones.
@@ -81,7 +67,8 @@ double energy_at(const Tree& tree, const double* q, Workspace<double>& workspace
   for (const int b : tree.spring_joints()) energy += joint_spring(tree, q, b, force);
   for (int s = 0; s < tree.spring_count(); ++s)
     if (tree.spring_acts(s)) energy += tree.spring_law(s).energy(spring_motion(tree, workspace, s).length);
-  for (std::size_t i = 0; i < tree.loops().size(); ++i) energy += loop_energy(tree, workspace, static_cast<int>(i));
+  for (std::size_t i = 0; i < tree.loops().size(); ++i)
+    energy += loop_energy(tree, workspace, static_cast<int>(i)) + loop_armature_energy(tree, workspace, static_cast<int>(i));
   return energy;
 }
 
@@ -94,8 +81,24 @@ void close_velocities(LoopCorrection& correction, const double* q, double* u) {
 
 }  // namespace
 
-bool close_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace, double& energy) noexcept {
+void detail::displace(const Tree& tree, const double* delta, double scale, double* q) noexcept {
+  for (const int b : tree.order())
+    dispatch(tree.kind(b), [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      if constexpr (K::info.nv > 0) {
+        double rate[7] = {}, part[6] = {};
+        for (int i = 0; i < K::info.nv; ++i) part[i] = scale * delta[tree.first_p(b) + i];
+        double* const own = q + tree.first_q(b);
+        K::Kernels::template coordinate_rate<double>(own, part, rate);
+        for (int i = 0; i < K::info.nq; ++i) own[i] += rate[i];
+        K::Kernels::normalise(own);
+      }
+    });
+}
+
+bool close_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double& energy) noexcept {
   detail::loop_memory(tree, workspace);
+  detail::set_loop_motions(tree, t, workspace);
   LoopCorrection correction{tree, workspace};
   const LoopWorkspace& loops = *workspace.loops;
   double before = HUGE_VAL;
@@ -110,7 +113,7 @@ bool close_loops(const Tree& tree, double* q, double* u, Workspace<double>& work
     }
     before = open;
     correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
-    move(tree, workspace.a.get(), 1, q);
+    detail::displace(tree, workspace.a.get(), 1, q);
   }
   close_velocities(correction, q, u);
   sweep_velocities<double, true>(tree, q, u, workspace);
@@ -120,8 +123,9 @@ bool close_loops(const Tree& tree, double* q, double* u, Workspace<double>& work
   return true;
 }
 
-bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace, double* residuals) noexcept {
+bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double* residuals) noexcept {
   detail::loop_memory(tree, workspace);
+  detail::set_loop_motions(tree, t, workspace);
   LoopCorrection correction{tree, workspace};
   const LoopWorkspace& loops = *workspace.loops;
   const auto n = at(tree.nq());
@@ -137,7 +141,7 @@ bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& w
     bool better = false;
     for (double scale = largest > 0.5 ? 0.5 / largest : 1; scale > 1e-6 && !better; scale /= 2) {
       std::copy_n(from.begin(), n, q);
-      move(tree, step.data(), scale, q);
+      detail::displace(tree, step.data(), scale, q);
       correction.evaluate(q, u, open < 1e-4 ? 0 : at_assembly);
       const double now = open_by(tree, loops);
       if (now < open * (1 - 1e-4 * scale)) open = now, better = true;
@@ -151,15 +155,25 @@ bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& w
   double energy = 0;
   if (!(open <= nearly)) return false;
   note_turns(tree, workspace);
-  return close_loops(tree, q, u, workspace, energy);
+  return close_loops(tree, t, q, u, workspace, energy);
 }
 
-void loop_residuals(const Tree& tree, const double* q, const double* u, Workspace<double>& workspace,
+void loop_residuals(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                     double* residuals) noexcept {
   detail::loop_memory(tree, workspace);
+  detail::set_loop_motions(tree, t, workspace);
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
   for (std::size_t i = 0; i < tree.loops().size(); ++i) residuals[i] = open_by(tree, *workspace.loops, i);
+}
+
+int independent_rows(const Tree& tree, double t, const double* q, Workspace<double>& workspace) {
+  detail::loop_memory(tree, workspace);
+  detail::set_loop_motions(tree, t, workspace);
+  const std::vector<double> rest(at(tree.nv()), 0.0);
+  LoopCorrection correction{tree, workspace};
+  correction.evaluate(q, rest.data(), 0);
+  return workspace.loops->rank - tree.loop_armatures();
 }
 
 LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
@@ -167,7 +181,7 @@ LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& 
   if (!tree.has_loops()) return status;
   forward_dynamics(tree, state, workspace);
   const LoopWorkspace& loops = *workspace.loops;
-  status.rows = tree.loop_rows(), status.rank = loops.rank;
+  status.rows = tree.loop_rows() - tree.loop_armatures(), status.rank = loops.rank - tree.loop_armatures();
   for (const LoopRow& row : loops.rows) status.residual = std::max(status.residual, std::fabs(row.residual));
   return status;
 }

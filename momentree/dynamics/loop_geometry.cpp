@@ -16,6 +16,8 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+constexpr double stiffest_armature = 1e6;  // a soft row is never redundant, however large the armature is beside the bodies
+
 // The joint frame on one side: axes and origin in the world, velocity of the point at x and angular velocity there.
 struct Side {
   Mat3 R;
@@ -84,20 +86,6 @@ void closure_rows(const Closure& c, unsigned wanted, const Mat3& R, const Vec3& 
   put(c.positions + c.directions, dot(s.n, r) - s.h * screw_angle(s, R, turn), s.n, -s.h * gradient, -s.h * rate);
 }
 
-// The axes of the joint's own child-side frame in the world; locks may turn that of the rows about its origin.
-Mat3 child_axes(const LoopPlace& p, const LoopLink& link) {
-  return p.Ra * (p.R * transpose(rotation_matrix(link.child_offset.rotation)));
-}
-// The joint's motion: the pose of its own child-side frame in its own parent-side frame.
-Pose joint_pose(const LoopPlace& p, const LoopLink& link) {
-  return link.parent_offset * (Pose{p.r, quaternion_of(p.R)} * inverse(link.child_offset));
-}
-
-Motion<double> relative_motion(const LoopPlace& p, const Mat3& Rb) {  // of the child side in the parent side, in axes Rb
-  const Vec3 v = p.vb - p.va - cross(p.wa, p.xb - p.xa);
-  return {transpose_times(Rb, v), transpose_times(Rb, p.wb - p.wa)};
-}
-
 }  // namespace
 
 Force<double> on_body(const Kinematics<double>& body, const Vec3& F, const Vec3& T, const Vec3& x) noexcept {
@@ -110,7 +98,7 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   if (loops.topology == tree.revision()) return loops;
   const std::size_t n = tree.loops().size(), rows = at(tree.loop_rows());
   loops.topology = tree.revision();
-  loops.places.resize(n), loops.turns.resize(n, 0.0);
+  loops.places.resize(n), loops.turns.resize(n, 0.0), loops.motions.resize(n);
   loops.rows.resize(rows), loops.columns.resize(at(tree.loop_columns()));
   std::vector<int>& all = loops.choice.taken;
   all.resize(rows);
@@ -120,6 +108,7 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   loops.A.resize(loops.all.elements), loops.factor.resize(loops.all.elements), loops.least_pivots.resize(rows);
   loops.b.resize(2 * rows), loops.lambda.resize(rows);
   loops.choice.reserve(n, rows, loops.all.elements);
+  loops.carried.reserve(6 * n);
   loops.rank = -1;
   return loops;
 }
@@ -159,12 +148,13 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
     }
     const auto put = [&](int k, double phi, const Vec3& F, const Vec3& T, const Vec3& Tdot) {
       LoopRow& to = loops.rows[at(link.first_row + k)];
-      to.residual = phi;
+      to.residual = phi, to.softness = to.jump_to = 0;
       to.F = a.R * F, to.T = a.R * T;
       to.velocity = dot(to.F, v) + dot(to.T, p.wb - p.wa);
       to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(cross(p.wa, to.T) + a.R * Tdot, p.wb - p.wa);
     };
     closure_rows(link.closure, wanted, p.R, p.r, wr, loops.turns[i], put);
+    if (link.dof_row_count > 0) place_dof_rows(tree, workspace, static_cast<int>(i));
   }
 }
 
@@ -179,36 +169,15 @@ void detail::scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept
         return mobility(tree.link(b).body, on_body(workspace.bodies[at(b)], row.F, row.T, loops.places[i].xb));
       };
       row.scale = at_body(loop.body) + (loop.to >= 0 ? at_body(loop.to) : 0.0);
+      row.scale = std::min(row.scale + row.softness, row.softness > 0 ? stiffest_armature * row.softness : HUGE_VAL);
     }
   }
-}
-
-void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept {
-  const LoopWorkspace& loops = *workspace.loops;
-  const LoopPlace& p = loops.places[at(place)];
-  const LoopLink& link = tree.loop_links()[at(place)];
-  const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
-  nearest_coordinates(spec, joint_pose(p, link), loops.turns[at(place)], q);
-  Motion<double> E[6];
-  const int nv = joint_columns(spec, q, E);
-  const Motion<double> relative = relative_motion(p, child_axes(p, link));
-  const auto product = [](const Motion<double>& x, const Motion<double>& y) { return dot(x.v, y.v) + dot(x.w, y.w); };
-  JointMass<double, 6> squares;
-  double right[6] = {};
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < i; ++j) squares(i, j) = i < nv ? product(E[i], E[j]) : 0;
-    squares(i, i) = i < nv ? product(E[i], E[i]) : 1;
-    if (i < nv) right[i] = product(E[i], relative);
-  }
-  squares.factorise();
-  squares.solve(right);
-  std::copy_n(right, nv, u);
 }
 
 // The nearest coordinates give the pose of the joint, unless directions are reversed.
 bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
   const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
-  const Pose pose = joint_pose(workspace.loops->places[at(place)], tree.loop_links()[at(place)]);
+  const Pose pose = loop_pose(workspace.loops->places[at(place)], tree.loop_links()[at(place)]);
   double q[7] = {};
   nearest_coordinates(spec, pose, workspace.loops->turns[at(place)], q);
   const Mat3 R = transpose(rotation_matrix(joint_motion(spec, q).rotation)) * rotation_matrix(pose.rotation);
@@ -244,6 +213,8 @@ void joint_force(const Loop& loop, double t, const double* q, const double* u, d
     power.dissipated += friction * u[i], power.work += effort * u[i];
   }
   forces::add_elements({p, kind.nv, ~loop.joint.locked, t, q, u, force, &power});
+  for (int i = 0; i < kind.nv; ++i)
+    if ((loop.joint.locked >> i & 1u) != 0) force[i] = 0;
   if (!p.limits.soft()) return;
   for (int i = 0; i < kind.nv; ++i)  // what a soft stop stores is potential energy
     power.dissipated -= p.limits.stiffness.of(i) * forces::passed(p.limits, i, q[i]) * u[i];
@@ -268,6 +239,34 @@ Force<double> loop_joint_wrench(const Tree& tree, double t, const Workspace<doub
   return joint_wrench(spec_of(loop.joint), q, loop.joint.locked, effort);
 }
 
+double loop_holding_force(const Tree& tree, double t, const Workspace<double>& workspace, int place, int dof,
+                          double& size) noexcept {
+  const Loop& loop = tree.loops()[at(place)];
+  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopPlace& p = workspace.loops->places[at(place)];
+  double q[7] = {}, u[6] = {}, effort[6] = {}, passive[6] = {};
+  loop_coordinates(tree, workspace, place, q, u);
+  u[dof] = 0;
+  Vec3 F{}, T{};
+  for (int i = 0; i < link.rows; ++i) {
+    const auto row = at(link.first_row + i);
+    F += workspace.loops->lambda[row] * workspace.loops->rows[row].F;
+    T += workspace.loops->lambda[row] * workspace.loops->rows[row].T;
+  }
+  const Mat3 Rb = loop_child_axes(p, link);
+  Force<double> W{transpose_times(Rb, F), transpose_times(Rb, T)};
+  W += loop_joint_wrench(tree, t, workspace, place, effort);
+  Motion<double> E[6];
+  joint_columns(spec_of(loop.joint), q, E);
+  Power unused;
+  Loop free = loop;
+  free.joint.locked = 0;
+  joint_force(free, t, q, u, passive, unused);
+  const double through = dot(E[dof], W);
+  size = std::fabs(through) + std::fabs(passive[dof]);
+  return through - passive[dof];
+}
+
 void add_loop_forces(const Tree& tree, double t, Workspace<double>& workspace) noexcept {
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
@@ -275,7 +274,7 @@ void add_loop_forces(const Tree& tree, double t, Workspace<double>& workspace) n
     double effort[6] = {};
     const Force<double> W = loop_joint_wrench(tree, t, workspace, static_cast<int>(i), effort, &workspace.power);
     const LoopPlace& p = workspace.loops->places[i];
-    const Mat3 Rb = child_axes(p, tree.loop_links()[i]);
+    const Mat3 Rb = loop_child_axes(p, tree.loop_links()[i]);
     const Vec3 F = Rb * W.l, T = Rb * W.h;
     Force<double>& child = workspace.biases[at(loop.body)].wrench;
     child = child - on_body(workspace.bodies[at(loop.body)], F, T, p.xb);

@@ -23,7 +23,10 @@ LoopImpulse loop_impulse(const Tree& tree, const Workspace<double>& workspace, i
     found.force += loops.lambda[row] * loops.rows[row].F;
     found.torque += loops.lambda[row] * loops.rows[row].T;
   }
+  if (loops.struck == place) found.force += loops.strike.l, found.torque += loops.strike.h;
   found.at = loops.places[at(place)].xb;
+  const LoopMotion motion = loop_motion(tree, workspace, place);
+  found.motion = motion.effort, found.motion_rate = motion.rate;
   return found;
 }
 
@@ -40,12 +43,29 @@ LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& 
     F += loops.lambda[row] * loops.rows[row].F;
     T += loops.lambda[row] * loops.rows[row].T;
   }
-  const Force<double> constraint = on_body(child, F, T, p.xb);
-  const Force<double> W = loop_joint_wrench(tree, t, workspace, place, found.effort);
-  const Mat3 Rb = p.Ra * (p.R * transpose(rotation_matrix(link.child_offset.rotation)));
-  const Force<double> along = on_body(child, Rb * W.l, Rb * W.h, p.xb);
-  found.constraint = {constraint.l, constraint.h};
-  found.total = {constraint.l + along.l, constraint.h + along.h};
+  Force<double> total = on_body(child, F, T, p.xb);
+  const Mat3 Rb = loop_child_axes(p, link);
+  const auto on_child = [&](const Force<double>& W) { return on_body(child, Rb * W.l, Rb * W.h, p.xb); };
+  total += on_child(loop_joint_wrench(tree, t, workspace, place, found.effort));
+  double along[6], q[7] = {}, u[6] = {};
+  std::copy_n(found.effort, 6, along);
+  for (int i = 0; i < link.dof_row_count; ++i)
+    if (link.dof_rows[at(i)].use != DofRow::Use::lock)
+      along[link.dof_rows[at(i)].dof] += loops.lambda[at(link.first_row + link.closure.rows() + i)];
+  loop_coordinates(tree, workspace, place, q, u);
+  const Force<double> pure = total - on_child(joint_wrench(spec_of(loop.joint), q, loop.joint.locked, along));
+  const LoopMotion motion = loop_motion(tree, workspace, place);
+  found.effort[0] += motion.effort + motion.inertial;
+  if (loop.joint.locked != 0) {  // the effort that holds it
+    Motion<double> E[6];
+    const int nv = joint_columns(spec_of(loop.joint), q, E);
+    const Vec3 torque = child.R * total.h - cross(p.xb - child.r, child.R * total.l);
+    const Force<double> W{transpose_times(Rb, child.R * total.l), transpose_times(Rb, torque)};
+    for (int i = 0; i < nv; ++i)
+      if ((loop.joint.locked >> i & 1u) != 0) found.effort[i] = dot(E[i], W);
+  }
+  found.constraint = {pure.l, pure.h};
+  found.total = {total.l, total.h};
   return found;
 }
 

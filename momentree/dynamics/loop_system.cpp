@@ -240,6 +240,7 @@ void LoopCorrection::evaluate(const double* q, const double* u, double tolerance
   reduce_accelerations<double, true>(tree, q, workspace);
   place_loops(tree, q, workspace, true);
   gather_loops(tree, q, workspace, {}, true);
+  soften(*workspace.loops);
   scale_rows(tree, workspace);
   choose_rows(tree, *workspace.loops, tolerance > 0 ? tolerance : rank_tolerance);
   factorise_loops(*workspace.loops);
@@ -257,14 +258,17 @@ void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace
   LoopWorkspace& loops = *workspace.loops;  // placed with the forces
   const bool choose = rows == LoopRows::choose || loops.rank < 0;
   detail::gather_loops(tree, q, workspace, base, choose);
+  if (tree.loop_armatures() > 0) detail::soften(loops);
   if (choose) {
     detail::scale_rows(tree, workspace);
     detail::choose_rows(tree, loops, rank_tolerance);
   }
   detail::factorise_loops(loops);
-  detail::solve_chosen(loops, [&](std::size_t row) { return -loops.b[row] - (velocities ? 0.0 : loops.rows[row].drift); });
+  detail::solve_chosen(
+      loops, [&](std::size_t row) { return -loops.b[row] + (velocities ? loops.rows[row].jump_to : -loops.rows[row].drift); });
   detail::apply_multipliers(tree, q, workspace);
   loops.impulsive = velocities;
+  loops.struck = -1;
   loops.least = false;
 }
 
@@ -272,6 +276,7 @@ void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& work
   for (const int b : tree.order()) workspace.biases[at(b)] = {};
   std::copy_n(u, tree.nv(), workspace.a.get());
   reduce_accelerations<double, true>(tree, q, workspace);
+  for (LoopRow& row : workspace.loops->rows) row.jump_to = 0;
   solve_loops(tree, q, workspace, {}, LoopRows::choose, true);
   resolve_accelerations<double, true>(tree, q, workspace, {});
   std::copy_n(workspace.a.get(), tree.nv(), u);

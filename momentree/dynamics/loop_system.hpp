@@ -9,14 +9,30 @@ namespace momentree {
 /// A force F and torque T at the point x, world axes, as a wrench on a body in its kernel frame.
 Force<double> on_body(const Kinematics<double>& body, const Vec3& F, const Vec3& T, const Vec3& x) noexcept;
 
+/// Axes of the joint's own child-side frame in the world; locks may turn that of the rows about its origin.
+Mat3 loop_child_axes(const LoopPlace& place, const LoopLink& link) noexcept;
+/// The joint's motion: the pose of its own child-side frame in its own parent-side frame.
+Pose loop_pose(const LoopPlace& place, const LoopLink& link) noexcept;
+
+/// The velocity of one DoF of a loop joint as a row; its residual is the coordinate, if the DoF has one.
+LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept;
+
 /// The wrench of springs, dampers, friction, efforts and drives of a loop joint on its child, in the joint's child-side frame,
 /// and their effort along the DoFs; adds their power. At the places and velocities of the workspace.
 Force<double> loop_joint_wrench(const Tree& tree, double t, const Workspace<double>& workspace, int place, double* effort,
                                 Power* power = nullptr) noexcept;
 
+/// The force along a locked DoF of a loop joint that holds it, as a stop on which it rests: without springs and drives. `size`:
+/// of the forces of which it is the difference. Requires `accelerate`.
+double loop_holding_force(const Tree& tree, double t, const Workspace<double>& workspace, int place, int dof,
+                          double& size) noexcept;
+
 }  // namespace momentree
 
 namespace momentree::detail {
+
+/// q ← q + N(q) scale·δ.
+void displace(const Tree& tree, const double* delta, double scale, double* q) noexcept;
 
 /// Lays out the memory for the tree's present topology; forgets the chosen rows if that changed.
 LoopWorkspace& loop_memory(const Tree& tree, Workspace<double>& workspace);
@@ -25,6 +41,16 @@ LoopWorkspace& loop_memory(const Tree& tree, Workspace<double>& workspace);
 /// all rows, or the chosen ones alone.
 void place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving,
                  LoopRows which = LoopRows::choose) noexcept;
+
+/// Sets prescribed motions of loop joints to time t (s); before place_loops.
+void set_loop_motions(const Tree& tree, double t, Workspace<double>& workspace) noexcept;
+/// Part of place_loops: the rows of single DoFs of a loop.
+void place_dof_rows(const Tree& tree, Workspace<double>& workspace, int place) noexcept;
+/// Adds to A, after gather_loops, what armatures do.
+void soften(LoopWorkspace& loops) noexcept;
+/// The armatures keep the velocities that carry_armatures stored, in an impact that follows; those of new loops have their
+/// present ones.
+void keep_armatures(const Tree& tree, Workspace<double>& workspace) noexcept;
 
 /// The scales of the rows, which choosing them needs.
 void scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept;

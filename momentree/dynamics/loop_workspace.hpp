@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <momentree/dynamics/workspace_data.hpp>
+#include <momentree/math/signal.hpp>
 
 namespace momentree {
 
@@ -25,6 +26,14 @@ struct LoopRow {
   double velocity = 0;  ///< J u
   double drift = 0;     ///< J̇ u
   double scale = 1;     ///< bound of the row's element of A
+  double softness = 0;  ///< the inverse of an armature, added to the row's element of A
+  double jump_to = 0;   ///< J u after an impact, less what `velocity` leaves out
+};
+
+/// The velocity of a loop joint's DoF before a change.
+struct ArmatureSpeed {
+  int loop, dof;  ///< the loop by its number
+  double speed;
 };
 
 /// One row at one stop: the unit wrench K on the body, first articulated, then reduced; k = Eᵀ K and y = Mj⁻¹ k.
@@ -82,18 +91,22 @@ struct LoopReactions {
 };
 
 struct LoopWorkspace {
-  std::uint64_t topology = 0;        ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
-  std::vector<LoopPlace> places;     ///< by loop
-  std::vector<double> turns;         ///< by loop: the angle to which its own is nearest
-  std::vector<LoopRow> rows;         ///< by row
-  std::vector<LoopColumn> columns;   ///< by stop and row
-  LoopLayout all, kept;              ///< of all rows, and of the chosen ones
-  bool whole = false;                ///< A is that of all rows
-  std::vector<double> A, factor;     ///< of all or of the chosen rows; Cholesky factor of the chosen ones
-  std::vector<double> least_pivots;  ///< by chosen row: smaller ones are zero at stages
-  std::vector<double> b, lambda;     ///< by row; behind b as many for scratch
+  std::uint64_t topology = 0;          ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
+  std::vector<LoopPlace> places;       ///< by loop
+  std::vector<double> turns;           ///< by loop: the angle to which its own is nearest
+  std::vector<Curve::Point> motions;   ///< by loop: its prescribed motion at the time of the evaluation
+  std::vector<ArmatureSpeed> carried;  ///< of loop joints with armature, before an impact
+  std::vector<LoopRow> rows;           ///< by row
+  std::vector<LoopColumn> columns;     ///< by stop and row
+  LoopLayout all, kept;                ///< of all rows, and of the chosen ones
+  bool whole = false;                  ///< A is that of all rows
+  std::vector<double> A, factor;       ///< of all or of the chosen rows; Cholesky factor of the chosen ones
+  std::vector<double> least_pivots;    ///< by chosen row: smaller ones are zero at stages
+  std::vector<double> b, lambda;       ///< by row; behind b as many for scratch
   RowChoice choice;
   int rank = 0;
+  int struck = -1;         ///< the loop whose DoF a stop struck in the last change, −1: none
+  Force<double> strike{};  ///< and the stop's impulse on its child, world axes
   bool impulsive = false;  ///< the multipliers are impulses
   bool least = false;      ///< the multipliers are those of the least reactions
   LoopReactions reactions;

@@ -31,6 +31,7 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
       wrench = wrench - workspace.loads[static_cast<std::size_t>(b)];
     }
     if (tree.has_loops()) {
+      detail::set_loop_motions(tree, t, workspace);
       detail::place_loops(tree, q, workspace, true, rows);
       add_loop_forces(tree, t, workspace);
     }
@@ -46,6 +47,10 @@ void evaluate_keeping(const Tree& tree, double t, const double* q, const double*
   resolve_accelerations<double, true>(tree, q, workspace, accelerating_ground(tree));
   for (const int b : tree.driven_joints())
     workspace.power.work += motion_effort(tree, q, workspace, b) * workspace.v[static_cast<std::size_t>(tree.first_p(b))];
+  for (std::size_t i = 0; tree.loop_motions() > 0 && i < tree.loops().size(); ++i) {
+    const LoopMotion motion = loop_motion(tree, workspace, static_cast<int>(i));
+    workspace.power.work += (motion.effort + motion.inertial) * motion.rate;
+  }
 }
 
 // Calls f(b, its flags, tag of its joint's kernels) for all bodies, outboard before inboard.
@@ -143,7 +148,8 @@ void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>
 
 // The passes of accelerations with other quantities in the same places: −M Ω for the bias wrenches, momenta of armatures for the
 // joint forces, no bias, a ground at rest.
-void project_velocities(const Tree& tree, const double* q, double* u, Workspace<double>& workspace) noexcept {
+void project_velocities(const Tree& tree, const double* q, double* u, Workspace<double>& workspace,
+                        std::optional<double> time) noexcept {
   sweep_velocities<double, true>(tree, q, u, workspace);  // for the joint transforms
   for (const int b : tree.order()) {
     const auto i = static_cast<std::size_t>(b);
@@ -159,7 +165,13 @@ void project_velocities(const Tree& tree, const double* q, double* u, Workspace<
   }
   reduce_accelerations<double, true>(tree, q, workspace);
   if (tree.has_loops()) {
+    LoopWorkspace& loops = detail::loop_memory(tree, workspace);
+    if (time) detail::set_loop_motions(tree, *time, workspace);
     detail::place_loops(tree, q, workspace, true);
+    if (time)
+      detail::keep_armatures(tree, workspace);
+    else
+      for (LoopRow& row : loops.rows) row.jump_to = 0;
     solve_loops(tree, q, workspace, {}, LoopRows::choose, true);
   }
   resolve_accelerations<double, true>(tree, q, workspace, {});

@@ -1,6 +1,8 @@
 #pragma once
 // Velocities as the state between events: (q, u) → (q̇, u̇) by an articulated-body pass in which nothing cancels, and the
 // velocities after a change, which every body's own momentum determines.
+#include <optional>
+
 #include <momentree/dynamics/evaluate.hpp>
 
 namespace momentree {
@@ -40,8 +42,10 @@ void sum_momenta(const Tree& tree, const double* q, Workspace<double>& workspace
 /// Velocities u (nv numbers, in place) after a change, at coordinates q: the joints transmit impulses, and every body keeps its
 /// own momentum up to these, so that no digits are lost in long chains. In: u of DoFs with armature, as before the change, and
 /// the rates of driven DoFs; workspace.carried, the momentum M Ω of every body before the change, in its present kernel frame.
-/// Overwrites everything else in the workspace.
-void project_velocities(const Tree& tree, const double* q, double* u, Workspace<double>& workspace) noexcept;
+/// Overwrites everything else in the workspace. Loop joints with a prescribed motion have its rate at `time` (s), and armatures
+/// the velocities that carry_armatures stored; without a time, u and carried are changes of velocities and momenta by an impulse.
+void project_velocities(const Tree& tree, const double* q, double* u, Workspace<double>& workspace,
+                        std::optional<double> time = {}) noexcept;
 
 extern template void sweep_velocities<double, false>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 extern template void sweep_velocities<double, true>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;

@@ -52,7 +52,8 @@ class Embedded : public Integrator {
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept final {
     begin(evaluate, state, h);
     stages(evaluate, state.time(), h);
-    if (!sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) || !close(evaluate, q_.get(), y_.get())) return false;
+    if (!sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) || !close(evaluate, state.time() + h, q_.get(), y_.get()))
+      return false;
     accept(evaluate, state, ledger, h);
     evaluate(state);
     keep(Tableau::stages - 1, evaluate, q_.get());
@@ -73,7 +74,8 @@ class Embedded : public Integrator {
       if (rejected && !(h > shortest * std::max(std::fabs(start), control_.step))) break;
       stages(evaluate, state.time(), h);
       double error = HUGE_VAL;
-      const bool fine = sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) && close(evaluate, q_.get(), y_.get());
+      const bool fine =
+          sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) && close(evaluate, state.time() + h, q_.get(), y_.get());
       if (fine) {
         accept(evaluate, state, ledger, h);
         evaluate(state);
@@ -242,7 +244,7 @@ class Embedded : public Integrator {
         const auto k = static_cast<std::size_t>(i);
         measure(error_q_[k], q0_[k], q_[k], momenta ? h * noise_q_[k] : 0);
       }
-      if (!evaluate.tree().driven_joints().empty()) {
+      if (!evaluate.tree().driven_joints().empty() || evaluate.tree().loop_motions() > 0) {
         double off = 0, most = 0;
         for (int j = 0; j < Tableau::stages; ++j) {
           off += weights[j] * power_[j].work;

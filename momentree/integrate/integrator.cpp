@@ -56,9 +56,9 @@ void Evaluator::operator()(const State& state) noexcept {
   forward_dynamics(*tree_, state, *workspace_);
 }
 
-bool Evaluator::close(double* q, double* u, double& energy) noexcept {
+bool Evaluator::close(double t, double* q, double* u, double& energy) noexcept {
   const Stopwatch watch(seconds);
-  return close_loops(*tree_, q, u, *workspace_, energy);
+  return close_loops(*tree_, t, q, u, *workspace_, energy);
 }
 
 void Evaluator::solve(const double* q, const double* p, Workspace<double>& other) noexcept {
@@ -172,10 +172,10 @@ bool Integrator::sound(const Tree& tree, const double* q0, const double* q, cons
   return false;
 }
 
-bool Integrator::close(Evaluator& evaluate, double* q, double* y) noexcept {
+bool Integrator::close(Evaluator& evaluate, double t, double* q, double* y) noexcept {
   if (!evaluate.tree().has_loops()) return true;
   runaway_.reset();
-  loops_open_ = !evaluate.close(q, y, closing_energy_);
+  loops_open_ = !evaluate.close(t, q, y, closing_energy_);
   return !loops_open_;
 }
 

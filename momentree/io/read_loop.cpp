@@ -133,7 +133,11 @@ void check_loops(Reading& reading) {
   if (!error) return check_strengths(reading);
   for (const LoopSpec& loop : reading.scenario.model.loops())
     if (error->where == "loop '" + loop.name + "'")
-      report_loop(loop.name, error->where + ": " + error->problem, error->hint, reading);
+      return report_loop(loop.name, error->where + ": " + error->problem, error->hint, reading);
+  for (const auto& [joint, place] : reading.joints)
+    if (error->where == "joint '" + joint + "'")
+      return reading.out.error(place, error->where + ": " + error->problem, error->hint);
+  reading.out.error(at, error->where + ": " + error->problem, error->hint);
 }
 
 }  // namespace momentree::io

@@ -131,9 +131,6 @@ class Reader {
       if (joint.q.empty())
         return out_.error(joint.entry->place, "loop joint " + in_quotes(loop.name) + " is locked, and has no q");
       loop.loop.held = joint.q;
-      if (!locked_form(joint.joint, joint.q))
-        return out_.error(joint.entry->place, "loop joint " + in_quotes(loop.name) + ": only some degrees of freedom of a " +
-                                                  std::string(kind.name) + " that closes a loop can't be locked");
     }
     LoopSpec spec;
     spec.name = loop.name, spec.body = joint.child, spec.to = joint.parent, spec.joint = spec_of(joint.joint);
@@ -144,6 +141,7 @@ class Reader {
                  problem.hint);
     const std::size_t angle = std::string_view(kind.q_units).find('r');
     if (angle != std::string_view::npos && !joint.q.empty()) loop.turn = joint.q[static_cast<int>(angle)];
+    loop.active_limits = joint.active_limits;
     result_.forest.loops.push_back(std::move(loop));
   }
 

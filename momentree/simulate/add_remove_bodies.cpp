@@ -66,7 +66,9 @@ void World::remove(BodyId body) {
   apply(Remove{body}, tree_, state_, workspace_);
   for (const int j : joints) names_.remove_joint(j);
   for (const int x : gone) names_.name_mechanism(x, {});
-  std::erase_if(active_limits_, [&](const ActiveLimit& h) { return tree_.carrier(h.joint) < 0; });
+  std::erase_if(active_limits_, [&](const ActiveLimit& h) {
+    return is_loop({h.joint}) ? tree_.find_loop(h.joint - first_loop) == nullptr : tree_.carrier(h.joint) < 0;
+  });
 }
 
 void World::make_room() {

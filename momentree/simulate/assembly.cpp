@@ -28,7 +28,7 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
   Workspace<double> workspace(tree);
   std::vector<double> residuals(tree.loops().size());
   load_turns(tree, state, workspace);
-  loop_residuals(tree, state.q().data(), state.u().data(), workspace, residuals.data());
+  loop_residuals(tree, state.time(), state.q().data(), state.u().data(), workspace, residuals.data());
   const auto where = [&](std::size_t i) { return "loop '" + names.joint(tree.loops()[i].id().index) + "'"; };
   const auto apart = [&](std::size_t i) { return short_text(residuals[i]) + " of its size"; };
   for (std::size_t i = 0; i < residuals.size(); ++i) {
@@ -42,7 +42,8 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
   for (const double u : state.u()) speed = std::max(speed, std::fabs(u));
   if (worst <= left_as_given && loop_velocities_open(tree, workspace) <= left_as_given * speed) return std::nullopt;
   std::vector<double> q(state.q().begin(), state.q().end()), u(state.u().begin(), state.u().end());
-  if (!assemble_loops(tree, q.data(), u.data(), workspace, residuals.data())) {
+  if (!assemble_loops(tree, state.time(), q.data(), u.data(), workspace, residuals.data())) {
+    if (std::optional<Error> error = conflicting_motions(tree, names, state)) return error;
     const auto i = static_cast<std::size_t>(std::max_element(residuals.begin(), residuals.end()) - residuals.begin());
     return Error("it can't be closed from these start values: it stays open by " + apart(i), where(i),
                  "check its bodies, 'at', 'child_at' and axes, or give start values nearer to a closed position");
@@ -55,6 +56,23 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
   const State::Edit edit = state.edit();
   std::copy(q.begin(), q.end(), edit.q.begin());
   std::copy(u.begin(), u.end(), edit.u.begin());
+  return std::nullopt;
+}
+
+std::optional<Error> beyond_stops(const Tree& tree, const Names& names, const State& state) {
+  Workspace<double> workspace(tree);
+  forward_dynamics(tree, state, workspace);
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    const JointLimits& limits = loop.parameters.limits;
+    if (!limits.hard()) continue;
+    double q[7] = {}, u[6] = {};
+    loop_coordinates(tree, workspace, static_cast<int>(i), q, u);
+    for (int k = 0; k < info(loop.joint.kind).nv; ++k)
+      if (q[k] < limits.lower_of(k) - closed_at_start || q[k] > limits.upper_of(k) + closed_at_start)
+        return Error("it starts beyond its limits, at " + short_text(q[k]), "loop '" + names.joint(loop.id().index) + "'",
+                     "give start values that close the loop within them");
+  }
   return std::nullopt;
 }
 
@@ -71,7 +89,10 @@ std::optional<Error> check_assembly(const Model& model) {
     }
     follow_motions(tree, 0, edit.q.data(), edit.u.data());
   }
-  return assemble(tree, model, Names(model), state);
+  const Names names(model);
+  if (std::optional<Error> error = assemble(tree, model, names, state)) return error;
+  if (std::optional<Error> error = conflicting_motions(tree, names, state)) return error;
+  return beyond_stops(tree, names, state);
 }
 
 }  // namespace momentree

@@ -1,6 +1,7 @@
 // Loop joints in topology changes.
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/motion.hpp>
+#include <momentree/simulate/assembly.hpp>
 #include <momentree/simulate/topology_editor_impl.hpp>
 
 namespace momentree {
@@ -28,14 +29,10 @@ ActionResult TopologyEditor::supports(int joint, const JointParameters& paramete
   return ActionResult::done();
 }
 
-ActionResult TopologyEditor::can_hold(int joint, unsigned locked) const {
-  if (!is_loop({joint})) return ActionResult::done();
-  Joint held = loop_of(joint).joint;
-  held.locked = locked;
-  if (locked_form(held, coordinates(joint))) return ActionResult::done();
-  return ActionResult::refused(
-      "only some degrees of freedom of a " + std::string(info(held.kind).name) + " joint that closes a loop can't be locked",
-      "lock or unlock the whole joint, or let another joint of the loop be the one that closes it");
+ActionResult TopologyEditor::can_move() const {
+  if (dry_run_) return ActionResult::done();
+  const std::optional<Error> error = conflicting_motions(tree(), world_.names_, world_.state_);
+  return error ? ActionResult::refused(error->where + ": " + error->problem, error->hint) : ActionResult::done();
 }
 
 double TopologyEditor::turn_of(int joint) const {
@@ -67,8 +64,10 @@ ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec,
   touch(made);
   carry_out(change, Nature::impact);
   if (spec.parameters.any()) {  // what a stretched spring stores comes from outside
-    const Loop& loop = loop_of(made);
-    carry_out(SetLoop{{made}, loop.joint, spec.parameters, loop.held, turn_of(made)}, Nature::outside);
+    const JointParameters parameters = begun(made, spec.parameters);
+    const ActionResult follows = can_follow(made, parameters);
+    if (follows.outcome != ActionResult::Outcome::done) return follows;
+    set(made, parameters);
   }
   return ActionResult::done();
 }
@@ -79,16 +78,20 @@ void TopologyEditor::break_loop(JointId loop) {
   world_.names_.remove_joint(loop.index);
 }
 
-void TopologyEditor::lock_loop(int joint, unsigned locked, bool impact) {
+// A prescribed motion that a lock has suspended imposes its speed when it resumes.
+void TopologyEditor::lock_loop(int joint, unsigned locked) {
   const Loop& loop = loop_of(joint);
-  SetLoop change{{joint}, loop.joint, loop.parameters, loop.held, turn_of(joint), impact};
+  const bool locks = (locked & ~loop.joint.locked) != 0;
+  const bool resumes = locked == 0 && loop.parameters.drive != nullptr && loop.parameters.drive->moves();
+  SetLoop change{{joint}, loop.joint, loop.parameters, loop.held, turn_of(joint), locks || resumes};
   const Values now = coordinates(joint);
   if (change.held.size() != now.size()) change.held = now;
   for (int i = 0; i < now.size() && now.size() == info(loop.joint.kind).nv; ++i)  // what was locked keeps its place
     if ((loop.joint.locked >> i & 1u) == 0) change.held[i] = now[i];
-  if (now.size() != info(loop.joint.kind).nv && loop.joint.locked == 0) change.held = now;
+  const bool whole = loop.joint.locked + 1 == 1u << info(loop.joint.kind).nv;
+  if (now.size() != info(loop.joint.kind).nv && !whole) change.held = now;
   change.to.locked = locked;
-  carry_out(change, impact ? Nature::impact : Nature::workless);
+  carry_out(change, locks ? Nature::impact : resumes ? Nature::outside : Nature::workless);
 }
 
 void TopologyEditor::change_loop(int joint, const JointPlan& plan, bool impact) {
@@ -122,6 +125,8 @@ void TopologyEditor::hold_by_loop(int body) {
     world_.names_.remove_joint(loop.id().index);
     carry_out(change, Nature::workless);
     world_.names_.name_joint(number, name);
+    for (ActiveLimit& limit : world_.active_limits_)
+      if (limit.joint == loop.id().index) limit.joint = number;
     if (other < 0)
       world_.names_.move_mechanism(body, own);
     else

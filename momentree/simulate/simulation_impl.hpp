@@ -219,11 +219,11 @@ struct Simulation::Impl {
   // Kinetic energy at the beginning of a step, which has been evaluated: as p·u/2 it costs next to nothing.
   void note_kinetic_energy() {
     double kinetic = 0;
-    if (world.tree_.driven_joints().empty()) {
+    if (world.tree_.driven_joints().empty() && world.tree_.loop_armatures() + world.tree_.loop_motions() == 0) {
       const auto p = world.p();
       for (std::size_t i = 0; i < p.size(); ++i) kinetic += p[i] * world.workspace_.v[i];
       kinetic *= 0.5;
-    } else {  // driven DoFs have no momentum
+    } else {  // driven DoFs and armatures of loop joints have no momentum there
       kinetic = world.totals().kinetic;
     }
     balance.largest_kinetic = std::max(balance.largest_kinetic, kinetic);

@@ -52,10 +52,10 @@ class TopologyEditor {
   const Joint& declared(int joint) const { return is_loop({joint}) ? loop_of(joint).joint : tree().joint(tree().carrier(joint)); }
   /// The loop joint of that number, which must exist.
   const Loop& loop_of(int joint) const;
-  /// Whether a joint, which may close a loop, supports these parameters, and locks of exactly these DoFs; otherwise the result of
-  /// the action.
+  /// Whether a joint, which may close a loop, supports these parameters; otherwise the result of the action.
   ActionResult supports(int joint, const JointParameters& parameters) const;
-  ActionResult can_hold(int joint, unsigned locked) const;
+  /// Whether the prescribed motions of joints in loops are independent now.
+  ActionResult can_move() const;
   Values coordinates(int joint) const;
   /// Locked DoFs, except those that rest on a stop.
   unsigned locked(int joint) const { return declared(joint).locked & ~world_.held(joint); }
@@ -108,7 +108,7 @@ class TopologyEditor {
   ActionResult close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at);
   void hold_by_loop(int body);
   void break_loop(JointId loop);
-  void lock_loop(int joint, unsigned locked, bool impact);
+  void lock_loop(int joint, unsigned locked);
   void change_loop(int joint, const JointPlan& plan, bool impact);
   double turn_of(int joint) const;
   enum class Nature { workless, impact, outside };

@@ -103,6 +103,7 @@ struct Forest {
     std::string name;
     Loop loop;
     double turn = 0;
+    std::vector<ActiveLimit> active_limits{};  ///< their joint is this one
   };
   std::vector<LoopJoint> loops;
   std::vector<Topology::SpringChange> springs;  ///< that broke or whose law was set; also where places are empty

@@ -54,6 +54,7 @@ void World::point_jacobian(BodyId body, Vec3 point, double* J) const {
 
 // `rates`: velocities or momenta.
 bool World::stays_resting(const ActiveLimit& limit, std::span<const double> q, std::span<const double> rates) const {
+  if (is_loop({limit.joint})) return std::equal(q.begin(), q.end(), state_.q().begin());
   const int b = tree_.carrier(limit.joint);
   const std::size_t at = count(tree_.first_q(b) + limit.dof);
   return q[at] == state_.q()[at] && rates[count(tree_.first_p(b) + limit.dof)] == 0;
@@ -69,7 +70,7 @@ std::vector<double> World::momenta_of(std::span<const double> q, std::span<const
   normalise_quaternions(tree_, coordinates, name);
   std::vector<std::pair<std::size_t, double>> released;  // DoFs that no longer rest on a stop, with their velocities
   for (const ActiveLimit& h : active_limits_)
-    if (!stays_resting(h, coordinates, rates)) {
+    if (!is_loop({h.joint}) && !stays_resting(h, coordinates, rates)) {
       const std::size_t i = count(tree_.first_p(tree_.carrier(h.joint)) + h.dof);
       released.emplace_back(i, rates[i]);
     }
@@ -97,6 +98,13 @@ void World::set_values(double time, std::span<const double> q, std::span<const d
   normalise_quaternions(tree_, coordinates, name);
   std::erase_if(active_limits_, [&](const ActiveLimit& h) {
     if (stays_resting(h, coordinates, rates)) return false;
+    if (const Loop* const loop = is_loop({h.joint}) ? tree_.find_loop(h.joint - first_loop) : nullptr) {
+      const Loop held = *loop;
+      Joint joint = held.joint;
+      joint.locked &= ~(1u << h.dof);
+      tree_.set_loop(held.number, joint, held.parameters, held.held);
+      return true;
+    }
     const int b = tree_.carrier(h.joint);
     Joint joint = tree_.joint(b);
     joint.locked &= ~(1u << h.dof);

@@ -14,6 +14,17 @@ KernelFrame in_kernel_frame(const KernelFrame& kernel, const Pose& at) {
   return {transpose(kernel.R) * rotation_matrix(at.rotation), transpose_times(kernel.R, at.position - kernel.r)};
 }
 
+// `by_rows`: the closure leaves the locked DoFs free. An armature whose DoF follows a motion needs no row: its speed is known.
+void list_dof_rows(const Loop& loop, bool by_rows, LoopLink& link) {
+  const auto add = [&](const DofRow& row) { link.dof_rows[static_cast<std::size_t>(link.dof_row_count++)] = row; };
+  if (loop.driven()) return add({0, DofRow::Use::motion, 0});
+  for (int i = 0; i < info(loop.joint.kind).nv; ++i) {
+    const double armature = loop.parameters.armature.of(i);
+    if (by_rows && (loop.joint.locked >> i & 1u) != 0) add({i, DofRow::Use::lock, 0});
+    if (armature > 0 && (loop.joint.locked >> i & 1u) == 0) add({i, DofRow::Use::armature, armature});
+  }
+}
+
 }  // namespace
 
 int Tree::add_loop(Loop loop) {
@@ -39,7 +50,7 @@ void Tree::remove_loop(int number) {
 void Tree::set_loop(int number, const Joint& joint, const JointParameters& parameters, const Values& held) {
   const Loop* const found = find_loop(number);
   MT_REQUIRE(found != nullptr, "the loop joint is in the tree");
-  MT_REQUIRE(locked_form(joint, held).has_value(), "the joint has a form with these locks");
+  MT_REQUIRE(joint.locked == 0 || held.size() == info(joint.kind).nq, "coordinates at which the joint is held");
   Loop& loop = loops_[static_cast<std::size_t>(found - loops_.data())];
   loop.joint = joint, loop.parameters = parameters, loop.held = held;
   list_loops();
@@ -55,18 +66,24 @@ const Loop* Tree::find_loop(int number) const {
 // Rows, frames and stops. Called whenever the order or a kernel frame changes.
 void Tree::list_loops() {
   loop_links_.clear(), loop_stops_.clear();
-  loop_rows_ = loop_columns_ = 0;
+  loop_rows_ = loop_columns_ = loop_motions_ = loop_armatures_ = 0;
   std::erase_if(loops_, [this](const Loop& loop) { return !alive(loop.body) || (loop.to >= 0 && !alive(loop.to)); });
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const Loop& loop = loops_[i];
-    const LockedForm form = locked_form(loop.joint, loop.held).value_or(LockedForm{});
+    const std::optional<LockedForm> held = locked_form(loop.joint, loop.held);
+    const LockedForm form = held ? *held : LockedForm{closure_of(spec_of(loop.joint)), {}, {}};
     LoopLink link;
     link.closure = form.rows;
     link.child = in_kernel_frame(frame(loop.body), loop.joint.child_at * form.child);
     link.parent = in_kernel_frame(loop.to < 0 ? KernelFrame{} : frame(loop.to), loop.joint.at * form.parent);
     link.first_row = loop_rows_;
     link.child_offset = form.child, link.parent_offset = form.parent;
-    link.rows = link.closure.rows();
+    list_dof_rows(loop, !held, link);
+    link.rows = link.closure.rows() + link.dof_row_count;
+    for (int k = 0; k < link.dof_row_count; ++k) {
+      loop_motions_ += link.dof_rows[at(k)].use == DofRow::Use::motion ? 1 : 0;
+      loop_armatures_ += link.dof_rows[at(k)].use == DofRow::Use::armature ? 1 : 0;
+    }
     link.coupled = static_cast<int>(i);
     loop_rows_ += link.rows;
     loop_links_.push_back(link);

@@ -118,6 +118,7 @@ JointId Model::add_loop(LoopSpec spec) {
   spec.at.rotation = unit(spec.at.rotation);
   spec.child_at.rotation = unit(spec.child_at.rotation);
   normalise_quaternion(spec.joint.parameters.rest, kind.q_units);
+  begin_motion(spec.joint.parameters.drive, 0, 0);
   const int number = first_loop + static_cast<int>(loops_.size());
   by_joint_.own().emplace(spec.name, number);
   loops_.push_back(std::move(spec));

@@ -140,7 +140,7 @@ void Tree::restore(const Topology& topology) {
   loops_ = topology.loops;
   for (const Loop& loop : loops_) next_loop_ = std::max(next_loop_, loop.number + 1);
   loop_links_.clear(), loop_stops_.clear();
-  loop_rows_ = loop_columns_ = 0;
+  loop_rows_ = loop_columns_ = loop_motions_ = loop_armatures_ = 0;
   put_springs(topology.springs);
   revision_.renew();
   link_all();
@@ -156,14 +156,15 @@ double Tree::next_bend(double t) const {
   const auto look = [&](const std::vector<Signal>& signals) {
     for (const Signal& s : signals) next = std::min(next, s.next_bend(t));
   };
-  for (const auto* joints : {&forced_joints_, &driven_joints_}) {
-    for (const int b : *joints) {
-      const JointParameters* p = parameters(b);
-      if (p == nullptr || p->drive == nullptr) continue;
-      look(p->drive->effort), look(p->drive->pd.target), look(p->drive->pd.target_speed);
-      for (const Curve& c : p->drive->motion) next = std::min(next, c.signal().next_bend(t));
-    }
-  }
+  const auto look_at = [&](const JointDrive* drive) {
+    if (drive == nullptr) return;
+    look(drive->effort), look(drive->pd.target), look(drive->pd.target_speed);
+    for (const Curve& c : drive->motion) next = std::min(next, c.signal().next_bend(t));
+  };
+  for (const auto* joints : {&forced_joints_, &driven_joints_})
+    for (const int b : *joints)
+      if (const JointParameters* p = parameters(b)) look_at(p->drive.get());
+  for (const Loop& loop : loops_) look_at(loop.parameters.drive.get());
   for (const BodyForce& force : body_forces())
     if (alive(force.body.index))
       for (const auto* signals : {&force.force, &force.torque})

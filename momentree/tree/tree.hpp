@@ -235,6 +235,9 @@ class Tree {
   /// Numbers of rows of all loops, and of columns at all stops.
   int loop_rows() const { return loop_rows_; }
   int loop_columns() const { return loop_columns_; }
+  /// Of these, rows of prescribed motions and of armatures of loop joints.
+  int loop_motions() const { return loop_motions_; }
+  int loop_armatures() const { return loop_armatures_; }
   /// The first instant (s) after t at which a table of a drive or force has a kink; infinite if there is none. Steps must not
   /// cross it.
   double next_bend(double t) const;
@@ -442,7 +445,7 @@ class Tree {
   std::vector<Loop> loops_;
   std::vector<LoopLink> loop_links_;
   std::vector<LoopStop> loop_stops_;
-  int next_loop_ = 0, loop_rows_ = 0, loop_columns_ = 0;
+  int next_loop_ = 0, loop_rows_ = 0, loop_columns_ = 0, loop_motions_ = 0, loop_armatures_ = 0;
 };
 
 /// Compiles a model: `Tree tree = compile(model)`.
