@@ -27,6 +27,16 @@ LoopImpulse loop_impulse(const Tree& tree, const Workspace<double>& workspace, i
   return found;
 }
 
+CouplingImpulse coupling_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
+  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopWorkspace& loops = *workspace.loops;
+  CouplingImpulse found{link.ends.coupling, 0, 0};
+  if (!loops.impulsive || loops.topology != tree.revision()) return found;
+  const auto row = at(link.first_row);
+  found.joint = loops.lambda[row], found.follows = -loops.rows[row].slope * loops.lambda[row];
+  return found;
+}
+
 LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& workspace, int place) noexcept {
   const Loop& loop = tree.loops()[at(place)];
   const LoopLink& link = tree.loop_links()[at(place)];
@@ -80,6 +90,13 @@ WorldWrench loop_wrench(const Tree& tree, const LoopWorkspace& loops, std::size_
   return sum;
 }
 
+// The effort of a coupling as a force or a torque, so that it counts among the reactions.
+WorldWrench coupling_load(const Tree& tree, std::size_t link, const double* lambda) {
+  const CouplingEnds& ends = tree.loop_links()[link].ends;
+  const double effort = lambda[tree.loop_links()[link].first_row];
+  return info(tree.kind(ends.joint)).q_units[0] == 'm' ? WorldWrench{{effort, 0, 0}, {}} : WorldWrench{{}, {effort, 0, 0}};
+}
+
 // What multipliers add to the wrench of each joint on its child: of the inboard joints of bodies at stops, then of the loops. A
 // joint of the tree carries the opposite of what the loops exert on the bodies outboard.
 void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* lambda, std::vector<WorldWrench>& by_body,
@@ -106,7 +123,7 @@ void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* 
 void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
   LoopWorkspace& loops = *workspace.loops;
   loops.open_bodies.assign(at(tree.bodies()), 0);
-  loops.open_loops.assign(tree.loops().size(), 0);
+  loops.open_loops.assign(tree.loop_links().size(), 0);
   loops.least = true;
   const std::size_t m = loops.rows.size();
   std::vector<std::vector<double>> null;
@@ -141,11 +158,18 @@ void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
     const Vec3 x = loops.places[i].xb;
     joints.push_back({-1, static_cast<int>(i), x, loop_wrench(tree, loops, i, lambda.data()).about(x), {}});
   }
+  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i)
+    joints.push_back({-1, static_cast<int>(i), {}, coupling_load(tree, i, lambda.data()), {}});
   std::vector<WorldWrench> by_body, by_loop;
   for (const std::vector<double>& vector : null) {
     joint_wrenches(tree, loops, vector.data(), by_body, by_loop);
     for (Carried& joint : joints)
-      joint.by_null.push_back((joint.body >= 0 ? by_body[at(joint.body)] : by_loop[at(joint.loop)]).about(joint.at));
+      if (joint.body >= 0)
+        joint.by_null.push_back(by_body[at(joint.body)].about(joint.at));
+      else if (at(joint.loop) < tree.loops().size())
+        joint.by_null.push_back(by_loop[at(joint.loop)].about(joint.at));
+      else
+        joint.by_null.push_back(coupling_load(tree, at(joint.loop), vector.data()));
   }
   const std::size_t d = null.size();
   std::vector<double> G(d * d, 0.0), c(d, 0.0);

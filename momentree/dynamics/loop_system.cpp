@@ -67,8 +67,15 @@ void gather_loops(const Tree& tree, const double* q, Workspace<double>& workspac
   std::fill(loops.b.begin(), loops.b.end(), 0.0);
 
   for (const LoopStop& stop : stops) {  // the ends' own wrenches
-    const Loop& loop = tree.loops()[at(stop.loop)];
     const LoopLink& link = links[at(stop.loop)];
+    if (link.ends.coupling >= 0) {
+      LoopColumn& column = loops.columns[at(stop.first_column)];
+      column.K = {};
+      column.effort = (stop.body == link.ends.joint ? 1.0 : 0.0) -
+                      (stop.body == link.ends.follows ? loops.rows[at(link.first_row)].slope : 0.0);
+      continue;
+    }
+    const Loop& loop = tree.loops()[at(stop.loop)];
     const LoopPlace& place = loops.places[at(stop.loop)];
     for (int i = 0; i < link.rows; ++i) {
       const LoopRow& row = loops.rows[at(link.first_row + i)];
@@ -108,13 +115,15 @@ void gather_loops(const Tree& tree, const double* q, Workspace<double>& workspac
           double& free = loops.b[at(row)];
           Force<double> W = column.K;
           if constexpr (!K::rigid) {
-            constexpr double none[6] = {};
+            double effort[6] = {column.effort};
             for (std::size_t d = 0; d < E.size(); ++d) {
-              column.k[d] = (link.locked >> d & 1u) == 0 ? dot(E[d], W) : 0.0;
+              const double along = dot(E[d], W) + effort[d];
+              column.k[d] = (link.locked >> d & 1u) == 0 ? along : 0.0;
               free += column.k[d] * u0[d];
-              if ((link.driven >> d & 1u) != 0) free += dot(E[d], W) * u0[d];
+              if ((link.driven >> d & 1u) != 0) free += along * u0[d];
             }
-            K::template reduce_wrench<double>(link, joint, record, none, W, column.y);
+            effort[0] = (link.locked & 1u) == 0 ? -column.effort : 0.0;
+            K::template reduce_wrench<double>(link, joint, record, effort, W, column.y);
             for (std::size_t d = 0; d < E.size(); ++d) column.y[d] = -column.y[d];
             column.K = W;
             free += dot(bias, W);
@@ -258,6 +267,10 @@ void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& work
   solve_loops(tree, q, workspace, {}, LoopRows::choose, true);
   resolve_accelerations<double, true>(tree, q, workspace, {});
   std::copy_n(workspace.a.get(), tree.nv(), u);
+}
+
+void scale_multipliers(Workspace<double>& workspace, double factor) noexcept {
+  for (double& lambda : workspace.loops->lambda) lambda *= factor;
 }
 
 void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace<double>& to) noexcept {

@@ -25,7 +25,10 @@ LoopWorkspace& loop_memory(const Tree& tree, Workspace<double>& workspace);
 /// rows.
 void place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept;
 
-/// The scales of the rows, which choosing them needs.
+/// The rows of couplings, part of place_loops.
+void place_couplings(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept;
+
+/// The scales of the rows, which choosing them needs; after gather_loops with all rows.
 void scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept;
 
 /// Gathers A and b of the chosen rows from the records. With `all` of all rows.

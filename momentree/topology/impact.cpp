@@ -25,6 +25,7 @@ double apply(const Impact& change, const Tree& tree, State& state, Workspace<dou
     else
       solve_with_factors<double>(tree, state.q().data(), workspace, y);
     const double impulse = -(1 + change.restitution) * u / y[i];
+    if (tree.has_loops()) scale_multipliers(workspace, impulse);
     const State::Edit edit = state.edit();
     for (std::size_t k = 0; k < edit.u.size(); ++k) edit.u[k] += impulse * y[k];
     return impulse;
