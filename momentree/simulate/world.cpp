@@ -12,7 +12,7 @@
 namespace momentree {
 
 World::World(const Model& model, Variables variables)
-    : model_(model), variables_(model.loops().empty() ? variables : Variables::velocities), first_bodies_(model.size()) {
+    : model_(model), variables_(model.has_equations() ? Variables::velocities : variables), first_bodies_(model.size()) {
   const std::vector<SingularJoint> singular = singular_joints(model_);
   if (!singular.empty()) {
     const BodySpec& body = model_[singular.front().body];
@@ -34,6 +34,8 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   active_limits_ = forest.active_limits;
   put_together(forest);
   put_springs(forest.springs);
+  for (const int c : forest.ended_couplings)
+    if (tree_.coupling_acts(c)) tree_.end_coupling(c);
   for (const ActiveLimit& h : active_limits_)
     MT_REQUIRE(is_loop({h.joint}) || (h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv),
                "a degree of freedom of the joint");
@@ -45,7 +47,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   for (const Topology::Loaded& load : loads)
     if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
   if (tree_.has_loops() && !loops_allowed_)
-    throw_error({"the state has closed loops, which are integrated in velocities", "",
+    throw_error({"the state has closed loops or couplings, which are integrated in velocities", "",
                  "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853"});
   State state(tree_, tree_.has_loops() ? Variables::velocities : variables_);
   workspace_ = Workspace<double>(tree_);
