@@ -61,7 +61,6 @@ struct CouplingImpulse {
 };
 CouplingImpulse coupling_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 
-
 /// The impulse through a loop joint on its declared child (N s, N m s) in the last change: about the origin `at` of the joint's
 /// child-side frame, world axes. Zero if that change was no impact.
 struct LoopImpulse {
