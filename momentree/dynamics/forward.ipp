@@ -263,13 +263,20 @@ MOMENTREE_INLINE void find_sines(const Tree& tree, const T* q, Workspace<T>& wor
       n, [s](int i) MOMENTREE_INLINE_LAMBDA { return s[i]; }, s, c);
 }
 
-template <class T, bool Keep>
-void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {
+/// Between the passes of a tree nothing happens.
+struct NothingBetween {
+  static constexpr bool in_pairs = true;  // paired branches, whose records are elsewhere until the outward pass
+  MOMENTREE_INLINE void operator()() const {}
+};
+
+/// `between`: called after the inward pass, may change u0 of the records.
+template <class T, bool Keep, class Between = NothingBetween>
+void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace, const Between& between = {}) noexcept {
   MT_REQUIRE(workspace.capacity() >= tree.bodies(), "the workspace has room for the tree's bodies: construct it for this tree");
   workspace.evaluated = {};
   workspace.located = {};
   workspace.accelerated = {};
-  constexpr bool in_pairs = has_pair_lanes && std::is_same_v<T, double>;  // paired branches
+  constexpr bool in_pairs = has_pair_lanes && std::is_same_v<T, double> && Between::in_pairs;
   const auto kernel_runs = in_pairs ? tree.paired_runs() : tree.kernel_runs();
   const Vec3& g = tree.gravity();
   const bool has_gravity = g.x != 0 || g.y != 0 || g.z != 0;
@@ -314,6 +321,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
       }
     });
   }
+  between();
   for (const KernelRun& s : kernel_runs) {
     if constexpr (!Keep) {
       if (in_plane(s)) {  // a floating mechanism as a whole, with its root's run

@@ -112,6 +112,9 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   loops.A.resize(rows * rows), loops.factor.resize(rows * rows);
   loops.b.resize(2 * rows), loops.lambda.resize(rows);
   loops.chosen.clear(), loops.chosen.reserve(rows);
+  loops.gauge.assign(rows, 0.0);
+  loops.u.resize(at(tree.nv()));
+  loops.momenta.resize(at(tree.bodies())), loops.wrenches.resize(at(tree.bodies()));
   loops.rank = -1;
   return loops;
 }
@@ -148,7 +151,8 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
       to.residual = phi;
       to.F = a.R * F, to.T = a.R * T;
       to.velocity = dot(to.F, v) + dot(to.T, p.wb - p.wa);
-      to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(cross(p.wa, to.T) + a.R * Tdot, p.wb - p.wa);
+      to.rate = cross(p.wa, to.T) + a.R * Tdot;
+      to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(to.rate, p.wb - p.wa);
     });
   }
 }

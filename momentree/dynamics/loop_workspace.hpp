@@ -23,6 +23,7 @@ struct LoopRow {
   double residual = 0;  ///< φ
   double velocity = 0;  ///< J u
   double drift = 0;     ///< J̇ u
+  Vec3 rate;            ///< dT/dt, of an inertial observer
   double scale = 1;     ///< bound of the row's element of A
 };
 
@@ -43,6 +44,9 @@ struct LoopWorkspace {
   std::vector<double> A, factor;    ///< of all rows, row-major; Cholesky factor of the chosen ones
   std::vector<double> b, lambda;    ///< by row
   std::vector<int> order;           ///< scratch of the pivoted factorisation
+  std::vector<double> gauge;        ///< by row: impulses that the last closing in momenta added to the momenta
+  std::vector<double> u;            ///< velocities, scratch of that closing
+  std::vector<Force<double>> momenta, wrenches;  ///< by body, scratch of rates of momenta
   int rank = 0;
   bool impulsive = false;                              ///< the multipliers are impulses
   bool least = false;                                  ///< the multipliers are those of the least reactions
