@@ -51,6 +51,34 @@ void add_turning_wrenches(const Tree& tree, const Workspace<double>& workspace, 
   }
 }
 
+// The linear momentum that the loops brought to b itself.
+Vec3 own_linear_momentum(const Tree& tree, const Workspace<double>& workspace, const double* impulses, int b) {
+  Vec3 sum{};
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    const LoopLink& link = tree.loop_links()[i];
+    const double sign = (loop.body == b ? 1.0 : 0.0) - (loop.to == b ? 1.0 : 0.0);
+    for (int k = 0; k < link.rows && sign != 0; ++k)
+      sum += sign * impulses[link.first_row + k] * workspace.loops->rows[at(link.first_row + k)].F;
+  }
+  return transpose_times(workspace.bodies[at(b)].R, sum);
+}
+
+// Kernels that know Pb = M Ω of a body that carries no other take Ω × Pb for Ω × Pb*: adds −Ω × (Pb* − Pb).
+void complete_gyroscopic_wrenches(const Tree& tree, const double* q, Workspace<double>& workspace) {
+  inward(tree, [&](int b, unsigned flags, auto tag) {
+    using K = typename decltype(tag)::type;
+    if constexpr (requires(Vec3 mc, Motion<double> a, Force<double> P) { K::template gyroscopic<double>(mc, a, P); }) {
+      if ((flags & (node::grounded | node::leaf)) != (node::grounded | node::leaf)) return;
+      const Vec3 l = own_linear_momentum(tree, workspace, workspace.loops->lambda.data(), b);
+      double rate[6] = {};
+      K::template momentum_rate<double>(tree.link(b), joint_state(tree, q, workspace, b), workspace.v.get() + tree.first_p(b), {},
+                                        {{}, cross(workspace.motions[at(b)].velocity.v, l)}, rate);
+      for (int i = 0; i < info(tree.kind(b)).nv; ++i) workspace.pdot[at(tree.first_p(b) + i)] += rate[i];
+    }
+  });
+}
+
 // With Wb in loops.momenta: rates += Eᵀ (F + Ω × Wb) − Ėᵀ Wb, where F is the sum of loops.wrenches outboard.
 void add_rates(const Tree& tree, const double* q, Workspace<double>& workspace, double* rates) {
   LoopWorkspace& loops = *workspace.loops;
@@ -142,6 +170,7 @@ void evaluate_with_loops(const Tree& tree, double t, const double* q, const doub
   for (const LoopStop& stop : tree.loop_stops()) loops.wrenches[at(stop.body)] = -1.0 * workspace.biases[at(stop.body)].wrench;
   add_turning_wrenches(tree, workspace, loops.lambda.data());
   add_rates(tree, q, workspace, workspace.pdot.get());
+  complete_gyroscopic_wrenches(tree, q, workspace);
   add_body_forces(tree, t, q, workspace);
   if (!tree.driven_joints().empty())  // for the power of the drives
     evaluate_velocities_keeping(tree, t, q, workspace.v.get(), workspace, rows);

@@ -101,8 +101,6 @@ TEST_CASE("mistakes in loops are reported with their places") {
        "s.toml:37:8: error: loop 'pin': it can't be closed from these start values: it stays open by 0.4 of its size; check its "
        "bodies, "
        "'at', 'child_at' and axes, or give start values nearer to a closed position"},
-      {linkage + "[integrate]\nvariables = \"momenta\"\n",
-       "s.toml:37:8: error: closed loops are integrated in velocities; leave 'variables' out of [integrate]"},
       {linkage + "[integrate]\nmethod = \"damped\"\n",
        "s.toml:37:8: error: the method 'damped' can't integrate closed loops; use rk4, midpoint, dopri5 or dop853"},
       {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5 }\nbreak = \"pin\"\n",
