@@ -102,7 +102,8 @@ void add_rates(const Tree& tree, const double* q, Workspace<double>& workspace, 
 
 }  // namespace
 
-void detail::sum_loop_momenta(const Tree& tree, const double* q, const Workspace<double>& workspace, const double* impulses) noexcept {
+void detail::sum_loop_momenta(const Tree& tree, const double* q, const Workspace<double>& workspace,
+                              const double* impulses) noexcept {
   LoopWorkspace& loops = *workspace.loops;
   clear(tree, loops.momenta);
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {

@@ -5,8 +5,8 @@
 //
 //   ṗ* = τ + Eᵀ (Tb + F − Ω × P*) + Ėᵀ P*,   P* = Pb − Wb,
 //
-// where Wb is the momentum that the loops brought to the bodies outboard, and F, summed inward like Tb, the inertial derivative of
-// the rows' unit wrenches times −σ. At the end of a step p = p* + Jᵀ σ is the state's momentum again: p = H u.
+// where Wb is the momentum that the loops brought to the bodies outboard, and F, summed inward like Tb, the inertial derivative
+// of the rows' unit wrenches times −σ. At the end of a step p = p* + Jᵀ σ is the state's momentum again: p = H u.
 #include <momentree/dynamics/loops.hpp>
 
 namespace momentree {

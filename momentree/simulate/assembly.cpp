@@ -39,7 +39,8 @@ std::optional<Error> assemble_momenta(const Tree& tree, const Model& model, cons
   project_momentum(tree, closed.q().data(), closed.u().data(), p.data());
   for (const int b : tree.order())
     for (int i = 0; i < info(tree.kind(b)).nv; ++i)
-      if (((tree.link(b).locked & ~unsigned{tree.link(b).driven}) >> i & 1u) != 0) p[static_cast<std::size_t>(tree.first_p(b) + i)] = 0;
+      if (((tree.link(b).locked & ~unsigned{tree.link(b).driven}) >> i & 1u) != 0)
+        p[static_cast<std::size_t>(tree.first_p(b) + i)] = 0;
   state.assign(state.time(), closed.q(), p, tree);
   return std::nullopt;
 }

@@ -1,5 +1,5 @@
-// Closed loops in momenta: rates, steps and runs against those in velocities, which loops_test.cpp checks against the equations of
-// motion, and against derivatives by differences.
+// Closed loops in momenta: rates, steps and runs against those in velocities, which loops_test.cpp checks against the equations
+// of motion, and against derivatives by differences.
 #include <algorithm>
 #include <cmath>
 
@@ -47,13 +47,12 @@ TEST_CASE("loops in momenta: rates of 2000 random mechanisms, for any representa
     CAPTURE(seed);
     RandomTreeOptions options;
     options.drives = seed % 2 == 1;
-    Model model = with_loops(seed, options);
+    const Model model = with_loops(seed, options, seed % 4 > 1);
     if (model.loops().empty() || dofs(model) == 0) continue;
     const World velocities(model, Variables::velocities);
     const World momenta(model, Variables::momenta, Variables::momenta);
     const Tree& tree = momenta.tree();
     const int n = tree.nv(), nq = tree.nq();
-    if (velocities.loop_status().rank == n) continue;  // it cannot move
     REQUIRE(momenta.state().variables() == Variables::momenta);
     driven += tree.driven_joints().empty() ? 0 : 1;
     const Vector u = as_vector(velocities.v()), a = as_vector(velocities.a()), p = as_vector(momenta.p());
@@ -67,9 +66,15 @@ TEST_CASE("loops in momenta: rates of 2000 random mechanisms, for any representa
     CHECK(std::equal(velocities.state().q().begin(), velocities.state().q().end(), momenta.state().q().begin()));
     worst = std::max(worst, largest(as_vector(momenta.v()) - u) / speed);
     CHECK(largest(as_vector(momenta.v()) - u) < 1e-10 * speed);
-    CHECK(largest(as_vector(momenta.a()) - a) < 1e-10 * (1 + largest(a)) * speed);
+    const double steep = options.drives ? 100 : 1;  // friction of drives changes fast with velocity
+    CHECK(largest(as_vector(momenta.a()) - a) < steep * 1e-10 * (1 + largest(a)) * speed);
+    double loads = 1;  // which ṗ is a sum of
+    for (const JointId loop : velocities.loops()) {
+      const Wrench load = velocities.joint_forces(loop).reaction;
+      loads += norm(load.force) + norm(load.torque);
+    }
     const Vector pdot = as_vector(velocities.pdot());
-    CHECK(largest(as_vector(momenta.pdot()) - pdot) < 1e-10 * (1 + largest(pdot)));
+    CHECK(largest(as_vector(momenta.pdot()) - pdot) < steep * 1e-10 * (loads + largest(pdot)) * speed);
     CHECK(momenta.loop_status().rank == velocities.loop_status().rank);
 
     // σ of any size; then du/dt along q̇ and ṗ* must be u̇.
@@ -95,8 +100,8 @@ TEST_CASE("loops in momenta: rates of 2000 random mechanisms, for any representa
     CHECK(largest(moved - u) < 1e-10 * speed + 100 * rounding);
     CHECK(largest(as_vector(workspace.qdot.get(), nq) - as_vector(velocities.qdot())) < 1e-10 * speed + 100 * rounding);
     const double scale = 1 + std::fabs(power.dissipated) + std::fabs(power.work);
-    CHECK(std::fabs(workspace.power.dissipated - power.dissipated) < 1e-9 * scale);
-    CHECK(std::fabs(workspace.power.work - power.work) < 1e-9 * scale);
+    CHECK(std::fabs(workspace.power.dissipated - power.dissipated) < steep * 1e-9 * scale);
+    CHECK(std::fabs(workspace.power.work - power.work) < steep * 1e-9 * scale);
     const Vector qdot = as_vector(workspace.qdot.get(), nq), rate = as_vector(workspace.pdot.get(), n);
     const Vector q0 = as_vector(q, nq), p0 = as_vector(other.data(), n);
     const auto velocity = [&](double t) -> Vector {
@@ -111,7 +116,8 @@ TEST_CASE("loops in momenta: rates of 2000 random mechanisms, for any representa
     CHECK(off < 1e-7 + 1e3 * rounding / step);
   }
   MESSAGE("velocities " << worst << ", rates " << worst_rate << ", driven " << driven << ", skipped " << skipped);
-  CHECK(skipped < 2000);
+  CHECK(driven > 300);
+  CHECK(skipped < 1000);
 }
 
 namespace {
@@ -121,8 +127,8 @@ double apart(const World& a, const World& b) {
   double most = 0;
   for (std::size_t i = 0; i < a.motions().size(); ++i) {
     const BodyMotion &one = a.motions()[i], &two = b.motions()[i];
-    most = std::max({most, norm(one.pose.position - two.pose.position), norm(one.linear - two.linear),
-                     norm(one.angular - two.angular)});
+    most = std::max(
+        {most, norm(one.pose.position - two.pose.position), norm(one.linear - two.linear), norm(one.angular - two.angular)});
   }
   return most;
 }
@@ -166,7 +172,7 @@ TEST_CASE("loops in momenta: runs of every method go where those in velocities g
     CAPTURE(seed);
     RandomTreeOptions options;
     options.parameters = seed % 3 != 0, options.conservative = seed % 3 == 1, options.several_mechanisms = seed % 2 == 0;
-    const Model model = with_loops(seed, options);
+    const Model model = with_loops(seed, options, seed % 4 == 2);
     if (model.loops().empty() || dofs(model) == 0) continue;
     const World start(model, Variables::velocities);
     if (amplification(start, as_vector(start.p())) > 1e3) continue;

@@ -80,11 +80,21 @@ inline bool nearly_singular(const Matrix& J) {
   return std::any_of(s.begin(), s.end(), [&](double x) { return x > 1e-9 * std::max(1.0, s(0)) && x < 1e-3 * s(0); });
 }
 
-
 /// A random tree of 3 to 9 bodies with one to three loop joints of random kinds.
-inline Model with_loops(std::uint64_t seed, RandomTreeOptions options) {
+/// `motion`: the first pin or slide has a prescribed motion.
+inline Model with_loops(std::uint64_t seed, RandomTreeOptions options, bool motion = false) {
   options.min_bodies = 3, options.max_bodies = 9;
-  Model model = random_tree(seed, options).model;
+  const Model open = random_tree(seed, options).model;
+  Model model({.gravity = open.gravity()});
+  for (BodySpec body : open.bodies()) {
+    if (motion && (body.joint.kind == Kind::revolute || body.joint.kind == Kind::prismatic)) {
+      body.joint.parameters = {};
+      body.joint.parameters.drive = motion_drive(Signal::sine(0.4, 1.5));
+      body.q = 0, body.v = 0;
+      motion = false;
+    }
+    model.add(body);
+  }
   Prng random(seed + 1000);
   const World world(model);
   const int count = random.integer(1, 3);
