@@ -266,12 +266,14 @@ MOMENTREE_INLINE void find_sines(const Tree& tree, const T* q, Workspace<T>& wor
 /// Between the passes of a tree nothing happens.
 struct NothingBetween {
   static constexpr bool in_pairs = true;  // paired branches, whose records are elsewhere until the outward pass
-  MOMENTREE_INLINE void operator()() const {}
+  template <class T>
+  MOMENTREE_INLINE static void act(const Tree&, const T*, Workspace<T>&) {}
 };
 
-/// `between`: called after the inward pass, may change u0 of the records.
+/// Between::act, called after the inward pass, may change u0 of the records. (As a type, not an argument: this leaves the code
+/// without it as it is.)
 template <class T, bool Keep, class Between = NothingBetween>
-void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace, const Between& between = {}) noexcept {
+void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {
   MT_REQUIRE(workspace.capacity() >= tree.bodies(), "the workspace has room for the tree's bodies: construct it for this tree");
   workspace.evaluated = {};
   workspace.located = {};
@@ -321,7 +323,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
       }
     });
   }
-  between();
+  Between::act(tree, q, workspace);
   for (const KernelRun& s : kernel_runs) {
     if constexpr (!Keep) {
       if (in_plane(s)) {  // a floating mechanism as a whole, with its root's run

@@ -131,22 +131,22 @@ void detail::sum_loop_momenta(const Tree& tree, const double* q, const Workspace
   });
 }
 
-void detail::solve_momenta_of_loops(const Tree& tree, const double* q, Workspace<double>& workspace, LoopRows rows) noexcept {
+void detail::solve_momenta_of_loops(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept {
   for (const LoopStop& stop : tree.loop_stops()) {
     workspace.biases[at(stop.body)] = {};
     workspace.reduced_bias_wrenches[at(stop.body)] = {};  // afterwards −(K − G k) σ
   }
   place_loops(tree, q, workspace, false);
-  solve_loops(tree, q, workspace, {}, rows, true);
+  solve_loops(tree, q, workspace, {}, workspace.loops->wanted, true);
   workspace.loops->impulsive = false;  // of a step, not of a change
 }
 
 // Pb = M̂ Ω_in + D̂ of the outward pass lacks what the impulses add to D̂.
 void detail::find_motions_with_loops(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace,
                                      LoopRows rows) noexcept {
-  loop_memory(tree, workspace);
-  sweep_momenta(tree, q, p, workspace, rows);
-  LoopWorkspace& loops = *workspace.loops;
+  LoopWorkspace& loops = loop_memory(tree, workspace);
+  loops.wanted = rows;
+  sweep_momenta(tree, q, p, workspace);
   const auto stops = tree.loop_stops();
   for (std::size_t s = 0; s < stops.size(); ++s) {
     const int b = stops[s].body;

@@ -2,6 +2,7 @@
 // Memory of the loops' rows, part of a Workspace.
 #include <vector>
 
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 
 namespace momentree {
@@ -44,6 +45,7 @@ struct LoopWorkspace {
   std::vector<double> A, factor;    ///< of all rows, row-major; Cholesky factor of the chosen ones
   std::vector<double> b, lambda;    ///< by row
   std::vector<int> order;           ///< scratch of the pivoted factorisation
+  LoopRows wanted{};                ///< of the evaluation in momenta that is going on
   std::vector<double> gauge;        ///< by row: impulses that the last closing in momenta added to the momenta
   std::vector<double> u;            ///< velocities, scratch of that closing
   std::vector<Force<double>> momenta, wrenches;  ///< by body, scratch of rates of momenta

@@ -6,16 +6,14 @@ namespace momentree::detail {
 namespace {
 struct SolveLoops {
   static constexpr bool in_pairs = false;
-  const Tree& tree;
-  const double* q;
-  Workspace<double>& workspace;
-  LoopRows rows;
-  void operator()() const { solve_momenta_of_loops(tree, q, workspace, rows); }
+  static void act(const Tree& tree, const double* q, Workspace<double>& workspace) {
+    solve_momenta_of_loops(tree, q, workspace);
+  }
 };
 }  // namespace
 
-void sweep_momenta(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace, LoopRows rows) noexcept {
-  sweep_rates<double, true>(tree, q, p, workspace, SolveLoops{tree, q, workspace, rows});
+void sweep_momenta(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace) noexcept {
+  sweep_rates<double, true, SolveLoops>(tree, q, p, workspace);
 }
 
 }  // namespace momentree::detail
