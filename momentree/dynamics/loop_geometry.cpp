@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <momentree/dynamics/forces/elements.hpp>
 #include <momentree/dynamics/loop_system.hpp>
@@ -58,16 +59,19 @@ double screw_angle(const Closure::Screw& screw, const Mat3& R, double turn) {
   return angle + 2 * std::numbers::pi * std::round((turn - angle) / (2 * std::numbers::pi));
 }
 
-// Writes φ, F, T and Ṫ of all rows of a closure, in the parent-side frame: φ̇ = F·v + T·ω for the relative velocities there.
+// Writes φ, F, T and Ṫ of the wanted rows of a closure (a bit each), in the parent-side frame: φ̇ = F·v + T·ω for the relative
+// velocities there.
 template <class Put>
-void closure_rows(const Closure& c, const Mat3& R, const Vec3& r, const Vec3& w, double turn, const Put& put) {
-  for (int i = 0; i < c.positions; ++i) put(dot(c.position[at(i)], r), c.position[at(i)], Vec3{}, Vec3{});
+void closure_rows(const Closure& c, unsigned wanted, const Mat3& R, const Vec3& r, const Vec3& w, double turn, const Put& put) {
+  for (int i = 0; i < c.positions; ++i)
+    if ((wanted >> i & 1u) != 0) put(i, dot(c.position[at(i)], r), c.position[at(i)], Vec3{}, Vec3{});
   for (int i = 0; i < c.directions; ++i) {
+    if ((wanted >> (c.positions + i) & 1u) == 0) continue;
     const Closure::Direction& d = c.direction[at(i)];
     const Vec3 b = R * d.b;
-    put(dot(d.a, b) - d.c, Vec3{}, cross(b, d.a), cross(cross(w, b), d.a));
+    put(c.positions + i, dot(d.a, b) - d.c, Vec3{}, cross(b, d.a), cross(cross(w, b), d.a));
   }
-  if (c.screws == 0) return;
+  if (c.screws == 0 || (wanted >> (c.positions + c.directions) & 1u) == 0) return;
   const Closure::Screw& s = c.screw;
   const Vec3 e1 = R * s.e1, e2 = R * s.e2;
   const double si = dot(s.e2, e1) - dot(s.e1, e2), co = dot(s.e1, e1) + dot(s.e2, e2), square = si * si + co * co;
@@ -77,7 +81,7 @@ void closure_rows(const Closure& c, const Mat3& R, const Vec3& r, const Vec3& w,
   const Vec3 tsd = cross(d1, s.e2) - cross(d2, s.e1), tcd = cross(d1, s.e1) + cross(d2, s.e2);
   const Vec3 gradient = (1 / square) * (co * ts - si * tc);
   const Vec3 rate = (1 / square) * (cd * ts + co * tsd - sd * tc - si * tcd - (2 * (si * sd + co * cd)) * gradient);
-  put(dot(s.n, r) - s.h * screw_angle(s, R, turn), s.n, -s.h * gradient, -s.h * rate);
+  put(c.positions + c.directions, dot(s.n, r) - s.h * screw_angle(s, R, turn), s.n, -s.h * gradient, -s.h * rate);
 }
 
 // The axes of the joint's own child-side frame in the world; locks may turn that of the rows about its origin.
@@ -108,19 +112,24 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   loops.topology = tree.revision();
   loops.places.resize(n), loops.turns.resize(n, 0.0);
   loops.rows.resize(rows), loops.columns.resize(at(tree.loop_columns()));
-  loops.position.resize(rows), loops.order.resize(rows);
-  loops.A.resize(rows * rows), loops.factor.resize(rows * rows);
+  std::vector<int>& all = loops.choice.taken;
+  all.resize(rows);
+  std::iota(all.begin(), all.end(), 0);
+  detail::lay_out(tree, all, loops.all);
+  loops.kept = loops.all;  // for its memory
+  loops.A.resize(loops.all.elements), loops.factor.resize(loops.all.elements), loops.least_pivots.resize(rows);
   loops.b.resize(2 * rows), loops.lambda.resize(rows);
-  loops.chosen.clear(), loops.chosen.reserve(rows);
   loops.gauge.assign(rows, 0.0);
   loops.u.resize(at(tree.nv()));
   loops.momenta.resize(at(tree.bodies())), loops.wrenches.resize(at(tree.bodies()));
+  loops.choice.reserve(n, rows, loops.all.elements);
   loops.rank = -1;
   return loops;
 }
 
-void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept {
+void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving, LoopRows which) noexcept {
   LoopWorkspace& loops = loop_memory(tree, workspace);
+  if (loops.rank < 0) which = LoopRows::choose;
   for (std::size_t s = 0, last = tree.loop_stops().size(); s < last; ++s) {
     const int b = tree.loop_stops()[s].body;
     if (s > 0 && tree.loop_stops()[s - 1].body == b) continue;
@@ -145,15 +154,21 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
     p.size = norm(a.x) + norm(b.x) + norm(workspace.bodies[at(loop.body)].r) + norm(link.child.r) + norm(link.parent.r);
     const Vec3 wr = transpose_times(a.R, p.wb - p.wa);
     const Vec3 v = p.vb - p.va - cross(p.wa, p.xb - p.xa), turning = cross(p.wb - p.wa, p.vb);
-    std::size_t row = at(link.first_row);
-    closure_rows(link.closure, p.R, p.r, wr, loops.turns[i], [&](double phi, const Vec3& F, const Vec3& T, const Vec3& Tdot) {
-      LoopRow& to = loops.rows[row++];
+    unsigned wanted = ~0u;
+    if (which == LoopRows::kept) {
+      wanted = 0;
+      for (int k = loops.kept.first_of[i]; k < loops.kept.first_of[i + 1]; ++k)
+        wanted |= 1u << (loops.kept.rows[at(k)] - link.first_row);
+    }
+    const auto put = [&](int k, double phi, const Vec3& F, const Vec3& T, const Vec3& Tdot) {
+      LoopRow& to = loops.rows[at(link.first_row + k)];
       to.residual = phi;
       to.F = a.R * F, to.T = a.R * T;
       to.velocity = dot(to.F, v) + dot(to.T, p.wb - p.wa);
       to.rate = cross(p.wa, to.T) + a.R * Tdot;
       to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(to.rate, p.wb - p.wa);
-    });
+    };
+    closure_rows(link.closure, wanted, p.R, p.r, wr, loops.turns[i], put);
   }
 }
 

@@ -60,12 +60,10 @@ namespace {
 
 constexpr double undetermined_above = 1e-7;  // of the wrench that a unit null vector causes in a joint
 
-// A wrench in world axes, about the world's origin or about a point.
-struct WorldWrench {
-  Vec3 F{}, T{};
-  void add(double x, const WorldWrench& w) { F += x * w.F, T += x * w.T; }
-  WorldWrench about(const Vec3& x) const { return {F, T - cross(x, F)}; }
-};
+using WorldWrench = LoopReactions::WorldWrench;
+
+void add(WorldWrench& sum, double x, const WorldWrench& w) { sum.F += x * w.F, sum.T += x * w.T; }
+WorldWrench about(const WorldWrench& w, const Vec3& x) { return {w.F, w.T - cross(x, w.F)}; }
 double product(const WorldWrench& a, const WorldWrench& b, double size) { return dot(a.F, b.F) + dot(a.T, b.T) / (size * size); }
 
 // The wrenches of multipliers λ (by row) on the child of each loop, about the world's origin.
@@ -82,19 +80,19 @@ WorldWrench loop_wrench(const Tree& tree, const LoopWorkspace& loops, std::size_
 
 // What multipliers add to the wrench of each joint on its child: of the inboard joints of bodies at stops, then of the loops. A
 // joint of the tree carries the opposite of what the loops exert on the bodies outboard.
-void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* lambda, std::vector<WorldWrench>& by_body,
-                    std::vector<WorldWrench>& by_loop) {
-  by_body.assign(at(tree.bodies()), {});
-  by_loop.assign(tree.loops().size(), {});
+void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* lambda, LoopReactions& into) {
+  into.by_body.assign(at(tree.bodies()), {});
+  into.by_loop.assign(tree.loops().size(), {});
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
-    by_loop[i] = loop_wrench(tree, loops, i, lambda);
-    by_body[at(tree.loops()[i].body)].add(-1, by_loop[i]);
-    if (tree.loops()[i].to >= 0) by_body[at(tree.loops()[i].to)].add(1, by_loop[i]);
+    into.by_loop[i] = loop_wrench(tree, loops, i, lambda);
+    add(into.by_body[at(tree.loops()[i].body)], -1, into.by_loop[i]);
+    if (tree.loops()[i].to >= 0) add(into.by_body[at(tree.loops()[i].to)], 1, into.by_loop[i]);
   }
   const auto stops = tree.loop_stops();
   for (std::size_t s = stops.size(); s-- > 0;) {
     if (s > 0 && stops[s - 1].body == stops[s].body) continue;  // once per body
-    if (const int outer = tree.parent(stops[s].body); outer >= 0) by_body[at(outer)].add(1, by_body[at(stops[s].body)]);
+    const int outer = tree.parent(stops[s].body);
+    if (outer >= 0) add(into.by_body[at(outer)], 1, into.by_body[at(stops[s].body)]);
   }
 }
 
@@ -108,54 +106,52 @@ void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
   loops.open_bodies.assign(at(tree.bodies()), 0);
   loops.open_loops.assign(tree.loops().size(), 0);
   loops.least = true;
-  const std::size_t m = loops.rows.size();
-  std::vector<std::vector<double>> null;
-  const std::vector<double> lambda = loops.lambda;
+  const std::size_t m = loops.rows.size(), d = m - loops.kept.rows.size();
+  if (d == 0) return;
+  LoopReactions& work = loops.reactions;
+  work.lambda = loops.lambda;
+  work.null.clear();
   for (std::size_t row = 0; row < m; ++row) {
-    if (std::binary_search(loops.chosen.begin(), loops.chosen.end(), static_cast<int>(row))) continue;
-    detail::solve_chosen(loops, [&](std::size_t i) { return -(i >= row ? loops.A[i * m + row] : loops.A[row * m + i]); });
+    if (std::binary_search(loops.kept.rows.begin(), loops.kept.rows.end(), static_cast<int>(row))) continue;
+    detail::solve_chosen(loops, [&](std::size_t i) { return -loops.all.element(loops.A, i, row); });
     loops.lambda[row] = 1;
-    null.push_back(loops.lambda);
+    work.null.insert(work.null.end(), loops.lambda.begin(), loops.lambda.end());
   }
-  loops.lambda = lambda;
-  if (null.empty()) return;
+  loops.lambda = work.lambda;
   double size = 0;
   for (const LoopPlace& place : loops.places) size = std::max(size, place.size);
   if (!(size > 1e-9)) size = 1;  // everything is at the origin
 
-  struct Carried {
-    int body, loop;
-    Vec3 at;
-    WorldWrench now;
-    std::vector<WorldWrench> by_null;
-  };
-  std::vector<Carried> joints;
+  work.joints.clear();
   const auto stops = tree.loop_stops();
   for (std::size_t s = 0; s < stops.size(); ++s) {
     if (s > 0 && stops[s - 1].body == stops[s].body) continue;
     const Kinematics<double>& body = workspace.bodies[at(stops[s].body)];
     const Force<double> W = transmitted_wrench(tree, workspace, stops[s].body);
-    joints.push_back({stops[s].body, -1, body.r, {body.R * W.l, body.R * W.h}, {}});
+    work.joints.push_back({stops[s].body, -1, body.r, {body.R * W.l, body.R * W.h}});
   }
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Vec3 x = loops.places[i].xb;
-    joints.push_back({-1, static_cast<int>(i), x, loop_wrench(tree, loops, i, lambda.data()).about(x), {}});
+    work.joints.push_back({-1, static_cast<int>(i), x, about(loop_wrench(tree, loops, i, work.lambda.data()), x)});
   }
-  std::vector<WorldWrench> by_body, by_loop;
-  for (const std::vector<double>& vector : null) {
-    joint_wrenches(tree, loops, vector.data(), by_body, by_loop);
-    for (Carried& joint : joints)
-      joint.by_null.push_back((joint.body >= 0 ? by_body[at(joint.body)] : by_loop[at(joint.loop)]).about(joint.at));
+  work.by_null.resize(work.joints.size() * d);
+  for (std::size_t i = 0; i < d; ++i) {
+    joint_wrenches(tree, loops, work.null.data() + i * m, work);
+    for (std::size_t k = 0; k < work.joints.size(); ++k) {
+      const LoopReactions::Carried& joint = work.joints[k];
+      work.by_null[k * d + i] = about(joint.body >= 0 ? work.by_body[at(joint.body)] : work.by_loop[at(joint.loop)], joint.at);
+    }
   }
-  const std::size_t d = null.size();
-  std::vector<double> G(d * d, 0.0), c(d, 0.0);
-  for (const Carried& joint : joints) {
+  work.G.assign(d * d, 0.0), work.c.assign(d, 0.0);
+  std::vector<double>&G = work.G, &c = work.c;
+  for (std::size_t joint = 0; joint < work.joints.size(); ++joint) {
+    const LoopReactions::Carried& at_joint = work.joints[joint];
+    const WorldWrench* const own = work.by_null.data() + joint * d;
     for (std::size_t i = 0; i < d; ++i) {
-      const double own = product(joint.by_null[i], joint.by_null[i], size);
-      unsigned char& open = joint.body >= 0 ? loops.open_bodies[at(joint.body)] : loops.open_loops[at(joint.loop)];
-      if (own > undetermined_above * undetermined_above) open = 1;
-      c[i] -= product(joint.by_null[i], joint.now, size);
-      for (std::size_t k = 0; k <= i; ++k) G[i * d + k] += product(joint.by_null[i], joint.by_null[k], size);
+      unsigned char& open = at_joint.body >= 0 ? loops.open_bodies[at(at_joint.body)] : loops.open_loops[at(at_joint.loop)];
+      if (product(own[i], own[i], size) > undetermined_above * undetermined_above) open = 1;
+      c[i] -= product(own[i], at_joint.now, size);
+      for (std::size_t k = 0; k <= i; ++k) G[i * d + k] += product(own[i], own[k], size);
     }
   }
   for (std::size_t i = 0; i < d; ++i) {  // Cholesky, with zeros for vectors without effect
@@ -175,13 +171,14 @@ void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
     c[i] = G[i * d + i] > 0 ? c[i] / G[i * d + i] : 0;
   }
   for (std::size_t i = 0; i < d; ++i)
-    for (std::size_t row = 0; row < m; ++row) loops.lambda[row] += c[i] * null[i][row];
-  for (const Carried& joint : joints) {
-    if (joint.body < 0) continue;
+    for (std::size_t row = 0; row < m; ++row) loops.lambda[row] += c[i] * work.null[i * m + row];
+  for (std::size_t joint = 0; joint < work.joints.size(); ++joint) {
+    const int body = work.joints[joint].body;
+    if (body < 0) continue;
     WorldWrench more;
-    for (std::size_t i = 0; i < d; ++i) more.add(c[i], joint.by_null[i]);
-    const Mat3& R = workspace.bodies[at(joint.body)].R;
-    workspace.reduced_bias_wrenches[at(joint.body)] += Force<double>{transpose_times(R, more.F), transpose_times(R, more.T)};
+    for (std::size_t i = 0; i < d; ++i) add(more, c[i], work.by_null[joint * d + i]);
+    const Mat3& R = workspace.bodies[at(body)].R;
+    workspace.reduced_bias_wrenches[at(body)] += Force<double>{transpose_times(R, more.F), transpose_times(R, more.T)};
   }
 }
 

@@ -22,35 +22,41 @@ namespace momentree::detail {
 LoopWorkspace& loop_memory(const Tree& tree, Workspace<double>& workspace);
 
 /// Poses of the bodies at the stops in workspace.bodies and, if `moving`, velocities from workspace.motions; then places and
-/// rows.
-void place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept;
+/// all rows, or the chosen ones alone.
+void place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving,
+                 LoopRows which = LoopRows::choose) noexcept;
 
 /// The scales of the rows, which choosing them needs.
 void scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept;
 
-/// Gathers A and b of the chosen rows from the records. With `all` of all rows.
+/// Gathers A and b of the chosen rows, or of all rows, from the records. Requires place_loops.
 void gather_loops(const Tree& tree, const double* q, Workspace<double>& workspace, const Motion<double>& base, bool all) noexcept;
 
-/// Chooses independent rows from A of all rows, by a pivoted factorisation that stops at pivots below `tolerance` (relative to
-/// the rows' scales).
-void choose_rows(LoopWorkspace& loops, double tolerance) noexcept;
+/// Chooses independent rows from A of all rows: those whose pivots are above `tolerance`, relative to the rows' scales.
+void choose_rows(const Tree& tree, LoopWorkspace& loops, double tolerance) noexcept;
+/// Where the elements of A are for some of the rows, given in ascending order.
+void lay_out(const Tree& tree, const std::vector<int>& rows, LoopLayout& layout);
 /// Cholesky factor of the chosen rows of A; solves A λ = right for them, in lambda.
 void factorise_loops(LoopWorkspace& loops) noexcept;
 template <class Right>
 void solve_chosen(LoopWorkspace& loops, Right right) noexcept {
-  const std::size_t n = loops.chosen.size();
+  const LoopLayout& kept = loops.kept;
+  const auto n = static_cast<std::ptrdiff_t>(kept.rows.size());
   std::fill(loops.lambda.begin(), loops.lambda.end(), 0.0);
   double* const x = loops.b.data() + loops.rows.size();  // scratch behind b
-  for (std::size_t i = 0; i < n; ++i) {
-    double s = right(static_cast<std::size_t>(loops.chosen[i]));
-    for (std::size_t j = 0; j < i; ++j) s -= loops.factor[i * n + j] * x[j];
-    x[i] = s / loops.factor[i * n + i];
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const auto here = static_cast<std::size_t>(i);
+    const double* const L = loops.factor.data() + kept.position[here];
+    double s = right(static_cast<std::size_t>(kept.rows[here]));
+    for (std::ptrdiff_t j = kept.begin[here]; j < i; ++j) s -= L[j] * x[j];
+    x[i] = s / L[i];
   }
-  for (std::size_t i = n; i-- > 0;) {
-    double s = x[i];
-    for (std::size_t j = i + 1; j < n; ++j) s -= loops.factor[j * n + i] * x[j];
-    x[i] = s / loops.factor[i * n + i];
-    loops.lambda[static_cast<std::size_t>(loops.chosen[i])] = x[i];
+  for (std::ptrdiff_t i = n; i-- > 0;) {
+    const auto here = static_cast<std::size_t>(i);
+    const double* const L = loops.factor.data() + kept.position[here];
+    x[i] /= L[i];
+    for (std::ptrdiff_t j = kept.begin[here]; j < i; ++j) x[j] -= L[j] * x[i];
+    loops.lambda[static_cast<std::size_t>(kept.rows[here])] = x[i];
   }
 }
 /// Adds the multipliers' part to u0 and to the reduced bias wrenches of the bodies at the stops.

@@ -87,7 +87,8 @@ LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& 
 double loop_velocities_open(const Tree& tree, const Workspace<double>& workspace) noexcept;
 bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 
-/// Where the loops leave reactions open, chooses the least ones; part of `accelerate`. Allocates if there are redundant rows.
+/// Where the loops leave reactions open, chooses the least ones; part of `accelerate`. Allocates at the first call
+/// and where there are more redundant rows than before.
 void find_least_reactions(const Tree& tree, Workspace<double>& workspace);
 /// False if the loops leave the reaction of a joint open: of a loop, by its place, or of the inboard joint of a body. Other
 /// reactions then cause the same motion. Requires `accelerate`.

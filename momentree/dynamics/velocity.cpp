@@ -20,7 +20,8 @@ bool stage_keeps(const Tree& tree) {
 
 // After sweep_velocities: all forces, as joint forces in workspace.a and wrenches in workspace.biases.
 template <bool Keep>
-void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
+void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace,
+                  LoopRows rows = LoopRows::kept) noexcept {
   double* const tau = workspace.a.get();
   workspace.power = joint_forces(tree, t, q, workspace, tau, workspace.passive.get());
   if constexpr (Keep) {
@@ -30,7 +31,7 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
       wrench = wrench - workspace.loads[static_cast<std::size_t>(b)];
     }
     if (tree.has_loops()) {
-      detail::place_loops(tree, q, workspace, true);
+      detail::place_loops(tree, q, workspace, true, rows);
       add_loop_forces(tree, t, workspace);
     }
   }
@@ -51,7 +52,7 @@ void inward(const Tree& tree, F&& f) {
 void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                                  LoopRows rows) noexcept {
   sweep_velocities<double, true>(tree, q, u, workspace);
-  apply_forces<true>(tree, t, q, workspace);
+  apply_forces<true>(tree, t, q, workspace, rows);
   reduce_accelerations<double, true>(tree, q, workspace);
   if (tree.has_loops()) solve_loops(tree, q, workspace, accelerating_ground(tree), rows);
   resolve_accelerations<double, true>(tree, q, workspace, accelerating_ground(tree));

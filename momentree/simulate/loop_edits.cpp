@@ -28,14 +28,14 @@ ActionResult TopologyEditor::supports(int joint, const JointParameters& paramete
   return ActionResult::done();
 }
 
-ActionResult TopologyEditor::can_lock(int joint, unsigned dofs) const {
+ActionResult TopologyEditor::can_hold(int joint, unsigned locked) const {
   if (!is_loop({joint})) return ActionResult::done();
-  Joint locked = loop_of(joint).joint;
-  locked.locked |= dofs;
-  if (locked_form(locked, coordinates(joint))) return ActionResult::done();
+  Joint held = loop_of(joint).joint;
+  held.locked = locked;
+  if (locked_form(held, coordinates(joint))) return ActionResult::done();
   return ActionResult::refused(
-      "only some degrees of freedom of a " + std::string(info(locked.kind).name) + " joint that closes a loop can't be locked",
-      "lock the whole joint, or let another joint of the loop be the one that closes it");
+      "only some degrees of freedom of a " + std::string(info(held.kind).name) + " joint that closes a loop can't be locked",
+      "lock or unlock the whole joint, or let another joint of the loop be the one that closes it");
 }
 
 double TopologyEditor::turn_of(int joint) const {

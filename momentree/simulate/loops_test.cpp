@@ -222,6 +222,39 @@ TEST_CASE("the energy balance closes with loops, projection included") {
   }
 }
 
+TEST_CASE("what would leave only some degrees of freedom of a loop joint locked is refused, by lock and by unlock") {
+  for (const Kind kind : {Kind::ball, Kind::planar}) {
+    Simulation sim(four_bar(), {});
+    JointSpec joint;
+    joint.kind = kind;
+    sim.apply(attach("bar/crank", "bar/rocker", joint), "clasp");
+    const auto refusal = [&](const Action& action) {
+      const RunResult result = sim.try_apply({&action, 1}, "change");
+      CHECK(result.status == Status::refused);
+      return result.reason;
+    };
+    CHECK(refusal(lock("clasp", {0})).find("only some degrees of freedom") != std::string::npos);
+    sim.apply(lock("clasp"), "jam");
+    CHECK(refusal(unlock("clasp", {0})).find("only some degrees of freedom") != std::string::npos);
+    CHECK(sim.world().joint(sim.world().loops()[1]).locked == 7u);
+    sim.apply(unlock("clasp"), "release");
+    CHECK(sim.world().joint(sim.world().loops()[1]).locked == 0u);
+  }
+}
+
+TEST_CASE("a warning says if closing the loops changes the energy, unless the balance itself is off") {
+  EnergyBalance balance;
+  balance.largest_kinetic = 2, balance.projection = -1e-3;
+  CHECK(balance.advice({.method = "rk4"}).empty());
+  balance.projection = -0.1;
+  const std::string fixed = balance.advice({.method = "rk4", .step = 1e-3}), adaptive = balance.advice({.method = "dop853"});
+  CHECK(fixed.find("changed the energy by -0.1 J, 5 % of the largest kinetic energy") != std::string::npos);
+  CHECK(fixed.find("0.00025 s, or an adaptive method: dop853") != std::string::npos);
+  CHECK(adaptive.find("rtol = 1e-10") != std::string::npos);
+  balance.error = 1;
+  CHECK(balance.advice({.method = "rk4"}).find("the energy balance is off") != std::string::npos);
+}
+
 TEST_CASE("functions and unsupported parameters of loop joints are refused") {
   Simulation sim(four_bar());
   const auto says = [](const auto& call) {

@@ -62,7 +62,7 @@ struct EnergyBalance {
   double projection = 0;       ///< energy that closing the loops after steps brought in
   double largest_kinetic = 0;  ///< the largest kinetic energy at the beginning of a step or at an event
 
-  /// A warning with a suggested remedy if the error exceeds a thousandth of `largest_kinetic`; empty otherwise.
+  /// A warning with a suggested remedy if the error or the projection exceeds a thousandth of `largest_kinetic`; empty otherwise.
   std::string advice(const Integration& integration) const;
 };
 

@@ -52,9 +52,10 @@ class TopologyEditor {
   const Joint& declared(int joint) const { return is_loop({joint}) ? loop_of(joint).joint : tree().joint(tree().carrier(joint)); }
   /// The loop joint of that number, which must exist.
   const Loop& loop_of(int joint) const;
-  /// Whether a joint, which may close a loop, supports these parameters and locks; otherwise the result of the action.
+  /// Whether a joint, which may close a loop, supports these parameters, and locks of exactly these DoFs; otherwise the result of
+  /// the action.
   ActionResult supports(int joint, const JointParameters& parameters) const;
-  ActionResult can_lock(int joint, unsigned dofs) const;
+  ActionResult can_hold(int joint, unsigned locked) const;
   Values coordinates(int joint) const;
   /// Locked DoFs, except those that rest on a stop.
   unsigned locked(int joint) const { return declared(joint).locked & ~world_.held(joint); }

@@ -31,12 +31,9 @@ JointId apply(const MakeLoop& change, Tree& tree, State& state, Workspace<double
     forward_dynamics(tree, state, workspace);
   }
   carry_momenta(tree, workspace);
-  std::vector<double> turns = state.turns();
-  turns.resize(tree.loops().size(), 0.0);
-  turns.push_back(change.turn);
   const int number = tree.add_loop(change.loop);
   renew(tree, state);
-  state.set_turns(turns);
+  state.set_turn(tree.loops().size() - 1, change.turn);
   settle_velocities(tree, state, workspace, change.loop.body);
   return {first_loop + number};
 }
@@ -45,11 +42,9 @@ Released apply(const BreakLoop& change, Tree& tree, State& state, Workspace<doub
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   const std::size_t place = place_of(tree, change.joint);
   const Released released{change.keeps_energy ? 0 : loop_energy(tree, workspace, static_cast<int>(place))};
-  std::vector<double> turns = state.turns();
-  if (place < turns.size()) turns.erase(turns.begin() + static_cast<std::ptrdiff_t>(place));
   tree.remove_loop(change.joint.index - first_loop);
   renew(tree, state);
-  state.set_turns(turns);
+  state.remove_turn(place);
   return released;
 }
 
@@ -58,12 +53,9 @@ Released apply(const SetLoop& change, Tree& tree, State& state, Workspace<double
   const std::size_t place = place_of(tree, change.joint);
   const Released released{change.keeps_energy ? 0 : loop_energy(tree, workspace, static_cast<int>(place))};
   if (change.impact) carry_momenta(tree, workspace);
-  std::vector<double> turns = state.turns();
-  turns.resize(tree.loops().size(), 0.0);
-  turns[place] = change.turn;
   tree.set_loop(change.joint.index - first_loop, change.to, change.parameters, change.held);
   renew(tree, state);
-  state.set_turns(turns);
+  state.set_turn(place, change.turn);
   if (change.impact) settle_velocities(tree, state, workspace, tree.loops()[place].body);
   return released;
 }

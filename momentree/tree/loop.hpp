@@ -28,6 +28,7 @@ struct LoopLink {
   Closure closure;
   KernelFrame child, parent;  ///< the joint's frames in the kernel frames of its bodies; for the ground in the world
   int first_row = 0, rows = 0;
+  int coupled = 0;                       ///< the first loop that has a stop in common with this one; itself if no earlier one has
   Pose child_offset{}, parent_offset{};  ///< of these frames from the joint's own, where locks displace them
 };
 

@@ -67,6 +67,7 @@ void Tree::list_loops() {
     link.first_row = loop_rows_;
     link.child_offset = form.child, link.parent_offset = form.parent;
     link.rows = link.closure.rows();
+    link.coupled = static_cast<int>(i);
     loop_rows_ += link.rows;
     loop_links_.push_back(link);
     const auto place = static_cast<int>(i);
@@ -80,7 +81,11 @@ void Tree::list_loops() {
   std::sort(loop_stops_.begin(), loop_stops_.end(), [this](const LoopStop& a, const LoopStop& b) {
     return a.body == b.body ? a.loop < b.loop : place_[at(a.body)] < place_[at(b.body)];
   });
+  int nearest = -1, first = 0;  // the first loop with a stop at the present body
   for (LoopStop& stop : loop_stops_) {
+    if (stop.body != nearest) nearest = stop.body, first = stop.loop;
+    int& coupled = loop_links_[at(stop.loop)].coupled;
+    coupled = std::min(coupled, first);
     stop.first_column = loop_columns_;
     loop_columns_ += loop_links_[at(stop.loop)].rows;
     const int outer = parent_[at(stop.body)];

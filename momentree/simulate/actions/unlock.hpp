@@ -19,6 +19,8 @@ struct Unlock : Lock {
     if (result.outcome != ActionResult::Outcome::done) return result;
     const int joint = editor.joint(name);
     if ((wanted & editor.locked(joint)) == 0) return ActionResult::skipped("it is not locked");
+    ActionResult possible = editor.can_hold(joint, editor.locked(joint) & ~wanted);
+    if (possible.outcome != ActionResult::Outcome::done) return possible;
     if (const JointParameters* p = parameters(editor)) {
       const JointParameters all = editor.begun(joint, *p);
       ActionResult follows = editor.can_follow(joint, all);
