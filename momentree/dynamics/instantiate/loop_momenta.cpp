@@ -6,9 +6,7 @@ namespace momentree::detail {
 namespace {
 struct SolveLoops {
   static constexpr bool in_pairs = false;
-  static void act(const Tree& tree, const double* q, Workspace<double>& workspace) {
-    solve_momenta_of_loops(tree, q, workspace);
-  }
+  static void act(const Tree& tree, const double* q, Workspace<double>& workspace) { solve_momenta_of_loops(tree, q, workspace); }
 };
 }  // namespace
 
