@@ -124,11 +124,17 @@ void check_loops(Reading& reading) {
   if (reading.scenario.model.loops().empty()) return;
   Integration& how = reading.scenario.integration;
   const Place at = reading.joints.at(reading.scenario.model.loops().front().name);
-  if (how.variables == Variables::momenta)
-    reading.out.error(at, "closed loops are integrated in velocities", "leave 'variables' out of [integrate]");
   if (!takes_velocities(how.method))
     reading.out.error(at, "the method '" + how.method + "' can't integrate closed loops", "use rk4, midpoint, dopri5 or dop853");
-  how.variables = Variables::velocities;
+  if (!how.variables) how.variables = Variables::velocities;
+  bool supported = true;
+  for (const LoopSpec& loop : reading.scenario.model.loops()) {
+    if (how.variables != Variables::momenta) break;
+    const std::optional<Error> error = needs_velocities(loop.joint.parameters);
+    if (error) report_loop(loop.name, "loop " + in_quotes(loop.name) + ": " + error->problem, error->hint, reading);
+    supported = supported && !error;
+  }
+  if (!supported) return;
   const std::optional<Error> error = check_assembly(reading.scenario.model);
   if (!error) return check_strengths(reading);
   for (const LoopSpec& loop : reading.scenario.model.loops())

@@ -37,11 +37,9 @@ Variables Integration::state_variables() const { return variables.value_or(defau
 
 Variables Integration::state_variables(const Model& model) const {
   if (model.loops().empty()) return state_variables();
-  if (variables == Variables::momenta)
-    throw_error({"closed loops are integrated in velocities", "variables", "leave 'variables' out"});
   if (!takes_velocities(method))
     throw_error({"the method '" + method + "' can't integrate closed loops", "method", "use rk4, midpoint, dopri5 or dop853"});
-  return Variables::velocities;
+  return variables.value_or(Variables::velocities);
 }
 
 std::optional<Error> wrong_period(double period, double clock, const char* what) {

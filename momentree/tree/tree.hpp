@@ -228,6 +228,8 @@ class Tree {
   std::span<const Loop> loops() const { return loops_; }
   std::span<const LoopLink> loop_links() const { return loop_links_; }
   bool has_loops() const { return !loops_.empty(); }
+  /// True if there are loops or driven joints: evaluations then do more than the passes over the tree.
+  bool has_constraints() const { return has_constraints_; }
   /// The loop joint of that number, or null.
   const Loop* find_loop(int number) const;
   /// Bodies between the ends of loops and the ground, one entry per body and loop, inboard before outboard.
@@ -358,6 +360,7 @@ class Tree {
 
   void list_loaded_bodies();
   void list_loops();
+  void note_constraints() { has_constraints_ = !driven_joints_.empty() || !loops_.empty(); }
 
   // springs.cpp
   void put_springs(const std::vector<Topology::SpringChange>& changes);
@@ -434,6 +437,7 @@ class Tree {
   detail::Reserved<int> angle_q_;
   detail::Reserved<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false, has_functions_ = false, has_pairs_ = false, has_planes_ = false;
+  bool has_constraints_ = false;
   std::vector<Topology::Loaded> body_functions_;
   std::vector<Topology::SpringChange> spring_states_;  // by spring
   const Topology::SpringChange& spring_state(int spring) const {
