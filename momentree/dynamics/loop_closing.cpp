@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/dynamics/loop_momenta.hpp>
 #include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/springs.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -81,6 +83,33 @@ void close_velocities(LoopCorrection& correction, const double* q, double* u) {
   for (int i = 0; i < correction.tree.nv(); ++i) u[i] += workspace.a[at(i)];
 }
 
+// Corrects the coordinates; places, rows and records are then those of q. `energy`: less that at the start. Returns false if the
+// loops cannot be closed.
+bool close_coordinates(LoopCorrection& correction, double* q, const double* u, double& energy) {
+  const LoopWorkspace& loops = *correction.workspace.loops;
+  double before = HUGE_VAL;
+  for (int k = 0;; ++k) {
+    correction.evaluate(q, u, 0);
+    if (k == 0) energy = -energy_at(correction.tree, q, correction.workspace);
+    const double open = open_by(correction.tree, loops);
+    if (open <= closed) return true;
+    if (!(open < 0.5 * before) || k == most_corrections) return open <= nearly;
+    before = open;
+    correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
+    detail::displace(correction.tree, correction.workspace.a.get(), 1, q);
+  }
+}
+
+// Calls f for the roots at stops whose momenta are in axes that move with several DoFs.
+template <class F>
+void each_moving_root(const Tree& tree, const F& f) {
+  const auto stops = tree.loop_stops();
+  for (std::size_t s = 0; s < stops.size(); ++s) {
+    const int b = stops[s].body;
+    if ((s == 0 || stops[s - 1].body != b) && tree.parent(b) < 0 && info(tree.kind(b)).nv > 1) f(b);
+  }
+}
+
 }  // namespace
 
 void detail::displace(const Tree& tree, const double* delta, double scale, double* q) noexcept {
@@ -102,24 +131,41 @@ bool close_loops(const Tree& tree, double t, double* q, double* u, Workspace<dou
   detail::loop_memory(tree, workspace);
   detail::set_loop_motions(tree, t, workspace);
   LoopCorrection correction{tree, workspace};
-  const LoopWorkspace& loops = *workspace.loops;
-  double before = HUGE_VAL;
-  for (int k = 0;; ++k) {
-    correction.evaluate(q, u, 0);
-    if (k == 0) energy = -energy_at(tree, q, workspace);
-    const double open = open_by(tree, loops);
-    if (open <= closed) break;
-    if (!(open < 0.5 * before) || k == most_corrections) {
-      if (open <= nearly) break;
-      return false;
-    }
-    before = open;
-    correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
-    detail::displace(tree, workspace.a.get(), 1, q);
-  }
+  if (!close_coordinates(correction, q, u, energy)) return false;
   close_velocities(correction, q, u);
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
+  energy += energy_at(tree, q, workspace);
+  note_turns(tree, workspace);
+  return true;
+}
+
+bool close_loops_in_momenta(const Tree& tree, double* q, double* p, Workspace<double>& workspace, double& energy) noexcept {
+  find_velocities_with_loops(tree, q, p, workspace);
+  LoopWorkspace& loops = *workspace.loops;
+  std::copy_n(workspace.v.get(), tree.nv(), loops.u.begin());
+  // The articulated momenta of roots, in the world. A root's own p is put in their place, at its corrected coordinates.
+  each_moving_root(tree, [&](int b) {
+    const Kinematics<double>& body = workspace.bodies[at(b)];
+    const Force<double>& P = workspace.motions[at(b)].articulated;
+    absorb(tree, b, joint_state(tree, q, workspace, b), P, -1, p);
+    const Vec3 l = body.R * P.l;
+    loops.momenta[at(b)] = {l, body.R * P.h + cross(body.r, l)};
+  });
+  LoopCorrection correction{tree, workspace};
+  if (!close_coordinates(correction, q, loops.u.data(), energy)) return false;
+  each_moving_root(tree, [&](int b) {
+    const Force<double>& P = loops.momenta[at(b)];
+    absorb(tree, b, joint_state(tree, q, workspace, b), on_body(workspace.bodies[at(b)], P.l, P.h, {}), +1, p);
+  });
+  find_velocities_with_loops(tree, q, p, workspace);
+  loops.gauge = loops.lambda;
+  detail::place_loops(tree, q, workspace, true);
+  detail::sum_loop_momenta(tree, q, workspace, loops.gauge.data());
+  const auto stops = tree.loop_stops();
+  for (std::size_t s = 0; s < stops.size(); ++s)
+    if (const int b = stops[s].body; s == 0 || stops[s - 1].body != b)
+      absorb(tree, b, joint_state(tree, q, workspace, b), loops.momenta[at(b)], +1, p);
   energy += energy_at(tree, q, workspace);
   note_turns(tree, workspace);
   return true;

@@ -97,7 +97,8 @@ LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int p
   row.F = Rb * w.v, row.T = Rb * w.w;
   row.residual = info(spec.kind).nq == info(spec.kind).nv ? q[dof] : 0;
   row.velocity = u[dof];
-  row.drift = dot(cross(p.wb, row.F), v) + dot(row.F, cross(relative, p.vb)) + dot(cross(p.wb, row.T), relative) -
+  row.rate = cross(p.wb, row.T);
+  row.drift = dot(cross(p.wb, row.F), v) + dot(row.F, cross(relative, p.vb)) + dot(row.rate, relative) -
               product(w, joint_columns_drift(spec, q, u));
   return row;
 }

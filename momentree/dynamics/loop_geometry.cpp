@@ -108,6 +108,9 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   loops.kept = loops.all;  // for its memory
   loops.A.resize(loops.all.elements), loops.factor.resize(loops.all.elements), loops.least_pivots.resize(rows);
   loops.b.resize(2 * rows), loops.lambda.resize(rows);
+  loops.gauge.assign(rows, 0.0);
+  loops.u.resize(at(tree.nv()));
+  loops.momenta.resize(at(tree.bodies())), loops.wrenches.resize(at(tree.bodies()));
   loops.choice.reserve(tree.loop_links().size(), rows, loops.all.elements);
   loops.carried.reserve(6 * n);
   loops.rank = -1;
@@ -152,7 +155,8 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
       to.residual = phi, to.softness = to.jump_to = 0;
       to.F = a.R * F, to.T = a.R * T;
       to.velocity = dot(to.F, v) + dot(to.T, p.wb - p.wa);
-      to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(cross(p.wa, to.T) + a.R * Tdot, p.wb - p.wa);
+      to.rate = cross(p.wa, to.T) + a.R * Tdot;
+      to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(to.rate, p.wb - p.wa);
     };
     closure_rows(link.closure, wanted, p.R, p.r, wr, loops.turns[i], put);
     if (link.dof_row_count > 0) place_dof_rows(tree, workspace, static_cast<int>(i));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/math/signal.hpp>
 
@@ -27,6 +28,7 @@ struct LoopRow {
   double residual = 0;  ///< φ
   double velocity = 0;  ///< J u
   double drift = 0;     ///< J̇ u
+  Vec3 rate;            ///< dT/dt, of an inertial observer; not of armatures and motions, whose columns may turn in the child
   double scale = 1;     ///< bound of the row's element of A
   double softness = 0;  ///< the inverse of an armature, added to the row's element of A
   double jump_to = 0;   ///< J u after an impact, less what `velocity` leaves out
@@ -107,6 +109,10 @@ struct LoopWorkspace {
   std::vector<double> least_pivots;    ///< by chosen row: smaller ones are zero at stages
   std::vector<double> b, lambda;       ///< by row; behind b as many for scratch
   RowChoice choice;
+  LoopRows wanted{};                             ///< of the evaluation in momenta that is going on
+  std::vector<double> gauge;                     ///< by row: impulses that the last closing in momenta added to the momenta
+  std::vector<double> u;                         ///< velocities, scratch of that closing
+  std::vector<Force<double>> momenta, wrenches;  ///< by body, scratch of rates of momenta
   int rank = 0;
   int struck = -1;         ///< the loop whose DoF a stop struck in the last change, −1: none
   Force<double> strike{};  ///< and the stop's impulse on its child, world axes

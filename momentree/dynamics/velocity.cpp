@@ -38,8 +38,20 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
   }
 }
 
-void evaluate_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
-                      LoopRows rows) noexcept {
+// Calls f(b, its flags, tag of its joint's kernels) for all bodies, outboard before inboard.
+template <class F>
+void inward(const Tree& tree, F&& f) {
+  const auto order = tree.order();
+  for (std::size_t k = order.size(); k-- > 0;) {
+    const int b = order[k];
+    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) { f(b, tree.node_flags()[k], tag); });
+  }
+}
+
+}  // namespace
+
+void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
+                                 LoopRows rows) noexcept {
   sweep_velocities<double, true>(tree, q, u, workspace);
   apply_forces<true>(tree, t, q, workspace, rows);
   reduce_accelerations<double, true>(tree, q, workspace);
@@ -53,21 +65,9 @@ void evaluate_keeping(const Tree& tree, double t, const double* q, const double*
   }
 }
 
-// Calls f(b, its flags, tag of its joint's kernels) for all bodies, outboard before inboard.
-template <class F>
-void inward(const Tree& tree, F&& f) {
-  const auto order = tree.order();
-  for (std::size_t k = order.size(); k-- > 0;) {
-    const int b = order[k];
-    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) { f(b, tree.node_flags()[k], tag); });
-  }
-}
-
-}  // namespace
-
 void evaluate_velocity_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                              VelocityRatesFunction generated) noexcept {
-  if (stage_keeps(tree)) return evaluate_keeping(tree, t, q, u, workspace, LoopRows::kept);
+  if (stage_keeps(tree)) return evaluate_velocities_keeping(tree, t, q, u, workspace, LoopRows::kept);
   if (generated != nullptr) {
     workspace.evaluated = workspace.located = workspace.accelerated = {};
     std::copy_n(u, tree.nv(), workspace.v.get());
@@ -108,18 +108,19 @@ void sum_momenta(const Tree& tree, const double* q, Workspace<double>& workspace
 void evaluate_velocity_state(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
   const double* const q = state.q().data();
   if (tree.has_loops()) load_turns(tree, state, workspace);
-  evaluate_keeping(tree, state.time(), q, state.u().data(), workspace, LoopRows::choose);
+  evaluate_velocities_keeping(tree, state.time(), q, state.u().data(), workspace, LoopRows::choose);
   sum_momenta(tree, q, workspace, workspace.p.get());
   workspace.evaluated = workspace.accelerated = state.stamp();
 }
 
 // ṗ = τ + Eᵀ (Tb − Ω × Pb) + Ėᵀ Pb (20), where Tb is the weight of the bodies outboard and the forces on them.
 void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
+  if (tree.has_loops()) accelerate(tree, state, workspace);
   locate_bodies(tree, state, workspace);
   if (workspace.rated == state.stamp()) return;
   const UncheckedTree all(tree);
   const double* const q = state.q().data();
-  double* const pdot = workspace.pdot.get();
+  double* const pdot = (state.variables() == Variables::momenta ? workspace.p : workspace.pdot).get();
   Force<double>* const Tb = workspace.child_wrenches.get();
   joint_forces(tree, state.time(), q, workspace, pdot);
   for (const int b : all.order()) {
@@ -127,6 +128,15 @@ void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>
     Tb[b] = {all.link(b).body.m * g, cross(all.link(b).body.mc, g)};
   }
   for (const int b : tree.loaded_bodies()) Tb[b] += workspace.loads[static_cast<std::size_t>(b)];
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    const Force<double> W = as_force(loop_reaction(tree, state.time(), workspace, static_cast<int>(i)).total);
+    Tb[loop.body] += W;
+    if (loop.to < 0) continue;
+    const Kinematics<double>& child = workspace.bodies[static_cast<std::size_t>(loop.body)];
+    Tb[loop.to] =
+        Tb[loop.to] - on_body(workspace.bodies[static_cast<std::size_t>(loop.to)], child.R * W.l, child.R * W.h, child.r);
+  }
   inward(tree, [&](int b, unsigned flags, auto tag) {
     using K = typename decltype(tag)::type;
     const LinkConstants& link = all.link(b);

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/loops.hpp>
 
 namespace momentree {
 
@@ -28,11 +29,16 @@ void resolve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace
 void evaluate_velocity_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                              VelocityRatesFunction generated = nullptr) noexcept;
 
+/// The same, and it keeps what readers of accelerations need. Loops with chosen, or with kept rows.
+void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
+                                 LoopRows rows) noexcept;
+
 /// The same for a state, whose stamp the workspace then carries as evaluated and accelerated. Also writes the articulated momenta
 /// Pb of all bodies and workspace.p.
 void evaluate_velocity_state(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
-/// ṗ of a state in velocities, to workspace.pdot; evaluates the state first if needed.
+/// ṗ of a state in velocities, to workspace.pdot; evaluates the state first if needed. With loops also of a state in momenta, to
+/// workspace.p, because its rates ṗ* in workspace.pdot are without the multipliers.
 void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
 /// The momenta p of velocities u, and of every body Pb in workspace.motions, whose velocities are those of u: one inward sum,

@@ -56,7 +56,7 @@ class Embedded : public Integrator {
       return false;
     accept(evaluate, state, ledger, h);
     evaluate(state);
-    keep(Tableau::stages - 1, evaluate, q_.get());
+    keep_last(evaluate);
     return true;
   }
 
@@ -79,7 +79,7 @@ class Embedded : public Integrator {
       if (fine) {
         accept(evaluate, state, ledger, h);
         evaluate(state);
-        keep(Tableau::stages - 1, evaluate, q_.get());
+        keep_last(evaluate);
         error = estimate(evaluate, ledger.work, h);
       }
       const double wanted = safety * std::pow(error, -1.0 / (Tableau::lower + 1));  // NaN if the error is NaN
@@ -118,7 +118,10 @@ class Embedded : public Integrator {
       combine(nv_, y0_.get(), weights.data(), static_cast<int>(weights.size()), last_, ky_.get(), nv_max_, y);
       normalise(evaluate.tree(), q);
       centres_.place(q);
-      return true;
+      if (!evaluate.tree().has_loops() || evaluate.variables() != Variables::momenta) return true;
+      double energy =
+          0;  // momenta are those of a state only where the loops are closed; in momenta, this does not depend on time
+      return evaluate.in(solver_).close(0, q, y, energy);
     } else {
       return false;
     }
@@ -142,6 +145,12 @@ class Embedded : public Integrator {
     centres_.add_spin(q, evaluated.workspace().v.get(), kq(stage));
     std::copy_n(evaluated.ydot(), nv_, ky(stage));
     if (stage < Tableau::stages) power_[stage] = evaluated.workspace().power;
+  }
+
+  // That at the new state. With loops in momenta its rates are those of the step's own p*.
+  void keep_last(const Evaluator& evaluate) noexcept {
+    keep(Tableau::stages - 1, evaluate, q_.get());
+    add_gauge(evaluate, q_.get(), ky(Tableau::stages - 1));
   }
 
   void begin(const Evaluator& evaluate, const State& state, double h) noexcept {

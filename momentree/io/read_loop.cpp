@@ -151,10 +151,19 @@ void check_loops(Reading& reading) {
     else
       report_coupling(0, std::move(problem), std::move(hint), reading);
   };
-  if (how.variables == Variables::momenta) report(what + " are integrated in velocities", "leave 'variables' out of [integrate]");
+  if (how.variables == Variables::momenta && !model.couplings().empty())
+    report("exact couplings are integrated in velocities", "leave 'variables' out of [integrate]");
   if (!takes_velocities(how.method))
     report("the method '" + how.method + "' can't integrate " + what, "use rk4, midpoint, dopri5 or dop853");
-  how.variables = Variables::velocities;
+  if (!how.variables) how.variables = Variables::velocities;
+  bool supported = true;
+  for (const LoopSpec& loop : model.loops()) {
+    if (how.variables != Variables::momenta) break;
+    const std::optional<Error> error = needs_velocities(loop.joint.parameters);
+    if (error) report_loop(loop.name, "loop " + in_quotes(loop.name) + ": " + error->problem, error->hint, reading);
+    supported = supported && !error;
+  }
+  if (!supported) return;
   const std::optional<Error> error = check_assembly(model);
   if (!error) return check_strengths(reading);
   for (const LoopSpec& loop : model.loops())

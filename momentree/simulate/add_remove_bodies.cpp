@@ -18,6 +18,7 @@ BodyId World::add(BodySpec spec) {
     spec.q = now.value, spec.v = now.rate;
   }
   const BodyId body = model_.add(std::move(spec));
+  if (tree_.has_loops()) take_variables(Variables::velocities);
   evaluate();
   const double kinetic = totals().kinetic;
   apply(Add{&model_[body]}, tree_, state_, workspace_);

@@ -38,11 +38,11 @@ Variables Integration::state_variables() const { return variables.value_or(defau
 Variables Integration::state_variables(const Model& model) const {
   if (!model.has_equations()) return state_variables();
   const std::string what = model.loops().empty() ? "couplings of joints" : "closed loops";
-  if (variables == Variables::momenta)
-    throw_error({what + " are integrated in velocities", "variables", "leave 'variables' out"});
+  if (variables == Variables::momenta && !model.couplings().empty())
+    throw_error({"couplings of joints are integrated in velocities", "variables", "leave 'variables' out"});
   if (!takes_velocities(method))
     throw_error({"the method '" + method + "' can't integrate " + what, "method", "use rk4, midpoint, dopri5 or dop853"});
-  return Variables::velocities;
+  return variables.value_or(Variables::velocities);
 }
 
 std::optional<Error> wrong_period(double period, double clock, const char* what) {

@@ -8,6 +8,7 @@
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/loop_workspace.hpp>
 #include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/momentum.hpp>
 
 namespace momentree {
 
@@ -47,9 +48,32 @@ void follow_leaders(const Tree& tree, std::size_t first, double* q, double* u) {
   }
 }
 
+// Of a state in momenta: by its velocities. It keeps its momenta if nothing had to be closed.
+std::optional<Error> assemble_momenta(const Tree& tree, const Model& model, const Names& names, State& state) {
+  Workspace<double> workspace(tree);
+  evaluate_rates<double>(tree, state.q().data(), state.p().data(), workspace);
+  const std::span<const double> v(workspace.v.get(), state.p().size());
+  State closed(tree, Variables::velocities);
+  closed.assign(state.time(), state.q(), v, tree);
+  closed.set_turns(state.turns());
+  std::optional<Error> error = assemble(tree, model, names, closed);
+  if (error) return error;
+  state.set_turns(closed.turns());
+  if (std::ranges::equal(closed.q(), state.q()) && std::ranges::equal(closed.u(), v)) return std::nullopt;
+  std::vector<double> p(v.size());
+  project_momentum(tree, closed.q().data(), closed.u().data(), p.data());
+  for (const int b : tree.order())
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
+      if (((tree.link(b).locked & ~unsigned{tree.link(b).driven}) >> i & 1u) != 0)
+        p[static_cast<std::size_t>(tree.first_p(b) + i)] = 0;
+  state.assign(state.time(), closed.q(), p, tree);
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Error> assemble(const Tree& tree, const Model& model, const Names& names, State& state) {
+  if (state.variables() == Variables::momenta) return assemble_momenta(tree, model, names, state);
   Workspace<double> workspace(tree);
   std::vector<double> residuals(tree.loop_links().size());
   load_turns(tree, state, workspace);
@@ -109,6 +133,23 @@ std::optional<Error> beyond_stops(const Tree& tree, const Names& names, const St
         return Error("it starts beyond its limits, at " + short_text(q[k]), "loop '" + names.joint(loop.id().index) + "'",
                      "give start values that close the loop within them");
   }
+  return std::nullopt;
+}
+
+std::optional<Error> needs_velocities(const JointParameters& parameters) {
+  const bool moves = parameters.drive != nullptr && parameters.drive->moves();
+  if (!moves && !parameters.armature.any()) return std::nullopt;
+  return Error(std::string(moves ? "drive: a prescribed motion" : "armature: it") +
+                   " is not supported in momenta for joints that close a loop",
+               "", "leave 'variables' out, or give it to a joint of the tree: any joint of a loop can be the one that closes it");
+}
+
+std::optional<Error> needs_velocities(const Tree& tree, const Names& names) {
+  for (const Loop& loop : tree.loops())
+    if (std::optional<Error> error = needs_velocities(loop.parameters)) {
+      error->where = "loop '" + names.joint(loop.id().index) + "'";
+      return error;
+    }
   return std::nullopt;
 }
 

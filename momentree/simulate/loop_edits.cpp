@@ -18,6 +18,7 @@ const JointParameters* TopologyEditor::parameters(int joint) const {
 
 ActionResult TopologyEditor::supports(int joint, const JointParameters& parameters) const {
   if (!is_loop({joint})) return ActionResult::done();
+  if (std::optional<ActionResult> refused = refused_in_momenta(parameters)) return *refused;
   const Loop& now = loop_of(joint);
   LoopSpec spec;
   spec.name = joint_name(joint), spec.body = {now.body}, spec.to = {now.to};
@@ -35,6 +36,12 @@ ActionResult TopologyEditor::can_move() const {
   return error ? ActionResult::refused(error->where + ": " + error->problem, error->hint) : ActionResult::done();
 }
 
+std::optional<ActionResult> TopologyEditor::refused_in_momenta(const JointParameters& parameters) const {
+  if (world_.loop_variables_ != Variables::momenta) return std::nullopt;
+  const std::optional<Error> error = needs_velocities(parameters);
+  return error ? std::optional(ActionResult::refused(error->problem, error->hint)) : std::nullopt;
+}
+
 double TopologyEditor::turn_of(int joint) const {
   const std::size_t place = static_cast<std::size_t>(&loop_of(joint) - tree().loops().data());
   const std::vector<double>& turns = world_.state_.turns();
@@ -43,10 +50,11 @@ double TopologyEditor::turn_of(int joint) const {
 
 ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
   if (!world_.loops_allowed_)
-    return ActionResult::refused("joining '" + body_name(body) + "' to '" + body_name(to) +
-                                     "' would close a loop, and closed loops are integrated in velocities",
-                                 "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853; batches have no loops yet");
+    return ActionResult::refused(
+        "joining '" + body_name(body) + "' to '" + body_name(to) + "' would close a loop, which this method can't integrate",
+        "use rk4, midpoint, dopri5 or dop853; batches have no loops yet");
   if (std::optional<ActionResult> taken = name_taken(body, to)) return *taken;
+  if (std::optional<ActionResult> refused = refused_in_momenta(spec.parameters)) return *refused;
   if (spec.kind == Kind::free) return ActionResult::skipped("a free joint between them constrains nothing");
   const Pose present = inverse(pose(to)) * pose(body);
   LoopSpec whole;

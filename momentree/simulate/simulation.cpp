@@ -160,14 +160,6 @@ void Simulation::set_gravity(Vec3 gravity) {
   impl.recover();
 }
 
-void Simulation::Impl::leave_velocities() {
-  if (world.tree_.has_loops() || world.state_.variables() == world.variables_) return;
-  const Numbers p = world.p();
-  std::vector<double> q(world.state_.q().begin(), world.state_.q().end()), y(p.begin(), p.end());
-  follow_motions(world.tree_, world.time(), q.data(), y.data());
-  world.state_.change_variables(world.variables_, y);
-}
-
 // The energy that bodies bring into the world and take out of it is work; the event's certificate states it.
 template <class Act>
 void Simulation::Impl::populate(const char* what, const std::string& body, Act act) {
@@ -191,7 +183,7 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   if (keeps_history) past = snapshot();
   act();  // throws if nothing happened
   if (past) history.push_back({events.size(), std::move(*past), {}});
-  leave_velocities();
+  world.take_variables(world.own_variables());
   method = new_method();
   evaluate_state();
   event.after = world.totals();

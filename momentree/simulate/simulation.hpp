@@ -30,8 +30,8 @@ struct Integration {
   double atol = 1e-10;         ///< in the unit of each coordinate and velocity
   double max_step = HUGE_VAL;  ///< s
 
-  /// The variables that a run uses, without a model those of open trees. Closed loops need velocities: throws Error for a model
-  /// with loops if `variables` or `method` is against it.
+  /// The variables that a run uses, without a model those of open trees. Closed loops are in velocities by default: throws Error
+  /// for a model with loops that `method` can't integrate.
   Variables state_variables() const;
   Variables state_variables(const Model& model) const;
 };

@@ -10,6 +10,7 @@ namespace momentree {
 
 template <class Change>
 void TopologyEditor::carry_out(const Change& change, Nature nature) {
+  if (tree().has_loops()) world_.take_variables(Variables::velocities);  // until the end of the instant
   evaluate();
   const Totals before = world_.totals();
   if constexpr (std::is_same_v<Change, ChangeJoint>) {

@@ -11,8 +11,13 @@
 
 namespace momentree {
 
-World::World(const Model& model, Variables variables)
-    : model_(model), variables_(model.has_equations() ? Variables::velocities : variables), first_bodies_(model.size()) {
+World::World(const Model& model, Variables variables, Variables with_loops)
+    : model_(model),
+      variables_(!model.couplings().empty() ? Variables::velocities
+                 : model.loops().empty()    ? variables
+                                            : with_loops),
+      loop_variables_(model.couplings().empty() ? with_loops : Variables::velocities),
+      first_bodies_(model.size()) {
   const std::vector<SingularJoint> singular = singular_joints(model_);
   if (!singular.empty()) {
     const BodySpec& body = model_[singular.front().body];
@@ -47,9 +52,8 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   for (const Topology::Loaded& load : loads)
     if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
   if (tree_.has_loops() && !loops_allowed_)
-    throw_error({"the state has closed loops or couplings, which are integrated in velocities", "",
-                 "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853"});
-  State state(tree_, tree_.has_loops() ? Variables::velocities : variables_);
+    throw_error({"the state has closed loops or couplings, which this method can't integrate", "", "use rk4, midpoint, dopri5 or dop853"});
+  State state(tree_, own_variables());
   workspace_ = Workspace<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
   motions_of_ = accelerations_of_ = {};
@@ -63,7 +67,9 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
     state.set_turns(turns);
   }
   if (tree_.has_loops()) {
-    std::optional<Error> error = assemble(tree_, model_, names_, state);
+    std::optional<Error> error;
+    if (state.variables() == Variables::momenta) error = needs_velocities(tree_, names_);
+    if (!error) error = assemble(tree_, model_, names_, state);
     if (!error) error = conflicting_motions(tree_, names_, state);
     if (!error) error = beyond_stops(tree_, names_, state);
     if (error) throw_error(std::move(*error));

@@ -128,9 +128,9 @@ struct JointStart {
 /// Evaluates its state lazily, when a result is requested: a world may be used by one thread at a time, even for reading.
 class World {
  public:
-  /// Compiles the model; the state is in these variables, with closed loops in velocities. Throws Error if a joint-space mass is
-  /// singular, or a loop cannot be closed.
-  explicit World(const Model& model, Variables variables = Variables::momenta);
+  /// Compiles the model; the state is in these variables, with closed loops in those of `with_loops`. Throws Error if a
+  /// joint-space mass is singular, or a loop cannot be closed.
+  explicit World(const Model& model, Variables variables = Variables::momenta, Variables with_loops = Variables::velocities);
 
   const Model& model() const { return model_; }
   /// The model without the bodies that were added to the world.
@@ -243,14 +243,16 @@ class World {
   void drive(int joint, JointFunction function);
   void load(int body, BodyFunction function);
   void set_time(double time);
+  Variables own_variables() const { return tree_.has_loops() ? loop_variables_ : variables_; }
+  void take_variables(Variables variables);
   void set_gravity(Vec3 gravity);
   int held(int joint, int dof) const;
   unsigned held(int joint) const;
   void forget_active_limits();
 
   Model model_;
-  Variables variables_ = Variables::momenta;
-  bool loops_allowed_ = true;  // a run in momenta, as asked for or because its method requires it, has no loops
+  Variables variables_ = Variables::momenta, loop_variables_ = Variables::velocities;
+  bool loops_allowed_ = true;  // not for every method
   int first_bodies_ = 0;       // number of bodies that the world was made with
   Names declared_, names_;     // as in the model, and now
   std::vector<ActiveLimit> active_limits_;

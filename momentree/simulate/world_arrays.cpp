@@ -32,7 +32,9 @@ Numbers World::p() const {
 }
 Numbers World::pdot() const {
   evaluate();
-  if (state_.variables() == Variables::velocities) find_momentum_rates(tree_, state_, workspace_);
+  const bool momenta = state_.variables() == Variables::momenta;
+  if (!momenta || tree_.has_loops()) find_momentum_rates(tree_, state_, workspace_);
+  if (momenta && tree_.has_loops()) return {workspace_.p.get(), count(tree_.nv())};
   return {workspace_.pdot.get(), count(tree_.nv())};
 }
 Numbers World::a() const {
@@ -125,6 +127,16 @@ void World::assign(double time, std::span<const double> q, std::span<const doubl
   momenta.assign(time, q, y, tree_);
   forward_dynamics(tree_, momenta, workspace_);
   state_.assign(time, q, {workspace_.v.get(), y.size()}, tree_);
+}
+
+// The same motion in other variables.
+void World::take_variables(Variables variables) {
+  if (state_.variables() == variables) return;
+  evaluate();
+  if (variables == Variables::velocities) return state_.change_variables(variables, v());
+  std::vector<double> coordinates(state_.q().begin(), state_.q().end()), y(p().begin(), p().end());
+  follow_motions(tree_, time(), coordinates.data(), y.data());
+  state_.change_variables(variables, y);
 }
 
 }  // namespace momentree

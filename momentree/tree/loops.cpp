@@ -147,6 +147,7 @@ void Tree::list_loops() {
     for (auto s = inner; s != loop_stops_.end() && s->body == outer; ++s)
       if (s->loop == stop.loop) stop.inboard = static_cast<int>(s - loop_stops_.begin());
   }
+  note_constraints();
 }
 
 }  // namespace momentree

@@ -203,6 +203,7 @@ void Tree::list_special_joints() {
   }
   has_forces_ = (all & force) != 0;
   has_functions_ = (all & function_driven) != 0;
+  note_constraints();
 }
 
 // Writes the tree of `root` into the order, from `place` on; returns its end. Iterative, because a chain of a million bodies is a

@@ -146,6 +146,7 @@ void Tree::restore(const Topology& topology) {
   for (const Loop& loop : loops_) next_loop_ = std::max(next_loop_, loop.number + 1);
   loop_links_.clear(), loop_stops_.clear();
   loop_rows_ = loop_columns_ = loop_motions_ = loop_armatures_ = 0;
+  note_constraints();
   put_springs(topology.springs);
   std::fill(coupling_ended_.begin(), coupling_ended_.end(), static_cast<unsigned char>(0));
   for (const int c : topology.ended_couplings) coupling_ended_[at(c)] = 1;

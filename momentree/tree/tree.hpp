@@ -236,6 +236,8 @@ class Tree {
     return declared_ ? std::span<const Coupling>(declared_->couplings) : std::span<const Coupling>();
   }
   bool coupling_acts(int coupling) const { return coupling_ended_[at(coupling)] == 0; }
+  /// True if there are loops or driven joints: evaluations then do more than the passes over the tree.
+  bool has_constraints() const { return has_constraints_; }
   /// The loop joint of that number, or null.
   const Loop* find_loop(int number) const;
   /// Bodies between the ends of loops and the ground, one entry per body and loop, inboard before outboard.
@@ -369,6 +371,7 @@ class Tree {
   void list_loaded_bodies();
   void list_loops();
   void list_couplings();
+  void note_constraints() { has_constraints_ = !driven_joints_.empty() || !loop_links_.empty(); }
 
   // springs.cpp
   void put_springs(const std::vector<Topology::SpringChange>& changes);
@@ -445,6 +448,7 @@ class Tree {
   detail::Reserved<int> angle_q_;
   detail::Reserved<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false, has_functions_ = false, has_pairs_ = false, has_planes_ = false;
+  bool has_constraints_ = false;
   std::vector<Topology::Loaded> body_functions_;
   std::vector<Topology::SpringChange> spring_states_;  // by spring
   const Topology::SpringChange& spring_state(int spring) const {

@@ -86,11 +86,21 @@ inline Matrix mass_of(const World& world) {
   return M;
 }
 
-// A random tree with one to three random loops that are closed at its start.
-inline Model with_loops(std::uint64_t seed, bool parameters) {
-  RandomTreeOptions options;
-  options.min_bodies = 3, options.max_bodies = 9, options.parameters = parameters;
-  Model model = random_tree(seed, options).model;
+/// A random tree of 3 to 9 bodies with one to three loop joints of random kinds.
+/// `motion`: the first pin or slide has a prescribed motion.
+inline Model with_loops(std::uint64_t seed, RandomTreeOptions options, bool motion = false) {
+  options.min_bodies = 3, options.max_bodies = 9;
+  const Model open = random_tree(seed, options).model;
+  Model model({.gravity = open.gravity()});
+  for (BodySpec body : open.bodies()) {
+    if (motion && (body.joint.kind == Kind::revolute || body.joint.kind == Kind::prismatic)) {
+      body.joint.parameters = {};
+      body.joint.parameters.drive = motion_drive(Signal::sine(0.4, 1.5));
+      body.q = 0, body.v = 0;
+      motion = false;
+    }
+    model.add(body);
+  }
   Prng random(seed + 1000);
   const World world(model);
   const int count = random.integer(1, 3);
@@ -114,6 +124,11 @@ inline Model with_loops(std::uint64_t seed, bool parameters) {
     model.add_loop(loop);
   }
   return model;
+}
+inline Model with_loops(std::uint64_t seed, bool parameters) {
+  RandomTreeOptions options;
+  options.parameters = parameters;
+  return with_loops(seed, options);
 }
 
 }  // namespace momentree::oracle

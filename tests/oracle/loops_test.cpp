@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/simulate/simulation.hpp>
 #include <tests/oracle/loop_rows.hpp>
 
 using namespace momentree;
