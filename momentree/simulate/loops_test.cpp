@@ -279,7 +279,7 @@ TEST_CASE("a cylinder that closes a loop lifts a boom by its prescribed length")
   cylinder.joint.parameters.armature = {2};
   cylinder.joint.parameters.drive = motion_drive(Signal::sine(0.1, 0.5, 0, 1.4));
   model.add_loop(cylinder);
-  for (const char* method : methods) {
+  for (const char* method : {"rk4", "midpoint", "dopri5", "dop853"}) {
     CAPTURE(method);
     Simulation sim(model, {.method = method, .step = 1e-3, .rtol = 1e-9, .atol = 1e-11});
     for (const double t : {0.0, 0.3, 0.8, 1.3}) {
