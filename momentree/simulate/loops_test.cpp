@@ -344,7 +344,7 @@ TEST_CASE("armatures and prescribed motions of loop joints are refused in moment
   try {
     static_cast<void>(Simulation(model, in_momenta));
   } catch (const Error& thrown) {
-    error = thrown.what();
+    error = thrown.where + ": " + thrown.what();
   }
   CHECK_MESSAGE(error.find("loop 'second': armature: it is not supported in momenta") != std::string::npos, error);
 }
