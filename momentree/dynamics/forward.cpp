@@ -8,6 +8,7 @@
 #include <momentree/dynamics/forces/linear_spring.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/loop_momenta.hpp>
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/joint/dispatch.hpp>
 
@@ -144,7 +145,8 @@ double motion_effort(const Tree& tree, const double* q, const Workspace<double>&
     if constexpr (E.size() > 0) return dot(E[0], transmitted_wrench(tree, workspace, b));
     return 0.0;
   });
-  return through + tree.armature()[at] * workspace.a[at] - workspace.passive[static_cast<std::size_t>(b)];
+  const double coupled = tree.has_loops() ? coupling_effort(tree, workspace, b) : 0.0;
+  return through + tree.armature()[at] * workspace.a[at] - workspace.passive[static_cast<std::size_t>(b)] - coupled;
 }
 
 std::vector<forces::LinearSpring> forces::linear_springs(const Tree& tree) {

@@ -25,6 +25,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // The largest residual in units of what counts as closed; of one loop, or of all.
 double open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t loop) {
   const LoopLink& link = tree.loop_links()[loop];
+  if (link.ends.coupling >= 0)
+    return std::fabs(loops.rows[at(link.first_row)].residual) / std::max(loops.sizes[loop - tree.loops().size()], 1e-300);
   double worst = 0;
   for (int i = 0; i < link.rows; ++i) {
     const LoopRow& row = loops.rows[at(link.first_row + i)];
@@ -38,7 +40,7 @@ double open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t loop) {
 }
 double open_by(const Tree& tree, const LoopWorkspace& loops) {
   double worst = 0;
-  for (std::size_t i = 0; i < tree.loops().size(); ++i)
+  for (std::size_t i = 0; i < tree.loop_links().size(); ++i)
     if (const double part = open_by(tree, loops, i); !(part <= worst)) worst = part;
   return worst;
 }
@@ -197,7 +199,7 @@ bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<
       break;
     }
   }
-  for (std::size_t i = 0; i < tree.loops().size(); ++i) residuals[i] = open_by(tree, loops, i);
+  for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = open_by(tree, loops, i);
   double energy = 0;
   if (!(open <= nearly)) return false;
   note_turns(tree, workspace);
@@ -210,7 +212,7 @@ void loop_residuals(const Tree& tree, double t, const double* q, const double* u
   detail::set_loop_motions(tree, t, workspace);
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
-  for (std::size_t i = 0; i < tree.loops().size(); ++i) residuals[i] = open_by(tree, *workspace.loops, i);
+  for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = open_by(tree, *workspace.loops, i);
 }
 
 int independent_rows(const Tree& tree, double t, const double* q, Workspace<double>& workspace) {

@@ -97,9 +97,10 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   LoopWorkspace& loops = *workspace.loops;
   if (loops.topology == tree.revision()) return loops;
   const std::size_t n = tree.loops().size(), rows = at(tree.loop_rows());
+  loops.sizes.resize(tree.loop_links().size() - n);
   loops.topology = tree.revision();
   loops.places.resize(n), loops.turns.resize(n, 0.0), loops.motions.resize(n);
-  loops.rows.resize(rows), loops.columns.resize(at(tree.loop_columns()));
+  loops.rows.assign(rows, {}), loops.columns.assign(at(tree.loop_columns()), {});
   std::vector<int>& all = loops.choice.taken;
   all.resize(rows);
   std::iota(all.begin(), all.end(), 0);
@@ -110,7 +111,7 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   loops.gauge.assign(rows, 0.0);
   loops.u.resize(at(tree.nv()));
   loops.momenta.resize(at(tree.bodies())), loops.wrenches.resize(at(tree.bodies()));
-  loops.choice.reserve(n, rows, loops.all.elements);
+  loops.choice.reserve(tree.loop_links().size(), rows, loops.all.elements);
   loops.carried.reserve(6 * n);
   loops.rank = -1;
   return loops;
@@ -160,6 +161,46 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
     closure_rows(link.closure, wanted, p.R, p.r, wr, loops.turns[i], put);
     if (link.dof_row_count > 0) place_dof_rows(tree, workspace, static_cast<int>(i));
   }
+  place_couplings(tree, q, workspace, moving);
+}
+
+void detail::place_couplings(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept {
+  LoopWorkspace& loops = *workspace.loops;
+  const std::size_t first = tree.loops().size();
+  for (std::size_t i = first; i < tree.loop_links().size(); ++i) {
+    const LoopLink& link = tree.loop_links()[i];
+    const CouplingEnds& ends = link.ends;
+    const Coupling& coupling = tree.couplings()[at(ends.coupling)];
+    const bool leads = ends.follows >= 0;
+    const double x = leads ? q[tree.first_q(ends.follows)] : 0, own = q[tree.first_q(ends.joint)];
+    LoopRow& row = loops.rows[at(link.first_row)];
+    row.F = row.T = {};
+    row.residual = own - coupling.value(x);
+    row.slope = coupling.slope(x);
+    const double rate = moving && leads ? workspace.v[at(tree.first_p(ends.follows))] : 0;
+    row.velocity = moving ? workspace.v[at(tree.first_p(ends.joint))] - row.slope * rate : 0;
+    row.drift = -coupling.curvature(x) * rate * rate;
+    const bool length = info(tree.kind(ends.joint)).q_units[0] == 'm';
+    const double far = norm(workspace.bodies[at(ends.joint)].r) + (leads ? norm(workspace.bodies[at(ends.follows)].r) : 0.0);
+    loops.sizes[i - first] = std::fabs(own) + coupling.size(x) + (length ? far : 1.0);
+  }
+}
+
+double coupling_effort(const Tree& tree, const Workspace<double>& workspace, int body) noexcept {
+  double effort = 0;
+  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i) {
+    const LoopLink& link = tree.loop_links()[i];
+    const auto row = at(link.first_row);
+    if (link.ends.joint == body) effort += workspace.loops->lambda[row];
+    if (link.ends.follows == body) effort -= workspace.loops->rows[row].slope * workspace.loops->lambda[row];
+  }
+  return effort;
+}
+
+int coupling_place(const Tree& tree, int coupling) noexcept {
+  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i)
+    if (tree.loop_links()[i].ends.coupling == coupling) return static_cast<int>(i);
+  return -1;
 }
 
 void detail::scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept {
@@ -175,6 +216,12 @@ void detail::scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept
       row.scale = at_body(loop.body) + (loop.to >= 0 ? at_body(loop.to) : 0.0);
       row.scale = std::min(row.scale + row.softness, row.softness > 0 ? stiffest_armature * row.softness : HUGE_VAL);
     }
+  }
+  // The element of A of a coupling's row is a sum of squares without cancellation; it is zero if both joints are locked.
+  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i) {
+    const auto row = at(tree.loop_links()[i].first_row);
+    const double own = loops.all.element(loops.A, row, row);
+    loops.rows[row].scale = own > 0 && std::isfinite(own) ? own : 1;
   }
 }
 

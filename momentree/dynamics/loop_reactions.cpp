@@ -30,6 +30,16 @@ LoopImpulse loop_impulse(const Tree& tree, const Workspace<double>& workspace, i
   return found;
 }
 
+CouplingImpulse coupling_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
+  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopWorkspace& loops = *workspace.loops;
+  CouplingImpulse found{link.ends.coupling, 0, 0};
+  if (!loops.impulsive || loops.topology != tree.revision()) return found;
+  const auto row = at(link.first_row);
+  found.joint = loops.lambda[row], found.follows = -loops.rows[row].slope * loops.lambda[row];
+  return found;
+}
+
 LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& workspace, int place) noexcept {
   const Loop& loop = tree.loops()[at(place)];
   const LoopLink& link = tree.loop_links()[at(place)];
@@ -98,6 +108,13 @@ WorldWrench loop_wrench(const Tree& tree, const LoopWorkspace& loops, std::size_
   return sum;
 }
 
+// The effort of a coupling as a force or a torque, so that it counts among the reactions.
+WorldWrench coupling_load(const Tree& tree, std::size_t link, const double* lambda) {
+  const CouplingEnds& ends = tree.loop_links()[link].ends;
+  const double effort = lambda[tree.loop_links()[link].first_row];
+  return info(tree.kind(ends.joint)).q_units[0] == 'm' ? WorldWrench{{effort, 0, 0}, {}} : WorldWrench{{}, {effort, 0, 0}};
+}
+
 // What multipliers add to the wrench of each joint on its child: of the inboard joints of bodies at stops, then of the loops. A
 // joint of the tree carries the opposite of what the loops exert on the bodies outboard.
 void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* lambda, LoopReactions& into) {
@@ -124,7 +141,7 @@ void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* 
 void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
   LoopWorkspace& loops = *workspace.loops;
   loops.open_bodies.assign(at(tree.bodies()), 0);
-  loops.open_loops.assign(tree.loops().size(), 0);
+  loops.open_loops.assign(tree.loop_links().size(), 0);
   loops.least = true;
   const std::size_t m = loops.rows.size(), d = m - loops.kept.rows.size();
   if (d == 0) return;
@@ -154,12 +171,19 @@ void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
     const Vec3 x = loops.places[i].xb;
     work.joints.push_back({-1, static_cast<int>(i), x, about(loop_wrench(tree, loops, i, work.lambda.data()), x)});
   }
+  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i)
+    work.joints.push_back({-1, static_cast<int>(i), {}, coupling_load(tree, i, work.lambda.data())});
   work.by_null.resize(work.joints.size() * d);
   for (std::size_t i = 0; i < d; ++i) {
-    joint_wrenches(tree, loops, work.null.data() + i * m, work);
+    const double* const lambda = work.null.data() + i * m;
+    joint_wrenches(tree, loops, lambda, work);
     for (std::size_t k = 0; k < work.joints.size(); ++k) {
       const LoopReactions::Carried& joint = work.joints[k];
-      work.by_null[k * d + i] = about(joint.body >= 0 ? work.by_body[at(joint.body)] : work.by_loop[at(joint.loop)], joint.at);
+      WorldWrench& added = work.by_null[k * d + i];
+      if (joint.body < 0 && at(joint.loop) >= tree.loops().size())
+        added = coupling_load(tree, at(joint.loop), lambda);
+      else
+        added = about(joint.body >= 0 ? work.by_body[at(joint.body)] : work.by_loop[at(joint.loop)], joint.at);
     }
   }
   work.G.assign(d * d, 0.0), work.c.assign(d, 0.0);

@@ -61,6 +61,14 @@ Rows rows_of(const LoopLayout& layout, int loop) { return {layout.first_of[at(lo
 void put_unit_wrenches(const Tree& tree, Workspace<double>& workspace, const LoopLayout& layout) {
   LoopWorkspace& loops = *workspace.loops;
   for (const LoopStop& stop : tree.loop_stops()) {
+    const LoopLink& link = tree.loop_links()[at(stop.loop)];
+    if (link.ends.coupling >= 0) {
+      LoopColumn& column = loops.columns[at(stop.first_column)];
+      column.K = {};
+      column.effort = (stop.body == link.ends.joint ? 1.0 : 0.0) -
+                      (stop.body == link.ends.follows ? loops.rows[at(link.first_row)].slope : 0.0);
+      continue;
+    }
     const Loop& loop = tree.loops()[at(stop.loop)];
     const LoopPlace& place = loops.places[at(stop.loop)];
     const Rows rows = rows_of(layout, stop.loop);
@@ -102,14 +110,15 @@ void reduce_columns(const Tree& tree, const double* q, Workspace<double>& worksp
         double& free = loops.b[at(layout.rows[at(r)])];
         Force<double> W = column->K;
         if constexpr (!K::rigid) {
-          constexpr double none[6] = {};
+          double effort[6] = {column->effort};
           for (std::size_t d = 0; d < E.size(); ++d) {
-            const double along = dot(E[d], W);
+            const double along = dot(E[d], W) + effort[d];
             column->k[d] = (link.locked >> d & 1u) == 0 ? along : 0.0;
             free += column->k[d] * u0[d];
             if ((link.driven >> d & 1u) != 0) free += along * u0[d];
           }
-          K::template reduce_wrench<double>(link, joint, record, none, W, column->y);
+          effort[0] = (link.locked & 1u) == 0 ? -column->effort : 0.0;
+          K::template reduce_wrench<double>(link, joint, record, effort, W, column->y);
           for (std::size_t d = 0; d < E.size(); ++d) column->y[d] = -column->y[d];
           column->K = W;
           free += dot(bias, W);

@@ -52,7 +52,10 @@ void soften(LoopWorkspace& loops) noexcept;
 /// present ones.
 void keep_armatures(const Tree& tree, Workspace<double>& workspace) noexcept;
 
-/// The scales of the rows, which choosing them needs.
+/// The rows of couplings, part of place_loops.
+void place_couplings(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept;
+
+/// The scales of the rows, which choosing them needs; after gather_loops with all rows.
 void scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept;
 
 /// Gathers A and b of the chosen rows, or of all rows, from the records. Requires place_loops.

@@ -20,9 +20,11 @@ struct LoopPlace {
   double size = 0;  ///< for tolerances: distance of the loop's bodies from the world's origin, and their extent (m)
 };
 
-/// One row in the world: φ̇ = F·(v of x_b less that of the parent there) + T·(relative angular velocity).
+/// One row in the world: φ̇ = F·(v of x_b less that of the parent there) + T·(relative angular velocity); of a coupling
+/// φ̇ = u(joint) − slope·u(follows), and F and T are zero.
 struct LoopRow {
   Vec3 F, T;
+  double slope = 0;     ///< f′ of a coupling
   double residual = 0;  ///< φ
   double velocity = 0;  ///< J u
   double drift = 0;     ///< J̇ u
@@ -38,9 +40,10 @@ struct ArmatureSpeed {
   double speed;
 };
 
-/// One row at one stop: the unit wrench K on the body, first articulated, then reduced; k = Eᵀ K and y = Mj⁻¹ k.
+/// One row at one stop: the unit wrench K on the body, first articulated, then reduced; k = Eᵀ K + effort and y = Mj⁻¹ k.
 struct LoopColumn {
   Force<double> K;
+  double effort = 0;  ///< of a coupling's row on the joint of the body
   double k[6], y[6];
 };
 
@@ -116,7 +119,8 @@ struct LoopWorkspace {
   bool impulsive = false;  ///< the multipliers are impulses
   bool least = false;      ///< the multipliers are those of the least reactions
   LoopReactions reactions;
-  std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by loop: 1 if the loops leave the joint's reaction open
+  std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by link: 1 if the loops leave the joint's reaction open
+  std::vector<double> sizes;                           ///< by coupling that acts: of its equation, for tolerances (rad or m)
 };
 
 }  // namespace momentree

@@ -9,6 +9,9 @@
 // passes with momenta in the place of forces give the velocities after an impact, and with zeros the corrections of coordinates
 // and velocities.
 //
+// A coupling of joints is a row with an effort e instead of wrenches: 1 on the joint, −f′ on the joint that it follows. There
+// k = Eᵀ K + e; everything else is the same.
+//
 // Redundant rows are the rule: a planar four-bar of revolute joints has 5 rows of rank 2. Rows are chosen by a pivoted
 // factorisation at states, where the loops are closed, and kept for the stages of the step that follows: off the closed
 // configurations the rank of some linkages (Bennett, Bricard) is larger, and an honest solution there would stop them.
@@ -51,6 +54,13 @@ double loop_acceleration(const Tree& tree, const double* q, const Workspace<doub
 /// The rank of the loops' rows at q, without those of armatures.
 int independent_rows(const Tree& tree, double t, const double* q, Workspace<double>& workspace);
 
+/// The impulses of a coupling on its two joints in the last change (N s or N m s). Zero if that change was no impact.
+struct CouplingImpulse {
+  int coupling = -1;
+  double joint = 0, follows = 0;
+};
+CouplingImpulse coupling_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
+
 /// The impulse through a loop joint on its declared child (N s, N m s) in the last change: about the origin `at` of the joint's
 /// child-side frame, world axes. Zero if that change was no impact.
 struct LoopImpulse {
@@ -72,10 +82,10 @@ void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace
 LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
 /// Closes the loops at the start, from coordinates that may be far off: like close_loops, by damped steps. Writes the residual of
-/// each loop; returns false if one cannot be closed.
+/// each link of Tree::loop_links(); returns false if one cannot be closed.
 [[nodiscard]] bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace,
                                   double* residuals) noexcept;
-/// The residual of each loop at coordinates q and velocities u.
+/// The residual of each link at coordinates q and velocities u.
 void loop_residuals(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                     double* residuals) noexcept;
 
@@ -106,6 +116,11 @@ struct LoopReaction {
 };
 LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& workspace, int place) noexcept;
 
+/// The effort of the couplings on the joint that a body carries, from the last multipliers (N m or N, or their impulses).
+[[nodiscard]] double coupling_effort(const Tree& tree, const Workspace<double>& workspace, int body) noexcept;
+/// The place of a coupling in Tree::loop_links(); −1: it does not act.
+[[nodiscard]] int coupling_place(const Tree& tree, int coupling) noexcept;
+
 /// The largest relative velocity (m/s, rad/s) that the loops block, and whether a loop's joint is closed with its directions
 /// reversed, which its equations do not exclude. After an evaluation.
 double loop_velocities_open(const Tree& tree, const Workspace<double>& workspace) noexcept;
@@ -114,7 +129,8 @@ bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int plac
 /// Where the loops leave reactions open, chooses the least ones; part of `accelerate`. Allocates at the first call
 /// and where there are more redundant rows than before.
 void find_least_reactions(const Tree& tree, Workspace<double>& workspace);
-/// False if the loops leave the reaction of a joint open: of a loop, by its place, or of the inboard joint of a body. Other
+/// False if the loops leave the reaction of a joint open: of a loop or a coupling, by its place in
+/// Tree::loop_links(), or of the inboard joint of a body. Other
 /// reactions then cause the same motion. Requires `accelerate`.
 bool loop_determined(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 bool joint_determined(const Tree& tree, const Workspace<double>& workspace, int body) noexcept;

@@ -7,6 +7,7 @@
 
 #include <momentree/base/characters.hpp>
 #include <momentree/io/json.hpp>
+#include <momentree/io/state_coupling.hpp>
 #include <momentree/io/state_document.hpp>
 #include <momentree/io/state_joint.hpp>
 #include <momentree/io/state_spring.hpp>
@@ -25,8 +26,8 @@ class Reader {
   }
 
   std::optional<RestoredState> read(const Value& root) {
-    const std::vector<std::string> known{"time",  "mechanisms",  "joints", "springs", "bodies",
-                                         "armed", "integration", "loops",  "totals"};
+    const std::vector<std::string> known{"time",   "mechanisms", "joints",      "springs", "couplings",
+                                         "bodies", "armed",      "integration", "loops",   "totals"};
     const auto meant = [&known](const Value::Entry& entry) { return !nearest(entry.key, known).empty(); };
     const Value::Table* const table = root.table();
     if (!table || (!table->empty() && std::none_of(table->begin(), table->end(), meant))) {
@@ -44,6 +45,7 @@ class Reader {
       if (const Value* springs = fields.find("springs"))
         for (const Value::Entry& spring : read_table(*springs, "springs", out_))
           read_spring_state(spring, model_, result_.forest, out_);
+      if (const Value* couplings = fields.find("couplings")) read_coupling_states(*couplings, model_, result_.forest, out_);
       if (const Value* bodies = fields.find("bodies"))
         for (const Value::Entry& body : read_table(*bodies, "bodies", out_)) joints_.body_named(body.key, body.place);
       if (const Value* armed = fields.find("armed"))

@@ -176,6 +176,7 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   std::vector<int> springs;  // that act
   for (int s = 0; s < world.springs(); ++s)
     if (world.tree().spring_acts(s)) springs.push_back(s);
+  const std::vector<unsigned char> coupled = acting_couplings(world.tree());
   event.mechanisms_before = world.mechanism_names();
   event.before = world.totals();
   std::optional<SimulationSnapshot> past;
@@ -196,6 +197,9 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   for (const int s : springs)
     if (!world.tree().spring_acts(s))
       event.topology.broken_springs.push_back(world.model().springs()[static_cast<std::size_t>(s)].name);
+  for (std::size_t c = 0; c < coupled.size(); ++c)
+    if (coupled[c] != 0 && !world.tree().coupling_acts(static_cast<int>(c)))
+      event.topology.ended_couplings.push_back(world.coupling_names({static_cast<int>(c)}));
   if (world.tree().bodies() > members.bodies()) event.topology.joints.push_back(joint_record(world, {world.tree().bodies() - 1}));
   event.topology.moved = members.moved(Membership(world));
   balance.work += event.work;

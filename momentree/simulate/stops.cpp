@@ -90,6 +90,7 @@ double Stops::pull(const Side& s) const {
   project(tree, b, joint_state(tree, world_->state_, world_->workspace_, b), transmitted_wrench(tree, world_->workspace_, b),
           force);
   unlocked_forces(tree, world_->time(), world_->state_.q().data(), world_->workspace_, b, passive);
+  if (tree.has_loops()) passive[0] += coupling_effort(tree, world_->workspace_, b);
   const double stop = force[s.dof] - passive[s.dof];
   const double noise = 1e-12 * (std::fabs(force[s.dof]) + std::fabs(passive[s.dof]));
   return s.sign * stop - noise;
@@ -143,6 +144,12 @@ bool Stops::release_pulled(const std::vector<Event>& events) {
         size += norm(Vec3{S[0], S[1], S[2]}) * norm(v) + norm(Vec3{S[3], S[4], S[5]}) * norm(w);
       }
     }
+    for (const Event& event : events)  // a coupling's impulse on the joint is not the stop's
+      for (const Event::OfCoupling& each : event.coupling_impulse) {
+        const double own = (world_->find_joint(each.joint) == s.joint ? each.on_joint : 0.0) +
+                           (world_->find_joint(each.follows) == s.joint ? each.on_follows : 0.0);
+        through -= own, size += std::fabs(own);
+      }
     if (s.sign * through <= 1e-10 * size) continue;
     Event scratch;
     TopologyEditor editor(*world_);

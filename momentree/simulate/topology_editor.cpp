@@ -92,6 +92,10 @@ double TopologyEditor::work_of_motions() {
     double along[6];
     project(tree(), b, joint_state(tree(), world_.state_, world_.workspace_, b), to_kernel_frame(tree().frame(b), through),
             along);
+    for (const CouplingImpulse& given : coupling_impulses_now_) {
+      const CouplingEnds& ends = tree().loop_links()[static_cast<std::size_t>(coupling_place(tree(), given.coupling))].ends;
+      along[0] -= (ends.joint == b ? given.joint : 0.0) + (ends.follows == b ? given.follows : 0.0);
+    }
     work += along[0] * world_.workspace_.v[static_cast<std::size_t>(tree().first_p(b))];
   }
   for (const LoopImpulse& loop : loop_impulses_now_) work += loop.motion * loop.motion_rate;
@@ -196,11 +200,13 @@ void TopologyEditor::release_limit(int joint, int dof) {
 void TopologyEditor::loosen(int joint, const JointPlan& plan) {
   touch(joint);
   if (is_loop({joint})) return change_loop(joint, plan, false);
+  end_couplings(joint);
   carry_out(ChangeJoint{{joint}, plan.joint, plan.q}, Nature::workless);
 }
 void TopologyEditor::become(int joint, const JointPlan& plan) {
   touch(joint);
   if (is_loop({joint})) return change_loop(joint, plan, true);
+  end_couplings(joint);
   carry_out(ChangeJoint{{joint}, plan.joint, plan.q}, Nature::impact);
 }
 

@@ -13,8 +13,10 @@ namespace momentree {
 
 World::World(const Model& model, Variables variables, Variables with_loops)
     : model_(model),
-      variables_(model.loops().empty() ? variables : with_loops),
-      loop_variables_(with_loops),
+      variables_(!model.couplings().empty() ? Variables::velocities
+                 : model.loops().empty()    ? variables
+                                            : with_loops),
+      loop_variables_(model.couplings().empty() ? with_loops : Variables::velocities),
       first_bodies_(model.size()) {
   const std::vector<SingularJoint> singular = singular_joints(model_);
   if (!singular.empty()) {
@@ -37,6 +39,8 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   active_limits_ = forest.active_limits;
   put_together(forest);
   put_springs(forest.springs);
+  for (const int c : forest.ended_couplings)
+    if (tree_.coupling_acts(c)) tree_.end_coupling(c);
   for (const ActiveLimit& h : active_limits_)
     MT_REQUIRE(is_loop({h.joint}) || (h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv),
                "a degree of freedom of the joint");
@@ -48,7 +52,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   for (const Topology::Loaded& load : loads)
     if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
   if (tree_.has_loops() && !loops_allowed_)
-    throw_error({"the state has closed loops, which this method can't integrate", "", "use rk4, midpoint, dopri5 or dop853"});
+    throw_error({"the state has closed loops or couplings, which this method can't integrate", "", "use rk4, midpoint, dopri5 or dop853"});
   State state(tree_, own_variables());
   workspace_ = Workspace<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));

@@ -63,6 +63,13 @@ Released apply(const BreakLoop& change, Tree& tree, State& state, Workspace<doub
   return released;
 }
 
+Released apply(const EndCoupling& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
+  tree.end_coupling(change.coupling.index);
+  renew(tree, state);
+  return {};
+}
+
 Released apply(const SetLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   const std::size_t place = place_of(tree, change.joint);

@@ -2,6 +2,7 @@
 // Loop joints: joints in addition to those of the tree, which close kinematic loops. They are equations between the bodies that
 // they join, not coordinates.
 #include <momentree/joint/motion.hpp>
+#include <momentree/tree/coupling.hpp>
 #include <momentree/tree/declared.hpp>
 #include <momentree/tree/ids.hpp>
 #include <momentree/tree/kernel_frame.hpp>
@@ -38,8 +39,8 @@ struct DofRow {
   double armature = 0;  ///< kg m², kg
 };
 
-/// A loop as the recursions use it. Its equations are rows of one system, numbered consecutively in the order of the loops: first
-/// those of the closure, then those of single DoFs.
+/// A loop as the recursions use it, or a coupling. Their equations are rows of one system, numbered consecutively: those of the
+/// loops in their order (of each first the closure's, then those of single DoFs), then one of each coupling that acts.
 struct LoopLink {
   Closure closure;
   std::array<DofRow, 6> dof_rows{};
@@ -47,12 +48,13 @@ struct LoopLink {
   KernelFrame child, parent;  ///< the joint's frames in the kernel frames of its bodies; for the ground in the world
   int first_row = 0, rows = 0;
   int coupled = 0;                       ///< the first loop that has a stop in common with this one; itself if no earlier one has
+  CouplingEnds ends;                     ///< of a coupling, which uses nothing else but its row
   Pose child_offset{}, parent_offset{};  ///< of these frames from the joint's own, where locks displace them
 };
 
-/// A body between an end of a loop and the ground, with memory for the loop's rows there.
+/// A body between an end of a loop or coupling and the ground, with memory for its rows there.
 struct LoopStop {
-  int body = -1, loop = -1;  ///< the loop by its place in the list
+  int body = -1, loop = -1;  ///< by its place among the links
   int first_column = 0;      ///< of the loop's rows, consecutive
   int inboard = -1;          ///< the stop of the same loop at the parent; −1 at a root
 };

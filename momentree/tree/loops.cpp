@@ -57,6 +57,35 @@ void Tree::set_loop(int number, const Joint& joint, const JointParameters& param
   revision_.renew();
 }
 
+void Tree::end_coupling(int coupling) {
+  MT_REQUIRE(coupling >= 0 && at(coupling) < couplings().size() && coupling_acts(coupling), "the coupling acts");
+  coupling_ended_[at(coupling)] = 1;
+  list_loops();
+  revision_.renew();
+}
+
+// A coupling ends with one of its joints: this cannot be undone by another joint that later has the same number.
+void Tree::list_couplings() {
+  for (std::size_t c = 0; c < coupling_ended_.size(); ++c) {
+    if (coupling_ended_[c] != 0) continue;
+    const Coupling& coupling = couplings()[c];
+    const auto carrier_of = [this](JointId joint) {
+      const int b = carrier_[at(joint.index)];
+      return b >= 0 && info(this->joint(b).kind).nv == 1 ? b : -1;
+    };
+    LoopLink link;
+    link.ends = {static_cast<int>(c), carrier_of(coupling.joint), coupling.leads() ? carrier_of(coupling.follows) : -1};
+    if (link.ends.joint < 0 || (coupling.leads() && link.ends.follows < 0)) {
+      coupling_ended_[c] = 1;
+      continue;
+    }
+    link.first_row = loop_rows_++;
+    link.rows = 1;
+    link.coupled = static_cast<int>(loop_links_.size());
+    loop_links_.push_back(link);
+  }
+}
+
 const Loop* Tree::find_loop(int number) const {
   for (const Loop& loop : loops_)
     if (loop.number == number) return &loop;
@@ -87,13 +116,19 @@ void Tree::list_loops() {
     link.coupled = static_cast<int>(i);
     loop_rows_ += link.rows;
     loop_links_.push_back(link);
+  }
+  list_couplings();
+  for (std::size_t i = 0; i < loop_links_.size(); ++i) {
+    const bool is_loop = i < loops_.size();
+    const int one = is_loop ? loops_[i].body : loop_links_[i].ends.joint;
+    const int other = is_loop ? loops_[i].to : loop_links_[i].ends.follows;
     const auto place = static_cast<int>(i);
-    for (int b = loop.body; b >= 0; b = parent_[at(b)]) loop_stops_.push_back({b, place, 0, -1});
+    for (int b = one; b >= 0; b = parent_[at(b)]) loop_stops_.push_back({b, place, 0, -1});
     const auto found = [&](int b) {
       return std::any_of(loop_stops_.begin(), loop_stops_.end(),
                          [&](const LoopStop& s) { return s.body == b && s.loop == place; });
     };
-    for (int b = loop.to; b >= 0 && !found(b); b = parent_[at(b)]) loop_stops_.push_back({b, place, 0, -1});
+    for (int b = other; b >= 0 && !found(b); b = parent_[at(b)]) loop_stops_.push_back({b, place, 0, -1});
   }
   std::sort(loop_stops_.begin(), loop_stops_.end(), [this](const LoopStop& a, const LoopStop& b) {
     return a.body == b.body ? a.loop < b.loop : place_[at(a.body)] < place_[at(b.body)];

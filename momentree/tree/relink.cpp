@@ -296,7 +296,7 @@ void Tree::build_runs() {
   record_scalars_ = scalars;
   if (has_pair_lanes) find_pairs((any & node::branching) != 0);
   list_loaded_bodies();
-  if (!loops_.empty()) list_loops();
+  if (!loops_.empty() || !coupling_ended_.empty()) list_loops();
 }
 
 // Allocates only the first time and after bodies were added.

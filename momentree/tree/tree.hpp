@@ -61,6 +61,7 @@ struct Topology {
   std::vector<Loaded> loads;                                    ///< at most one per body
   std::vector<Loop> loops;                                      ///< all loop joints, the model's too
   std::vector<SpringChange> springs;                            ///< in the order of spring numbers
+  std::vector<int> ended_couplings;                             ///< in ascending order
   std::uint64_t model = 0;                                      ///< fingerprint of the model
 };
 
@@ -224,10 +225,17 @@ class Tree {
     const int i = joint(b).function;
     return i < 0 ? nullptr : functions_[at(i)].get();
   }
-  /// Loop joints, and their form for the recursions, in the same order.
+  /// Loop joints, and their form for the recursions, in the same order, followed by the couplings that act.
   std::span<const Loop> loops() const { return loops_; }
   std::span<const LoopLink> loop_links() const { return loop_links_; }
-  bool has_loops() const { return !loops_.empty(); }
+  /// True with loop joints or couplings that act.
+  bool has_loops() const { return !loop_links_.empty(); }
+  /// The couplings of the model. One acts until a joint of it breaks, leaves the world, or no longer has one DoF; it never acts
+  /// again.
+  std::span<const Coupling> couplings() const {
+    return declared_ ? std::span<const Coupling>(declared_->couplings) : std::span<const Coupling>();
+  }
+  bool coupling_acts(int coupling) const { return coupling_ended_[at(coupling)] == 0; }
   /// True if there are loops or driven joints: evaluations then do more than the passes over the tree.
   bool has_constraints() const { return has_constraints_; }
   /// The loop joint of that number, or null.
@@ -293,6 +301,8 @@ class Tree {
   int add_loop(Loop loop);
   void remove_loop(int number);
   void set_loop(int number, const Joint& joint, const JointParameters& parameters, const Values& held = {});
+  /// Ends a coupling.
+  void end_coupling(int coupling);
   /// Removes a spring, or sets its law.
   void break_spring(int spring);
   void set_spring_law(int spring, const SpringLaw& law);
@@ -360,7 +370,8 @@ class Tree {
 
   void list_loaded_bodies();
   void list_loops();
-  void note_constraints() { has_constraints_ = !driven_joints_.empty() || !loops_.empty(); }
+  void list_couplings();
+  void note_constraints() { has_constraints_ = !driven_joints_.empty() || !loop_links_.empty(); }
 
   // springs.cpp
   void put_springs(const std::vector<Topology::SpringChange>& changes);
@@ -449,6 +460,7 @@ class Tree {
   std::vector<Loop> loops_;
   std::vector<LoopLink> loop_links_;
   std::vector<LoopStop> loop_stops_;
+  std::vector<unsigned char> coupling_ended_;  // by coupling
   int next_loop_ = 0, loop_rows_ = 0, loop_columns_ = 0, loop_motions_ = 0, loop_armatures_ = 0;
 };
 

@@ -11,14 +11,13 @@
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/assembly.hpp>
 #include <momentree/simulate/simulation.hpp>
-#include <tests/oracle/random_loops.hpp>
+#include <tests/oracle/loop_rows.hpp>
 
 using namespace momentree;
 using namespace momentree::oracle;
 
 namespace {
 
-Vector as_vector(Numbers numbers) { return Eigen::Map<const Vector>(numbers.data(), static_cast<int>(numbers.size())); }
 Vector as_vector(const double* numbers, int n) { return Eigen::Map<const Vector>(numbers, n); }
 double largest(const Vector& x) { return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(); }
 

@@ -6,24 +6,11 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/joint/motion.hpp>
 #include <momentree/simulate/simulation.hpp>
-#include <tests/oracle/random_loops.hpp>
+#include <tests/oracle/loop_rows.hpp>
 
 using namespace momentree;
 using namespace momentree::oracle;
-
-namespace {
-
-Vector as_vector(Numbers numbers) { return Eigen::Map<const Vector>(numbers.data(), static_cast<int>(numbers.size())); }
-
-Matrix mass_of(const World& world) {
-  Matrix M(world.tree().nv(), world.tree().nv());
-  world.mass_matrix(M.data());
-  return M;
-}
-
-}  // namespace
 
 TEST_CASE("loops: accelerations obey the equations of motion with random loops of every kind") {
   int moving = 0, redundant = 0, singular = 0, with_forces = 0;

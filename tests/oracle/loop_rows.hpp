@@ -1,27 +1,25 @@
 #pragma once
-// Random trees with random loops that are closed at the start, and the rows of their loops.
+// The rows of closed loops as dense matrices, from Jacobians of points and from the directions that a joint allows: they share no
+// code with the rows of the engine.
 #include <algorithm>
-
-#include <Eigen/Dense>
+#include <string>
+#include <vector>
 
 #include <momentree/joint/motion.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/simulation.hpp>
 #include <tests/oracle/random_model.hpp>
 
 namespace momentree::oracle {
-
-/// Pose of a joint's side: `at` in the frame of a body, or of the ground.
-inline Pose side(const World& world, BodyId body, const Pose& at) {
-  return body == ground ? at : world.motions()[static_cast<std::size_t>(body.index)].pose * at;
-}
-
-// The rows of the oracle come from Jacobians of points and from the directions that a joint allows; they share no code with the
-// rows of the engine.
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 
 inline Eigen::Vector3d eigen(const Vec3& a) { return {a.x, a.y, a.z}; }
+
+// Pose of a joint's side: `at` in the frame of a body, or of the ground.
+inline Pose side(const World& world, BodyId body, const Pose& at) {
+  return body == ground ? at : world.motions()[static_cast<std::size_t>(body.index)].pose * at;
+}
 
 // J of one loop joint, with as many rows as it blocks directions: components of the relative velocity of its frames, in world
 // axes about the child's, that are orthogonal to the joint's own motions.
@@ -78,6 +76,14 @@ inline bool nearly_singular(const Matrix& J) {
   const Eigen::JacobiSVD<Matrix> svd(J);
   const auto& s = svd.singularValues();
   return std::any_of(s.begin(), s.end(), [&](double x) { return x > 1e-9 * std::max(1.0, s(0)) && x < 1e-3 * s(0); });
+}
+
+inline Vector as_vector(Numbers numbers) { return Eigen::Map<const Vector>(numbers.data(), static_cast<int>(numbers.size())); }
+
+inline Matrix mass_of(const World& world) {
+  Matrix M(world.tree().nv(), world.tree().nv());
+  world.mass_matrix(M.data());
+  return M;
 }
 
 /// A random tree of 3 to 9 bodies with one to three loop joints of random kinds.
