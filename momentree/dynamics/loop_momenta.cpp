@@ -186,8 +186,10 @@ void evaluate_state_with_loops(const Tree& tree, const State& state, Workspace<d
 }
 
 void accelerate_with_loops(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
+  const bool located = workspace.located == state.stamp();
   evaluate_velocities_keeping(tree, state.time(), state.q().data(), workspace.v.get(), workspace, LoopRows::choose);
   workspace.evaluated = workspace.accelerated = state.stamp();
+  if (located) locate_bodies(tree, state, workspace);
 }
 
 void add_gauge_rates(const Tree& tree, const double* q, Workspace<double>& workspace, const double* impulses,

@@ -279,7 +279,7 @@ TEST_CASE("a cylinder that closes a loop lifts a boom by its prescribed length")
   cylinder.joint.parameters.armature = {2};
   cylinder.joint.parameters.drive = motion_drive(Signal::sine(0.1, 0.5, 0, 1.4));
   model.add_loop(cylinder);
-  for (const char* method : methods) {
+  for (const char* method : {"rk4", "midpoint", "dopri5", "dop853"}) {
     CAPTURE(method);
     Simulation sim(model, {.method = method, .step = 1e-3, .rtol = 1e-9, .atol = 1e-11});
     for (const double t : {0.0, 0.3, 0.8, 1.3}) {
@@ -340,13 +340,14 @@ TEST_CASE("armatures and prescribed motions of loop joints are refused in moment
   second.name = "second", second.joint.parameters.armature = 0.1;
   model.add_loop(second);
   go(*std::make_unique<Simulation>(model), 0.01);  // in velocities
-  std::string error;
+  Error error("", "", "");
   try {
     static_cast<void>(Simulation(model, in_momenta));
   } catch (const Error& thrown) {
-    error = thrown.what();
+    error = thrown;
   }
-  CHECK_MESSAGE(error.find("loop 'second': armature: it is not supported in momenta") != std::string::npos, error);
+  CHECK(error.where == "loop 'second'");
+  CHECK(error.problem == "armature: it is not supported in momenta for joints that close a loop");
 }
 
 TEST_CASE("functions that drive loop joints, and methods without loops, are refused") {

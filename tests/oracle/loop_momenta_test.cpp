@@ -9,6 +9,7 @@
 #include <momentree/dynamics/loop_workspace.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/simulate/assembly.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <tests/oracle/loop_rows.hpp>
 
@@ -40,14 +41,15 @@ double amplification(const World& world, const Vector& p) {
 }  // namespace
 
 TEST_CASE("loops in momenta: rates of 2000 random mechanisms, for any representative of the momenta") {
-  int compared = 0, driven = 0, skipped = 0;
+  int compared = 0, driven = 0, skipped = 0;  // besides motions that the loops do not allow
+  constexpr double conditioned = 1e-9;        // A squares the ratio of the rows' singular values, which is 1e-3 or more
   double worst = 0, worst_rate = 0;
   for (std::uint64_t seed = 0; compared < 2000; ++seed) {
     CAPTURE(seed);
     RandomTreeOptions options;
     options.drives = seed % 2 == 1;
     const Model model = with_loops(seed, options, seed % 4 > 1);
-    if (model.loops().empty() || dofs(model) == 0) continue;
+    if (model.loops().empty() || dofs(model) == 0 || check_assembly(model)) continue;
     const World velocities(model, Variables::velocities);
     const World momenta(model, Variables::momenta, Variables::momenta);
     const Tree& tree = momenta.tree();
@@ -64,7 +66,7 @@ TEST_CASE("loops in momenta: rates of 2000 random mechanisms, for any representa
     ++compared;
     CHECK(std::equal(velocities.state().q().begin(), velocities.state().q().end(), momenta.state().q().begin()));
     worst = std::max(worst, largest(as_vector(momenta.v()) - u) / speed);
-    CHECK(largest(as_vector(momenta.v()) - u) < 1e-10 * speed);
+    CHECK(largest(as_vector(momenta.v()) - u) < conditioned * speed);
     const double steep = options.drives ? 100 : 1;  // friction of drives changes fast with velocity
     CHECK(largest(as_vector(momenta.a()) - a) < steep * 1e-10 * (1 + largest(a)) * speed);
     double loads = 1;  // which ṗ is a sum of
@@ -96,7 +98,7 @@ TEST_CASE("loops in momenta: rates of 2000 random mechanisms, for any representa
     evaluate_with_loops(tree, momenta.time(), q, other.data(), workspace, LoopRows::choose);
     const Vector moved = as_vector(workspace.v.get(), n);
     const double rounding = 1e-15 * amplification(velocities, as_vector(other.data(), n));
-    CHECK(largest(moved - u) < 1e-10 * speed + 100 * rounding);
+    CHECK(largest(moved - u) < conditioned * speed + 100 * rounding);
     CHECK(largest(as_vector(workspace.qdot.get(), nq) - as_vector(velocities.qdot())) < 1e-10 * speed + 100 * rounding);
     const double scale = 1 + std::fabs(power.dissipated) + std::fabs(power.work);
     CHECK(std::fabs(workspace.power.dissipated - power.dissipated) < steep * 1e-9 * scale);
@@ -172,7 +174,7 @@ TEST_CASE("loops in momenta: runs of every method go where those in velocities g
     RandomTreeOptions options;
     options.parameters = seed % 3 != 0, options.conservative = seed % 3 == 1, options.several_mechanisms = seed % 2 == 0;
     const Model model = with_loops(seed, options, seed % 4 == 2);
-    if (model.loops().empty() || dofs(model) == 0) continue;
+    if (model.loops().empty() || dofs(model) == 0 || check_assembly(model)) continue;
     const World start(model, Variables::velocities);
     if (amplification(start, as_vector(start.p())) > 1e3) continue;
     const double until = 0.1;
