@@ -72,8 +72,8 @@ int compile(const CompileOptions& options) {
   const Tree& tree = world.tree();
   if (tree.nv() == 0) throw_error({"nothing in it moves: there is no kernel to write", scenario->path, ""});
   if (tree.has_loops())
-    throw_error(
-        {"it has closed loops, which generated code does not support yet", scenario->path, "run it without generated code"});
+    throw_error({"it has closed loops or exact couplings, which generated code does not support yet", scenario->path,
+                 "run it without generated code"});
   if (!options.without_joint_forces) require_plain_forces(world, scenario->path);
   if (!options.name.empty() && options.name != identifier(options.name))
     throw_error(

@@ -58,10 +58,21 @@ std::string evaluation_text(const World& world, const Style& style) {
     }
     springs = '\n' + style.heading("Springs") + " (m, m/s, N)\n" + table.text("  ");
   }
+  std::string couplings;
+  if (world.couplings() > 0) {
+    Table table;
+    table.row({"joint", "follows", "effort"});
+    for (int c = 0; c < world.couplings(); ++c) {
+      const CouplingView view = world.coupling({c});
+      const auto [joint, follows] = world.coupling_names({c});
+      table.row({joint, follows, view.ended ? "ended" : format("%.9g", view.effort), view.determined ? "" : "not determined"});
+    }
+    couplings = '\n' + style.heading("Exact couplings") + " (N, N m; on the joint)\n" + table.text("  ");
+  }
   return style.heading("World") + '\n' + sums.text("  ") + '\n' + style.heading("Joints") + " (m, rad, s, kg)\n" +
          joints.text("  ") + '\n' + style.heading("Reactions") + " (N, N m; about the body's origin, in its axes)\n" +
          reactions.text("  ") + '\n' + style.heading("Accelerations") +
-         " (m/s², rad/s²; of the body's origin, in the world's axes)\n" + bodies.text("  ") + springs;
+         " (m/s², rad/s²; of the body's origin, in the world's axes)\n" + bodies.text("  ") + springs + couplings;
 }
 
 }  // namespace

@@ -167,6 +167,21 @@ std::string loops_text(const World& world) {
   return table.text("  ");
 }
 
+std::string couplings_text(const World& world) {
+  std::string text;
+  for (int c = 0; c < world.couplings(); ++c) {
+    const CouplingView view = world.coupling({c});
+    const Coupling& law = view.coupling;
+    const auto [joint, follows] = world.coupling_names({c});
+    text += "  '" + joint + "' = " + format("%g", law.offset);
+    if (law.leads()) text += format(" %+g", law.multiplier) + "·'" + follows + "'";
+    for (std::size_t i = 0; i < law.higher.size(); ++i)
+      if (law.higher[i] != 0) text += format(" %+g", law.higher[i]) + "·'" + follows + format("'^%zu", i + 2);
+    text += view.ended ? ", ended\n" : "\n";
+  }
+  return text;
+}
+
 std::string totals_text(const World& world) {
   double mass = 0;
   for (const BodySpec& body : world.model().bodies()) mass += body.mass;
@@ -180,8 +195,10 @@ std::string totals_text(const World& world) {
   row("mass", mass_text(mass));
   if (world.tree().has_loops()) {
     const LoopStatus loops = world.loop_status();
-    row("loops", count_text(static_cast<long>(world.loops().size()), "joint", "joints") +
-                     format(", %d equations, %d independent", loops.rows, loops.rank));
+    const std::string equations = format(", %d equations, %d independent", loops.rows, loops.rank);
+    if (!world.loops().empty()) row("loops", count_text(static_cast<long>(world.loops().size()), "joint", "joints") + equations);
+    if (world.couplings() > 0)
+      row("exact couplings", format("%d", world.couplings()) + (world.loops().empty() ? equations : " of these equations"));
     row("mobility", format("%d", world.tree().nv() - held_dofs(world) - loops.rank));
   }
   const Vec3 g = world.model().gravity();
@@ -252,7 +269,8 @@ int explain(const ExplainOptions& options) {
             drawing.of(mechanism.root);
   }
   text += springs_text(world, style);
-  if (world.tree().has_loops()) text += '\n' + style.heading("Loops") + '\n' + loops_text(world);
+  if (!world.loops().empty()) text += '\n' + style.heading("Loops") + '\n' + loops_text(world);
+  if (world.couplings() > 0) text += '\n' + style.heading("Exact couplings") + '\n' + couplings_text(world);
   if (!scenario->events.empty()) text += '\n' + style.heading("Events") + '\n';
   for (const io::ScenarioEvent& event : scenario->events)
     for (const Action& action : event.actions) text += "  " + when_text(event) + ": " + action.text() + '\n';

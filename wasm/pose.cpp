@@ -14,12 +14,15 @@ namespace {
 int coordinates(const Model& model, int j) { return info(model[{j}].joint.kind).nq; }
 
 /// The model with its start at these coordinates. Joints whose coordinates differ from those before are held there, as welds, so
-/// that closing the loops changes the others. `held`: by joint.
+/// that closing the loops changes the others; couplings of two joints that are held, or of one that a polynomial leads, are
+/// left out. `held`: by joint.
 Model moved(const Model& model, const double* q, const double* before, std::vector<char>& held) {
   Model result;
+  std::vector<double> now;  // by joint: its first coordinate
   for (int j = 0; j < model.size(); ++j) {
     BodySpec spec = model[BodyId{j}];
     const int n = coordinates(model, j);
+    now.push_back(n > 0 ? q[0] : 0);
     held.push_back(!std::equal(q, q + n, before));
     spec.q = {}, spec.v = {};
     if (held.back()) {
@@ -30,6 +33,20 @@ Model moved(const Model& model, const double* q, const double* before, std::vect
     }
     result.add_unjudged(std::move(spec));
     q += n, before += n;
+  }
+  const auto is_held = [&held](JointId joint) { return joint.index >= 0 && held[static_cast<std::size_t>(joint.index)]; };
+  for (Coupling coupling : model.couplings()) {
+    const auto position = [&](JointId joint) { return now[static_cast<std::size_t>(joint.index)]; };
+    if (is_held(coupling.joint)) {  // the other one follows, if it is free and its position is known at once
+      const bool inverts = coupling.leads() && !is_held(coupling.follows) && coupling.multiplier != 0 &&
+                           coupling.higher == std::array<double, 3>{};
+      if (!inverts) continue;
+      const double x = (position(coupling.joint) - coupling.offset) / coupling.multiplier;
+      coupling = {.joint = coupling.follows, .offset = x};
+    } else if (is_held(coupling.follows)) {
+      coupling = {.joint = coupling.joint, .offset = coupling.value(position(coupling.follows))};
+    }
+    result.add_coupling(coupling);
   }
   for (LoopSpec loop : model.loops()) {
     loop.assemble = true;
@@ -63,7 +80,7 @@ void pose(const Model& model, const double* q, std::vector<double>& motions, std
     }
     world.restore(0, {}, joints);
     fill_motions(world, motions);
-    std::copy_n(q, posed.size(), posed.begin());
+    posed = start_of(world);  // joints that are coupled follow others
     return;
   }
   std::vector<char> held;

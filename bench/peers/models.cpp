@@ -1,5 +1,4 @@
 // The models of the evaluations: random, or read from files of `momentree bench MODEL`.
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -7,31 +6,11 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "draw.hpp"
 #include "evaluation.hpp"
+#include "figure.hpp"
 
 namespace peers {
 namespace {
-
-Link pin(Draw& draw, int number, int parent, bool planar) {
-  Link link;
-  link.name = "b" + std::to_string(number);
-  link.parent = parent;
-  link.mass = draw.between(0.5, 1.5);
-  link.at = parent < 0 ? Vector3d::Zero() : Vector3d(0.2, 0, 0);
-  if (planar) {
-    link.com = {0.1, 0, 0};
-    if (parent < 0) link.turn = Eigen::AngleAxisd(1.5707963267948966, Vector3d::UnitX()).toRotationMatrix();  // upright
-  } else {
-    const Vector3d by = draw.within(1.2);
-    link.turn = Eigen::AngleAxisd(by.norm(), by.normalized()).toRotationMatrix();
-    link.com = Vector3d(0.1, 0, 0) + draw.within(0.03);
-  }
-  link.inertia = link.mass * 0.04 * Vector3d(0.2, 0.7, 0.8);
-  link.angle = draw.between(-0.6, 0.6);
-  link.rate = draw.between(-1, 1);
-  return link;
-}
 
 EvaluationModel tree(const char* name, int bodies, bool planar, bool binary) {
   Draw draw(static_cast<unsigned>(bodies));
@@ -41,60 +20,24 @@ EvaluationModel tree(const char* name, int bodies, bool planar, bool binary) {
 }
 
 /// A free pelvis and 30 revolute joints along the axes of a standing body: two legs of 6, waist and neck of 2, two arms of 7.
-class Humanoid {
- public:
-  EvaluationModel model() {
-    const double side = 0.1, leg = 0.4, arm = 0.27;
-    const int pelvis = add(-1, 'z', Vector3d::Zero());
-    for (const double s : {side, -side}) limb(pelvis, "zxyyyx", {{0, s, -0.05}, {}, {}, {0, 0, -leg}, {0, 0, -leg}, {}});
-    const int chest = limb(pelvis, "zy", {{0, 0, 0.1}, {}});
-    for (const double s : {2 * side, -2 * side})
-      limb(chest, "yxzyzyx", {{0, s, 0.3}, {}, {}, {0, 0, -arm}, {}, {0, 0, -arm}, {}});
-    limb(chest, "zy", {{0, 0, 0.4}, {}});
-    return {"humanoid " + std::to_string(links_.size() - 1) + "+6", links_};
-  }
-
- private:
-  struct Offset {
-    double x = 0, y = 0, z = 0;
-  };
-  int limb(int last, const char* axes, std::initializer_list<Offset> offsets) {
-    for (const Offset& offset : offsets) last = add(last, *axes++, {offset.x, offset.y, offset.z});
-    return last;
-  }
-  /// Axis and offset from the parent's origin, in world axes at zero angles.
-  int add(int parent, char axis, const Vector3d& offset) {
-    const int number = static_cast<int>(links_.size());
-    Link link = pin(draw_, number, parent, false);
-    const double right = 1.5707963267948966;
-    Matrix3d stands = Matrix3d::Identity();
-    if (axis == 'x') stands = Eigen::AngleAxisd(right, Vector3d::UnitY()).toRotationMatrix();
-    if (axis == 'y') stands = Eigen::AngleAxisd(-right, Vector3d::UnitX()).toRotationMatrix();
-    const Matrix3d parent_stands = parent < 0 ? Matrix3d::Identity() : stands_[parent];
-    link.turn = parent_stands.transpose() * stands;
-    for (double& x : link.turn.reshaped()) x = std::round(x);  // quarter turns
-    link.at = parent_stands.transpose() * offset;
-    if (parent < 0) {
-      link.free = true;
-      link.turn = Eigen::AngleAxisd(0.7, Vector3d(0.6, 0, 0.8)).toRotationMatrix();
-      link.at = {0.1, 0.2, 1};
-      link.linear = {0.1, -0.2, 0.3}, link.angular = {0.4, -0.5, 0.6};
-    }
-    links_.push_back(link);
-    stands_.push_back(stands);
-    return number;
-  }
-  Draw draw_{31};
-  std::vector<Link> links_;
-  std::vector<Matrix3d> stands_;
-};
+EvaluationModel humanoid() {
+  Figure figure(31);
+  const double side = 0.1, leg = 0.4, arm = 0.27;
+  const int pelvis = figure.add(-1, 'z', Vector3d::Zero(), true);
+  for (const double s : {side, -side}) figure.limb(pelvis, "zxyyyx", {{0, s, -0.05}, {}, {}, {0, 0, -leg}, {0, 0, -leg}, {}});
+  const int chest = figure.limb(pelvis, "zy", {{0, 0, 0.1}, {}});
+  for (const double s : {2 * side, -2 * side})
+    figure.limb(chest, "yxzyzyx", {{0, s, 0.3}, {}, {}, {0, 0, -arm}, {}, {0, 0, -arm}, {}});
+  figure.limb(chest, "zy", {{0, 0, 0.4}, {}});
+  return {"humanoid " + std::to_string(figure.links.size() - 1) + "+6", figure.links};
+}
 
 std::vector<EvaluationModel> drawn() {
   return {tree("planar chain", 1, true, false),     tree("planar chain", 10, true, false),
           tree("planar chain", 100, true, false),   tree("planar chain", 1000, true, false),
           tree("spatial chain", 1, false, false),   tree("spatial chain", 7, false, false),
           tree("spatial chain", 100, false, false), tree("spatial chain", 1000, false, false),
-          tree("binary tree", 63, false, true),     Humanoid().model()};
+          tree("binary tree", 63, false, true),     humanoid()};
 }
 
 /// A line of the file: see cli/bench/peer_links.hpp. Its initial state is random.

@@ -10,45 +10,17 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <utility>
 
 #include "evaluation.hpp"
+#include "loops.hpp"
 #include "measure.hpp"
+#include "momentree_model.hpp"
 
 namespace {
 
-namespace mt = momentree;
 using namespace peers;
-
-mt::Vec3 vec(const Vector3d& a) { return {a.x(), a.y(), a.z()}; }
-Vector3d vec(const mt::Vec3& a) { return {a.x, a.y, a.z}; }
-mt::Mat3 mat(const Matrix3d& R) { return {R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)}; }
-mt::Sym3 sym(const Matrix3d& I) { return {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)}; }
-Matrix3d mat(const mt::Mat3& R) { return (Matrix3d() << R.xx, R.xy, R.xz, R.yx, R.yy, R.yz, R.zx, R.zy, R.zz).finished(); }
-
-mt::Model model_of(const std::vector<Link>& links, double along_z = 0) {
-  mt::Model model({.gravity = {0, 0, along_z}});
-  for (const Link& link : links) {
-    mt::BodySpec spec{.name = link.name,
-                      .mass = link.mass,
-                      .com = vec(link.com),
-                      .inertia = sym(inertia_of(link)),
-                      .parent = mt::BodyId{link.parent},
-                      .at = mt::Pose{vec(link.at), mt::quaternion_of(mat(link.turn))}};
-    if (link.free) {
-      const Vector3d v = link.turn.transpose() * link.linear, w = link.turn.transpose() * link.angular;
-      spec.joint = mt::Free{};
-      spec.v = {v.x(), v.y(), v.z(), w.x(), w.y(), w.z()};
-    } else {
-      if (link.slides) spec.joint = mt::Prismatic{.axis = mt::z_axis};
-      if (!link.slides) spec.joint = mt::Revolute{.axis = mt::z_axis};
-      spec.q = link.angle;
-      spec.v = link.rate;
-    }
-    model.add(spec);
-  }
-  return model;
-}
 
 struct Engine : Trial {
   Engine(const Experiment& experiment, bool evaluations)
@@ -205,6 +177,7 @@ struct Accelerations : Rates {
 
 int main(int count, char** words) {
   if (count == 1) return run("momentree", ways);
+  if (std::string(words[1]) == "loops") return evaluate_loops("momentree", loop_ways(), count > 2 ? words[2] : "");
   return evaluate(
       "momentree",
       {{"evaluate_rates", evaluator<Rates>()}, {"accelerate (accelerations, all reactions)", evaluator<Accelerations>()}},

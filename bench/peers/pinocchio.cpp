@@ -1,6 +1,7 @@
 // Pinocchio. A model is built once; another topology needs another model, whose state the caller copies. buildReducedModel makes
 // a model without some joints. impulseDynamics computes an impact.
 #include <algorithm>
+#include <string>
 
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/contact-dynamics.hpp>
@@ -8,6 +9,7 @@
 #include <pinocchio/algorithm/model.hpp>
 
 #include "evaluation.hpp"
+#include "loops.hpp"
 #include "measure.hpp"
 #include "pinocchio_model.hpp"
 
@@ -159,6 +161,8 @@ struct Forward : Evaluator {
 
 int main(int argc, char** words) {
   if (argc == 1) return run("Pinocchio " PINOCCHIO_VERSION, ways);
+  if (std::string(words[1]) == "loops")
+    return evaluate_loops("Pinocchio " PINOCCHIO_VERSION, loop_ways(), argc > 2 ? words[2] : "");
   Evaluation way{"aba", evaluator<Forward>()};
   way.most = 100;  // its data for 1000 bodies need 32 GB, including matrices that are not used here
   return evaluate("Pinocchio " PINOCCHIO_VERSION, {way}, {words + 2, words + argc});

@@ -64,7 +64,8 @@ std::size_t key_of(const Topology& topology) noexcept {
 std::optional<Unsupported> unsupported(const Tree& tree) noexcept {
   if (!tree.body_forces().empty() || !tree.body_functions().empty())
     return Unsupported{"batches do not support forces on bodies", "use efforts in joints, or a Simulation for each world"};
-  if (tree.has_loops()) return Unsupported{"batches do not support closed loops yet", "use a Simulation for each world"};
+  if (tree.has_loops())
+    return Unsupported{"batches do not support closed loops and exact couplings yet", "use a Simulation for each world"};
   if (tree.spring_count() > 0)
     return Unsupported{"batches do not support springs between two points",
                        "use springs in joints, or a Simulation for each world"};

@@ -1,6 +1,7 @@
 #include <momentree/dynamics/evaluate.hpp>
 
 #include <momentree/dynamics/body_forces.hpp>
+#include <momentree/dynamics/loop_momenta.hpp>
 #include <momentree/dynamics/loop_workspace.hpp>
 #include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
@@ -27,7 +28,11 @@ Wrench on_declared_child(const Tree& tree, const State& state, const Workspace<d
 
 void accelerate(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
   forward_dynamics(tree, state, workspace);
-  if (tree.has_loops() && !workspace.loops->least) find_least_reactions(tree, workspace);
+  if (tree.has_loops()) {
+    if (!(workspace.accelerated == state.stamp())) accelerate_with_loops(tree, state, workspace);
+    if (!workspace.loops->least) find_least_reactions(tree, workspace);
+    return;
+  }
   if (workspace.accelerated == state.stamp()) return;
   joint_forces(tree, state.time(), state.q().data(), workspace, workspace.a.get());
   clear_other_loads(tree, workspace);

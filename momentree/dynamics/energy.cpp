@@ -36,7 +36,10 @@ Totals totals(const Tree& tree, const State& state, Workspace<double>& workspace
   for (int b : tree.spring_joints()) sum.potential += joint_spring(tree, state.q().data(), b, force);
   for (int b : tree.forced_joints()) sum.potential += stop_energy(tree, state, b);
   if (tree.has_loops()) sum.loops = loop_status(tree, state, workspace);
-  for (std::size_t i = 0; i < tree.loops().size(); ++i) sum.potential += loop_energy(tree, workspace, static_cast<int>(i));
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    sum.potential += loop_energy(tree, workspace, static_cast<int>(i));
+    sum.kinetic += loop_armature_energy(tree, workspace, static_cast<int>(i));
+  }
   for (int s = 0; s < tree.spring_count(); ++s)
     if (tree.spring_acts(s)) sum.potential += tree.spring_law(s).energy(spring_motion(tree, workspace, s).length);
   return sum;

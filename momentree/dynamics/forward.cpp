@@ -7,6 +7,8 @@
 #include <momentree/dynamics/forces/elements.hpp>
 #include <momentree/dynamics/forces/linear_spring.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/loop_momenta.hpp>
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/joint/dispatch.hpp>
 
@@ -76,7 +78,7 @@ void add_forces_and_motions(const Tree& tree, double t, const double* q, Workspa
 }  // namespace
 
 bool stages_take_rates(const Tree& tree) noexcept {
-  return tree.loaded_bodies().empty() && !tree.has_functions() && tree.driven_joints().empty();
+  return tree.loaded_bodies().empty() && !tree.has_functions() && !tree.has_constraints();
 }
 
 void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace) noexcept {
@@ -92,10 +94,12 @@ void evaluate_stage(const Tree& tree, double t, const double* q, const double* p
     workspace.evaluated = workspace.located = workspace.accelerated = {};
     generated(q, p, workspace.v.get(), workspace.qdot.get(), workspace.pdot.get());
     add_joint_forces(tree, t, q, workspace);
-  } else if (tree.driven_joints().empty()) {
+  } else if (!tree.has_constraints()) {
     evaluate_for_forces(tree, q, p, workspace);
     add_joint_forces(tree, t, q, workspace);
     add_body_forces(tree, t, q, workspace);
+  } else if (tree.has_loops()) {
+    evaluate_with_loops(tree, t, q, p, workspace, LoopRows::kept);
   } else {
     evaluate_motions<double>(tree, q, p, workspace);
     add_forces_and_motions(tree, t, q, workspace);
@@ -141,7 +145,8 @@ double motion_effort(const Tree& tree, const double* q, const Workspace<double>&
     if constexpr (E.size() > 0) return dot(E[0], transmitted_wrench(tree, workspace, b));
     return 0.0;
   });
-  return through + tree.armature()[at] * workspace.a[at] - workspace.passive[static_cast<std::size_t>(b)];
+  const double coupled = tree.has_loops() ? coupling_effort(tree, workspace, b) : 0.0;
+  return through + tree.armature()[at] * workspace.a[at] - workspace.passive[static_cast<std::size_t>(b)] - coupled;
 }
 
 std::vector<forces::LinearSpring> forces::linear_springs(const Tree& tree) {
@@ -180,11 +185,14 @@ void forward_dynamics(const Tree& tree, const State& state, Workspace<double>& w
   MT_REQUIRE(!workspace.in_function, inside_function);
   if (workspace.evaluated == state.stamp()) return;
   if (state.variables() == Variables::velocities) return evaluate_velocity_state(tree, state, workspace);
-  evaluate_motions<double>(tree, state.q().data(), state.p().data(), workspace);
-  if (tree.driven_joints().empty()) {
+  if (!tree.has_constraints()) {
+    evaluate_motions<double>(tree, state.q().data(), state.p().data(), workspace);
     add_joint_forces(tree, state.time(), state.q().data(), workspace);
     add_body_forces(tree, state.time(), state.q().data(), workspace);
+  } else if (tree.has_loops()) {
+    return evaluate_state_with_loops(tree, state, workspace);
   } else {
+    evaluate_motions<double>(tree, state.q().data(), state.p().data(), workspace);
     add_forces_and_motions(tree, state.time(), state.q().data(), workspace);
     workspace.accelerated = state.stamp();
   }

@@ -263,13 +263,22 @@ MOMENTREE_INLINE void find_sines(const Tree& tree, const T* q, Workspace<T>& wor
       n, [s](int i) MOMENTREE_INLINE_LAMBDA { return s[i]; }, s, c);
 }
 
-template <class T, bool Keep>
+/// Between the passes of a tree nothing happens.
+struct NothingBetween {
+  static constexpr bool in_pairs = true;  // paired branches, whose records are elsewhere until the outward pass
+  template <class T>
+  MOMENTREE_INLINE static void act(const Tree&, const T*, Workspace<T>&) {}
+};
+
+/// Between::act, called after the inward pass, may change u0 of the records. (As a type, not an argument: this leaves the code
+/// without it as it is.)
+template <class T, bool Keep, class Between = NothingBetween>
 void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {
   MT_REQUIRE(workspace.capacity() >= tree.bodies(), "the workspace has room for the tree's bodies: construct it for this tree");
   workspace.evaluated = {};
   workspace.located = {};
   workspace.accelerated = {};
-  constexpr bool in_pairs = has_pair_lanes && std::is_same_v<T, double>;  // paired branches
+  constexpr bool in_pairs = has_pair_lanes && std::is_same_v<T, double> && Between::in_pairs;
   const auto kernel_runs = in_pairs ? tree.paired_runs() : tree.kernel_runs();
   const Vec3& g = tree.gravity();
   const bool has_gravity = g.x != 0 || g.y != 0 || g.z != 0;
@@ -314,6 +323,7 @@ void sweep_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspa
       }
     });
   }
+  Between::act(tree, q, workspace);
   for (const KernelRun& s : kernel_runs) {
     if constexpr (!Keep) {
       if (in_plane(s)) {  // a floating mechanism as a whole, with its root's run

@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/dynamics/loop_momenta.hpp>
 #include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/springs.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -23,10 +25,14 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // The largest residual in units of what counts as closed; of one loop, or of all.
 double open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t loop) {
   const LoopLink& link = tree.loop_links()[loop];
+  if (link.ends.coupling >= 0)
+    return std::fabs(loops.rows[at(link.first_row)].residual) / std::max(loops.sizes[loop - tree.loops().size()], 1e-300);
   double worst = 0;
   for (int i = 0; i < link.rows; ++i) {
     const LoopRow& row = loops.rows[at(link.first_row + i)];
-    const bool length = i < link.closure.positions || i >= link.closure.positions + link.closure.directions;
+    const int rows = link.closure.rows();
+    const bool length = i >= rows ? info(tree.loops()[loop].joint.kind).q_units[link.dof_rows[at(i - rows)].dof] == 'm'
+                                  : i < link.closure.positions || i >= link.closure.positions + link.closure.directions;
     const double part = std::fabs(row.residual) / (length ? std::max(loops.places[loop].size, 1e-300) : 1.0);
     if (!(part <= worst)) worst = part;  // NaN is kept
   }
@@ -34,25 +40,9 @@ double open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t loop) {
 }
 double open_by(const Tree& tree, const LoopWorkspace& loops) {
   double worst = 0;
-  for (std::size_t i = 0; i < tree.loops().size(); ++i)
+  for (std::size_t i = 0; i < tree.loop_links().size(); ++i)
     if (const double part = open_by(tree, loops, i); !(part <= worst)) worst = part;
   return worst;
-}
-
-// q ← q + N(q) scale·δ.
-void move(const Tree& tree, const double* delta, double scale, double* q) {
-  for (const int b : tree.order())
-    dispatch(tree.kind(b), [&](auto tag) {
-      using K = typename decltype(tag)::type;
-      if constexpr (K::info.nv > 0) {
-        double rate[7] = {}, part[6] = {};
-        for (int i = 0; i < K::info.nv; ++i) part[i] = scale * delta[tree.first_p(b) + i];
-        double* const own = q + tree.first_q(b);
-        K::Kernels::template coordinate_rate<double>(own, part, rate);
-        for (int i = 0; i < K::info.nq; ++i) own[i] += rate[i];
-        K::Kernels::normalise(own);
-      }
-    });
 }
 
 // The angles of the loops' joints, as hints for the next ones.
@@ -81,7 +71,8 @@ double energy_at(const Tree& tree, const double* q, Workspace<double>& workspace
   for (const int b : tree.spring_joints()) energy += joint_spring(tree, q, b, force);
   for (int s = 0; s < tree.spring_count(); ++s)
     if (tree.spring_acts(s)) energy += tree.spring_law(s).energy(spring_motion(tree, workspace, s).length);
-  for (std::size_t i = 0; i < tree.loops().size(); ++i) energy += loop_energy(tree, workspace, static_cast<int>(i));
+  for (std::size_t i = 0; i < tree.loops().size(); ++i)
+    energy += loop_energy(tree, workspace, static_cast<int>(i)) + loop_armature_energy(tree, workspace, static_cast<int>(i));
   return energy;
 }
 
@@ -92,26 +83,55 @@ void close_velocities(LoopCorrection& correction, const double* q, double* u) {
   for (int i = 0; i < correction.tree.nv(); ++i) u[i] += workspace.a[at(i)];
 }
 
-}  // namespace
-
-bool close_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace, double& energy) noexcept {
-  detail::loop_memory(tree, workspace);
-  LoopCorrection correction{tree, workspace};
-  const LoopWorkspace& loops = *workspace.loops;
+// Corrects the coordinates; places, rows and records are then those of q. `energy`: less that at the start. Returns false if the
+// loops cannot be closed.
+bool close_coordinates(LoopCorrection& correction, double* q, const double* u, double& energy) {
+  const LoopWorkspace& loops = *correction.workspace.loops;
   double before = HUGE_VAL;
   for (int k = 0;; ++k) {
     correction.evaluate(q, u, 0);
-    if (k == 0) energy = -energy_at(tree, q, workspace);
-    const double open = open_by(tree, loops);
-    if (open <= closed) break;
-    if (!(open < 0.5 * before) || k == most_corrections) {
-      if (open <= nearly) break;
-      return false;
-    }
+    if (k == 0) energy = -energy_at(correction.tree, q, correction.workspace);
+    const double open = open_by(correction.tree, loops);
+    if (open <= closed) return true;
+    if (!(open < 0.5 * before) || k == most_corrections) return open <= nearly;
     before = open;
     correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
-    move(tree, workspace.a.get(), 1, q);
+    detail::displace(correction.tree, correction.workspace.a.get(), 1, q);
   }
+}
+
+// Calls f for the roots at stops whose momenta are in axes that move with several DoFs.
+template <class F>
+void each_moving_root(const Tree& tree, const F& f) {
+  const auto stops = tree.loop_stops();
+  for (std::size_t s = 0; s < stops.size(); ++s) {
+    const int b = stops[s].body;
+    if ((s == 0 || stops[s - 1].body != b) && tree.parent(b) < 0 && info(tree.kind(b)).nv > 1) f(b);
+  }
+}
+
+}  // namespace
+
+void detail::displace(const Tree& tree, const double* delta, double scale, double* q) noexcept {
+  for (const int b : tree.order())
+    dispatch(tree.kind(b), [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      if constexpr (K::info.nv > 0) {
+        double rate[7] = {}, part[6] = {};
+        for (int i = 0; i < K::info.nv; ++i) part[i] = scale * delta[tree.first_p(b) + i];
+        double* const own = q + tree.first_q(b);
+        K::Kernels::template coordinate_rate<double>(own, part, rate);
+        for (int i = 0; i < K::info.nq; ++i) own[i] += rate[i];
+        K::Kernels::normalise(own);
+      }
+    });
+}
+
+bool close_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double& energy) noexcept {
+  detail::loop_memory(tree, workspace);
+  detail::set_loop_motions(tree, t, workspace);
+  LoopCorrection correction{tree, workspace};
+  if (!close_coordinates(correction, q, u, energy)) return false;
   close_velocities(correction, q, u);
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
@@ -120,8 +140,40 @@ bool close_loops(const Tree& tree, double* q, double* u, Workspace<double>& work
   return true;
 }
 
-bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace, double* residuals) noexcept {
+bool close_loops_in_momenta(const Tree& tree, double* q, double* p, Workspace<double>& workspace, double& energy) noexcept {
+  find_velocities_with_loops(tree, q, p, workspace);
+  LoopWorkspace& loops = *workspace.loops;
+  std::copy_n(workspace.v.get(), tree.nv(), loops.u.begin());
+  // The articulated momenta of roots, in the world. A root's own p is put in their place, at its corrected coordinates.
+  each_moving_root(tree, [&](int b) {
+    const Kinematics<double>& body = workspace.bodies[at(b)];
+    const Force<double>& P = workspace.motions[at(b)].articulated;
+    absorb(tree, b, joint_state(tree, q, workspace, b), P, -1, p);
+    const Vec3 l = body.R * P.l;
+    loops.momenta[at(b)] = {l, body.R * P.h + cross(body.r, l)};
+  });
+  LoopCorrection correction{tree, workspace};
+  if (!close_coordinates(correction, q, loops.u.data(), energy)) return false;
+  each_moving_root(tree, [&](int b) {
+    const Force<double>& P = loops.momenta[at(b)];
+    absorb(tree, b, joint_state(tree, q, workspace, b), on_body(workspace.bodies[at(b)], P.l, P.h, {}), +1, p);
+  });
+  find_velocities_with_loops(tree, q, p, workspace);
+  loops.gauge = loops.lambda;
+  detail::place_loops(tree, q, workspace, true);
+  detail::sum_loop_momenta(tree, q, workspace, loops.gauge.data());
+  const auto stops = tree.loop_stops();
+  for (std::size_t s = 0; s < stops.size(); ++s)
+    if (const int b = stops[s].body; s == 0 || stops[s - 1].body != b)
+      absorb(tree, b, joint_state(tree, q, workspace, b), loops.momenta[at(b)], +1, p);
+  energy += energy_at(tree, q, workspace);
+  note_turns(tree, workspace);
+  return true;
+}
+
+bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double* residuals) noexcept {
   detail::loop_memory(tree, workspace);
+  detail::set_loop_motions(tree, t, workspace);
   LoopCorrection correction{tree, workspace};
   const LoopWorkspace& loops = *workspace.loops;
   const auto n = at(tree.nq());
@@ -137,7 +189,7 @@ bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& w
     bool better = false;
     for (double scale = largest > 0.5 ? 0.5 / largest : 1; scale > 1e-6 && !better; scale /= 2) {
       std::copy_n(from.begin(), n, q);
-      move(tree, step.data(), scale, q);
+      detail::displace(tree, step.data(), scale, q);
       correction.evaluate(q, u, open < 1e-4 ? 0 : at_assembly);
       const double now = open_by(tree, loops);
       if (now < open * (1 - 1e-4 * scale)) open = now, better = true;
@@ -147,19 +199,29 @@ bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& w
       break;
     }
   }
-  for (std::size_t i = 0; i < tree.loops().size(); ++i) residuals[i] = open_by(tree, loops, i);
+  for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = open_by(tree, loops, i);
   double energy = 0;
   if (!(open <= nearly)) return false;
   note_turns(tree, workspace);
-  return close_loops(tree, q, u, workspace, energy);
+  return close_loops(tree, t, q, u, workspace, energy);
 }
 
-void loop_residuals(const Tree& tree, const double* q, const double* u, Workspace<double>& workspace,
+void loop_residuals(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                     double* residuals) noexcept {
   detail::loop_memory(tree, workspace);
+  detail::set_loop_motions(tree, t, workspace);
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
-  for (std::size_t i = 0; i < tree.loops().size(); ++i) residuals[i] = open_by(tree, *workspace.loops, i);
+  for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = open_by(tree, *workspace.loops, i);
+}
+
+int independent_rows(const Tree& tree, double t, const double* q, Workspace<double>& workspace) {
+  detail::loop_memory(tree, workspace);
+  detail::set_loop_motions(tree, t, workspace);
+  const std::vector<double> rest(at(tree.nv()), 0.0);
+  LoopCorrection correction{tree, workspace};
+  correction.evaluate(q, rest.data(), 0);
+  return workspace.loops->rank - tree.loop_armatures();
 }
 
 LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
@@ -167,7 +229,7 @@ LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& 
   if (!tree.has_loops()) return status;
   forward_dynamics(tree, state, workspace);
   const LoopWorkspace& loops = *workspace.loops;
-  status.rows = tree.loop_rows(), status.rank = loops.rank;
+  status.rows = tree.loop_rows() - tree.loop_armatures(), status.rank = loops.rank - tree.loop_armatures();
   for (const LoopRow& row : loops.rows) status.residual = std::max(status.residual, std::fabs(row.residual));
   return status;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <momentree/dynamics/forces/elements.hpp>
 #include <momentree/dynamics/loop_system.hpp>
@@ -14,6 +15,8 @@ namespace momentree {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr double stiffest_armature = 1e6;  // a soft row is never redundant, however large the armature is beside the bodies
 
 // The joint frame on one side: axes and origin in the world, velocity of the point at x and angular velocity there.
 struct Side {
@@ -58,16 +61,19 @@ double screw_angle(const Closure::Screw& screw, const Mat3& R, double turn) {
   return angle + 2 * std::numbers::pi * std::round((turn - angle) / (2 * std::numbers::pi));
 }
 
-// Writes φ, F, T and Ṫ of all rows of a closure, in the parent-side frame: φ̇ = F·v + T·ω for the relative velocities there.
+// Writes φ, F, T and Ṫ of the wanted rows of a closure (a bit each), in the parent-side frame: φ̇ = F·v + T·ω for the relative
+// velocities there.
 template <class Put>
-void closure_rows(const Closure& c, const Mat3& R, const Vec3& r, const Vec3& w, double turn, const Put& put) {
-  for (int i = 0; i < c.positions; ++i) put(dot(c.position[at(i)], r), c.position[at(i)], Vec3{}, Vec3{});
+void closure_rows(const Closure& c, unsigned wanted, const Mat3& R, const Vec3& r, const Vec3& w, double turn, const Put& put) {
+  for (int i = 0; i < c.positions; ++i)
+    if ((wanted >> i & 1u) != 0) put(i, dot(c.position[at(i)], r), c.position[at(i)], Vec3{}, Vec3{});
   for (int i = 0; i < c.directions; ++i) {
+    if ((wanted >> (c.positions + i) & 1u) == 0) continue;
     const Closure::Direction& d = c.direction[at(i)];
     const Vec3 b = R * d.b;
-    put(dot(d.a, b) - d.c, Vec3{}, cross(b, d.a), cross(cross(w, b), d.a));
+    put(c.positions + i, dot(d.a, b) - d.c, Vec3{}, cross(b, d.a), cross(cross(w, b), d.a));
   }
-  if (c.screws == 0) return;
+  if (c.screws == 0 || (wanted >> (c.positions + c.directions) & 1u) == 0) return;
   const Closure::Screw& s = c.screw;
   const Vec3 e1 = R * s.e1, e2 = R * s.e2;
   const double si = dot(s.e2, e1) - dot(s.e1, e2), co = dot(s.e1, e1) + dot(s.e2, e2), square = si * si + co * co;
@@ -77,21 +83,7 @@ void closure_rows(const Closure& c, const Mat3& R, const Vec3& r, const Vec3& w,
   const Vec3 tsd = cross(d1, s.e2) - cross(d2, s.e1), tcd = cross(d1, s.e1) + cross(d2, s.e2);
   const Vec3 gradient = (1 / square) * (co * ts - si * tc);
   const Vec3 rate = (1 / square) * (cd * ts + co * tsd - sd * tc - si * tcd - (2 * (si * sd + co * cd)) * gradient);
-  put(dot(s.n, r) - s.h * screw_angle(s, R, turn), s.n, -s.h * gradient, -s.h * rate);
-}
-
-// The axes of the joint's own child-side frame in the world; locks may turn that of the rows about its origin.
-Mat3 child_axes(const LoopPlace& p, const LoopLink& link) {
-  return p.Ra * (p.R * transpose(rotation_matrix(link.child_offset.rotation)));
-}
-// The joint's motion: the pose of its own child-side frame in its own parent-side frame.
-Pose joint_pose(const LoopPlace& p, const LoopLink& link) {
-  return link.parent_offset * (Pose{p.r, quaternion_of(p.R)} * inverse(link.child_offset));
-}
-
-Motion<double> relative_motion(const LoopPlace& p, const Mat3& Rb) {  // of the child side in the parent side, in axes Rb
-  const Vec3 v = p.vb - p.va - cross(p.wa, p.xb - p.xa);
-  return {transpose_times(Rb, v), transpose_times(Rb, p.wb - p.wa)};
+  put(c.positions + c.directions, dot(s.n, r) - s.h * screw_angle(s, R, turn), s.n, -s.h * gradient, -s.h * rate);
 }
 
 }  // namespace
@@ -105,19 +97,29 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   LoopWorkspace& loops = *workspace.loops;
   if (loops.topology == tree.revision()) return loops;
   const std::size_t n = tree.loops().size(), rows = at(tree.loop_rows());
+  loops.sizes.resize(tree.loop_links().size() - n);
   loops.topology = tree.revision();
-  loops.places.resize(n), loops.turns.resize(n, 0.0);
-  loops.rows.resize(rows), loops.columns.resize(at(tree.loop_columns()));
-  loops.position.resize(rows), loops.order.resize(rows);
-  loops.A.resize(rows * rows), loops.factor.resize(rows * rows);
+  loops.places.resize(n), loops.turns.resize(n, 0.0), loops.motions.resize(n);
+  loops.rows.assign(rows, {}), loops.columns.assign(at(tree.loop_columns()), {});
+  std::vector<int>& all = loops.choice.taken;
+  all.resize(rows);
+  std::iota(all.begin(), all.end(), 0);
+  detail::lay_out(tree, all, loops.all);
+  loops.kept = loops.all;  // for its memory
+  loops.A.resize(loops.all.elements), loops.factor.resize(loops.all.elements), loops.least_pivots.resize(rows);
   loops.b.resize(2 * rows), loops.lambda.resize(rows);
-  loops.chosen.clear(), loops.chosen.reserve(rows);
+  loops.gauge.assign(rows, 0.0);
+  loops.u.resize(at(tree.nv()));
+  loops.momenta.resize(at(tree.bodies())), loops.wrenches.resize(at(tree.bodies()));
+  loops.choice.reserve(tree.loop_links().size(), rows, loops.all.elements);
+  loops.carried.reserve(6 * n);
   loops.rank = -1;
   return loops;
 }
 
-void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept {
+void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving, LoopRows which) noexcept {
   LoopWorkspace& loops = loop_memory(tree, workspace);
+  if (loops.rank < 0) which = LoopRows::choose;
   for (std::size_t s = 0, last = tree.loop_stops().size(); s < last; ++s) {
     const int b = tree.loop_stops()[s].body;
     if (s > 0 && tree.loop_stops()[s - 1].body == b) continue;
@@ -142,15 +144,63 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
     p.size = norm(a.x) + norm(b.x) + norm(workspace.bodies[at(loop.body)].r) + norm(link.child.r) + norm(link.parent.r);
     const Vec3 wr = transpose_times(a.R, p.wb - p.wa);
     const Vec3 v = p.vb - p.va - cross(p.wa, p.xb - p.xa), turning = cross(p.wb - p.wa, p.vb);
-    std::size_t row = at(link.first_row);
-    closure_rows(link.closure, p.R, p.r, wr, loops.turns[i], [&](double phi, const Vec3& F, const Vec3& T, const Vec3& Tdot) {
-      LoopRow& to = loops.rows[row++];
-      to.residual = phi;
+    unsigned wanted = ~0u;
+    if (which == LoopRows::kept) {
+      wanted = 0;
+      for (int k = loops.kept.first_of[i]; k < loops.kept.first_of[i + 1]; ++k)
+        wanted |= 1u << (loops.kept.rows[at(k)] - link.first_row);
+    }
+    const auto put = [&](int k, double phi, const Vec3& F, const Vec3& T, const Vec3& Tdot) {
+      LoopRow& to = loops.rows[at(link.first_row + k)];
+      to.residual = phi, to.softness = to.jump_to = 0;
       to.F = a.R * F, to.T = a.R * T;
       to.velocity = dot(to.F, v) + dot(to.T, p.wb - p.wa);
-      to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(cross(p.wa, to.T) + a.R * Tdot, p.wb - p.wa);
-    });
+      to.rate = cross(p.wa, to.T) + a.R * Tdot;
+      to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(to.rate, p.wb - p.wa);
+    };
+    closure_rows(link.closure, wanted, p.R, p.r, wr, loops.turns[i], put);
+    if (link.dof_row_count > 0) place_dof_rows(tree, workspace, static_cast<int>(i));
   }
+  place_couplings(tree, q, workspace, moving);
+}
+
+void detail::place_couplings(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept {
+  LoopWorkspace& loops = *workspace.loops;
+  const std::size_t first = tree.loops().size();
+  for (std::size_t i = first; i < tree.loop_links().size(); ++i) {
+    const LoopLink& link = tree.loop_links()[i];
+    const CouplingEnds& ends = link.ends;
+    const Coupling& coupling = tree.couplings()[at(ends.coupling)];
+    const bool leads = ends.follows >= 0;
+    const double x = leads ? q[tree.first_q(ends.follows)] : 0, own = q[tree.first_q(ends.joint)];
+    LoopRow& row = loops.rows[at(link.first_row)];
+    row.F = row.T = {};
+    row.residual = own - coupling.value(x);
+    row.slope = coupling.slope(x);
+    const double rate = moving && leads ? workspace.v[at(tree.first_p(ends.follows))] : 0;
+    row.velocity = moving ? workspace.v[at(tree.first_p(ends.joint))] - row.slope * rate : 0;
+    row.drift = -coupling.curvature(x) * rate * rate;
+    const bool length = info(tree.kind(ends.joint)).q_units[0] == 'm';
+    const double far = norm(workspace.bodies[at(ends.joint)].r) + (leads ? norm(workspace.bodies[at(ends.follows)].r) : 0.0);
+    loops.sizes[i - first] = std::fabs(own) + coupling.size(x) + (length ? far : 1.0);
+  }
+}
+
+double coupling_effort(const Tree& tree, const Workspace<double>& workspace, int body) noexcept {
+  double effort = 0;
+  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i) {
+    const LoopLink& link = tree.loop_links()[i];
+    const auto row = at(link.first_row);
+    if (link.ends.joint == body) effort += workspace.loops->lambda[row];
+    if (link.ends.follows == body) effort -= workspace.loops->rows[row].slope * workspace.loops->lambda[row];
+  }
+  return effort;
+}
+
+int coupling_place(const Tree& tree, int coupling) noexcept {
+  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i)
+    if (tree.loop_links()[i].ends.coupling == coupling) return static_cast<int>(i);
+  return -1;
 }
 
 void detail::scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept {
@@ -164,36 +214,21 @@ void detail::scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept
         return mobility(tree.link(b).body, on_body(workspace.bodies[at(b)], row.F, row.T, loops.places[i].xb));
       };
       row.scale = at_body(loop.body) + (loop.to >= 0 ? at_body(loop.to) : 0.0);
+      row.scale = std::min(row.scale + row.softness, row.softness > 0 ? stiffest_armature * row.softness : HUGE_VAL);
     }
   }
-}
-
-void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept {
-  const LoopWorkspace& loops = *workspace.loops;
-  const LoopPlace& p = loops.places[at(place)];
-  const LoopLink& link = tree.loop_links()[at(place)];
-  const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
-  nearest_coordinates(spec, joint_pose(p, link), loops.turns[at(place)], q);
-  Motion<double> E[6];
-  const int nv = joint_columns(spec, q, E);
-  const Motion<double> relative = relative_motion(p, child_axes(p, link));
-  const auto product = [](const Motion<double>& x, const Motion<double>& y) { return dot(x.v, y.v) + dot(x.w, y.w); };
-  JointMass<double, 6> squares;
-  double right[6] = {};
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < i; ++j) squares(i, j) = i < nv ? product(E[i], E[j]) : 0;
-    squares(i, i) = i < nv ? product(E[i], E[i]) : 1;
-    if (i < nv) right[i] = product(E[i], relative);
+  // The element of A of a coupling's row is a sum of squares without cancellation; it is zero if both joints are locked.
+  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i) {
+    const auto row = at(tree.loop_links()[i].first_row);
+    const double own = loops.all.element(loops.A, row, row);
+    loops.rows[row].scale = own > 0 && std::isfinite(own) ? own : 1;
   }
-  squares.factorise();
-  squares.solve(right);
-  std::copy_n(right, nv, u);
 }
 
 // The nearest coordinates give the pose of the joint, unless directions are reversed.
 bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
   const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
-  const Pose pose = joint_pose(workspace.loops->places[at(place)], tree.loop_links()[at(place)]);
+  const Pose pose = loop_pose(workspace.loops->places[at(place)], tree.loop_links()[at(place)]);
   double q[7] = {};
   nearest_coordinates(spec, pose, workspace.loops->turns[at(place)], q);
   const Mat3 R = transpose(rotation_matrix(joint_motion(spec, q).rotation)) * rotation_matrix(pose.rotation);
@@ -229,6 +264,8 @@ void joint_force(const Loop& loop, double t, const double* q, const double* u, d
     power.dissipated += friction * u[i], power.work += effort * u[i];
   }
   forces::add_elements({p, kind.nv, ~loop.joint.locked, t, q, u, force, &power});
+  for (int i = 0; i < kind.nv; ++i)
+    if ((loop.joint.locked >> i & 1u) != 0) force[i] = 0;
   if (!p.limits.soft()) return;
   for (int i = 0; i < kind.nv; ++i)  // what a soft stop stores is potential energy
     power.dissipated -= p.limits.stiffness.of(i) * forces::passed(p.limits, i, q[i]) * u[i];
@@ -253,6 +290,34 @@ Force<double> loop_joint_wrench(const Tree& tree, double t, const Workspace<doub
   return joint_wrench(spec_of(loop.joint), q, loop.joint.locked, effort);
 }
 
+double loop_holding_force(const Tree& tree, double t, const Workspace<double>& workspace, int place, int dof,
+                          double& size) noexcept {
+  const Loop& loop = tree.loops()[at(place)];
+  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopPlace& p = workspace.loops->places[at(place)];
+  double q[7] = {}, u[6] = {}, effort[6] = {}, passive[6] = {};
+  loop_coordinates(tree, workspace, place, q, u);
+  u[dof] = 0;
+  Vec3 F{}, T{};
+  for (int i = 0; i < link.rows; ++i) {
+    const auto row = at(link.first_row + i);
+    F += workspace.loops->lambda[row] * workspace.loops->rows[row].F;
+    T += workspace.loops->lambda[row] * workspace.loops->rows[row].T;
+  }
+  const Mat3 Rb = loop_child_axes(p, link);
+  Force<double> W{transpose_times(Rb, F), transpose_times(Rb, T)};
+  W += loop_joint_wrench(tree, t, workspace, place, effort);
+  Motion<double> E[6];
+  joint_columns(spec_of(loop.joint), q, E);
+  Power unused;
+  Loop free = loop;
+  free.joint.locked = 0;
+  joint_force(free, t, q, u, passive, unused);
+  const double through = dot(E[dof], W);
+  size = std::fabs(through) + std::fabs(passive[dof]);
+  return through - passive[dof];
+}
+
 void add_loop_forces(const Tree& tree, double t, Workspace<double>& workspace) noexcept {
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
@@ -260,7 +325,7 @@ void add_loop_forces(const Tree& tree, double t, Workspace<double>& workspace) n
     double effort[6] = {};
     const Force<double> W = loop_joint_wrench(tree, t, workspace, static_cast<int>(i), effort, &workspace.power);
     const LoopPlace& p = workspace.loops->places[i];
-    const Mat3 Rb = child_axes(p, tree.loop_links()[i]);
+    const Mat3 Rb = loop_child_axes(p, tree.loop_links()[i]);
     const Vec3 F = Rb * W.l, T = Rb * W.h;
     Force<double>& child = workspace.biases[at(loop.body)].wrench;
     child = child - on_body(workspace.bodies[at(loop.body)], F, T, p.xb);

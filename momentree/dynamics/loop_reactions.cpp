@@ -23,7 +23,20 @@ LoopImpulse loop_impulse(const Tree& tree, const Workspace<double>& workspace, i
     found.force += loops.lambda[row] * loops.rows[row].F;
     found.torque += loops.lambda[row] * loops.rows[row].T;
   }
+  if (loops.struck == place) found.force += loops.strike.l, found.torque += loops.strike.h;
   found.at = loops.places[at(place)].xb;
+  const LoopMotion motion = loop_motion(tree, workspace, place);
+  found.motion = motion.effort, found.motion_rate = motion.rate;
+  return found;
+}
+
+CouplingImpulse coupling_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
+  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopWorkspace& loops = *workspace.loops;
+  CouplingImpulse found{link.ends.coupling, 0, 0};
+  if (!loops.impulsive || loops.topology != tree.revision()) return found;
+  const auto row = at(link.first_row);
+  found.joint = loops.lambda[row], found.follows = -loops.rows[row].slope * loops.lambda[row];
   return found;
 }
 
@@ -40,12 +53,29 @@ LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& 
     F += loops.lambda[row] * loops.rows[row].F;
     T += loops.lambda[row] * loops.rows[row].T;
   }
-  const Force<double> constraint = on_body(child, F, T, p.xb);
-  const Force<double> W = loop_joint_wrench(tree, t, workspace, place, found.effort);
-  const Mat3 Rb = p.Ra * (p.R * transpose(rotation_matrix(link.child_offset.rotation)));
-  const Force<double> along = on_body(child, Rb * W.l, Rb * W.h, p.xb);
-  found.constraint = {constraint.l, constraint.h};
-  found.total = {constraint.l + along.l, constraint.h + along.h};
+  Force<double> total = on_body(child, F, T, p.xb);
+  const Mat3 Rb = loop_child_axes(p, link);
+  const auto on_child = [&](const Force<double>& W) { return on_body(child, Rb * W.l, Rb * W.h, p.xb); };
+  total += on_child(loop_joint_wrench(tree, t, workspace, place, found.effort));
+  double along[6], q[7] = {}, u[6] = {};
+  std::copy_n(found.effort, 6, along);
+  for (int i = 0; i < link.dof_row_count; ++i)
+    if (link.dof_rows[at(i)].use != DofRow::Use::lock)
+      along[link.dof_rows[at(i)].dof] += loops.lambda[at(link.first_row + link.closure.rows() + i)];
+  loop_coordinates(tree, workspace, place, q, u);
+  const Force<double> pure = total - on_child(joint_wrench(spec_of(loop.joint), q, loop.joint.locked, along));
+  const LoopMotion motion = loop_motion(tree, workspace, place);
+  found.effort[0] += motion.effort + motion.inertial;
+  if (loop.joint.locked != 0) {  // the effort that holds it
+    Motion<double> E[6];
+    const int nv = joint_columns(spec_of(loop.joint), q, E);
+    const Vec3 torque = child.R * total.h - cross(p.xb - child.r, child.R * total.l);
+    const Force<double> W{transpose_times(Rb, child.R * total.l), transpose_times(Rb, torque)};
+    for (int i = 0; i < nv; ++i)
+      if ((loop.joint.locked >> i & 1u) != 0) found.effort[i] = dot(E[i], W);
+  }
+  found.constraint = {pure.l, pure.h};
+  found.total = {total.l, total.h};
   return found;
 }
 
@@ -60,12 +90,10 @@ namespace {
 
 constexpr double undetermined_above = 1e-7;  // of the wrench that a unit null vector causes in a joint
 
-// A wrench in world axes, about the world's origin or about a point.
-struct WorldWrench {
-  Vec3 F{}, T{};
-  void add(double x, const WorldWrench& w) { F += x * w.F, T += x * w.T; }
-  WorldWrench about(const Vec3& x) const { return {F, T - cross(x, F)}; }
-};
+using WorldWrench = LoopReactions::WorldWrench;
+
+void add(WorldWrench& sum, double x, const WorldWrench& w) { sum.F += x * w.F, sum.T += x * w.T; }
+WorldWrench about(const WorldWrench& w, const Vec3& x) { return {w.F, w.T - cross(x, w.F)}; }
 double product(const WorldWrench& a, const WorldWrench& b, double size) { return dot(a.F, b.F) + dot(a.T, b.T) / (size * size); }
 
 // The wrenches of multipliers λ (by row) on the child of each loop, about the world's origin.
@@ -80,21 +108,28 @@ WorldWrench loop_wrench(const Tree& tree, const LoopWorkspace& loops, std::size_
   return sum;
 }
 
+// The effort of a coupling as a force or a torque, so that it counts among the reactions.
+WorldWrench coupling_load(const Tree& tree, std::size_t link, const double* lambda) {
+  const CouplingEnds& ends = tree.loop_links()[link].ends;
+  const double effort = lambda[tree.loop_links()[link].first_row];
+  return info(tree.kind(ends.joint)).q_units[0] == 'm' ? WorldWrench{{effort, 0, 0}, {}} : WorldWrench{{}, {effort, 0, 0}};
+}
+
 // What multipliers add to the wrench of each joint on its child: of the inboard joints of bodies at stops, then of the loops. A
 // joint of the tree carries the opposite of what the loops exert on the bodies outboard.
-void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* lambda, std::vector<WorldWrench>& by_body,
-                    std::vector<WorldWrench>& by_loop) {
-  by_body.assign(at(tree.bodies()), {});
-  by_loop.assign(tree.loops().size(), {});
+void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* lambda, LoopReactions& into) {
+  into.by_body.assign(at(tree.bodies()), {});
+  into.by_loop.assign(tree.loops().size(), {});
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
-    by_loop[i] = loop_wrench(tree, loops, i, lambda);
-    by_body[at(tree.loops()[i].body)].add(-1, by_loop[i]);
-    if (tree.loops()[i].to >= 0) by_body[at(tree.loops()[i].to)].add(1, by_loop[i]);
+    into.by_loop[i] = loop_wrench(tree, loops, i, lambda);
+    add(into.by_body[at(tree.loops()[i].body)], -1, into.by_loop[i]);
+    if (tree.loops()[i].to >= 0) add(into.by_body[at(tree.loops()[i].to)], 1, into.by_loop[i]);
   }
   const auto stops = tree.loop_stops();
   for (std::size_t s = stops.size(); s-- > 0;) {
     if (s > 0 && stops[s - 1].body == stops[s].body) continue;  // once per body
-    if (const int outer = tree.parent(stops[s].body); outer >= 0) by_body[at(outer)].add(1, by_body[at(stops[s].body)]);
+    const int outer = tree.parent(stops[s].body);
+    if (outer >= 0) add(into.by_body[at(outer)], 1, into.by_body[at(stops[s].body)]);
   }
 }
 
@@ -106,56 +141,61 @@ void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* 
 void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
   LoopWorkspace& loops = *workspace.loops;
   loops.open_bodies.assign(at(tree.bodies()), 0);
-  loops.open_loops.assign(tree.loops().size(), 0);
+  loops.open_loops.assign(tree.loop_links().size(), 0);
   loops.least = true;
-  const std::size_t m = loops.rows.size();
-  std::vector<std::vector<double>> null;
-  const std::vector<double> lambda = loops.lambda;
+  const std::size_t m = loops.rows.size(), d = m - loops.kept.rows.size();
+  if (d == 0) return;
+  LoopReactions& work = loops.reactions;
+  work.lambda = loops.lambda;
+  work.null.clear();
   for (std::size_t row = 0; row < m; ++row) {
-    if (std::binary_search(loops.chosen.begin(), loops.chosen.end(), static_cast<int>(row))) continue;
-    detail::solve_chosen(loops, [&](std::size_t i) { return -(i >= row ? loops.A[i * m + row] : loops.A[row * m + i]); });
+    if (std::binary_search(loops.kept.rows.begin(), loops.kept.rows.end(), static_cast<int>(row))) continue;
+    detail::solve_chosen(loops, [&](std::size_t i) { return -loops.all.element(loops.A, i, row); });
     loops.lambda[row] = 1;
-    null.push_back(loops.lambda);
+    work.null.insert(work.null.end(), loops.lambda.begin(), loops.lambda.end());
   }
-  loops.lambda = lambda;
-  if (null.empty()) return;
+  loops.lambda = work.lambda;
   double size = 0;
   for (const LoopPlace& place : loops.places) size = std::max(size, place.size);
   if (!(size > 1e-9)) size = 1;  // everything is at the origin
 
-  struct Carried {
-    int body, loop;
-    Vec3 at;
-    WorldWrench now;
-    std::vector<WorldWrench> by_null;
-  };
-  std::vector<Carried> joints;
+  work.joints.clear();
   const auto stops = tree.loop_stops();
   for (std::size_t s = 0; s < stops.size(); ++s) {
     if (s > 0 && stops[s - 1].body == stops[s].body) continue;
     const Kinematics<double>& body = workspace.bodies[at(stops[s].body)];
     const Force<double> W = transmitted_wrench(tree, workspace, stops[s].body);
-    joints.push_back({stops[s].body, -1, body.r, {body.R * W.l, body.R * W.h}, {}});
+    work.joints.push_back({stops[s].body, -1, body.r, {body.R * W.l, body.R * W.h}});
   }
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Vec3 x = loops.places[i].xb;
-    joints.push_back({-1, static_cast<int>(i), x, loop_wrench(tree, loops, i, lambda.data()).about(x), {}});
+    work.joints.push_back({-1, static_cast<int>(i), x, about(loop_wrench(tree, loops, i, work.lambda.data()), x)});
   }
-  std::vector<WorldWrench> by_body, by_loop;
-  for (const std::vector<double>& vector : null) {
-    joint_wrenches(tree, loops, vector.data(), by_body, by_loop);
-    for (Carried& joint : joints)
-      joint.by_null.push_back((joint.body >= 0 ? by_body[at(joint.body)] : by_loop[at(joint.loop)]).about(joint.at));
+  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i)
+    work.joints.push_back({-1, static_cast<int>(i), {}, coupling_load(tree, i, work.lambda.data())});
+  work.by_null.resize(work.joints.size() * d);
+  for (std::size_t i = 0; i < d; ++i) {
+    const double* const lambda = work.null.data() + i * m;
+    joint_wrenches(tree, loops, lambda, work);
+    for (std::size_t k = 0; k < work.joints.size(); ++k) {
+      const LoopReactions::Carried& joint = work.joints[k];
+      WorldWrench& added = work.by_null[k * d + i];
+      if (joint.body < 0 && at(joint.loop) >= tree.loops().size())
+        added = coupling_load(tree, at(joint.loop), lambda);
+      else
+        added = about(joint.body >= 0 ? work.by_body[at(joint.body)] : work.by_loop[at(joint.loop)], joint.at);
+    }
   }
-  const std::size_t d = null.size();
-  std::vector<double> G(d * d, 0.0), c(d, 0.0);
-  for (const Carried& joint : joints) {
+  work.G.assign(d * d, 0.0), work.c.assign(d, 0.0);
+  std::vector<double>&G = work.G, &c = work.c;
+  for (std::size_t joint = 0; joint < work.joints.size(); ++joint) {
+    const LoopReactions::Carried& at_joint = work.joints[joint];
+    const WorldWrench* const own = work.by_null.data() + joint * d;
     for (std::size_t i = 0; i < d; ++i) {
-      const double own = product(joint.by_null[i], joint.by_null[i], size);
-      unsigned char& open = joint.body >= 0 ? loops.open_bodies[at(joint.body)] : loops.open_loops[at(joint.loop)];
-      if (own > undetermined_above * undetermined_above) open = 1;
-      c[i] -= product(joint.by_null[i], joint.now, size);
-      for (std::size_t k = 0; k <= i; ++k) G[i * d + k] += product(joint.by_null[i], joint.by_null[k], size);
+      unsigned char& open = at_joint.body >= 0 ? loops.open_bodies[at(at_joint.body)] : loops.open_loops[at(at_joint.loop)];
+      if (product(own[i], own[i], size) > undetermined_above * undetermined_above) open = 1;
+      c[i] -= product(own[i], at_joint.now, size);
+      for (std::size_t k = 0; k <= i; ++k) G[i * d + k] += product(own[i], own[k], size);
     }
   }
   for (std::size_t i = 0; i < d; ++i) {  // Cholesky, with zeros for vectors without effect
@@ -175,13 +215,14 @@ void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
     c[i] = G[i * d + i] > 0 ? c[i] / G[i * d + i] : 0;
   }
   for (std::size_t i = 0; i < d; ++i)
-    for (std::size_t row = 0; row < m; ++row) loops.lambda[row] += c[i] * null[i][row];
-  for (const Carried& joint : joints) {
-    if (joint.body < 0) continue;
+    for (std::size_t row = 0; row < m; ++row) loops.lambda[row] += c[i] * work.null[i * m + row];
+  for (std::size_t joint = 0; joint < work.joints.size(); ++joint) {
+    const int body = work.joints[joint].body;
+    if (body < 0) continue;
     WorldWrench more;
-    for (std::size_t i = 0; i < d; ++i) more.add(c[i], joint.by_null[i]);
-    const Mat3& R = workspace.bodies[at(joint.body)].R;
-    workspace.reduced_bias_wrenches[at(joint.body)] += Force<double>{transpose_times(R, more.F), transpose_times(R, more.T)};
+    for (std::size_t i = 0; i < d; ++i) add(more, c[i], work.by_null[joint * d + i]);
+    const Mat3& R = workspace.bodies[at(body)].R;
+    workspace.reduced_bias_wrenches[at(body)] += Force<double>{transpose_times(R, more.F), transpose_times(R, more.T)};
   }
 }
 

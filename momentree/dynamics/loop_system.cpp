@@ -46,6 +46,118 @@ void each_body_inward(std::span<const LoopStop> stops, const F& f) {
   }
 }
 
+template <class K>
+constexpr int dofs_of = static_cast<int>(
+    std::tuple_size_v<decltype(K::template columns<double>(std::declval<LinkConstants>(), std::declval<JointState<double>>()))>);
+
+// The rows of one loop that take part.
+struct Rows {
+  int first, last;
+  int count() const { return last - first; }
+};
+Rows rows_of(const LoopLayout& layout, int loop) { return {layout.first_of[at(loop)], layout.first_of[at(loop) + 1]}; }
+
+// The unit wrenches of the rows on the bodies that their loops join.
+void put_unit_wrenches(const Tree& tree, Workspace<double>& workspace, const LoopLayout& layout) {
+  LoopWorkspace& loops = *workspace.loops;
+  for (const LoopStop& stop : tree.loop_stops()) {
+    const LoopLink& link = tree.loop_links()[at(stop.loop)];
+    if (link.ends.coupling >= 0) {
+      LoopColumn& column = loops.columns[at(stop.first_column)];
+      column.K = {};
+      column.effort = (stop.body == link.ends.joint ? 1.0 : 0.0) -
+                      (stop.body == link.ends.follows ? loops.rows[at(link.first_row)].slope : 0.0);
+      continue;
+    }
+    const Loop& loop = tree.loops()[at(stop.loop)];
+    const LoopPlace& place = loops.places[at(stop.loop)];
+    const Rows rows = rows_of(layout, stop.loop);
+    LoopColumn* column = loops.columns.data() + stop.first_column;
+    if (stop.body == loop.body || stop.body == loop.to) {
+      const Kinematics<double>& body = workspace.bodies[at(stop.body)];
+      const double sign = stop.body == loop.body ? 1 : -1;
+      for (int r = rows.first; r < rows.last; ++r, ++column) {
+        const LoopRow& row = loops.rows[at(layout.rows[at(r)])];
+        column->K = sign * on_body(body, row.F, row.T, place.xb);
+      }
+    } else {
+      for (int r = rows.first; r < rows.last; ++r, ++column) column->K = {};
+    }
+  }
+}
+
+// At one body: k and y of its columns, their part of b, and K handed on to the parent.
+template <class K>
+void reduce_columns(const Tree& tree, const double* q, Workspace<double>& workspace, const LoopLayout& layout, std::size_t first,
+                    std::size_t end, const Motion<double>& base) {
+  LoopWorkspace& loops = *workspace.loops;
+  const auto stops = tree.loop_stops();
+  const int b = stops[first].body;
+  const LinkConstants& link = tree.link(b);
+  const JointState<double> joint = joint_state(tree, q, workspace, b);
+  [[maybe_unused]] const auto& record = workspace.record<K>(tree, b);
+  [[maybe_unused]] double u0[6] = {};
+  [[maybe_unused]] const auto E = K::template columns<double>(link, joint);
+  if constexpr (!K::rigid) read_base_velocity<K>(record, u0);
+  const Motion<double>& bias = workspace.biases[at(b)].acceleration;
+  const auto each_column = [&](const auto& move_inboard) MOMENTREE_INLINE_LAMBDA {
+    for (std::size_t s = first; s < end; ++s) {
+      const LoopStop& stop = stops[s];
+      const Rows rows = rows_of(layout, stop.loop);
+      LoopColumn* column = loops.columns.data() + stop.first_column;
+      LoopColumn* inboard = stop.inboard >= 0 ? loops.columns.data() + stops[at(stop.inboard)].first_column : nullptr;
+      for (int r = rows.first; r < rows.last; ++r, ++column) {
+        double& free = loops.b[at(layout.rows[at(r)])];
+        Force<double> W = column->K;
+        if constexpr (!K::rigid) {
+          double effort[6] = {column->effort};
+          for (std::size_t d = 0; d < E.size(); ++d) {
+            const double along = dot(E[d], W) + effort[d];
+            column->k[d] = (link.locked >> d & 1u) == 0 ? along : 0.0;
+            free += column->k[d] * u0[d];
+            if ((link.driven >> d & 1u) != 0) free += along * u0[d];
+          }
+          effort[0] = (link.locked & 1u) == 0 ? -column->effort : 0.0;
+          K::template reduce_wrench<double>(link, joint, record, effort, W, column->y);
+          for (std::size_t d = 0; d < E.size(); ++d) column->y[d] = -column->y[d];
+          column->K = W;
+          free += dot(bias, W);
+          move_inboard(W);
+        }
+        if (inboard != nullptr)
+          (inboard++)->K += W;
+        else
+          free += dot(base, W);
+      }
+    }
+  };
+  if constexpr (K::rigid)
+    each_column([](Force<double>&) {});
+  else
+    wrenches_inboard<K>(link, joint, record, tree.node_flags()[at(tree.place(b))], each_column);
+}
+
+// A += kᵀ y of the columns at one body.
+template <int NV>
+void add_products(LoopWorkspace& loops, std::span<const LoopStop> at_body, const LoopLayout& layout) {
+  for (std::size_t s = 0; s < at_body.size(); ++s) {
+    const Rows rows = rows_of(layout, at_body[s].loop);
+    for (std::size_t t = 0; t <= s; ++t) {
+      const Rows others = rows_of(layout, at_body[t].loop);
+      const LoopColumn* one = loops.columns.data() + at_body[s].first_column;
+      for (int i = rows.first; i < rows.last; ++i, ++one) {
+        double* const A = loops.A.data() + layout.position[at(i)];
+        const LoopColumn* two = loops.columns.data() + at_body[t].first_column;
+        for (int j = others.first; j < std::min(others.last, i + 1); ++j, ++two) {
+          double sum = 0;
+          for (int d = 0; d < NV; ++d) sum += one->k[d] * two->y[d];
+          A[j] += sum;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 
 namespace detail {
@@ -53,162 +165,76 @@ namespace detail {
 void gather_loops(const Tree& tree, const double* q, Workspace<double>& workspace, const Motion<double>& base,
                   bool all) noexcept {
   LoopWorkspace& loops = *workspace.loops;
+  const LoopLayout& layout = all ? loops.all : loops.kept;
   const auto stops = tree.loop_stops();
-  const auto links = tree.loop_links();
-  const std::size_t m = loops.rows.size();
-  if (all) {
-    loops.chosen.clear();
-    for (std::size_t i = 0; i < m; ++i) loops.chosen.push_back(static_cast<int>(i));
-  }
-  std::fill(loops.position.begin(), loops.position.end(), -1);
-  for (std::size_t i = 0; i < loops.chosen.size(); ++i) loops.position[at(loops.chosen[i])] = static_cast<int>(i);
-  const auto used = [&](int row) { return loops.position[at(row)] >= 0; };
-  std::fill(loops.A.begin(), loops.A.end(), 0.0);
-  std::fill(loops.b.begin(), loops.b.end(), 0.0);
-
-  for (const LoopStop& stop : stops) {  // the ends' own wrenches
-    const Loop& loop = tree.loops()[at(stop.loop)];
-    const LoopLink& link = links[at(stop.loop)];
-    const LoopPlace& place = loops.places[at(stop.loop)];
-    for (int i = 0; i < link.rows; ++i) {
-      const LoopRow& row = loops.rows[at(link.first_row + i)];
-      Force<double>& K = loops.columns[at(stop.first_column + i)].K;
-      K = {};
-      if (stop.body == loop.body) K += on_body(workspace.bodies[at(stop.body)], row.F, row.T, place.xb);
-      if (stop.body == loop.to) K = K - on_body(workspace.bodies[at(stop.body)], row.F, row.T, place.xb);
-    }
-  }
+  loops.whole = all;
+  std::fill_n(loops.A.begin(), layout.elements, 0.0);
+  std::fill_n(loops.b.begin(), loops.rows.size(), 0.0);
+  put_unit_wrenches(tree, workspace, layout);
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {  // the ground's ends
     if (tree.loops()[i].to >= 0) continue;
-    for (int k = 0; k < links[i].rows; ++k) {
-      const auto row = at(links[i].first_row + k);
+    const Rows rows = rows_of(layout, static_cast<int>(i));
+    for (int r = rows.first; r < rows.last; ++r) {
+      const auto row = at(layout.rows[at(r)]);
       loops.b[row] -= dot(loops.rows[row].F, base.v);
     }
   }
-
   each_body_inward(stops, [&](std::size_t first, std::size_t end) {
-    const int b = stops[first].body, nv = info(tree.kind(b)).nv;
-    const LinkConstants& link = tree.link(b);
-    const JointState<double> joint = joint_state(tree, q, workspace, b);
-    const unsigned flags = tree.node_flags()[at(tree.place(b))];
+    const int b = stops[first].body;
     dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
-      const auto& record = workspace.record<K>(tree, b);
-      double u0[6] = {};
-      const auto E = K::template columns<double>(link, joint);
-      if constexpr (!K::rigid) read_base_velocity<K>(record, u0);
-      const Motion<double>& bias = workspace.biases[at(b)].acceleration;
-      for (std::size_t s = first; s < end; ++s) {
-        const LoopStop& stop = stops[s];
-        const LoopLink& loop = links[at(stop.loop)];
-        for (int i = 0; i < loop.rows; ++i) {
-          const int row = loop.first_row + i;
-          if (!used(row)) continue;
-          LoopColumn& column = loops.columns[at(stop.first_column + i)];
-          double& free = loops.b[at(row)];
-          Force<double> W = column.K;
-          if constexpr (!K::rigid) {
-            constexpr double none[6] = {};
-            for (std::size_t d = 0; d < E.size(); ++d) {
-              column.k[d] = (link.locked >> d & 1u) == 0 ? dot(E[d], W) : 0.0;
-              free += column.k[d] * u0[d];
-              if ((link.driven >> d & 1u) != 0) free += dot(E[d], W) * u0[d];
-            }
-            K::template reduce_wrench<double>(link, joint, record, none, W, column.y);
-            for (std::size_t d = 0; d < E.size(); ++d) column.y[d] = -column.y[d];
-            column.K = W;
-            free += dot(bias, W);
-            wrench_inboard<K>(link, joint, record, flags, W);
-          }
-          if (stop.inboard >= 0)
-            loops.columns[at(stops[at(stop.inboard)].first_column + i)].K += W;
-          else
-            free += dot(base, W);
-        }
-      }
+      reduce_columns<K>(tree, q, workspace, layout, first, end, base);
+      if constexpr (dofs_of < K >> 0) add_products<dofs_of<K>>(loops, stops.subspan(first, end - first), layout);
     });
-    for (std::size_t s = first; s < end && nv > 0; ++s)
-      for (std::size_t r = first; r <= s; ++r)
-        for (int i = 0; i < links[at(stops[s].loop)].rows; ++i) {
-          const int row = links[at(stops[s].loop)].first_row + i;
-          if (!used(row)) continue;
-          const LoopColumn& one = loops.columns[at(stops[s].first_column + i)];
-          for (int j = 0; j < links[at(stops[r].loop)].rows; ++j) {
-            const int other = links[at(stops[r].loop)].first_row + j;
-            if (!used(other) || other > row) continue;
-            const LoopColumn& two = loops.columns[at(stops[r].first_column + j)];
-            double sum = 0;
-            for (int d = 0; d < nv; ++d) sum += one.k[d] * two.y[d];
-            loops.A[at(row) * m + at(other)] += sum;
-          }
-        }
   });
 }
 
-// A diagonally pivoted Cholesky factorisation of the scaled matrix, which stops where what is left is negligible.
-void choose_rows(LoopWorkspace& loops, double tolerance) noexcept {
-  const std::size_t m = loops.rows.size();
-  double* const F = loops.factor.data();
-  std::vector<int>& order = loops.order;
-  for (std::size_t i = 0; i < m; ++i) order[i] = static_cast<int>(i);
-  for (std::size_t i = 0; i < m; ++i)
-    for (std::size_t j = 0; j <= i; ++j) F[i * m + j] = loops.A[i * m + j] / std::sqrt(loops.rows[i].scale * loops.rows[j].scale);
-  const auto element = [&](std::size_t i, std::size_t j) -> double& {  // of the remaining matrix, by original numbers
-    const auto a = at(order[i]), b = at(order[j]);
-    return a >= b ? F[a * m + b] : F[b * m + a];
-  };
-  loops.chosen.clear();
-  for (std::size_t k = 0; k < m; ++k) {
-    std::size_t best = k;
-    for (std::size_t i = k + 1; i < m; ++i)
-      if (element(i, i) > element(best, best)) best = i;
-    const double pivot = element(best, best);
-    if (!(pivot > tolerance)) break;
-    std::swap(order[k], order[best]);
-    loops.chosen.push_back(order[k]);
-    for (std::size_t i = k + 1; i < m; ++i) {
-      const double f = element(i, k) / pivot;
-      if (f == 0) continue;
-      for (std::size_t j = k + 1; j <= i; ++j) element(i, j) -= f * element(j, k);
-    }
-  }
-  std::sort(loops.chosen.begin(), loops.chosen.end());
-  loops.rank = static_cast<int>(loops.chosen.size());
-}
-
+// Between states a mechanism may pass a singular position, where the multiplier of a row that is independent at the start of the
+// step would grow beyond all bounds: there the row is left out, by an infinite element on the diagonal.
 void factorise_loops(LoopWorkspace& loops) noexcept {
-  const std::size_t n = loops.chosen.size(), m = loops.rows.size();
+  constexpr double small = 1e-6, share = 0.1;  // of the row's scale, and of its pivot where rows were chosen
+  const LoopLayout& kept = loops.kept;
   double* const L = loops.factor.data();
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j <= i; ++j) {
-      double s = loops.A[at(loops.chosen[i]) * m + at(loops.chosen[j])];
-      for (std::size_t k = 0; k < j; ++k) s -= L[i * n + k] * L[j * n + k];
-      L[i * n + j] = i == j ? std::sqrt(s) : s / L[j * n + j];
+  const auto n = static_cast<std::ptrdiff_t>(kept.rows.size());
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    double* const own = L + kept.position[row];
+    const double* const A = loops.A.data() + kept.position[row];
+    const std::ptrdiff_t from = kept.begin[row];
+    for (std::ptrdiff_t j = from; j <= i; ++j) {
+      const auto column = static_cast<std::size_t>(j);
+      const double* const other = L + kept.position[column];
+      double s = loops.whole ? loops.all.element(loops.A, at(kept.rows[row]), at(kept.rows[column])) : A[j];
+      for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(from, kept.begin[column]); k < j; ++k) s -= own[k] * other[k];
+      own[j] = j < i ? s / other[j] : s;
     }
+    double& least = loops.least_pivots[row];
+    if (loops.whole) least = std::min(small * loops.rows[at(kept.rows[row])].scale, share * own[i]);
+    own[i] = own[i] > least ? std::sqrt(own[i]) : HUGE_VAL;
+  }
 }
 
 void apply_multipliers(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept {
   LoopWorkspace& loops = *workspace.loops;
+  const LoopLayout& layout = loops.whole ? loops.all : loops.kept;
   const auto stops = tree.loop_stops();
   each_body_inward(stops, [&](std::size_t first, std::size_t end) {
     const int b = stops[first].body;
-    Force<double> reduced{};
-    double du[6] = {};
-    const int nv = info(tree.kind(b)).nv;
-    for (std::size_t s = first; s < end; ++s) {
-      const LoopLink& link = tree.loop_links()[at(stops[s].loop)];
-      for (int i = 0; i < link.rows; ++i) {
-        const double lambda = loops.lambda[at(link.first_row + i)];
-        if (lambda == 0) continue;
-        const LoopColumn& column = loops.columns[at(stops[s].first_column + i)];
-        reduced += lambda * column.K;
-        for (int d = 0; d < nv; ++d) du[d] += lambda * column.y[d];
-      }
-    }
-    Force<double>& W = workspace.reduced_bias_wrenches[at(b)];
-    W = W - reduced;
     dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
+      Force<double> reduced{};
+      double du[6] = {};
+      for (std::size_t s = first; s < end; ++s) {
+        const Rows rows = rows_of(layout, stops[s].loop);
+        const LoopColumn* column = loops.columns.data() + stops[s].first_column;
+        for (int r = rows.first; r < rows.last; ++r, ++column) {
+          const double lambda = loops.lambda[at(layout.rows[at(r)])];
+          reduced += lambda * column->K;
+          for (int d = 0; d < dofs_of<K>; ++d) du[d] += lambda * column->y[d];
+        }
+      }
+      Force<double>& W = workspace.reduced_bias_wrenches[at(b)];
+      W = W - reduced;
       if constexpr (!K::rigid)
         add_base_velocity(workspace.record<K>(tree, b), du,
                           K::template columns<double>(tree.link(b), joint_state(tree, q, workspace, b)));
@@ -223,8 +249,9 @@ void LoopCorrection::evaluate(const double* q, const double* u, double tolerance
   reduce_accelerations<double, true>(tree, q, workspace);
   place_loops(tree, q, workspace, true);
   gather_loops(tree, q, workspace, {}, true);
+  soften(*workspace.loops);
   scale_rows(tree, workspace);
-  choose_rows(*workspace.loops, tolerance > 0 ? tolerance : rank_tolerance);
+  choose_rows(tree, *workspace.loops, tolerance > 0 ? tolerance : rank_tolerance);
   factorise_loops(*workspace.loops);
 }
 
@@ -240,14 +267,17 @@ void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace
   LoopWorkspace& loops = *workspace.loops;  // placed with the forces
   const bool choose = rows == LoopRows::choose || loops.rank < 0;
   detail::gather_loops(tree, q, workspace, base, choose);
+  if (tree.loop_armatures() > 0) detail::soften(loops);
   if (choose) {
     detail::scale_rows(tree, workspace);
-    detail::choose_rows(loops, rank_tolerance);
+    detail::choose_rows(tree, loops, rank_tolerance);
   }
   detail::factorise_loops(loops);
-  detail::solve_chosen(loops, [&](std::size_t row) { return -loops.b[row] - (velocities ? 0.0 : loops.rows[row].drift); });
+  detail::solve_chosen(
+      loops, [&](std::size_t row) { return -loops.b[row] + (velocities ? loops.rows[row].jump_to : -loops.rows[row].drift); });
   detail::apply_multipliers(tree, q, workspace);
   loops.impulsive = velocities;
+  loops.struck = -1;
   loops.least = false;
 }
 
@@ -255,6 +285,7 @@ void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& work
   for (const int b : tree.order()) workspace.biases[at(b)] = {};
   std::copy_n(u, tree.nv(), workspace.a.get());
   reduce_accelerations<double, true>(tree, q, workspace);
+  for (LoopRow& row : workspace.loops->rows) row.jump_to = 0;
   solve_loops(tree, q, workspace, {}, LoopRows::choose, true);
   resolve_accelerations<double, true>(tree, q, workspace, {});
   std::copy_n(workspace.a.get(), tree.nv(), u);
@@ -263,7 +294,7 @@ void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& work
 void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace<double>& to) noexcept {
   if (!tree.has_loops()) return;
   LoopWorkspace& loops = detail::loop_memory(tree, to);
-  loops.chosen = from.loops->chosen, loops.turns = from.loops->turns;
+  loops.kept = from.loops->kept, loops.least_pivots = from.loops->least_pivots, loops.turns = from.loops->turns;
   loops.rank = from.loops->rank;
 }
 

@@ -9,48 +9,83 @@ namespace momentree {
 /// A force F and torque T at the point x, world axes, as a wrench on a body in its kernel frame.
 Force<double> on_body(const Kinematics<double>& body, const Vec3& F, const Vec3& T, const Vec3& x) noexcept;
 
+/// Axes of the joint's own child-side frame in the world; locks may turn that of the rows about its origin.
+Mat3 loop_child_axes(const LoopPlace& place, const LoopLink& link) noexcept;
+/// The joint's motion: the pose of its own child-side frame in its own parent-side frame.
+Pose loop_pose(const LoopPlace& place, const LoopLink& link) noexcept;
+
+/// The velocity of one DoF of a loop joint as a row; its residual is the coordinate, if the DoF has one.
+LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept;
+
 /// The wrench of springs, dampers, friction, efforts and drives of a loop joint on its child, in the joint's child-side frame,
 /// and their effort along the DoFs; adds their power. At the places and velocities of the workspace.
 Force<double> loop_joint_wrench(const Tree& tree, double t, const Workspace<double>& workspace, int place, double* effort,
                                 Power* power = nullptr) noexcept;
 
+/// The force along a locked DoF of a loop joint that holds it, as a stop on which it rests: without springs and drives. `size`:
+/// of the forces of which it is the difference. Requires `accelerate`.
+double loop_holding_force(const Tree& tree, double t, const Workspace<double>& workspace, int place, int dof,
+                          double& size) noexcept;
+
 }  // namespace momentree
 
 namespace momentree::detail {
+
+/// q ← q + N(q) scale·δ.
+void displace(const Tree& tree, const double* delta, double scale, double* q) noexcept;
 
 /// Lays out the memory for the tree's present topology; forgets the chosen rows if that changed.
 LoopWorkspace& loop_memory(const Tree& tree, Workspace<double>& workspace);
 
 /// Poses of the bodies at the stops in workspace.bodies and, if `moving`, velocities from workspace.motions; then places and
-/// rows.
-void place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept;
+/// all rows, or the chosen ones alone.
+void place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving,
+                 LoopRows which = LoopRows::choose) noexcept;
 
-/// The scales of the rows, which choosing them needs.
+/// Sets prescribed motions of loop joints to time t (s); before place_loops.
+void set_loop_motions(const Tree& tree, double t, Workspace<double>& workspace) noexcept;
+/// Part of place_loops: the rows of single DoFs of a loop.
+void place_dof_rows(const Tree& tree, Workspace<double>& workspace, int place) noexcept;
+/// Adds to A, after gather_loops, what armatures do.
+void soften(LoopWorkspace& loops) noexcept;
+/// The armatures keep the velocities that carry_armatures stored, in an impact that follows; those of new loops have their
+/// present ones.
+void keep_armatures(const Tree& tree, Workspace<double>& workspace) noexcept;
+
+/// The rows of couplings, part of place_loops.
+void place_couplings(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept;
+
+/// The scales of the rows, which choosing them needs; after gather_loops with all rows.
 void scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept;
 
-/// Gathers A and b of the chosen rows from the records. With `all` of all rows.
+/// Gathers A and b of the chosen rows, or of all rows, from the records. Requires place_loops.
 void gather_loops(const Tree& tree, const double* q, Workspace<double>& workspace, const Motion<double>& base, bool all) noexcept;
 
-/// Chooses independent rows from A of all rows, by a pivoted factorisation that stops at pivots below `tolerance` (relative to
-/// the rows' scales).
-void choose_rows(LoopWorkspace& loops, double tolerance) noexcept;
+/// Chooses independent rows from A of all rows: those whose pivots are above `tolerance`, relative to the rows' scales.
+void choose_rows(const Tree& tree, LoopWorkspace& loops, double tolerance) noexcept;
+/// Where the elements of A are for some of the rows, given in ascending order.
+void lay_out(const Tree& tree, const std::vector<int>& rows, LoopLayout& layout);
 /// Cholesky factor of the chosen rows of A; solves A λ = right for them, in lambda.
 void factorise_loops(LoopWorkspace& loops) noexcept;
 template <class Right>
 void solve_chosen(LoopWorkspace& loops, Right right) noexcept {
-  const std::size_t n = loops.chosen.size();
+  const LoopLayout& kept = loops.kept;
+  const auto n = static_cast<std::ptrdiff_t>(kept.rows.size());
   std::fill(loops.lambda.begin(), loops.lambda.end(), 0.0);
   double* const x = loops.b.data() + loops.rows.size();  // scratch behind b
-  for (std::size_t i = 0; i < n; ++i) {
-    double s = right(static_cast<std::size_t>(loops.chosen[i]));
-    for (std::size_t j = 0; j < i; ++j) s -= loops.factor[i * n + j] * x[j];
-    x[i] = s / loops.factor[i * n + i];
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const auto here = static_cast<std::size_t>(i);
+    const double* const L = loops.factor.data() + kept.position[here];
+    double s = right(static_cast<std::size_t>(kept.rows[here]));
+    for (std::ptrdiff_t j = kept.begin[here]; j < i; ++j) s -= L[j] * x[j];
+    x[i] = s / L[i];
   }
-  for (std::size_t i = n; i-- > 0;) {
-    double s = x[i];
-    for (std::size_t j = i + 1; j < n; ++j) s -= loops.factor[j * n + i] * x[j];
-    x[i] = s / loops.factor[i * n + i];
-    loops.lambda[static_cast<std::size_t>(loops.chosen[i])] = x[i];
+  for (std::ptrdiff_t i = n; i-- > 0;) {
+    const auto here = static_cast<std::size_t>(i);
+    const double* const L = loops.factor.data() + kept.position[here];
+    x[i] /= L[i];
+    for (std::ptrdiff_t j = kept.begin[here]; j < i; ++j) x[j] -= L[j] * x[i];
+    loops.lambda[static_cast<std::size_t>(kept.rows[here])] = x[i];
   }
 }
 /// Adds the multipliers' part to u0 and to the reduced bias wrenches of the bodies at the stops.

@@ -1,8 +1,11 @@
 #pragma once
 // Memory of the loops' rows, part of a Workspace.
+#include <algorithm>
 #include <vector>
 
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
+#include <momentree/math/signal.hpp>
 
 namespace momentree {
 
@@ -17,36 +20,107 @@ struct LoopPlace {
   double size = 0;  ///< for tolerances: distance of the loop's bodies from the world's origin, and their extent (m)
 };
 
-/// One row in the world: φ̇ = F·(v of x_b less that of the parent there) + T·(relative angular velocity).
+/// One row in the world: φ̇ = F·(v of x_b less that of the parent there) + T·(relative angular velocity); of a coupling
+/// φ̇ = u(joint) − slope·u(follows), and F and T are zero.
 struct LoopRow {
   Vec3 F, T;
+  double slope = 0;     ///< f′ of a coupling
   double residual = 0;  ///< φ
   double velocity = 0;  ///< J u
   double drift = 0;     ///< J̇ u
+  Vec3 rate;            ///< dT/dt, of an inertial observer; not of armatures and motions, whose columns may turn in the child
   double scale = 1;     ///< bound of the row's element of A
+  double softness = 0;  ///< the inverse of an armature, added to the row's element of A
+  double jump_to = 0;   ///< J u after an impact, less what `velocity` leaves out
 };
 
-/// One row at one stop: the unit wrench K on the body, first articulated, then reduced; k = Eᵀ K and y = Mj⁻¹ k.
+/// The velocity of a loop joint's DoF before a change.
+struct ArmatureSpeed {
+  int loop, dof;  ///< the loop by its number
+  double speed;
+};
+
+/// One row at one stop: the unit wrench K on the body, first articulated, then reduced; k = Eᵀ K + effort and y = Mj⁻¹ k.
 struct LoopColumn {
   Force<double> K;
+  double effort = 0;  ///< of a coupling's row on the joint of the body
   double k[6], y[6];
 };
 
+/// Rows of the system A, in the order of the loops, and where its elements are stored. Two loops without a common stop have none:
+/// of each row the elements from that of the first loop with which its own is coupled up to the diagonal are kept.
+struct LoopLayout {
+  std::vector<int> rows;                 ///< their numbers, ascending
+  std::vector<int> first_of;             ///< by loop, and one more: its first row here
+  std::vector<int> begin;                ///< by row here: the first one whose element is stored
+  std::vector<std::ptrdiff_t> position;  ///< by row here: element (i, j) is at position[i] + j
+  std::size_t elements = 0;
+
+  double element(const std::vector<double>& A, std::size_t i, std::size_t j) const {
+    if (i < j) std::swap(i, j);
+    return static_cast<int>(j) < begin[i] ? 0 : A[static_cast<std::size_t>(position[i] + static_cast<std::ptrdiff_t>(j))];
+  }
+};
+
+/// Scratch of the choice of rows: a factorisation that takes rows in any order. The factor's row k has the elements from begin[k]
+/// to the diagonal, the first one at F[start[k]].
+struct RowChoice {
+  std::vector<int> taken, begin, postponed;
+  std::vector<int> taken_before;  ///< by loop: how many rows were taken when its own came first
+  std::vector<std::size_t> start;
+  std::vector<double> F, trial, remainder, scale;
+
+  /// `elements`: of the layout of all rows. Rows that are taken late have longer rows of the factor.
+  void reserve(std::size_t loops, std::size_t rows, std::size_t elements) {
+    taken.reserve(rows), begin.reserve(rows), postponed.reserve(rows), start.reserve(rows), taken_before.resize(loops);
+    F.reserve(std::min(rows * (rows + 1) / 2, 2 * elements + 64 * rows));
+    trial.resize(6 * rows), remainder.resize(6), scale.resize(rows);
+  }
+};
+
+/// Scratch of find_least_reactions. It grows where fewer rows are independent than before.
+struct LoopReactions {
+  /// A wrench in world axes, about the world's origin or about a point.
+  struct WorldWrench {
+    Vec3 F{}, T{};
+  };
+  struct Carried {  ///< a joint, of a body or of a loop, and its wrench about its own point
+    int body, loop;
+    Vec3 at;
+    WorldWrench now;
+  };
+  std::vector<double> null;          ///< multipliers without effect, one after the other
+  std::vector<double> lambda, G, c;  ///< multipliers at first; the system of the least reactions
+  std::vector<WorldWrench> by_body, by_loop, by_null;
+  std::vector<Carried> joints;
+};
+
 struct LoopWorkspace {
-  std::uint64_t topology = 0;       ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
-  std::vector<LoopPlace> places;    ///< by loop
-  std::vector<double> turns;        ///< by loop: the angle to which its own is nearest
-  std::vector<LoopRow> rows;        ///< by row
-  std::vector<LoopColumn> columns;  ///< by stop and row
-  std::vector<int> chosen;          ///< the chosen rows; all of them while rows are being chosen
-  std::vector<int> position;        ///< by row: its place among the chosen ones, −1 if it is not
-  std::vector<double> A, factor;    ///< of all rows, row-major; Cholesky factor of the chosen ones
-  std::vector<double> b, lambda;    ///< by row
-  std::vector<int> order;           ///< scratch of the pivoted factorisation
+  std::uint64_t topology = 0;          ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
+  std::vector<LoopPlace> places;       ///< by loop
+  std::vector<double> turns;           ///< by loop: the angle to which its own is nearest
+  std::vector<Curve::Point> motions;   ///< by loop: its prescribed motion at the time of the evaluation
+  std::vector<ArmatureSpeed> carried;  ///< of loop joints with armature, before an impact
+  std::vector<LoopRow> rows;           ///< by row
+  std::vector<LoopColumn> columns;     ///< by stop and row
+  LoopLayout all, kept;                ///< of all rows, and of the chosen ones
+  bool whole = false;                  ///< A is that of all rows
+  std::vector<double> A, factor;       ///< of all or of the chosen rows; Cholesky factor of the chosen ones
+  std::vector<double> least_pivots;    ///< by chosen row: smaller ones are zero at stages
+  std::vector<double> b, lambda;       ///< by row; behind b as many for scratch
+  RowChoice choice;
+  LoopRows wanted{};                             ///< of the evaluation in momenta that is going on
+  std::vector<double> gauge;                     ///< by row: impulses that the last closing in momenta added to the momenta
+  std::vector<double> u;                         ///< velocities, scratch of that closing
+  std::vector<Force<double>> momenta, wrenches;  ///< by body, scratch of rates of momenta
   int rank = 0;
-  bool impulsive = false;                              ///< the multipliers are impulses
-  bool least = false;                                  ///< the multipliers are those of the least reactions
-  std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by loop: 1 if the loops leave the joint's reaction open
+  int struck = -1;         ///< the loop whose DoF a stop struck in the last change, −1: none
+  Force<double> strike{};  ///< and the stop's impulse on its child, world axes
+  bool impulsive = false;  ///< the multipliers are impulses
+  bool least = false;      ///< the multipliers are those of the least reactions
+  LoopReactions reactions;
+  std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by link: 1 if the loops leave the joint's reaction open
+  std::vector<double> sizes;                           ///< by coupling that acts: of its equation, for tolerances (rad or m)
 };
 
 }  // namespace momentree

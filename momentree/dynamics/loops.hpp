@@ -9,6 +9,9 @@
 // passes with momenta in the place of forces give the velocities after an impact, and with zeros the corrections of coordinates
 // and velocities.
 //
+// A coupling of joints is a row with an effort e instead of wrenches: 1 on the joint, −f′ on the joint that it follows. There
+// k = Eᵀ K + e; everything else is the same.
+//
 // Redundant rows are the rule: a planar four-bar of revolute joints has 5 rows of rank 2. Rows are chosen by a pivoted
 // factorisation at states, where the loops are closed, and kept for the stages of the step that follows: off the closed
 // configurations the rank of some linkages (Bennett, Bricard) is larger, and an honest solution there would stop them.
@@ -42,37 +45,68 @@ void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace
 /// Requires an evaluated state at q.
 void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& workspace, double* u) noexcept;
 
+/// The velocities u (nv numbers) that a unit impulse along one DoF of a loop joint causes; returns the change of the velocity of
+/// that DoF. Requires an evaluated state at q.
+double strike_loop(const Tree& tree, const double* q, Workspace<double>& workspace, int place, int dof, double* u) noexcept;
+/// Time derivative of the velocity of a DoF of a loop joint. The same requirement.
+double loop_acceleration(const Tree& tree, const double* q, const Workspace<double>& workspace, int place, int dof) noexcept;
+
+/// The rank of the loops' rows at q, without those of armatures.
+int independent_rows(const Tree& tree, double t, const double* q, Workspace<double>& workspace);
+
+/// The impulses of a coupling on its two joints in the last change (N s or N m s). Zero if that change was no impact.
+struct CouplingImpulse {
+  int coupling = -1;
+  double joint = 0, follows = 0;
+};
+CouplingImpulse coupling_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
+
 /// The impulse through a loop joint on its declared child (N s, N m s) in the last change: about the origin `at` of the joint's
 /// child-side frame, world axes. Zero if that change was no impact.
 struct LoopImpulse {
   Vec3 force{}, torque{}, at{};
+  double motion = 0, motion_rate = 0;  ///< of a prescribed motion along its DoF (N s, N m s), and its rate
 };
 LoopImpulse loop_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 
 /// The chosen rows, for evaluations in another workspace. Does nothing without loops.
 void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace<double>& to) noexcept;
 
-/// Closes the loops after a step: corrects coordinates and velocities, in place, by the least change in the metric of the mass
-/// matrix. Returns false if the loops cannot be closed from there. `energy`: what the correction added (J). The workspace then
-/// belongs to no state, and its chosen rows are those of the corrected coordinates.
-[[nodiscard]] bool close_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace, double& energy) noexcept;
+/// Closes the loops after a step that ended at t (s): corrects coordinates and velocities, in place, by the least change in the
+/// metric of the mass matrix. Returns false if the loops cannot be closed from there. `energy`: what the correction added (J).
+/// The workspace then belongs to no state, and its chosen rows are those of the corrected coordinates.
+[[nodiscard]] bool close_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace,
+                               double& energy) noexcept;
 
 /// Evaluates the state first if needed.
 LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
 /// Closes the loops at the start, from coordinates that may be far off: like close_loops, by damped steps. Writes the residual of
-/// each loop; returns false if one cannot be closed.
-[[nodiscard]] bool assemble_loops(const Tree& tree, double* q, double* u, Workspace<double>& workspace,
+/// each link of Tree::loop_links(); returns false if one cannot be closed.
+[[nodiscard]] bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace,
                                   double* residuals) noexcept;
-/// The residual of each loop at coordinates q and velocities u.
-void loop_residuals(const Tree& tree, const double* q, const double* u, Workspace<double>& workspace, double* residuals) noexcept;
+/// The residual of each link at coordinates q and velocities u.
+void loop_residuals(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
+                    double* residuals) noexcept;
 
 /// Coordinates and velocities of a loop joint (by its place in tree.loops()), which follow from the poses and velocities of its
 /// bodies. Its angle is the one nearest to that at the end of the last step. Requires an evaluated state.
 void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept;
 
-/// Potential energy of a loop joint's spring and soft stops (J). The same requirement.
+/// Potential energy of a loop joint's spring and soft stops (J), and kinetic energy of its armatures. The same requirement.
 [[nodiscard]] double loop_energy(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
+[[nodiscard]] double loop_armature_energy(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
+
+/// Before a change: remembers the velocities of loop joints with armature.
+void carry_armatures(const Tree& tree, Workspace<double>& workspace) noexcept;
+
+/// The prescribed motion of a loop joint; zeros without one.
+struct LoopMotion {
+  double effort = 0;    ///< that the motion needs beyond springs, dampers and the armature (N m, N); after an impact its impulse
+  double rate = 0;      ///< m/s, rad/s
+  double inertial = 0;  ///< effort that accelerates the armature (N m, N)
+};
+LoopMotion loop_motion(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 
 /// The wrench of a loop joint on its declared child, in the child's kernel frame: of the constraint alone, and with springs,
 /// dampers and drives, whose effort along the DoFs is `effort`. Requires an evaluated state at that time (s).
@@ -82,14 +116,21 @@ struct LoopReaction {
 };
 LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& workspace, int place) noexcept;
 
+/// The effort of the couplings on the joint that a body carries, from the last multipliers (N m or N, or their impulses).
+[[nodiscard]] double coupling_effort(const Tree& tree, const Workspace<double>& workspace, int body) noexcept;
+/// The place of a coupling in Tree::loop_links(); −1: it does not act.
+[[nodiscard]] int coupling_place(const Tree& tree, int coupling) noexcept;
+
 /// The largest relative velocity (m/s, rad/s) that the loops block, and whether a loop's joint is closed with its directions
 /// reversed, which its equations do not exclude. After an evaluation.
 double loop_velocities_open(const Tree& tree, const Workspace<double>& workspace) noexcept;
 bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 
-/// Where the loops leave reactions open, chooses the least ones; part of `accelerate`. Allocates if there are redundant rows.
+/// Where the loops leave reactions open, chooses the least ones; part of `accelerate`. Allocates at the first call
+/// and where there are more redundant rows than before.
 void find_least_reactions(const Tree& tree, Workspace<double>& workspace);
-/// False if the loops leave the reaction of a joint open: of a loop, by its place, or of the inboard joint of a body. Other
+/// False if the loops leave the reaction of a joint open: of a loop or a coupling, by its place in
+/// Tree::loop_links(), or of the inboard joint of a body. Other
 /// reactions then cause the same motion. Requires `accelerate`.
 bool loop_determined(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 bool joint_determined(const Tree& tree, const Workspace<double>& workspace, int body) noexcept;

@@ -20,7 +20,8 @@ bool stage_keeps(const Tree& tree) {
 
 // After sweep_velocities: all forces, as joint forces in workspace.a and wrenches in workspace.biases.
 template <bool Keep>
-void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
+void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace,
+                  LoopRows rows = LoopRows::kept) noexcept {
   double* const tau = workspace.a.get();
   workspace.power = joint_forces(tree, t, q, workspace, tau, workspace.passive.get());
   if constexpr (Keep) {
@@ -30,21 +31,11 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
       wrench = wrench - workspace.loads[static_cast<std::size_t>(b)];
     }
     if (tree.has_loops()) {
-      detail::place_loops(tree, q, workspace, true);
+      detail::set_loop_motions(tree, t, workspace);
+      detail::place_loops(tree, q, workspace, true, rows);
       add_loop_forces(tree, t, workspace);
     }
   }
-}
-
-void evaluate_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
-                      LoopRows rows) noexcept {
-  sweep_velocities<double, true>(tree, q, u, workspace);
-  apply_forces<true>(tree, t, q, workspace);
-  reduce_accelerations<double, true>(tree, q, workspace);
-  if (tree.has_loops()) solve_loops(tree, q, workspace, accelerating_ground(tree), rows);
-  resolve_accelerations<double, true>(tree, q, workspace, accelerating_ground(tree));
-  for (const int b : tree.driven_joints())
-    workspace.power.work += motion_effort(tree, q, workspace, b) * workspace.v[static_cast<std::size_t>(tree.first_p(b))];
 }
 
 // Calls f(b, its flags, tag of its joint's kernels) for all bodies, outboard before inboard.
@@ -59,9 +50,24 @@ void inward(const Tree& tree, F&& f) {
 
 }  // namespace
 
+void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
+                                 LoopRows rows) noexcept {
+  sweep_velocities<double, true>(tree, q, u, workspace);
+  apply_forces<true>(tree, t, q, workspace, rows);
+  reduce_accelerations<double, true>(tree, q, workspace);
+  if (tree.has_loops()) solve_loops(tree, q, workspace, accelerating_ground(tree), rows);
+  resolve_accelerations<double, true>(tree, q, workspace, accelerating_ground(tree));
+  for (const int b : tree.driven_joints())
+    workspace.power.work += motion_effort(tree, q, workspace, b) * workspace.v[static_cast<std::size_t>(tree.first_p(b))];
+  for (std::size_t i = 0; tree.loop_motions() > 0 && i < tree.loops().size(); ++i) {
+    const LoopMotion motion = loop_motion(tree, workspace, static_cast<int>(i));
+    workspace.power.work += (motion.effort + motion.inertial) * motion.rate;
+  }
+}
+
 void evaluate_velocity_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                              VelocityRatesFunction generated) noexcept {
-  if (stage_keeps(tree)) return evaluate_keeping(tree, t, q, u, workspace, LoopRows::kept);
+  if (stage_keeps(tree)) return evaluate_velocities_keeping(tree, t, q, u, workspace, LoopRows::kept);
   if (generated != nullptr) {
     workspace.evaluated = workspace.located = workspace.accelerated = {};
     std::copy_n(u, tree.nv(), workspace.v.get());
@@ -102,18 +108,19 @@ void sum_momenta(const Tree& tree, const double* q, Workspace<double>& workspace
 void evaluate_velocity_state(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
   const double* const q = state.q().data();
   if (tree.has_loops()) load_turns(tree, state, workspace);
-  evaluate_keeping(tree, state.time(), q, state.u().data(), workspace, LoopRows::choose);
+  evaluate_velocities_keeping(tree, state.time(), q, state.u().data(), workspace, LoopRows::choose);
   sum_momenta(tree, q, workspace, workspace.p.get());
   workspace.evaluated = workspace.accelerated = state.stamp();
 }
 
 // ṗ = τ + Eᵀ (Tb − Ω × Pb) + Ėᵀ Pb (20), where Tb is the weight of the bodies outboard and the forces on them.
 void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
+  if (tree.has_loops()) accelerate(tree, state, workspace);
   locate_bodies(tree, state, workspace);
   if (workspace.rated == state.stamp()) return;
   const UncheckedTree all(tree);
   const double* const q = state.q().data();
-  double* const pdot = workspace.pdot.get();
+  double* const pdot = (state.variables() == Variables::momenta ? workspace.p : workspace.pdot).get();
   Force<double>* const Tb = workspace.child_wrenches.get();
   joint_forces(tree, state.time(), q, workspace, pdot);
   for (const int b : all.order()) {
@@ -121,6 +128,15 @@ void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>
     Tb[b] = {all.link(b).body.m * g, cross(all.link(b).body.mc, g)};
   }
   for (const int b : tree.loaded_bodies()) Tb[b] += workspace.loads[static_cast<std::size_t>(b)];
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    const Force<double> W = as_force(loop_reaction(tree, state.time(), workspace, static_cast<int>(i)).total);
+    Tb[loop.body] += W;
+    if (loop.to < 0) continue;
+    const Kinematics<double>& child = workspace.bodies[static_cast<std::size_t>(loop.body)];
+    Tb[loop.to] =
+        Tb[loop.to] - on_body(workspace.bodies[static_cast<std::size_t>(loop.to)], child.R * W.l, child.R * W.h, child.r);
+  }
   inward(tree, [&](int b, unsigned flags, auto tag) {
     using K = typename decltype(tag)::type;
     const LinkConstants& link = all.link(b);
@@ -142,7 +158,8 @@ void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>
 
 // The passes of accelerations with other quantities in the same places: −M Ω for the bias wrenches, momenta of armatures for the
 // joint forces, no bias, a ground at rest.
-void project_velocities(const Tree& tree, const double* q, double* u, Workspace<double>& workspace) noexcept {
+void project_velocities(const Tree& tree, const double* q, double* u, Workspace<double>& workspace,
+                        std::optional<double> time) noexcept {
   sweep_velocities<double, true>(tree, q, u, workspace);  // for the joint transforms
   for (const int b : tree.order()) {
     const auto i = static_cast<std::size_t>(b);
@@ -158,7 +175,13 @@ void project_velocities(const Tree& tree, const double* q, double* u, Workspace<
   }
   reduce_accelerations<double, true>(tree, q, workspace);
   if (tree.has_loops()) {
+    LoopWorkspace& loops = detail::loop_memory(tree, workspace);
+    if (time) detail::set_loop_motions(tree, *time, workspace);
     detail::place_loops(tree, q, workspace, true);
+    if (time)
+      detail::keep_armatures(tree, workspace);
+    else
+      for (LoopRow& row : loops.rows) row.jump_to = 0;
     solve_loops(tree, q, workspace, {}, LoopRows::choose, true);
   }
   resolve_accelerations<double, true>(tree, q, workspace, {});

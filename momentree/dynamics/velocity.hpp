@@ -1,7 +1,10 @@
 #pragma once
 // Velocities as the state between events: (q, u) → (q̇, u̇) by an articulated-body pass in which nothing cancels, and the
 // velocities after a change, which every body's own momentum determines.
+#include <optional>
+
 #include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/loops.hpp>
 
 namespace momentree {
 
@@ -26,11 +29,16 @@ void resolve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace
 void evaluate_velocity_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                              VelocityRatesFunction generated = nullptr) noexcept;
 
+/// The same, and it keeps what readers of accelerations need. Loops with chosen, or with kept rows.
+void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
+                                 LoopRows rows) noexcept;
+
 /// The same for a state, whose stamp the workspace then carries as evaluated and accelerated. Also writes the articulated momenta
 /// Pb of all bodies and workspace.p.
 void evaluate_velocity_state(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
-/// ṗ of a state in velocities, to workspace.pdot; evaluates the state first if needed.
+/// ṗ of a state in velocities, to workspace.pdot; evaluates the state first if needed. With loops also of a state in momenta, to
+/// workspace.p, because its rates ṗ* in workspace.pdot are without the multipliers.
 void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
 /// The momenta p of velocities u, and of every body Pb in workspace.motions, whose velocities are those of u: one inward sum,
@@ -40,8 +48,10 @@ void sum_momenta(const Tree& tree, const double* q, Workspace<double>& workspace
 /// Velocities u (nv numbers, in place) after a change, at coordinates q: the joints transmit impulses, and every body keeps its
 /// own momentum up to these, so that no digits are lost in long chains. In: u of DoFs with armature, as before the change, and
 /// the rates of driven DoFs; workspace.carried, the momentum M Ω of every body before the change, in its present kernel frame.
-/// Overwrites everything else in the workspace.
-void project_velocities(const Tree& tree, const double* q, double* u, Workspace<double>& workspace) noexcept;
+/// Overwrites everything else in the workspace. Loop joints with a prescribed motion have its rate at `time` (s), and armatures
+/// the velocities that carry_armatures stored; without a time, u and carried are changes of velocities and momenta by an impulse.
+void project_velocities(const Tree& tree, const double* q, double* u, Workspace<double>& workspace,
+                        std::optional<double> time = {}) noexcept;
 
 extern template void sweep_velocities<double, false>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 extern template void sweep_velocities<double, true>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;

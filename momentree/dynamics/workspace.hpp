@@ -101,7 +101,7 @@ class Workspace : public WorkspaceStamps {
   using Array = detail::Untouched<T>;
   Array cos, sin;          ///< of the joint angles including θ0; for a plane mechanism in a stage, of the absolute body angles
   Array v, qdot, pdot, a;  ///< packed as p, q, p, p; a = v̇
-  Array p;                 ///< momenta of a state in velocities
+  Array p;                 ///< momenta of a state in velocities; with loops, ṗ of a state in momenta
   Array impulse;           ///< scratch of impacts, packed as p
   Array passive;           ///< by body: forces on its driven joint other than the motion's own effort
   Array records;

@@ -52,10 +52,11 @@ class Embedded : public Integrator {
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept final {
     begin(evaluate, state, h);
     stages(evaluate, state.time(), h);
-    if (!sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) || !close(evaluate, q_.get(), y_.get())) return false;
+    if (!sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) || !close(evaluate, state.time() + h, q_.get(), y_.get()))
+      return false;
     accept(evaluate, state, ledger, h);
     evaluate(state);
-    keep(Tableau::stages - 1, evaluate, q_.get());
+    keep_last(evaluate);
     return true;
   }
 
@@ -73,11 +74,12 @@ class Embedded : public Integrator {
       if (rejected && !(h > shortest * std::max(std::fabs(start), control_.step))) break;
       stages(evaluate, state.time(), h);
       double error = HUGE_VAL;
-      const bool fine = sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) && close(evaluate, q_.get(), y_.get());
+      const bool fine =
+          sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) && close(evaluate, state.time() + h, q_.get(), y_.get());
       if (fine) {
         accept(evaluate, state, ledger, h);
         evaluate(state);
-        keep(Tableau::stages - 1, evaluate, q_.get());
+        keep_last(evaluate);
         error = estimate(evaluate, ledger.work, h);
       }
       const double wanted = safety * std::pow(error, -1.0 / (Tableau::lower + 1));  // NaN if the error is NaN
@@ -116,7 +118,10 @@ class Embedded : public Integrator {
       combine(nv_, y0_.get(), weights.data(), static_cast<int>(weights.size()), last_, ky_.get(), nv_max_, y);
       normalise(evaluate.tree(), q);
       centres_.place(q);
-      return true;
+      if (!evaluate.tree().has_loops() || evaluate.variables() != Variables::momenta) return true;
+      double energy =
+          0;  // momenta are those of a state only where the loops are closed; in momenta, this does not depend on time
+      return evaluate.in(solver_).close(0, q, y, energy);
     } else {
       return false;
     }
@@ -140,6 +145,12 @@ class Embedded : public Integrator {
     centres_.add_spin(q, evaluated.workspace().v.get(), kq(stage));
     std::copy_n(evaluated.ydot(), nv_, ky(stage));
     if (stage < Tableau::stages) power_[stage] = evaluated.workspace().power;
+  }
+
+  // That at the new state. With loops in momenta its rates are those of the step's own p*.
+  void keep_last(const Evaluator& evaluate) noexcept {
+    keep(Tableau::stages - 1, evaluate, q_.get());
+    add_gauge(evaluate, q_.get(), ky(Tableau::stages - 1));
   }
 
   void begin(const Evaluator& evaluate, const State& state, double h) noexcept {
@@ -242,7 +253,7 @@ class Embedded : public Integrator {
         const auto k = static_cast<std::size_t>(i);
         measure(error_q_[k], q0_[k], q_[k], momenta ? h * noise_q_[k] : 0);
       }
-      if (!evaluate.tree().driven_joints().empty()) {
+      if (!evaluate.tree().driven_joints().empty() || evaluate.tree().loop_motions() > 0) {
         double off = 0, most = 0;
         for (int j = 0; j < Tableau::stages; ++j) {
           off += weights[j] * power_[j].work;

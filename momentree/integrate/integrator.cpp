@@ -6,6 +6,7 @@
 #include <momentree/dynamics/body_forces.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
+#include <momentree/dynamics/loop_momenta.hpp>
 #include <momentree/dynamics/loop_workspace.hpp>
 #include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
@@ -56,15 +57,19 @@ void Evaluator::operator()(const State& state) noexcept {
   forward_dynamics(*tree_, state, *workspace_);
 }
 
-bool Evaluator::close(double* q, double* u, double& energy) noexcept {
+bool Evaluator::close(double t, double* q, double* y, double& energy) noexcept {
   const Stopwatch watch(seconds);
-  return close_loops(*tree_, q, u, *workspace_, energy);
+  if (variables_ == Variables::momenta) return close_loops_in_momenta(*tree_, q, y, *workspace_, energy);
+  return close_loops(*tree_, t, q, y, *workspace_, energy);
 }
 
 void Evaluator::solve(const double* q, const double* p, Workspace<double>& other) noexcept {
   const Stopwatch watch(seconds);
   ++count;
-  evaluate_rates<double>(*tree_, q, p, other);
+  if (tree_->has_loops())
+    find_velocities_with_loops(*tree_, q, p, other);
+  else
+    evaluate_rates<double>(*tree_, q, p, other);
 }
 
 Integrator::Integrator(const Tree& tree, const StepControl& control)
@@ -172,11 +177,17 @@ bool Integrator::sound(const Tree& tree, const double* q0, const double* q, cons
   return false;
 }
 
-bool Integrator::close(Evaluator& evaluate, double* q, double* y) noexcept {
+bool Integrator::close(Evaluator& evaluate, double t, double* q, double* y) noexcept {
   if (!evaluate.tree().has_loops()) return true;
   runaway_.reset();
-  loops_open_ = !evaluate.close(q, y, closing_energy_);
+  loops_open_ = !evaluate.close(t, q, y, closing_energy_);
   return !loops_open_;
+}
+
+void Integrator::add_gauge(const Evaluator& evaluate, const double* q, double* rates) noexcept {
+  if (!evaluate.tree().has_loops() || evaluate.variables() != Variables::momenta) return;
+  Workspace<double>& workspace = evaluate.workspace();
+  add_gauge_rates(evaluate.tree(), q, workspace, workspace.loops->gauge.data(), rates);
 }
 
 void Integrator::book_closing(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept {

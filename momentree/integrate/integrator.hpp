@@ -40,9 +40,10 @@ class Evaluator {
     copy.variables_ = variables_;
     return copy;
   }
-  /// Closes the loops at (q, u): see close_loops.
-  [[nodiscard]] bool close(double* q, double* u, double& energy) noexcept;
-  /// Writes the velocities H⁻¹ p at q to other.v; the rates there are meaningless. Counts as an evaluation.
+  /// Closes the loops at (q, y) and time t (s): see close_loops and close_loops_in_momenta.
+  [[nodiscard]] bool close(double t, double* q, double* y, double& energy) noexcept;
+  /// Writes the velocities H⁻¹ p at q, with loops those that keep them closed, to other.v; the rates there are meaningless.
+  /// Counts as an evaluation.
   void solve(const double* q, const double* p, Workspace<double>& other) noexcept;
 
   long count = 0;
@@ -130,8 +131,11 @@ class Integrator {
   /// steps: after a hundred thousand steps of 10 µs it is off by about 1e-6 of one.
   static constexpr double sliver = 1e-4;
 
-  /// Completes a step with loops: closes them at the result (q, y), in the evaluator's workspace. False if they cannot be closed.
-  bool close(Evaluator& evaluate, double* q, double* y) noexcept;
+  /// Completes a step with loops: closes them at its end t (s), at the result (q, y), in the evaluator's workspace. False if
+  /// they cannot be closed.
+  bool close(Evaluator& evaluate, double t, double* q, double* y) noexcept;
+  /// Adds ṗ* − ṗ, which the closing made, to rates ṗ of the state that it led to: see add_gauge_rates.
+  static void add_gauge(const Evaluator& evaluate, const double* q, double* rates) noexcept;
   /// Books the closing with the step that was accepted.
   void book_closing(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept;
 

@@ -6,6 +6,9 @@
 
 #include <momentree/io/convert/convert.hpp>
 #include <momentree/io/coupling.hpp>
+#include <momentree/io/session.hpp>
+#include <momentree/io/state_document.hpp>
+#include <momentree/io/summary.hpp>
 #include <tests/bad_input.hpp>
 
 namespace momentree::io {
@@ -115,6 +118,80 @@ TEST_CASE("the Panda's second finger follows the first if the scenario requests 
   CHECK(same.multiplier == pair.multiplier);
 }
 
+TEST_CASE("an exact coupling holds at the start, in the run and in its documents, until a joint breaks") {
+  const std::string text = wheels +
+                           "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nmultiplier = -0.5\noffset = 0.25\n"
+                           "[[event]]\nat = 0.5\nbreak = \"m/b\"\n[integrate]\nuntil = 1\nstep = 0.01\n";
+  const ReadResult read = read_scenario_text(text, "s.toml");
+  REQUIRE_MESSAGE(read.scenario, said(read));
+  CHECK(read.scenario->couplings.empty());
+  REQUIRE(read.scenario->model.couplings().size() == 1);
+  Session session = load_text(text, "s.toml");
+  Simulation& sim = session.simulation();
+  const auto check = [&] {
+    CHECK(q(sim, 1) == doctest::Approx(0.25 - 0.5 * q(sim, 0)).epsilon(1e-13));
+    CHECK(sim.world().loop_status().rows == 1);
+    CHECK(sim.world().loop_status().rank == 1);
+  };
+  check();
+  REQUIRE(sim.run_until(0.3) == Status::ok);
+  check();
+  const auto reread = [&] {
+    const std::string document = state_json(sim.world(), {}, sim.step_memory());
+    Simulation again(read.scenario->model, read.scenario->integration);
+    const RestoredState state = read_state(document, "s.json", again.world().first_model());
+    restore(again, {state});
+    again.resume({}, state.memory);
+    CHECK(state_json(again.world(), {}, again.step_memory()) == document);
+    return document;
+  };
+  CHECK(reread().find("\"ended\": false") != std::string::npos);
+  REQUIRE(session.run() == Status::ok);
+  CHECK(sim.world().coupling({0}).ended);
+  CHECK(reread().find("\"ended\": true") != std::string::npos);
+  CHECK(event_json(sim.events().back()).find(R"("ended_couplings": [{"joint": "m/b", "follows": "m/a"}])") != std::string::npos);
+
+  const ReadResult again = read_scenario_text(to_toml(*read.scenario, ".").text, "s.toml");
+  REQUIRE_MESSAGE(again.scenario, said(again));
+  CHECK(again.scenario->model.couplings() == read.scenario->model.couplings());
+  CHECK(read_scenario_text(to_toml(read.scenario->model, {}), "s.toml").scenario->model.couplings() ==
+        read.scenario->model.couplings());
+}
+
+TEST_CASE("doubled and circular exact couplings are redundant, and held joints stay") {
+  const auto status = [](const std::string& couplings) {
+    const ReadResult read = read_scenario_text(wheels + couplings, "s.toml");
+    REQUIRE_MESSAGE(read.scenario, said(read));
+    const World world(read.scenario->model, Variables::velocities);
+    return std::pair(world.loop_status().rows, world.loop_status().rank);
+  };
+  const std::string one = "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nmultiplier = 2\n";
+  CHECK(status(one + one) == std::pair(2, 1));
+  CHECK(status(one + "[[coupling]]\njoint = \"m/a\"\nfollows = \"m/b\"\nmultiplier = 0.5\n") == std::pair(2, 1));
+  CHECK(status(one + "[[coupling]]\njoint = \"m/a\"\nfollows = \"m/b\"\n") == std::pair(2, 2));  // both stay at 0
+  CHECK(status(one + "[[coupling]]\njoint = \"m/a\"\noffset = \"20 deg\"\n") == std::pair(2, 2));
+  CHECK(status("[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\npolynomial = [0, 1, 0.5]\n") == std::pair(1, 1));
+}
+
+TEST_CASE("the Panda's second finger follows the first exactly if the scenario requests it") {
+  const ReadResult read = read_scenario(MOMENTREE_SOURCE_DIR "/scenarios/panda_lets_go.toml",
+                                        {"mechanism.panda.mimic=exact", "integrate.variables=velocities",
+                                         "mechanism.panda.state={ joints = { panda_finger_joint1 = 0.02 } }"});
+  REQUIRE_MESSAGE(read.scenario, said(read));
+  CHECK(said(read).find("should follow") == std::string::npos);
+  REQUIRE(read.scenario->model.couplings().size() == 1);
+  const Coupling pair = read.scenario->model.couplings()[0];
+  Simulation run(read.scenario->model, read.scenario->integration);
+  const Status status = run.run_until(0.2);
+  REQUIRE_MESSAGE(status == Status::ok, run.result().reason);
+  CHECK(q(run, pair.joint.index) == doctest::Approx(q(run, pair.follows.index)).epsilon(1e-12));
+  const ReadResult again = read_scenario_text(to_toml(*read.scenario, ".").text, "panda.toml");
+  REQUIRE_MESSAGE(again.scenario, said(again));
+  CHECK(again.scenario->model.couplings() == read.scenario->model.couplings());
+  const ReadResult wrong = read_scenario(MOMENTREE_SOURCE_DIR "/scenarios/panda_lets_go.toml", {"mechanism.panda.mimic=exactly"});
+  CHECK(said(wrong).find("mimic: expected") != std::string::npos);
+}
+
 TEST_CASE("couplings that form a cycle are refused at the first of them") {
   const std::string three = two.substr(0, two.rfind("roots")) + "roots = 3\n" + wheel("a", 1) + wheel("b", 1) + wheel("c", 1);
   const auto coupling = [](const char* joint, const char* leader) {
@@ -134,7 +211,21 @@ TEST_CASE("errors in a coupling are reported at its place") {
     CHECK_MESSAGE(words.find(message) != std::string::npos, words);
   };
   const std::string coupling = wheels + "[[coupling]]\n";
-  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\n", "[[coupling]] has no 'stiffness'");
+  refused(coupling + "joint = \"m/b\"\n", "[[coupling]] has no 'follows'");
+  refused(coupling + "joint = \"m/b\"\nstiffness = 1\n", "follows");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\ndamping = 1\n", "damping: belongs to the spring of a coupling");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\npolynomial = [1, 2, 3, 4, 5, 6]\n", "expected 1 to 5 numbers");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\npolynomial = [1, 2]\noffset = 1\n",
+          "give either these or the polynomial");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\npolynomial = [1, 2]\nstiffness = 1\n", "a spring follows by");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\n[integrate]\nvariables = \"momenta\"\n",
+          "exact couplings are integrated in velocities");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\n[integrate]\nmethod = \"damped\"\n", "can't integrate exact couplings");
+  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\n[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\noffset = 1\n",
+          "error: coupling of 'm/b' with 'm/a': it can't hold from these start values");
+  refused(
+      coupling + "joint = \"m/b\"\nfollows = \"m/a\"\n[[event]]\nat = 1\nchange = { joint = \"m/a\", kind = \"prismatic\" }\n",
+      "change: joint 'm/a' is coupled to another");
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\nstiffness = 0\n", "stiffness");
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/b\"\nstiffness = 1\n", "a joint cannot follow itself");
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/aa\"\nstiffness = 1\n", "there is no joint 'm/aa'; did you mean 'm/a'?");

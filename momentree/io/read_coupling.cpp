@@ -1,4 +1,5 @@
-// [[coupling]]: a joint that follows another through a spring; and `mimic` of a mechanism, which couples the joints of a model.
+// [[coupling]]: a joint that follows another, exactly or through a spring; and `mimic` of a mechanism, which couples the joints
+// of a model.
 #include <algorithm>
 #include <cmath>
 #include <string_view>
@@ -25,20 +26,21 @@ constexpr Key mimic_entries[] = {
 constexpr Key coupling_entries[] = {
     {"joint", string, "Full name of the joint that follows; it has one DoF", nullptr,
      "the joint that follows, for example \"hand/finger2\""},
-    {"follows", string, "Full name of the joint that leads; it has one DoF", nullptr,
-     "the joint that leads, for example \"hand/finger1\""},
-    {"multiplier", number(dimension::number), "The joint is pulled to multiplier·q + offset, where q is its leader's coordinate",
-     "1"},
+    {"follows", string, "Full name of the joint that leads; it has one DoF. Without it the joint is held at `offset`"},
+    {"multiplier", number(dimension::number), "The joint is at multiplier·q + offset, where q is its leader's coordinate", "1"},
     {"offset", number("rad or m"), "Offset", "0"},
-    {"stiffness", number("N m/rad or N/m of the joint", Range::positive), "Stiffness of the spring", nullptr, spring_hint},
-    {"damping", number("N m s/rad or N s/m of the joint", Range::not_negative), "Damping", "0"},
+    {"polynomial", other(R"({"type": "array", "items": {"type": "number"}, "minItems": 1, "maxItems": 5})"),
+     "a0 … a4: the joint is at a0 + a1·q + a2·q² + a3·q³ + a4·q⁴, in SI units; instead of multiplier and offset"},
+    {"stiffness", number("N m/rad or N/m of the joint", Range::positive),
+     "Stiffness of a spring by which the joint follows; without it, it follows exactly"},
+    {"damping", number("N m s/rad or N s/m of the joint", Range::not_negative), "Damping of the spring", "0"},
 };
 
 /// True for a joint with one DoF whose coordinate is a length.
 bool is_length(const JointSpec& joint) { return info(joint.kind).q_units[0] == 'm'; }
 
 /// The joint of a name, if it has one DoF and may be driven; else −1, with a report.
-JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
+JointId coupled_joint(const Value& value, const char* key, bool by_spring, Reading& reading) {
   Diagnostics& out = reading.out;
   const auto name = read_string(value, key, out);
   if (!name || reading.opaque.contains(mechanism_of(*name))) return {-1};
@@ -64,7 +66,7 @@ JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
               "couple revolute, prismatic and helical joints");
     return {-1};
   }
-  if (spec.parameters.drive && spec.parameters.drive->moves()) {
+  if (by_spring && spec.parameters.drive && spec.parameters.drive->moves()) {
     out.error(value.place, std::string(key) + ": the motion of joint " + in_quotes(*name) + " is prescribed",
               "drive it by position control: drive = { pd = { … } }");
     return {-1};
@@ -77,7 +79,7 @@ JointId coupled_joint(const Value& value, const char* key, Reading& reading) {
 constinit const KeyTable mimic_table{"mimic", "", "Spring that couples the joints that the model file declares as mimic",
                                      mimic_entries};
 constinit const KeyTable coupling_table{"[[coupling]]", "coupling",
-                                        "A spring between the coordinates of two joints, by which one follows the other",
+                                        "Makes a joint follow another, exactly or by a spring between their coordinates",
                                         coupling_entries};
 
 CouplingSpring read_coupling_spring(Fields& fields, bool along_axis) {
@@ -106,14 +108,83 @@ void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) 
   reading.coupling_places.push_back(place);
 }
 
+void add_exact_coupling(const Coupling& coupling, const CouplingPlace& place, Reading& reading) {
+  Model& model = reading.scenario.model;
+  const auto report = [&](Severity severity, std::string what, std::string hint) {
+    if (place.file != nullptr)
+      severity == Severity::error ? place.file->error({place.element}, std::move(what), std::move(hint))
+                                  : place.file->warning({place.element}, std::move(what), std::move(hint));
+    else
+      severity == Severity::error ? reading.out.error(place.place, std::move(what), std::move(hint))
+                                  : reading.out.warning(place.place, std::move(what), std::move(hint));
+  };
+  const std::vector<CouplingProblem> problems = check_coupling(coupling, model);
+  for (const CouplingProblem& problem : problems)
+    report(Severity::error, "coupling: " + problem.field + ": " + problem.what, problem.hint);
+  if (!problems.empty()) return;
+  const BodySpec& joint = model[coupling.joint];
+  const double x = coupling.leads() ? model[coupling.follows].q[0] : 0, apart = joint.q[0] - coupling.value(x);
+  if (joint.q[0] != 0 && std::abs(apart) > 1e-9 * (std::abs(joint.q[0]) + coupling.size(x)) + 1e-12)
+    report(Severity::warning,
+           "joint " + in_quotes(joint.joint_name) + " does not start at " + rounded_text(joint.q[0], 6) + " but " +
+               (coupling.leads() ? "where it follows " + in_quotes(model[coupling.follows].joint_name) : "where it is held") +
+               ", at " + rounded_text(coupling.value(x), 6),
+           "leave its start value out, and give one to the joint that leads");
+  model.add_coupling(coupling);
+  reading.exact_places.push_back(place);
+}
+
+namespace {
+
+// multiplier and offset, or polynomial.
+void read_law(Fields& fields, bool along, Coupling& law, Diagnostics& out) {
+  const Value* const polynomial = fields.find("polynomial");
+  law.multiplier = fields.number("multiplier").value_or(1);
+  law.offset = fields.number("offset", along ? dimension::length : dimension::angle).value_or(0);
+  if (polynomial == nullptr) return;
+  if (fields.has("multiplier") || fields.has("offset"))
+    return out.error(polynomial->place, "polynomial: 'multiplier' and 'offset' are its first coefficients",
+                     "give either these or the polynomial");
+  const Value::Array* const list = polynomial->array();
+  double a[5] = {};
+  std::size_t count = 0;
+  if (list != nullptr && !list->empty() && list->size() <= 5)
+    for (const Value& each : *list)
+      if (const auto x = read_real(each, "polynomial", out)) a[count++] = *x;
+  if (list == nullptr || count == 0 || count != list->size())
+    return out.error(polynomial->place, "polynomial: expected 1 to 5 numbers in SI units",
+                     "polynomial = [a0, a1, a2, a3, a4] for a0 + a1·q + a2·q² + a3·q³ + a4·q⁴");
+  law.offset = a[0], law.multiplier = a[1], law.higher = {a[2], a[3], a[4]};
+}
+
+}  // namespace
+
 void read_coupling(const Value& table, Reading& reading) {
   Diagnostics& out = reading.out;
   Fields fields(table, coupling_table, out);
-  const Value* joint_value = fields.require("joint");
-  const Value* leader_value = fields.require("follows");
   const std::size_t errors = out.errors();
-  const JointId joint = joint_value ? coupled_joint(*joint_value, "joint", reading) : JointId{-1};
-  const JointId leader = leader_value ? coupled_joint(*leader_value, "follows", reading) : JointId{-1};
+  const bool by_spring = fields.has("stiffness");
+  const Value* joint_value = fields.require("joint");
+  const Value* leader_value = fields.find("follows");
+  const JointId joint = joint_value ? coupled_joint(*joint_value, "joint", by_spring, reading) : JointId{-1};
+  const JointId leader = leader_value ? coupled_joint(*leader_value, "follows", by_spring, reading) : JointId{-1};
+  if (!by_spring) {
+    Coupling exact{.joint = joint, .follows = leader};
+    read_law(fields, joint.index >= 0 && is_length(reading.scenario.model[joint].joint), exact, out);
+    if (const Value* damping = fields.find("damping"))
+      out.error(damping->place, "damping: belongs to the spring of a coupling, and this one is exact",
+                "give 'stiffness', too; or a damping to one of the joints");
+    if (!leader_value && !fields.has("offset") && !fields.has("polynomial"))
+      out.error(fields.place(), "[[coupling]] has no 'follows'",
+                "the joint that leads, for example \"hand/finger1\"; or an 'offset' at which the joint is held");
+    fields.finish();
+    if (errors != out.errors() || joint.index < 0 || (leader_value && leader.index < 0)) return;
+    return add_exact_coupling(exact, {fields.place(), nullptr, {}}, reading);
+  }
+  if (!leader_value) fields.require("follows", "the joint that leads, for example \"hand/finger1\"");
+  if (const Value* polynomial = fields.find("polynomial"))
+    out.error(polynomial->place, "polynomial: a spring follows by 'multiplier' and 'offset'",
+              "leave 'stiffness' out: the coupling is then exact");
   const bool along = joint.index >= 0 && is_length(reading.scenario.model[joint].joint);
   JointCoupling coupling;
   coupling.multiplier = fields.number("multiplier").value_or(1);
@@ -141,6 +212,10 @@ void check_couplings(Reading& reading) {
   std::unordered_set<std::string_view> coupled;
   for (const JointCoupling& each : reading.scenario.couplings)
     for (const JointId joint : {each.joint, each.leader}) coupled.insert(model[joint].joint_name);
+  for (const Coupling& each : model.couplings()) {
+    coupled.insert(model[each.joint].joint_name);
+    if (each.leads()) coupled.insert(model[each.follows].joint_name);
+  }
   for (const ScenarioEvent& event : reading.scenario.events)
     for (std::size_t a = 0; a < event.actions.size(); ++a) {
       if (event.actions[a]->effect() != JointEffect::replaced) continue;

@@ -34,6 +34,14 @@ void report_loop(const std::string& loop, std::string what, std::string hint, Re
     reading.out.error(reading.joints.at(loop), std::move(what), std::move(hint));
 }
 
+void report_coupling(std::size_t coupling, std::string what, std::string hint, Reading& reading) {
+  const CouplingPlace& place = reading.exact_places[coupling];
+  if (place.file != nullptr)
+    place.file->error({place.element}, std::move(what), std::move(hint));
+  else
+    reading.out.error(place.place, std::move(what), std::move(hint));
+}
+
 /// The body of that name; nothing, with a report, if there is none.
 std::optional<BodyId> body_named(const Value& value, const char* key, const std::string& loop, bool may_be_ground,
                                  Reading& reading) {
@@ -89,7 +97,7 @@ void read_loop(const Value& table, Reading& reading) {
 
 bool loops_fit(Reading& reading) {
   const Model& model = reading.scenario.model;
-  if (model.loops().empty()) return true;
+  if (!model.has_equations()) return true;
   std::vector<long> depth;  // number of bodies from the ground
   depth.reserve(static_cast<std::size_t>(model.size()));
   const auto depth_of = [&depth](BodyId body) { return body == ground ? 0 : depth[static_cast<std::size_t>(body.index)]; };
@@ -103,6 +111,17 @@ bool loops_fit(Reading& reading) {
                 rows > most_rows ? "a scenario has loops of at most " + std::to_string(most_rows) + " equations in total"
                                  : "the loops are too long: their equations concern too many bodies",
                 "they are solved together, which would need too much memory", reading);
+    return false;
+  }
+  for (std::size_t c = 0; c < model.couplings().size(); ++c) {
+    const Coupling& coupling = model.couplings()[c];
+    rows += 1,
+        columns += depth_of(model.child(coupling.joint)) + (coupling.leads() ? depth_of(model.child(coupling.follows)) : 0);
+    if (rows <= most_rows && columns <= most_columns) continue;
+    report_coupling(c,
+                    rows > most_rows ? "a scenario has loops and couplings of at most " + std::to_string(most_rows) + " equations"
+                                     : "the equations of couplings and loops concern too many bodies",
+                    "they are solved together, which would need too much memory", reading);
     return false;
   }
   return true;
@@ -121,19 +140,45 @@ void check_strengths(Reading& reading) {
 }  // namespace
 
 void check_loops(Reading& reading) {
-  if (reading.scenario.model.loops().empty()) return;
+  const Model& model = reading.scenario.model;
+  if (!model.has_equations()) return;
   Integration& how = reading.scenario.integration;
-  const Place at = reading.joints.at(reading.scenario.model.loops().front().name);
-  if (how.variables == Variables::momenta)
-    reading.out.error(at, "closed loops are integrated in velocities", "leave 'variables' out of [integrate]");
+  const bool has_loops = !model.loops().empty();
+  const std::string what = has_loops ? "closed loops" : "exact couplings";
+  const auto report = [&](std::string problem, std::string hint) {
+    if (has_loops)
+      reading.out.error(reading.joints.at(model.loops().front().name), std::move(problem), std::move(hint));
+    else
+      report_coupling(0, std::move(problem), std::move(hint), reading);
+  };
+  if (how.variables == Variables::momenta && !model.couplings().empty())
+    report("exact couplings are integrated in velocities", "leave 'variables' out of [integrate]");
   if (!takes_velocities(how.method))
-    reading.out.error(at, "the method '" + how.method + "' can't integrate closed loops", "use rk4, midpoint, dopri5 or dop853");
-  how.variables = Variables::velocities;
-  const std::optional<Error> error = check_assembly(reading.scenario.model);
+    report("the method '" + how.method + "' can't integrate " + what, "use rk4, midpoint, dopri5 or dop853");
+  if (!how.variables) how.variables = Variables::velocities;
+  bool supported = true;
+  for (const LoopSpec& loop : model.loops()) {
+    if (how.variables != Variables::momenta) break;
+    const std::optional<Error> error = needs_velocities(loop.joint.parameters);
+    if (error) report_loop(loop.name, "loop " + in_quotes(loop.name) + ": " + error->problem, error->hint, reading);
+    supported = supported && !error;
+  }
+  if (!supported) return;
+  const std::optional<Error> error = check_assembly(model);
   if (!error) return check_strengths(reading);
-  for (const LoopSpec& loop : reading.scenario.model.loops())
+  for (const LoopSpec& loop : model.loops())
     if (error->where == "loop '" + loop.name + "'")
-      report_loop(loop.name, error->where + ": " + error->problem, error->hint, reading);
+      return report_loop(loop.name, error->where + ": " + error->problem, error->hint, reading);
+  for (std::size_t c = 0; c < model.couplings().size(); ++c) {
+    const Coupling& coupling = model.couplings()[c];
+    const std::string follows = coupling.leads() ? model[coupling.follows].joint_name : std::string();
+    if (error->where != "coupling of " + coupling_text(coupling, model[coupling.joint].joint_name, follows)) continue;
+    return report_coupling(c, error->where + ": " + error->problem, error->hint, reading);
+  }
+  for (const auto& [joint, place] : reading.joints)
+    if (error->where == "joint '" + joint + "'")
+      return reading.out.error(place, error->where + ": " + error->problem, error->hint);
+  report(error->where + ": " + error->problem, error->hint);
 }
 
 }  // namespace momentree::io

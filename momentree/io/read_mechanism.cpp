@@ -40,7 +40,8 @@ constexpr Key mechanism_entries[] = {
     {"joint", other(R"({"type": "object", "additionalProperties": @})", joint_override_table),
      "For joints of a model or a chain, by their names; a * matches all joints that support the key"},
     {"limits", boolean, "Whether the limits of the model file are stops", "false"},
-    {"mimic", table(mimic_table), ""},
+    {"mimic", other(R"({"anyOf": [{"const": "exact"}, {"const": "independent"}, @]})", mimic_table),
+     "How joints that follow others according to the model file do so: exactly, not at all, or by a spring"},
 };
 
 MechanismState read_state(const Value& value, const std::string& mechanism, Reading& reading) {
@@ -276,11 +277,18 @@ void read_mechanism(const Value& table, Reading& reading) {
   const auto limits = fields.boolean("limits",
                                      "true or false: whether the model's limits are used; give other limits to the joints: "
                                      "[mechanism.joint.elbow] with limits = { lower = …, upper = … }");
-  std::optional<CouplingSpring> mimic;
+  std::optional<Mimic> mimic;
   if (const Value* spring = fields.find("mimic")) {
-    Fields parts(*spring, mimic_table, out);
-    mimic = read_coupling_spring(parts, false);
-    parts.finish();
+    if (const std::string* word = spring->string()) {
+      if (*word != "exact" && *word != "independent")
+        out.error(spring->place, "mimic: expected \"exact\", \"independent\" or a table of a spring, found " + in_quotes(*word),
+                  "mimic = \"exact\"");
+      mimic = Mimic{*word == "independent" ? Mimic::How::independent : Mimic::How::exact, {}};
+    } else {
+      Fields parts(*spring, mimic_table, out);
+      mimic = Mimic{Mimic::How::spring, read_coupling_spring(parts, false)};
+      parts.finish();
+    }
     if (!model)
       out.error(spring->place, "mimic: only a model has joints that follow others", "couple them with [[coupling]] tables");
   }

@@ -119,13 +119,24 @@ void check_state(const Import& import, const MechanismState& state, Reading& rea
 }
 
 void warn_of_followers(const Import& import) {
-  for (const Follower& each : import.model.followers)
+  for (const Follower& each : import.model.followers) {
+    if (each.exact) continue;
     each.file->warning({each.element},
                        "joint " + in_quotes(import.model.bodies[static_cast<std::size_t>(each.body)].spec.joint_name) +
                            " should follow " +
                            in_quotes(import.model.bodies[static_cast<std::size_t>(each.leader)].spec.joint_name) +
                            ", but moves independently here",
-                       "mimic = { stiffness = … } in the mechanism couples them by a spring");
+                       "mimic = \"exact\" in the mechanism couples them; mimic = { stiffness = … } does so by a spring");
+  }
+}
+
+// Those that a mechanism couples exactly, and those that it couples by springs.
+bool is_exact(const Follower& each, const ModelChoice& choice) {
+  if (!choice.mimic) return each.exact;
+  return choice.mimic->how == Mimic::How::exact || (choice.mimic->how == Mimic::How::spring && !each.linear());
+}
+bool by_spring(const Follower& each, const ModelChoice& choice) {
+  return choice.mimic && choice.mimic->how == Mimic::How::spring && each.linear();
 }
 
 // Joints that follow others can be coupled if they have one DoF each.
@@ -135,18 +146,20 @@ bool check_followers(const Import& import, const ModelChoice& choice, Reading& r
   const std::size_t errors = reading.out.errors();
   for (const Follower& each : import.model.followers)
     for (const int end : {each.body, each.leader})
-      if (info(bodies[static_cast<std::size_t>(end)].spec.joint.kind).nv != 1)
+      if (end >= 0 && (by_spring(each, choice) || is_exact(each, choice)) &&
+          info(bodies[static_cast<std::size_t>(end)].spec.joint.kind).nv != 1)
         reading.out.error(choice.mimic_place, "mimic: joint " + name(end) + " does not have one degree of freedom",
                           "couple the others with [[coupling]] tables");
   return errors == reading.out.errors();
 }
 
 // The initial values of followers are computed from their leaders, unless the mechanism gives others.
-void start_followers(const Import& import, const MechanismState& state, const JointTables& joints, std::deque<BodySpec>& specs) {
+void start_followers(const Import& import, const ModelChoice& choice, const JointTables& joints, std::deque<BodySpec>& specs) {
   std::unordered_map<int, const Follower*> waiting;
   for (const Follower& each : import.model.followers) {
     const std::string& name = specs[static_cast<std::size_t>(each.body)].joint_name;
-    if (!state.joints.contains(name) && !joints.start_of(name)) waiting.emplace(each.body, &each);
+    if (!by_spring(each, choice) && !is_exact(each, choice)) continue;
+    if (!choice.state.joints.contains(name) && !joints.start_of(name)) waiting.emplace(each.body, &each);
   }
   const auto start_of = [&](int body) {
     const Values& q = specs[static_cast<std::size_t>(body)].q;
@@ -160,8 +173,8 @@ void start_followers(const Import& import, const MechanismState& state, const Jo
     }
     for (; !path.empty(); path.pop_back()) {
       const Follower& each = *path.back();
-      const double start = each.multiplier * start_of(each.leader) + each.offset;
-      specs[static_cast<std::size_t>(each.body)].q = {start};
+      const double start = each.leader < 0 ? 0 : start_of(each.leader);
+      specs[static_cast<std::size_t>(each.body)].q = {each.coupling(0).value(start)};
     }
   }
 }
@@ -171,6 +184,7 @@ bool check_motions(const Import& import, const ModelChoice& choice, const std::d
   const std::size_t errors = reading.out.errors();
   for (const Follower& each : import.model.followers)
     for (const int end : {each.body, each.leader}) {
+      if (!by_spring(each, choice)) continue;
       const BodySpec& spec = specs[static_cast<std::size_t>(end)];
       if (const auto& drive = spec.joint.parameters.drive; drive && drive->moves())
         reading.out.error(choice.mimic_place, "mimic: the motion of joint " + in_quotes(spec.joint_name) + " is prescribed",
@@ -180,14 +194,20 @@ bool check_motions(const Import& import, const ModelChoice& choice, const std::d
 }
 
 void couple_followers(const Import& import, const ModelChoice& choice, int first, Reading& reading) {
-  for (const Follower& each : import.model.followers)
-    add_coupling({{first + each.body},
-                  {first + each.leader},
-                  each.multiplier,
-                  each.offset,
-                  choice.mimic->stiffness,
-                  choice.mimic->damping},
-                 choice.mimic_place, reading);
+  for (const Follower& each : import.model.followers) {
+    if (by_spring(each, choice))
+      add_coupling({{first + each.body},
+                    {first + each.leader},
+                    each.multiplier,
+                    each.offset,
+                    choice.mimic->spring.stiffness,
+                    choice.mimic->spring.damping},
+                   choice.mimic_place, reading);
+    else if (is_exact(each, choice))
+      add_exact_coupling(each.coupling(first),
+                         {choice.mimic ? choice.mimic_place : Place{}, choice.mimic ? nullptr : each.file, each.element},
+                         reading);
+  }
 }
 
 // Springs of the file, named after the mechanism; `first`: the number of its first body.
@@ -225,7 +245,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   const bool one_root = check_roots(*import, choice, reading);
   check_state(*import, choice.state, reading);
   if (fresh && !choice.mimic) warn_of_followers(*import);
-  bool coupled = choice.mimic && check_followers(*import, choice, reading);
+  bool coupled = check_followers(*import, choice, reading);
   if (joints.any()) {
     std::vector<std::pair<std::string, Kind>> names;
     std::unordered_map<std::string, std::string> of_bodies;
@@ -261,7 +281,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   for (const ImportedLoop& loop : import->model.loops) limited += loop.limits.any();
   warn_of_limits(limited, mechanism, choice, reading);
   coupled = coupled && check_motions(*import, choice, specs, reading);
-  if (coupled) start_followers(*import, choice.state, joints, specs);
+  if (coupled) start_followers(*import, choice, joints, specs);
   for (const ImportedBody& body : import->model.bodies) {
     BodySpec spec = std::move(specs.front());
     specs.pop_front();

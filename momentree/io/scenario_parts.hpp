@@ -19,6 +19,13 @@ struct IntegratePlaces {
   Place step{}, until{}, rtol{}, atol{}, max_step{}, event_tolerance{}, every{};
 };
 
+/// The place of an exact coupling: in the scenario, or an element of a model file.
+struct CouplingPlace {
+  Place place{};
+  XmlFile* file = nullptr;
+  XmlElement element{};
+};
+
 /// State shared by the part readers while one file is read.
 struct Reading {
   Scenario& scenario;
@@ -55,7 +62,8 @@ struct Reading {
     double time = 0;
   };
   std::vector<JointUse> joint_uses{};
-  std::vector<Place> coupling_places{};  ///< places of the scenario's couplings
+  std::vector<Place> coupling_places{};       ///< places of the scenario's couplings by springs
+  std::vector<CouplingPlace> exact_places{};  ///< places of the model's exact couplings
   std::vector<LateEntry> late{};
   IntegratePlaces integrate{};
   long suggestions_left = 2'000'000;  ///< remaining budget of name comparisons for suggestions
@@ -100,12 +108,19 @@ struct MechanismState {
 enum class Held { unsaid, fixed, free };
 
 /// The keys of a mechanism that concern its model file.
+/// How joints of a model file that follow others do so.
+struct Mimic {
+  enum class How { spring, exact, independent };
+  How how = How::spring;
+  CouplingSpring spring{};
+};
+
 struct ModelChoice {
   Held held = Held::unsaid;
   Pose pose{};
   MechanismState state{};
-  std::optional<bool> limits{};           ///< whether the file's limits are used
-  std::optional<CouplingSpring> mimic{};  ///< the spring for joints that follow others according to the file
+  std::optional<bool> limits{};  ///< whether the file's limits are used
+  std::optional<Mimic> mimic{};  ///< how joints follow others according to the file
   Place model_place{}, root_place{}, limits_place{}, mimic_place{};
 };
 
@@ -174,6 +189,8 @@ bool loops_fit(Reading& reading);
 void check_loops(Reading& reading);
 
 void read_coupling(const Value& table, Reading& reading);
+/// Adds an exact coupling, with a warning if the joint is given another start value than the coupling requires.
+void add_exact_coupling(const Coupling& coupling, const CouplingPlace& place, Reading& reading);
 /// Reads stiffness and damping; `along_axis`: of a joint whose coordinate is a length, in N/m and N s/m.
 CouplingSpring read_coupling_spring(Fields& fields, bool along_axis);
 /// Adds the coupling, with a warning if the joint does not start at the position that the coupling requires.

@@ -7,6 +7,7 @@
 
 #include <momentree/base/characters.hpp>
 #include <momentree/io/json.hpp>
+#include <momentree/io/state_coupling.hpp>
 #include <momentree/io/state_document.hpp>
 #include <momentree/io/state_joint.hpp>
 #include <momentree/io/state_spring.hpp>
@@ -25,8 +26,8 @@ class Reader {
   }
 
   std::optional<RestoredState> read(const Value& root) {
-    const std::vector<std::string> known{"time",  "mechanisms",  "joints", "springs", "bodies",
-                                         "armed", "integration", "loops",  "totals"};
+    const std::vector<std::string> known{"time",   "mechanisms", "joints",      "springs", "couplings",
+                                         "bodies", "armed",      "integration", "loops",   "totals"};
     const auto meant = [&known](const Value::Entry& entry) { return !nearest(entry.key, known).empty(); };
     const Value::Table* const table = root.table();
     if (!table || (!table->empty() && std::none_of(table->begin(), table->end(), meant))) {
@@ -44,6 +45,7 @@ class Reader {
       if (const Value* springs = fields.find("springs"))
         for (const Value::Entry& spring : read_table(*springs, "springs", out_))
           read_spring_state(spring, model_, result_.forest, out_);
+      if (const Value* couplings = fields.find("couplings")) read_coupling_states(*couplings, model_, result_.forest, out_);
       if (const Value* bodies = fields.find("bodies"))
         for (const Value::Entry& body : read_table(*bodies, "bodies", out_)) joints_.body_named(body.key, body.place);
       if (const Value* armed = fields.find("armed"))
@@ -131,9 +133,6 @@ class Reader {
       if (joint.q.empty())
         return out_.error(joint.entry->place, "loop joint " + in_quotes(loop.name) + " is locked, and has no q");
       loop.loop.held = joint.q;
-      if (!locked_form(joint.joint, joint.q))
-        return out_.error(joint.entry->place, "loop joint " + in_quotes(loop.name) + ": only some degrees of freedom of a " +
-                                                  std::string(kind.name) + " that closes a loop can't be locked");
     }
     LoopSpec spec;
     spec.name = loop.name, spec.body = joint.child, spec.to = joint.parent, spec.joint = spec_of(joint.joint);
@@ -144,6 +143,7 @@ class Reader {
                  problem.hint);
     const std::size_t angle = std::string_view(kind.q_units).find('r');
     if (angle != std::string_view::npos && !joint.q.empty()) loop.turn = joint.q[static_cast<int>(angle)];
+    loop.active_limits = joint.active_limits;
     result_.forest.loops.push_back(std::move(loop));
   }
 

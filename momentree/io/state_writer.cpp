@@ -97,6 +97,16 @@ void write_armed(JsonWriter& json, const ArmedEvent& event) {
   json.end_object();
 }
 
+void write_coupling(JsonWriter& json, const World& world, CouplingId number) {
+  const CouplingView coupling = world.coupling(number);
+  const auto [joint, follows] = world.coupling_names(number);
+  json.begin_object().member("joint", joint);
+  if (!follows.empty()) json.member("follows", follows);
+  json.member("ended", coupling.ended);
+  if (!coupling.ended) json.member("effort", coupling.effort).member("determined", coupling.determined);
+  json.end_object();
+}
+
 }  // namespace
 
 std::string state_json(const World& world, const Armed& armed, const StepMemory& memory) {
@@ -125,6 +135,12 @@ std::string state_json(const World& world, const Armed& armed, const StepMemory&
     json.key("springs").begin_object();
     for (int s = 0; s < world.springs(); ++s) write_spring(json, world, s);
     json.end_object();
+  }
+
+  if (world.couplings() > 0) {
+    json.key("couplings").begin_array();
+    for (int c = 0; c < world.couplings(); ++c) write_coupling(json, world, {c});
+    json.end_array();
   }
 
   const std::vector<BodyMotion>& motions = world.motions();

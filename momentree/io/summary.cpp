@@ -81,6 +81,15 @@ void write_topology(JsonWriter& json, const TopologyRecord& topology) {
     for (const std::string& spring : topology.broken_springs) json.value(spring);
     json.end_array();
   }
+  if (!topology.ended_couplings.empty()) {
+    json.key("ended_couplings").begin_array();
+    for (const auto& [joint, follows] : topology.ended_couplings) {
+      json.begin_object().member("joint", joint);
+      if (!follows.empty()) json.member("follows", follows);
+      json.end_object();
+    }
+    json.end_array();
+  }
   json.end_object();
 }
 
@@ -129,6 +138,17 @@ std::string event_json(const Event& event) {
   json.key("impulse").begin_object();
   for (const auto& [joint, impulse] : event.impulse) json.member(joint, std::span<const double>(impulse));
   json.end_object();
+  if (!event.coupling_impulse.empty()) {
+    json.key("coupling_impulse").begin_array();
+    for (const Event::OfCoupling& each : event.coupling_impulse) {
+      json.begin_object().member("joint", each.joint);
+      if (!each.follows.empty()) json.member("follows", each.follows);
+      json.member("on_joint", each.on_joint);
+      if (!each.follows.empty()) json.member("on_follows", each.on_follows);
+      json.end_object();
+    }
+    json.end_array();
+  }
   json.member("ground_impulse", std::span<const double>(event.ground_impulse));
   json.key("hardest");
   if (event.hardest_joint.empty()) {

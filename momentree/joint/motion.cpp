@@ -93,6 +93,18 @@ int joint_columns(const JointSpec& joint, const double* q, Motion<double>* colum
   });
 }
 
+Motion<double> joint_columns_drift(const JointSpec& joint, const double* q, const double* u) noexcept {
+  return with_kernels(joint, q, [u](auto tag, const Mat3& C, const LinkConstants& link, const JointState<double>& state) {
+    using K = typename decltype(tag)::type;
+    Motion<double> sum{};
+    if constexpr (requires { K::template columns_rate<double>(link, state, u); }) {
+      const auto rates = K::template columns_rate<double>(link, state, u);
+      for (std::size_t i = 0; i < rates.size(); ++i) sum = sum + Motion<double>{u[i] * (C * rates[i].v), u[i] * (C * rates[i].w)};
+    }
+    return sum;
+  });
+}
+
 Force<double> joint_wrench(const JointSpec& joint, const double* q, unsigned locked, const double* force) noexcept {
   return with_kernels(joint, q, [&](auto tag, const Mat3& C, LinkConstants& link, const JointState<double>& state) {
     using K = typename decltype(tag)::type;

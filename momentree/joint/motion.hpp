@@ -37,6 +37,8 @@ std::optional<LockedForm> locked_form(const JointSpec& joint, unsigned locked, c
 
 /// joint_dofs without allocation: writes at most 6 columns and returns their number.
 int joint_columns(const JointSpec& joint, const double* q, Motion<double>* columns) noexcept;
+/// Ė u of these columns at velocities u.
+Motion<double> joint_columns_drift(const JointSpec& joint, const double* q, const double* u) noexcept;
 
 /// The wrench on the child, about the origin of the joint's child-side frame and in its axes, by which forces along the DoFs (nv
 /// numbers, N m, N) act. `locked`: a bit per DoF without force.

@@ -18,6 +18,7 @@ BodyId World::add(BodySpec spec) {
     spec.q = now.value, spec.v = now.rate;
   }
   const BodyId body = model_.add(std::move(spec));
+  if (tree_.has_loops()) take_variables(Variables::velocities);
   evaluate();
   const double kinetic = totals().kinetic;
   apply(Add{&model_[body]}, tree_, state_, workspace_);
@@ -66,7 +67,9 @@ void World::remove(BodyId body) {
   apply(Remove{body}, tree_, state_, workspace_);
   for (const int j : joints) names_.remove_joint(j);
   for (const int x : gone) names_.name_mechanism(x, {});
-  std::erase_if(active_limits_, [&](const ActiveLimit& h) { return tree_.carrier(h.joint) < 0; });
+  std::erase_if(active_limits_, [&](const ActiveLimit& h) {
+    return is_loop({h.joint}) ? tree_.find_loop(h.joint - first_loop) == nullptr : tree_.carrier(h.joint) < 0;
+  });
 }
 
 void World::make_room() {

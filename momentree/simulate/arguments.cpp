@@ -36,12 +36,13 @@ const Integration& checked(const Integration& how) {
 Variables Integration::state_variables() const { return variables.value_or(default_variables(method)); }
 
 Variables Integration::state_variables(const Model& model) const {
-  if (model.loops().empty()) return state_variables();
-  if (variables == Variables::momenta)
-    throw_error({"closed loops are integrated in velocities", "variables", "leave 'variables' out"});
+  if (!model.has_equations()) return state_variables();
+  const std::string what = model.loops().empty() ? "couplings of joints" : "closed loops";
+  if (variables == Variables::momenta && !model.couplings().empty())
+    throw_error({"couplings of joints are integrated in velocities", "variables", "leave 'variables' out"});
   if (!takes_velocities(method))
-    throw_error({"the method '" + method + "' can't integrate closed loops", "method", "use rk4, midpoint, dopri5 or dop853"});
-  return Variables::velocities;
+    throw_error({"the method '" + method + "' can't integrate " + what, "method", "use rk4, midpoint, dopri5 or dop853"});
+  return variables.value_or(Variables::velocities);
 }
 
 std::optional<Error> wrong_period(double period, double clock, const char* what) {

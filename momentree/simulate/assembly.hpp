@@ -13,6 +13,19 @@ namespace momentree {
 /// "loop 'name'".
 [[nodiscard]] std::optional<Error> assemble(const Tree& tree, const Model& model, const Names& names, State& state);
 
+/// The mistake if prescribed motions of joints in loops are not independent: a motion that follows from others, or that loops and
+/// locks do not allow. `where` is "joint 'name'".
+[[nodiscard]] std::optional<Error> conflicting_motions(const Tree& tree, const Names& names, const State& state);
+
+/// The mistake if a loop joint starts beyond its hard stops.
+[[nodiscard]] std::optional<Error> beyond_stops(const Tree& tree, const Names& names, const State& state);
+
+/// The mistake if a loop joint has parameters that are supported in velocities only: an armature or a prescribed motion.
+/// `problem` names the parameter.
+[[nodiscard]] std::optional<Error> needs_velocities(const JointParameters& parameters);
+/// The same for the loop joints of a tree; `where` is "loop 'name'".
+[[nodiscard]] std::optional<Error> needs_velocities(const Tree& tree, const Names& names);
+
 /// The mistake that keeps a model's loops from being closed at the start.
 [[nodiscard]] std::optional<Error> check_assembly(const Model& model);
 

@@ -80,6 +80,7 @@ void TopologyEditor::book_impulses(const Impulse* applied) {
     const double w[6] = {W.l.x, W.l.y, W.l.z, W.h.x, W.h.y, W.h.z};
     for (std::size_t k = 0; k < 6; ++k) event_->ground_impulse[k] += w[k];
   }
+  book_coupling_impulses();
   for (const int b : tree().order()) largest = std::max(largest, size(before_[static_cast<std::size_t>(b)]));
   for (const int b : tree().order()) {
     const Force<double>& S = before_[static_cast<std::size_t>(b)];

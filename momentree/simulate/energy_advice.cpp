@@ -25,6 +25,19 @@ std::string share_text(double share) {
   return share < 10 ? formatted("%.2g %% of", 100 * share) : formatted("%.0f times", share);
 }
 
+// What closing the loops after the steps added or took, if that is a large part.
+std::string advice_on_loops(double projection, double largest, bool adaptive, const Integration& how) {
+  if (!(std::fabs(projection) > tolerated * largest)) return {};
+  return "closing the loops after steps changed the energy by " + formatted("%.3g J", projection) + ", " +
+         (largest > 0 ? share_text(std::fabs(projection) / largest) + " the largest kinetic energy"
+                      : std::string("although nothing moves")) +
+         ": steps are too long, or the mechanism passes a position in which its loops are singular, such as a four-bar with all "
+         "bars "
+         "in line; use " +
+         (adaptive ? "smaller tolerances, such as " + formatted("rtol = %.0e", how.rtol / 100)
+                   : "a smaller step, such as " + formatted("%.3g s", how.step / 4) + ", or an adaptive method: dop853");
+}
+
 }  // namespace
 
 std::string EnergyBalance::advice(const Integration& how) const {
@@ -32,7 +45,8 @@ std::string EnergyBalance::advice(const Integration& how) const {
     return "the energies overflow: masses, lengths or speeds are too large";
   double turned_over = 0;  // its rounding is not an integration error
   for (const double part : {initial, final, work, dissipated, lost_in_impacts, released}) turned_over += std::fabs(part);
-  if (!(std::fabs(error) > std::max(tolerated * largest_kinetic, rounding * turned_over))) return {};
+  if (!(std::fabs(error) > std::max(tolerated * largest_kinetic, rounding * turned_over)))
+    return advice_on_loops(projection, largest_kinetic, is_adaptive(how.method), how);
   std::string what = "the energy balance is off by " + formatted("%.3g J", error) + ", " +
                      (largest_kinetic > 0 ? share_text(std::fabs(error) / largest_kinetic) + " the largest kinetic energy"
                                           : std::string("although nothing moves")) +

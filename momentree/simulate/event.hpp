@@ -50,7 +50,11 @@ struct TopologyRecord {
   };
   std::vector<Moved> moved;
   std::vector<std::string> broken_springs{};  ///< names of springs that broke, or lost a body with which they left the world
-  bool empty() const { return gone.empty() && joints.empty() && moved.empty() && broken_springs.empty(); }
+  /// Exact couplings that ended with one of their joints: the names of both joints, the second one empty if there is none.
+  std::vector<std::pair<std::string, std::string>> ended_couplings{};
+  bool empty() const {
+    return gone.empty() && joints.empty() && moved.empty() && broken_springs.empty() && ended_couplings.empty();
+  }
 };
 
 /// An event that happened, with its certificate: the quantities that it conserved and the energy that it lost.
@@ -76,6 +80,12 @@ struct Event {
   /// The impulse that the ground exerted on the mechanisms: force (N s), then torque (N m s) about the world's origin, in world
   /// axes.
   std::array<double, 6> ground_impulse{};
+  /// The impulses of exact couplings along the DoFs of their joints (N s, N m s). Zero impulses are omitted.
+  struct OfCoupling {
+    std::string joint, follows;  ///< names; `follows` is empty if there is none
+    double on_joint = 0, on_follows = 0;
+  };
+  std::vector<OfCoupling> coupling_impulse{};
   /// The joint with the largest linear impulse (among equal ones, that with the largest angular impulse), and both (N s, N m s).
   std::string hardest_joint;
   double hardest_linear = 0, hardest_angular = 0;

@@ -200,7 +200,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
       return false;
     }
     if (result.outcome == ActionResult::Outcome::done && checked) {
-      const bool driven = !world.tree().driven_joints().empty();
+      const bool driven = !world.tree().driven_joints().empty() || world.tree().loop_motions() > 0;
       const ActionResult sound = check_energy(before, after, item.phase, driven, editor.brought - brought);
       if (sound.outcome != ActionResult::Outcome::done) result = sound;
       if (sound.outcome != ActionResult::Outcome::done && prepares)  // the body is not held between the removal of the old joint
@@ -218,6 +218,11 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
       refuse(item, no_free_mass());
       return false;
     }
+    if (changed && !prepares)
+      if (ActionResult possible = editor.can_move(); possible.outcome == ActionResult::Outcome::refused) {
+        refuse(item, std::move(possible));
+        return false;
+      }
     if (changed) steps.push_back({item.event, before, after});
     event.mechanisms_after = world.mechanism_names();
     if (prepares) return true;

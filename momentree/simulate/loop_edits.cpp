@@ -1,6 +1,7 @@
 // Loop joints in topology changes.
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/motion.hpp>
+#include <momentree/simulate/assembly.hpp>
 #include <momentree/simulate/topology_editor_impl.hpp>
 
 namespace momentree {
@@ -17,6 +18,7 @@ const JointParameters* TopologyEditor::parameters(int joint) const {
 
 ActionResult TopologyEditor::supports(int joint, const JointParameters& parameters) const {
   if (!is_loop({joint})) return ActionResult::done();
+  if (std::optional<ActionResult> refused = refused_in_momenta(parameters)) return *refused;
   const Loop& now = loop_of(joint);
   LoopSpec spec;
   spec.name = joint_name(joint), spec.body = {now.body}, spec.to = {now.to};
@@ -28,14 +30,16 @@ ActionResult TopologyEditor::supports(int joint, const JointParameters& paramete
   return ActionResult::done();
 }
 
-ActionResult TopologyEditor::can_lock(int joint, unsigned dofs) const {
-  if (!is_loop({joint})) return ActionResult::done();
-  Joint locked = loop_of(joint).joint;
-  locked.locked |= dofs;
-  if (locked_form(locked, coordinates(joint))) return ActionResult::done();
-  return ActionResult::refused(
-      "only some degrees of freedom of a " + std::string(info(locked.kind).name) + " joint that closes a loop can't be locked",
-      "lock the whole joint, or let another joint of the loop be the one that closes it");
+ActionResult TopologyEditor::can_move() const {
+  if (dry_run_) return ActionResult::done();
+  const std::optional<Error> error = conflicting_motions(tree(), world_.names_, world_.state_);
+  return error ? ActionResult::refused(error->where + ": " + error->problem, error->hint) : ActionResult::done();
+}
+
+std::optional<ActionResult> TopologyEditor::refused_in_momenta(const JointParameters& parameters) const {
+  if (world_.loop_variables_ != Variables::momenta) return std::nullopt;
+  const std::optional<Error> error = needs_velocities(parameters);
+  return error ? std::optional(ActionResult::refused(error->problem, error->hint)) : std::nullopt;
 }
 
 double TopologyEditor::turn_of(int joint) const {
@@ -46,10 +50,11 @@ double TopologyEditor::turn_of(int joint) const {
 
 ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
   if (!world_.loops_allowed_)
-    return ActionResult::refused("joining '" + body_name(body) + "' to '" + body_name(to) +
-                                     "' would close a loop, and closed loops are integrated in velocities",
-                                 "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853; batches have no loops yet");
+    return ActionResult::refused(
+        "joining '" + body_name(body) + "' to '" + body_name(to) + "' would close a loop, which this method can't integrate",
+        "use rk4, midpoint, dopri5 or dop853; batches have no loops yet");
   if (std::optional<ActionResult> taken = name_taken(body, to)) return *taken;
+  if (std::optional<ActionResult> refused = refused_in_momenta(spec.parameters)) return *refused;
   if (spec.kind == Kind::free) return ActionResult::skipped("a free joint between them constrains nothing");
   const Pose present = inverse(pose(to)) * pose(body);
   LoopSpec whole;
@@ -67,8 +72,10 @@ ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec,
   touch(made);
   carry_out(change, Nature::impact);
   if (spec.parameters.any()) {  // what a stretched spring stores comes from outside
-    const Loop& loop = loop_of(made);
-    carry_out(SetLoop{{made}, loop.joint, spec.parameters, loop.held, turn_of(made)}, Nature::outside);
+    const JointParameters parameters = begun(made, spec.parameters);
+    const ActionResult follows = can_follow(made, parameters);
+    if (follows.outcome != ActionResult::Outcome::done) return follows;
+    set(made, parameters);
   }
   return ActionResult::done();
 }
@@ -79,16 +86,20 @@ void TopologyEditor::break_loop(JointId loop) {
   world_.names_.remove_joint(loop.index);
 }
 
-void TopologyEditor::lock_loop(int joint, unsigned locked, bool impact) {
+// A prescribed motion that a lock has suspended imposes its speed when it resumes.
+void TopologyEditor::lock_loop(int joint, unsigned locked) {
   const Loop& loop = loop_of(joint);
-  SetLoop change{{joint}, loop.joint, loop.parameters, loop.held, turn_of(joint), impact};
+  const bool locks = (locked & ~loop.joint.locked) != 0;
+  const bool resumes = locked == 0 && loop.parameters.drive != nullptr && loop.parameters.drive->moves();
+  SetLoop change{{joint}, loop.joint, loop.parameters, loop.held, turn_of(joint), locks || resumes};
   const Values now = coordinates(joint);
   if (change.held.size() != now.size()) change.held = now;
   for (int i = 0; i < now.size() && now.size() == info(loop.joint.kind).nv; ++i)  // what was locked keeps its place
     if ((loop.joint.locked >> i & 1u) == 0) change.held[i] = now[i];
-  if (now.size() != info(loop.joint.kind).nv && loop.joint.locked == 0) change.held = now;
+  const bool whole = loop.joint.locked + 1 == 1u << info(loop.joint.kind).nv;
+  if (now.size() != info(loop.joint.kind).nv && !whole) change.held = now;
   change.to.locked = locked;
-  carry_out(change, impact ? Nature::impact : Nature::workless);
+  carry_out(change, locks ? Nature::impact : resumes ? Nature::outside : Nature::workless);
 }
 
 void TopologyEditor::change_loop(int joint, const JointPlan& plan, bool impact) {
@@ -122,6 +133,8 @@ void TopologyEditor::hold_by_loop(int body) {
     world_.names_.remove_joint(loop.id().index);
     carry_out(change, Nature::workless);
     world_.names_.name_joint(number, name);
+    for (ActiveLimit& limit : world_.active_limits_)
+      if (limit.joint == loop.id().index) limit.joint = number;
     if (other < 0)
       world_.names_.move_mechanism(body, own);
     else

@@ -160,14 +160,6 @@ void Simulation::set_gravity(Vec3 gravity) {
   impl.recover();
 }
 
-void Simulation::Impl::leave_velocities() {
-  if (world.tree_.has_loops() || world.state_.variables() == world.variables_) return;
-  const Numbers p = world.p();
-  std::vector<double> q(world.state_.q().begin(), world.state_.q().end()), y(p.begin(), p.end());
-  follow_motions(world.tree_, world.time(), q.data(), y.data());
-  world.state_.change_variables(world.variables_, y);
-}
-
 // The energy that bodies bring into the world and take out of it is work; the event's certificate states it.
 template <class Act>
 void Simulation::Impl::populate(const char* what, const std::string& body, Act act) {
@@ -184,13 +176,14 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   std::vector<int> springs;  // that act
   for (int s = 0; s < world.springs(); ++s)
     if (world.tree().spring_acts(s)) springs.push_back(s);
+  const std::vector<unsigned char> coupled = acting_couplings(world.tree());
   event.mechanisms_before = world.mechanism_names();
   event.before = world.totals();
   std::optional<SimulationSnapshot> past;
   if (keeps_history) past = snapshot();
   act();  // throws if nothing happened
   if (past) history.push_back({events.size(), std::move(*past), {}});
-  leave_velocities();
+  world.take_variables(world.own_variables());
   method = new_method();
   evaluate_state();
   event.after = world.totals();
@@ -204,6 +197,9 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   for (const int s : springs)
     if (!world.tree().spring_acts(s))
       event.topology.broken_springs.push_back(world.model().springs()[static_cast<std::size_t>(s)].name);
+  for (std::size_t c = 0; c < coupled.size(); ++c)
+    if (coupled[c] != 0 && !world.tree().coupling_acts(static_cast<int>(c)))
+      event.topology.ended_couplings.push_back(world.coupling_names({static_cast<int>(c)}));
   if (world.tree().bodies() > members.bodies()) event.topology.joints.push_back(joint_record(world, {world.tree().bodies() - 1}));
   event.topology.moved = members.moved(Membership(world));
   balance.work += event.work;

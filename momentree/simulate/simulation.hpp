@@ -30,8 +30,8 @@ struct Integration {
   double atol = 1e-10;         ///< in the unit of each coordinate and velocity
   double max_step = HUGE_VAL;  ///< s
 
-  /// The variables that a run uses, without a model those of open trees. Closed loops need velocities: throws Error for a model
-  /// with loops if `variables` or `method` is against it.
+  /// The variables that a run uses, without a model those of open trees. Closed loops are in velocities by default: throws Error
+  /// for a model with loops that `method` can't integrate.
   Variables state_variables() const;
   Variables state_variables(const Model& model) const;
 };
@@ -62,7 +62,7 @@ struct EnergyBalance {
   double projection = 0;       ///< energy that closing the loops after steps brought in
   double largest_kinetic = 0;  ///< the largest kinetic energy at the beginning of a step or at an event
 
-  /// A warning with a suggested remedy if the error exceeds a thousandth of `largest_kinetic`; empty otherwise.
+  /// A warning with a suggested remedy if the error or the projection exceeds a thousandth of `largest_kinetic`; empty otherwise.
   std::string advice(const Integration& integration) const;
 };
 

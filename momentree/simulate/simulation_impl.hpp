@@ -42,11 +42,11 @@ struct Simulation::Impl {
   using Clock = detail::Clock;
   Impl(const Model& model, const Integration& how)
       : integration(checked(how)),
-        world(model, integration.state_variables(model)),
+        world(model, integration.state_variables(model), integration.variables.value_or(Variables::velocities)),
         evaluate(world.tree_, world.workspace_),
         method(new_method()),
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
-    world.loops_allowed_ = takes_velocities(integration.method) && integration.variables != Variables::momenta;
+    world.loops_allowed_ = takes_velocities(integration.method);
     if (std::optional<Error> error = undetermined_strength(world)) throw_error(std::move(*error));
     begin();
   }
@@ -212,18 +212,20 @@ struct Simulation::Impl {
   void resolve_limits() {
     const std::size_t before = events.size();
     stops.resolve_limits(events);
+    if (events.size() == before) return;
     for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
-    if (events.size() != before) queue.forget_looks();
+    queue.forget_looks();
+    world.take_variables(world.own_variables());
   }
 
   // Kinetic energy at the beginning of a step, which has been evaluated: as p·u/2 it costs next to nothing.
   void note_kinetic_energy() {
     double kinetic = 0;
-    if (world.tree_.driven_joints().empty()) {
+    if (world.tree_.driven_joints().empty() && world.tree_.loop_armatures() + world.tree_.loop_motions() == 0) {
       const auto p = world.p();
       for (std::size_t i = 0; i < p.size(); ++i) kinetic += p[i] * world.workspace_.v[i];
       kinetic *= 0.5;
-    } else {  // driven DoFs have no momentum
+    } else {  // driven DoFs and armatures of loop joints have no momentum there
       kinetic = world.totals().kinetic;
     }
     balance.largest_kinetic = std::max(balance.largest_kinetic, kinetic);
@@ -313,7 +315,7 @@ struct Simulation::Impl {
       message = report.message;
       return false;
     }
-    leave_velocities();
+    world.take_variables(world.own_variables());
     evaluate_state();
     for (Event& event : report.events) {
       add_to_balance(event);
@@ -323,9 +325,6 @@ struct Simulation::Impl {
     resolve_limits();
     return true;
   }
-
-  /// After the last loop is gone, the state is in the run's own variables again, as a state document of it will be.
-  void leave_velocities();
 
   /// Runs `act`, which adds or removes bodies, and records it as an event named `what`.
   template <class Act>

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/loop_system.hpp>
 #include <momentree/simulate/stops.hpp>
 
 namespace momentree {
@@ -211,6 +212,17 @@ void Stops::put_on_stop(const Watched& w) {
   const double limit = s.sign * w.limit;
   if (coordinate(s) == limit || std::fabs(coordinate(s) - limit) > 1e-9 * (1 + std::fabs(limit))) return;
   const Tree& tree = world_->tree_;
+  if (is_loop({s.joint})) {  // by a small motion that keeps the loops closed
+    (*evaluate_)(world_->state_);
+    int place = 0;
+    while (tree.loops()[static_cast<std::size_t>(place)].id().index != s.joint) ++place;
+    double* const u = world_->workspace_.impulse.get();
+    const double missing = limit - coordinate(s);
+    const double unit = strike_loop(tree, world_->state_.q().data(), world_->workspace_, place, s.dof, u);
+    const State::Edit edit = world_->state_.edit();
+    detail::displace(tree, u, missing / unit, edit.q.data());
+    return;
+  }
   world_->state_.edit().q[static_cast<std::size_t>(tree.first_q(tree.carrier(s.joint)) + s.dof)] = limit;
 }
 
@@ -223,8 +235,8 @@ std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, doub
     const double q = s.sign * coordinate(s), stop = s.sign * s.limit;
     // A joint that is at the stop or beyond it at the start moves away from there: only its return counts. If it touches the stop
     // at zero speed, rounding must not make this an impact.
-    const bool touches = q >= stop && speed(s) >= -no_speed * s.rest_speed;
-    const double limit = std::max(stop, q) + (touches ? 1e-13 * (1 + std::fabs(s.limit)) : 0.0);
+    const bool touches = q >= stop - rounding(s) && speed(s) >= -no_speed * s.rest_speed;
+    const double limit = std::max(stop, q) + (touches ? rounding(s) + 1e-13 * (1 + std::fabs(s.limit)) : 0.0);
     watched_.push_back({&s, nullptr, limit, q, speed(s), holds(s)});
     holding = holding || holds(s);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/loop_system.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/motion.hpp>
 
@@ -13,6 +14,15 @@ namespace {
 
 // After this many impacts at one instant without coming to rest, the next step continues from the resulting state.
 constexpr int most_impacts = 1000;
+
+int place_of(const Tree& tree, int joint) {
+  int place = 0;
+  while (tree.loops()[static_cast<std::size_t>(place)].id().index != joint) ++place;
+  return place;
+}
+const Joint& joint_of(const Tree& tree, int joint) {
+  return is_loop({joint}) ? tree.find_loop(joint - first_loop)->joint : tree.joint(tree.carrier(joint));
+}
 
 }  // namespace
 
@@ -34,32 +44,53 @@ void Stops::find() {
       if (std::isfinite(p->limits.lower_of(i))) sides_.push_back({tree.joint_of(b), i, -1, p->limits.lower_of(i), e, rest});
     }
   }
+  for (const Loop& loop : tree.loops()) {
+    const JointLimits& limits = loop.parameters.limits;
+    if (!limits.hard()) continue;
+    for (int i = 0; i < info(loop.joint.kind).nv; ++i) {
+      const double e = limits.restitution_of(i), rest = limits.rest_speed;
+      if (std::isfinite(limits.upper_of(i))) sides_.push_back({loop.id().index, i, 1, limits.upper_of(i), e, rest});
+      if (std::isfinite(limits.lower_of(i))) sides_.push_back({loop.id().index, i, -1, limits.lower_of(i), e, rest});
+    }
+  }
   std::stable_sort(sides_.begin(), sides_.end(), [](const Side& a, const Side& b) { return a.joint < b.joint; });
   world_->forget_active_limits();
 }
 
 double Stops::coordinate(const Side& s) const {
+  if (is_loop({s.joint})) return world_->joint({s.joint}).q[static_cast<std::size_t>(s.dof)];
   return world_->state_.q()[static_cast<std::size_t>(world_->tree_.first_q(world_->tree_.carrier(s.joint)) + s.dof)];
 }
+// The coordinate of a loop joint follows from the poses of its bodies, and is not exact on a stop.
+double Stops::rounding(const Side& s) { return is_loop({s.joint}) ? 1e-12 * (1 + std::fabs(s.limit)) : 0; }
 double Stops::speed(const Side& s) const {
+  if (is_loop({s.joint})) return s.sign * world_->joint({s.joint}).v[static_cast<std::size_t>(s.dof)];
   return s.sign * world_->workspace_.v[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.dof)];
 }
 double Stops::acceleration(const Side& s) const {
+  if (is_loop({s.joint}))
+    return s.sign * loop_acceleration(world_->tree_, world_->state_.q().data(), world_->workspace_,
+                                      place_of(world_->tree_, s.joint), s.dof);
   return s.sign * world_->workspace_.a[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.dof)];
 }
-bool Stops::locked(const Side& s) const {
-  return (world_->tree_.joint(world_->tree_.carrier(s.joint)).locked >> s.dof & 1u) != 0;
-}
+bool Stops::locked(const Side& s) const { return (joint_of(world_->tree_, s.joint).locked >> s.dof & 1u) != 0; }
 bool Stops::holds(const Side& s) const { return locked(s) && world_->held(s.joint, s.dof) == s.sign; }
 
 // The stop exerts the total force along the locked DoF, Eᵀ Tr, minus the force of its spring and its drive.
 double Stops::pull(const Side& s) const {
   const Tree& tree = world_->tree_;
+  if (is_loop({s.joint})) {
+    double size = 0;
+    const int place = place_of(tree, s.joint);
+    const double stop = loop_holding_force(tree, world_->time(), world_->workspace_, place, s.dof, size);
+    return s.sign * stop - 1e-12 * size;
+  }
   const int b = tree.carrier(s.joint);
   double force[6] = {}, passive[6] = {};
   project(tree, b, joint_state(tree, world_->state_, world_->workspace_, b), transmitted_wrench(tree, world_->workspace_, b),
           force);
   unlocked_forces(tree, world_->time(), world_->state_.q().data(), world_->workspace_, b, passive);
+  if (tree.has_loops()) passive[0] += coupling_effort(tree, world_->workspace_, b);
   const double stop = force[s.dof] - passive[s.dof];
   const double noise = 1e-12 * (std::fabs(force[s.dof]) + std::fabs(passive[s.dof]));
   return s.sign * stop - noise;
@@ -106,13 +137,19 @@ bool Stops::release_pulled(const std::vector<Event>& events) {
     for (const Event& event : events) {
       for (const auto& [name, S] : event.impulse) {
         if (world_->find_joint(name) != s.joint) continue;
-        const Joint& joint = world_->tree_.joint(world_->tree_.carrier(s.joint));
-        const double* q = world_->state_.q().data() + world_->tree_.first_q(world_->tree_.carrier(s.joint));
-        const auto [v, w] = seen_from_child(joint, joint_dofs(spec_of(joint), q)[static_cast<std::size_t>(s.dof)]);
+        const Joint& joint = joint_of(world_->tree_, s.joint);
+        const Numbers q = world_->joint({s.joint}).q;
+        const auto [v, w] = seen_from_child(joint, joint_dofs(spec_of(joint), q.data())[static_cast<std::size_t>(s.dof)]);
         through += dot(v, Vec3{S[0], S[1], S[2]}) + dot(w, Vec3{S[3], S[4], S[5]});
         size += norm(Vec3{S[0], S[1], S[2]}) * norm(v) + norm(Vec3{S[3], S[4], S[5]}) * norm(w);
       }
     }
+    for (const Event& event : events)  // a coupling's impulse on the joint is not the stop's
+      for (const Event::OfCoupling& each : event.coupling_impulse) {
+        const double own = (world_->find_joint(each.joint) == s.joint ? each.on_joint : 0.0) +
+                           (world_->find_joint(each.follows) == s.joint ? each.on_follows : 0.0);
+        through -= own, size += std::fabs(own);
+      }
     if (s.sign * through <= 1e-10 * size) continue;
     Event scratch;
     TopologyEditor editor(*world_);
@@ -127,7 +164,7 @@ bool Stops::release_pulled(const std::vector<Event>& events) {
 // Handles the most urgent impact, rest or release; false if there is none.
 bool Stops::one_thing(std::vector<Event>& events) {
   (*evaluate_)(world_->state_);
-  const auto at_stop = [this](const Side& s) { return s.sign * (coordinate(s) - s.limit) >= 0; };
+  const auto at_stop = [this](const Side& s) { return s.sign * (coordinate(s) - s.limit) >= -rounding(s); };
   const Side* hit = nullptr;
   bool accelerated = false;
   for (const Side& s : sides_) {

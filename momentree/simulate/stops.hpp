@@ -74,6 +74,7 @@ class Stops {
   void put_on_stop(const Watched& watched);
   void find();
   double coordinate(const Side& side) const;
+  static double rounding(const Side& side);     // of the coordinate at the stop
   double speed(const Side& side) const;         // towards the stop
   double acceleration(const Side& side) const;  // towards the stop; the workspace holds accelerations
   double pull(const Side& side) const;          // force with which the stop would have to pull

@@ -92,8 +92,13 @@ double TopologyEditor::work_of_motions() {
     double along[6];
     project(tree(), b, joint_state(tree(), world_.state_, world_.workspace_, b), to_kernel_frame(tree().frame(b), through),
             along);
+    for (const CouplingImpulse& given : coupling_impulses_now_) {
+      const CouplingEnds& ends = tree().loop_links()[static_cast<std::size_t>(coupling_place(tree(), given.coupling))].ends;
+      along[0] -= (ends.joint == b ? given.joint : 0.0) + (ends.follows == b ? given.follows : 0.0);
+    }
     work += along[0] * world_.workspace_.v[static_cast<std::size_t>(tree().first_p(b))];
   }
+  for (const LoopImpulse& loop : loop_impulses_now_) work += loop.motion * loop.motion_rate;
   return work;
 }
 
@@ -160,15 +165,17 @@ ActionResult TopologyEditor::set_spring(int spring, const JointParameters& given
 
 void TopologyEditor::unlock(int joint, unsigned dofs) {
   touch(joint);
-  if (is_loop({joint})) return lock_loop(joint, loop_of(joint).joint.locked & ~dofs, false);
+  if (is_loop({joint})) return lock_loop(joint, loop_of(joint).joint.locked & ~(dofs & ~world_.held(joint)));
   const JointParameters* p = tree().parameters(tree().carrier(joint));
   const bool resumes = p != nullptr && p->drive != nullptr && p->drive->moves();
   carry_out(Unlock{{joint}, dofs & ~world_.held(joint)}, resumes ? Nature::outside : Nature::workless);
 }
 void TopologyEditor::lock(int joint, unsigned dofs) {
   touch(joint);
-  if (is_loop({joint})) return lock_loop(joint, loop_of(joint).joint.locked | dofs, true);
-  carry_out(Lock{{joint}, dofs}, Nature::impact);
+  if (is_loop({joint}))
+    lock_loop(joint, loop_of(joint).joint.locked | dofs);
+  else
+    carry_out(Lock{{joint}, dofs}, Nature::impact);
   std::erase_if(world_.active_limits_, [&](const ActiveLimit& h) { return h.joint == joint && (dofs >> h.dof & 1u) != 0; });
 }
 
@@ -176,22 +183,30 @@ void TopologyEditor::apply_restitution(int joint, int dof, double restitution) {
   carry_out(Impact{{joint}, dof, restitution}, Nature::impact);
 }
 void TopologyEditor::engage_limit(int joint, int dof, int sign) {
-  carry_out(Lock{{joint}, 1u << dof}, Nature::impact);
+  if (is_loop({joint}))
+    lock_loop(joint, loop_of(joint).joint.locked | 1u << dof);
+  else
+    carry_out(Lock{{joint}, 1u << dof}, Nature::impact);
   world_.active_limits_.push_back({joint, dof, sign});
 }
 void TopologyEditor::release_limit(int joint, int dof) {
-  carry_out(Unlock{{joint}, 1u << dof}, Nature::workless);
+  if (is_loop({joint}))
+    lock_loop(joint, loop_of(joint).joint.locked & ~(1u << dof));
+  else
+    carry_out(Unlock{{joint}, 1u << dof}, Nature::workless);
   std::erase_if(world_.active_limits_, [&](const ActiveLimit& h) { return h.joint == joint && h.dof == dof; });
 }
 
 void TopologyEditor::loosen(int joint, const JointPlan& plan) {
   touch(joint);
   if (is_loop({joint})) return change_loop(joint, plan, false);
+  end_couplings(joint);
   carry_out(ChangeJoint{{joint}, plan.joint, plan.q}, Nature::workless);
 }
 void TopologyEditor::become(int joint, const JointPlan& plan) {
   touch(joint);
   if (is_loop({joint})) return change_loop(joint, plan, true);
+  end_couplings(joint);
   carry_out(ChangeJoint{{joint}, plan.joint, plan.q}, Nature::impact);
 }
 
@@ -209,7 +224,8 @@ void TopologyEditor::push(int body, const Vec3& force, const Vec3& torque, const
 void TopologyEditor::set(int joint, const JointParameters& parameters) {
   if (is_loop({joint})) {
     const Loop& loop = loop_of(joint);
-    return carry_out(SetLoop{{joint}, loop.joint, parameters, loop.held, turn_of(joint)}, Nature::outside);
+    const bool begins = parameters.drive != nullptr && parameters.drive->moves();
+    return carry_out(SetLoop{{joint}, loop.joint, parameters, loop.held, turn_of(joint), begins}, Nature::outside);
   }
   carry_out(SetParameters{{joint}, parameters}, Nature::outside);
 }

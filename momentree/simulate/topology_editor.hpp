@@ -25,6 +25,9 @@ struct JointPlan {
 /// A DoF of a joint, transformed from the joint's moving frame to the declared child's frame: about its origin, in its axes.
 Motion<double> seen_from_child(const Joint& joint, const Motion<double>& dof);
 
+/// By number of a coupling: 1 if it acts.
+std::vector<unsigned char> acting_couplings(const Tree& tree);
+
 class TopologyEditor {
  public:
   /// `dry_run`: coordinates are not those of the instant, so nothing may be judged by them.
@@ -52,9 +55,12 @@ class TopologyEditor {
   const Joint& declared(int joint) const { return is_loop({joint}) ? loop_of(joint).joint : tree().joint(tree().carrier(joint)); }
   /// The loop joint of that number, which must exist.
   const Loop& loop_of(int joint) const;
-  /// Whether a joint, which may close a loop, supports these parameters and locks; otherwise the result of the action.
+  /// Whether a joint, which may close a loop, supports these parameters; otherwise the result of the action.
   ActionResult supports(int joint, const JointParameters& parameters) const;
-  ActionResult can_lock(int joint, unsigned dofs) const;
+  /// The refusal of parameters that a loop joint can't have in this run, because it is in momenta.
+  std::optional<ActionResult> refused_in_momenta(const JointParameters& parameters) const;
+  /// Whether the prescribed motions of joints in loops are independent now.
+  ActionResult can_move() const;
   Values coordinates(int joint) const;
   /// Locked DoFs, except those that rest on a stop.
   unsigned locked(int joint) const { return declared(joint).locked & ~world_.held(joint); }
@@ -107,9 +113,12 @@ class TopologyEditor {
   ActionResult close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at);
   void hold_by_loop(int body);
   void break_loop(JointId loop);
-  void lock_loop(int joint, unsigned locked, bool impact);
+  void lock_loop(int joint, unsigned locked);
   void change_loop(int joint, const JointPlan& plan, bool impact);
   double turn_of(int joint) const;
+  void end_couplings(int joint);
+  void note_ended_couplings(const std::vector<unsigned char>& before);
+  void book_coupling_impulses();
   enum class Nature { workless, impact, outside };
   template <class Change>
   void carry_out(const Change& change, Nature nature);
@@ -134,6 +143,7 @@ class TopologyEditor {
   std::map<const Event*, std::vector<Force<double>>> impulses_;                 // by joint number, declared child's frame
   std::map<const Event*, std::map<std::string, Force<double>>> loop_impulses_;  // by the name of the loop joint
   std::vector<LoopImpulse> loop_impulses_now_;                                  // of the last change, by loop
+  std::vector<CouplingImpulse> coupling_impulses_now_;                          // and by coupling that acts
   std::map<const Event*, std::set<int>> touched_;  // numbers of joints that the event makes or changes
   std::map<int, std::string> names_at_start_;      // of these joints, before the first of all events
 };

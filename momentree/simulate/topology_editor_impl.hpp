@@ -10,6 +10,7 @@ namespace momentree {
 
 template <class Change>
 void TopologyEditor::carry_out(const Change& change, Nature nature) {
+  if (tree().has_loops()) world_.take_variables(Variables::velocities);  // until the end of the instant
   evaluate();
   const Totals before = world_.totals();
   if constexpr (std::is_same_v<Change, ChangeJoint>) {
@@ -18,6 +19,7 @@ void TopologyEditor::carry_out(const Change& change, Nature nature) {
                    "are the velocities and momenta in SI units?"});
   }
   if (nature != Nature::workless) remember_momenta();
+  const std::vector<unsigned char> coupled = acting_couplings(tree());
   const auto start = std::chrono::steady_clock::now();
   Released released;
   if constexpr (std::is_same_v<Change, Impact> || std::is_same_v<Change, MakeLoop>)
@@ -29,10 +31,14 @@ void TopologyEditor::carry_out(const Change& change, Nature nature) {
   ++changes;
   event_->duration_ns += taken * 1e9;
   event_->released += released.energy;
+  note_ended_couplings(coupled);
   if (nature == Nature::workless) return;
   loop_impulses_now_.clear();
   for (std::size_t i = 0; i < tree().loops().size(); ++i)
     loop_impulses_now_.push_back(loop_impulse(tree(), world_.workspace_, static_cast<int>(i)));
+  coupling_impulses_now_.clear();
+  for (std::size_t i = tree().loops().size(); i < tree().loop_links().size(); ++i)
+    coupling_impulses_now_.push_back(coupling_impulse(tree(), world_.workspace_, static_cast<int>(i)));
   evaluate();
   const Totals after = world_.totals();
   const double gone = before.kinetic + before.potential - after.kinetic - after.potential - released.energy;

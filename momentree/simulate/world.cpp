@@ -11,8 +11,13 @@
 
 namespace momentree {
 
-World::World(const Model& model, Variables variables)
-    : model_(model), variables_(model.loops().empty() ? variables : Variables::velocities), first_bodies_(model.size()) {
+World::World(const Model& model, Variables variables, Variables with_loops)
+    : model_(model),
+      variables_(!model.couplings().empty() ? Variables::velocities
+                 : model.loops().empty()    ? variables
+                                            : with_loops),
+      loop_variables_(model.couplings().empty() ? with_loops : Variables::velocities),
+      first_bodies_(model.size()) {
   const std::vector<SingularJoint> singular = singular_joints(model_);
   if (!singular.empty()) {
     const BodySpec& body = model_[singular.front().body];
@@ -34,8 +39,11 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   active_limits_ = forest.active_limits;
   put_together(forest);
   put_springs(forest.springs);
+  for (const int c : forest.ended_couplings)
+    if (tree_.coupling_acts(c)) tree_.end_coupling(c);
   for (const ActiveLimit& h : active_limits_)
-    MT_REQUIRE(h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv, "a degree of freedom of the joint");
+    MT_REQUIRE(is_loop({h.joint}) || (h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv),
+               "a degree of freedom of the joint");
   for (auto& [joint, f] : functions) {
     const int b = tree_.carrier(joint);
     if (b >= 0 && !tree_.joint(b).created_by_event && tree_.joint(b).kind == model_[{joint}].joint.kind)
@@ -44,9 +52,9 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   for (const Topology::Loaded& load : loads)
     if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
   if (tree_.has_loops() && !loops_allowed_)
-    throw_error({"the state has closed loops, which are integrated in velocities", "",
-                 "leave 'variables' out, and use rk4, midpoint, dopri5 or dop853"});
-  State state(tree_, tree_.has_loops() ? Variables::velocities : variables_);
+    throw_error({"the state has closed loops or couplings, which this method can't integrate", "",
+                 "use rk4, midpoint, dopri5 or dop853"});
+  State state(tree_, own_variables());
   workspace_ = Workspace<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
   motions_of_ = accelerations_of_ = {};
@@ -59,8 +67,14 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
         if (each.name == names_.joint(loop.id().index)) turns.push_back(each.turn);
     state.set_turns(turns);
   }
-  if (tree_.has_loops())
-    if (std::optional<Error> error = assemble(tree_, model_, names_, state)) throw_error(std::move(*error));
+  if (tree_.has_loops()) {
+    std::optional<Error> error;
+    if (state.variables() == Variables::momenta) error = needs_velocities(tree_, names_);
+    if (!error) error = assemble(tree_, model_, names_, state);
+    if (!error) error = conflicting_motions(tree_, names_, state);
+    if (!error) error = beyond_stops(tree_, names_, state);
+    if (error) throw_error(std::move(*error));
+  }
   state_ = std::move(state);
 }
 
@@ -143,6 +157,10 @@ void World::put_together(const Forest& forest) {
     const bool declared = model_.has_joint(each.name) && is_loop(model_.joint(each.name));
     loop.number = (declared ? model_.joint(each.name).index : names_.loops_end()) - first_loop;
     names_.add_loop(loop.id().index, each.name);
+    for (ActiveLimit limit : each.active_limits) {
+      limit.joint = loop.id().index;
+      active_limits_.push_back(limit);
+    }
     topology.loops.push_back(std::move(loop));
   }
   std::sort(topology.loops.begin(), topology.loops.end(), [](const Loop& a, const Loop& b) { return a.number < b.number; });
@@ -325,6 +343,10 @@ unsigned World::held(int joint) const {
 // Active limits end when their joint, or its limits, are removed.
 void World::forget_active_limits() {
   std::erase_if(active_limits_, [this](const ActiveLimit& h) {
+    if (is_loop({h.joint})) {
+      const Loop* const loop = tree_.find_loop(h.joint - first_loop);
+      return loop == nullptr || (loop->joint.locked >> h.dof & 1u) == 0 || !loop->parameters.limits.hard();
+    }
     const int b = tree_.carrier(h.joint);
     const JointParameters* p = tree_.parameters(b);
     return (tree_.joint(b).locked >> h.dof & 1u) == 0 || p == nullptr || !p->limits.hard();

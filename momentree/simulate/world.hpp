@@ -64,6 +64,14 @@ struct SpringView {
   Vec3 place_of_from{}, place_of_to{};  ///< of its ends in the world (m)
 };
 
+/// An exact coupling of joints as its user sees it.
+struct CouplingView {
+  Coupling coupling;
+  bool ended = false;  ///< one of its joints broke, left the world, or was changed
+  double effort = 0;  ///< on the joint along its DoF (N m or N); −f′(q) times that on the joint that it follows; 0 if it ended
+  bool determined = true;  ///< false if the equations leave the effort open
+};
+
 struct Mechanism {
   std::string_view name;
   BodyId root;
@@ -103,9 +111,11 @@ struct Forest {
     std::string name;
     Loop loop;
     double turn = 0;
+    std::vector<ActiveLimit> active_limits{};  ///< their joint is this one
   };
   std::vector<LoopJoint> loops;
   std::vector<Topology::SpringChange> springs;  ///< that broke or whose law was set; also where places are empty
+  std::vector<int> ended_couplings;             ///< the same
 };
 
 /// The state of one joint in a state document: empty lists keep the start value. If p is given, it is used instead of v; in a
@@ -118,9 +128,9 @@ struct JointStart {
 /// Evaluates its state lazily, when a result is requested: a world may be used by one thread at a time, even for reading.
 class World {
  public:
-  /// Compiles the model; the state is in these variables, with closed loops in velocities. Throws Error if a joint-space mass is
-  /// singular, or a loop cannot be closed.
-  explicit World(const Model& model, Variables variables = Variables::momenta);
+  /// Compiles the model; the state is in these variables, with closed loops in those of `with_loops`. Throws Error if a
+  /// joint-space mass is singular, or a loop cannot be closed.
+  explicit World(const Model& model, Variables variables = Variables::momenta, Variables with_loops = Variables::velocities);
 
   const Model& model() const { return model_; }
   /// The model without the bodies that were added to the world.
@@ -146,12 +156,17 @@ class World {
   int find_spring(std::string_view name) const;
   /// The same for repeated look-ups: `number`, −1 at first, caches the result.
   int find_spring(std::string_view name, std::atomic<int>& number) const;
+  /// A coupling of the model, with its effort. Costs accelerations(), like joint_forces().
+  CouplingView coupling(CouplingId coupling) const;
+  int couplings() const { return static_cast<int>(tree_.couplings().size()); }
+  /// Names of its joints in the model; the second one is empty if there is none.
+  std::pair<std::string, std::string> coupling_names(CouplingId coupling) const;
   /// Coordinate (rad, m) and velocity (rad/s, m/s) of a joint with one DoF; nothing for other joints.
   std::optional<std::pair<double, double>> single_dof(JointId joint) const;
   /// Number of the joint that has that name now; −1 if there is none.
   int find_joint(std::string_view name) const { return names_.find_joint(name); }
   int find_joint(std::string_view name, std::atomic<int>& number) const { return names_.find_joint(name, number); }
-  /// The loop joints, in the order in which they were made, and the state of their equations.
+  /// The loop joints, in the order in which they were made, and the state of their equations and those of couplings.
   std::vector<JointId> loops() const;
   LoopStatus loop_status() const;
   /// Changes whenever anything of the state or the topology changes.
@@ -228,14 +243,16 @@ class World {
   void drive(int joint, JointFunction function);
   void load(int body, BodyFunction function);
   void set_time(double time);
+  Variables own_variables() const { return tree_.has_loops() ? loop_variables_ : variables_; }
+  void take_variables(Variables variables);
   void set_gravity(Vec3 gravity);
   int held(int joint, int dof) const;
   unsigned held(int joint) const;
   void forget_active_limits();
 
   Model model_;
-  Variables variables_ = Variables::momenta;
-  bool loops_allowed_ = true;  // a run in momenta, as asked for or because its method requires it, has no loops
+  Variables variables_ = Variables::momenta, loop_variables_ = Variables::velocities;
+  bool loops_allowed_ = true;  // not for every method
   int first_bodies_ = 0;       // number of bodies that the world was made with
   Names declared_, names_;     // as in the model, and now
   std::vector<ActiveLimit> active_limits_;

@@ -32,7 +32,9 @@ Numbers World::p() const {
 }
 Numbers World::pdot() const {
   evaluate();
-  if (state_.variables() == Variables::velocities) find_momentum_rates(tree_, state_, workspace_);
+  const bool momenta = state_.variables() == Variables::momenta;
+  if (!momenta || tree_.has_loops()) find_momentum_rates(tree_, state_, workspace_);
+  if (momenta && tree_.has_loops()) return {workspace_.p.get(), count(tree_.nv())};
   return {workspace_.pdot.get(), count(tree_.nv())};
 }
 Numbers World::a() const {
@@ -54,6 +56,7 @@ void World::point_jacobian(BodyId body, Vec3 point, double* J) const {
 
 // `rates`: velocities or momenta.
 bool World::stays_resting(const ActiveLimit& limit, std::span<const double> q, std::span<const double> rates) const {
+  if (is_loop({limit.joint})) return std::equal(q.begin(), q.end(), state_.q().begin());
   const int b = tree_.carrier(limit.joint);
   const std::size_t at = count(tree_.first_q(b) + limit.dof);
   return q[at] == state_.q()[at] && rates[count(tree_.first_p(b) + limit.dof)] == 0;
@@ -69,7 +72,7 @@ std::vector<double> World::momenta_of(std::span<const double> q, std::span<const
   normalise_quaternions(tree_, coordinates, name);
   std::vector<std::pair<std::size_t, double>> released;  // DoFs that no longer rest on a stop, with their velocities
   for (const ActiveLimit& h : active_limits_)
-    if (!stays_resting(h, coordinates, rates)) {
+    if (!is_loop({h.joint}) && !stays_resting(h, coordinates, rates)) {
       const std::size_t i = count(tree_.first_p(tree_.carrier(h.joint)) + h.dof);
       released.emplace_back(i, rates[i]);
     }
@@ -97,6 +100,13 @@ void World::set_values(double time, std::span<const double> q, std::span<const d
   normalise_quaternions(tree_, coordinates, name);
   std::erase_if(active_limits_, [&](const ActiveLimit& h) {
     if (stays_resting(h, coordinates, rates)) return false;
+    if (const Loop* const loop = is_loop({h.joint}) ? tree_.find_loop(h.joint - first_loop) : nullptr) {
+      const Loop held = *loop;
+      Joint joint = held.joint;
+      joint.locked &= ~(1u << h.dof);
+      tree_.set_loop(held.number, joint, held.parameters, held.held);
+      return true;
+    }
     const int b = tree_.carrier(h.joint);
     Joint joint = tree_.joint(b);
     joint.locked &= ~(1u << h.dof);
@@ -117,6 +127,16 @@ void World::assign(double time, std::span<const double> q, std::span<const doubl
   momenta.assign(time, q, y, tree_);
   forward_dynamics(tree_, momenta, workspace_);
   state_.assign(time, q, {workspace_.v.get(), y.size()}, tree_);
+}
+
+// The same motion in other variables.
+void World::take_variables(Variables variables) {
+  if (state_.variables() == variables) return;
+  evaluate();
+  if (variables == Variables::velocities) return state_.change_variables(variables, v());
+  std::vector<double> coordinates(state_.q().begin(), state_.q().end()), y(p().begin(), p().end());
+  follow_motions(tree_, time(), coordinates.data(), y.data());
+  state_.change_variables(variables, y);
 }
 
 }  // namespace momentree

@@ -41,18 +41,19 @@ JointView World::loop_view(JointId number) const {
     own.v[k] = 0;
     if (kind.nq == kind.nv) own.q[k] = loop.held[k];
   }
-  if (kind.nq != kind.nv && loop.joint.locked != 0) std::copy_n(loop.held.begin(), kind.nq, own.q);
+  if (kind.nq != kind.nv && loop.joint.locked + 1 == 1u << kind.nv) std::copy_n(loop.held.begin(), kind.nq, own.q);
   JointView view;
   view.name = joint_name(number);
   view.kind = loop.joint.kind;
   view.child = {loop.body}, view.parent = {loop.to};
-  view.locked = loop.joint.locked;
+  view.locked = loop.joint.locked & ~held(number.index), view.resting = held(number.index);
   view.at = loop.joint.at, view.child_at = loop.joint.child_at;
   view.axis = loop.joint.axis, view.axis2 = loop.joint.axis2, view.pitch = loop.joint.pitch;
   view.parameters = &loop.parameters;
   view.q = {own.q, static_cast<std::size_t>(kind.nq)};
   view.v = {own.v, static_cast<std::size_t>(kind.nv)};
   view.loop = true;
+  view.driven = loop.driven();
   return view;
 }
 

@@ -116,6 +116,11 @@ struct SetLoop {
   bool keeps_energy = true;  ///< the energy of its spring stays with the joint
 };
 
+/// Ends a coupling of joints, which must act: no velocity changes.
+struct EndCoupling {
+  CouplingId coupling;
+};
+
 /// Removes a spring between two points, which must not be broken. No velocity changes; the energy that it stored is released.
 struct BreakSpring {
   SpringId spring;
@@ -159,6 +164,7 @@ Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<
 JointId apply(const MakeLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const BreakLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const SetLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
+Released apply(const EndCoupling& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const BreakSpring& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 Released apply(const SetSpring& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept;
 /// Returns the impulse on the DoF (N s, or N m s). The topology does not change.

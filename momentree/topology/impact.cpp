@@ -1,14 +1,42 @@
 #include <algorithm>
 
 #include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/loop_workspace.hpp>
 #include <momentree/dynamics/loops.hpp>
 #include <momentree/topology/change.hpp>
 
 namespace momentree {
 
+namespace {
+
+// Those of the solution for a unit impulse.
+void scale_impulses(Workspace<double>& workspace, double impulse) noexcept {
+  LoopWorkspace& loops = *workspace.loops;
+  for (double& lambda : loops.lambda) lambda *= impulse;
+  loops.strike = impulse * loops.strike;
+}
+
+double strike(const Impact& change, const Tree& tree, State& state, Workspace<double>& workspace) noexcept {
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
+  int place = 0;
+  while (!(tree.loops()[static_cast<std::size_t>(place)].id() == change.joint)) ++place;
+  double q[7] = {}, u[6] = {};
+  loop_coordinates(tree, workspace, place, q, u);
+  double* const y = workspace.impulse.get();
+  const double unit = strike_loop(tree, state.q().data(), workspace, place, change.dof, y);
+  const double impulse = -(1 + change.restitution) * u[change.dof] / unit;
+  const State::Edit edit = state.edit();
+  for (std::size_t k = 0; k < edit.u.size(); ++k) edit.u[k] += impulse * y[k];
+  scale_impulses(workspace, impulse);
+  return impulse;
+}
+
+}  // namespace
+
 // The row of the constraint is the unit vector e of the DoF: y = M⁻¹ e, λ = −(1 + restitution) u / y, p += λ e. Velocities are
 // linear in p, so one evaluation with p = e gives y.
 double apply(const Impact& change, const Tree& tree, State& state, Workspace<double>& workspace) noexcept {
+  if (is_loop(change.joint)) return strike(change, tree, state, workspace);
   const int b = tree.carrier(change.joint).index;
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   MT_REQUIRE(change.dof >= 0 && change.dof < info(tree.joint(b).kind).nv && (tree.joint(b).locked >> change.dof & 1u) == 0,
@@ -27,6 +55,7 @@ double apply(const Impact& change, const Tree& tree, State& state, Workspace<dou
     const double impulse = -(1 + change.restitution) * u / y[i];
     const State::Edit edit = state.edit();
     for (std::size_t k = 0; k < edit.u.size(); ++k) edit.u[k] += impulse * y[k];
+    if (tree.has_loops()) scale_impulses(workspace, impulse);
     return impulse;
   }
   std::fill_n(workspace.impulse.get(), tree.nv(), 0.0);

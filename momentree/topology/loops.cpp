@@ -22,6 +22,21 @@ std::size_t place_of(const Tree& tree, JointId joint) {
   return i;
 }
 
+double energy_of(const Tree& tree, const Workspace<double>& workspace, std::size_t place) {
+  const auto i = static_cast<int>(place);
+  return loop_energy(tree, workspace, i) + loop_armature_energy(tree, workspace, i);
+}
+
+// The armature of a DoF that is locked stops with it.
+double stopped_armatures(const Tree& tree, const Workspace<double>& workspace, std::size_t place, unsigned locked) {
+  const Loop& loop = tree.loops()[place];
+  double q[7] = {}, u[6] = {}, energy = 0;
+  loop_coordinates(tree, workspace, static_cast<int>(place), q, u);
+  for (int i = 0; i < info(loop.joint.kind).nv; ++i)
+    if ((locked & ~loop.joint.locked) >> i & 1u) energy += 0.5 * loop.parameters.armature.of(i) * u[i] * u[i];
+  return energy;
+}
+
 }  // namespace
 
 JointId apply(const MakeLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
@@ -31,12 +46,9 @@ JointId apply(const MakeLoop& change, Tree& tree, State& state, Workspace<double
     forward_dynamics(tree, state, workspace);
   }
   carry_momenta(tree, workspace);
-  std::vector<double> turns = state.turns();
-  turns.resize(tree.loops().size(), 0.0);
-  turns.push_back(change.turn);
   const int number = tree.add_loop(change.loop);
   renew(tree, state);
-  state.set_turns(turns);
+  state.set_turn(tree.loops().size() - 1, change.turn);
   settle_velocities(tree, state, workspace, change.loop.body);
   return {first_loop + number};
 }
@@ -44,27 +56,36 @@ JointId apply(const MakeLoop& change, Tree& tree, State& state, Workspace<double
 Released apply(const BreakLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   const std::size_t place = place_of(tree, change.joint);
-  const Released released{change.keeps_energy ? 0 : loop_energy(tree, workspace, static_cast<int>(place))};
-  std::vector<double> turns = state.turns();
-  if (place < turns.size()) turns.erase(turns.begin() + static_cast<std::ptrdiff_t>(place));
+  const Released released{change.keeps_energy ? 0 : energy_of(tree, workspace, place)};
   tree.remove_loop(change.joint.index - first_loop);
   renew(tree, state);
-  state.set_turns(turns);
+  state.remove_turn(place);
   return released;
+}
+
+Released apply(const EndCoupling& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
+  MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
+  tree.end_coupling(change.coupling.index);
+  renew(tree, state);
+  return {};
 }
 
 Released apply(const SetLoop& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   const std::size_t place = place_of(tree, change.joint);
-  const Released released{change.keeps_energy ? 0 : loop_energy(tree, workspace, static_cast<int>(place))};
+  Released released{change.keeps_energy ? 0 : energy_of(tree, workspace, place)};
   if (change.impact) carry_momenta(tree, workspace);
-  std::vector<double> turns = state.turns();
-  turns.resize(tree.loops().size(), 0.0);
-  turns[place] = change.turn;
+  if (change.keeps_energy) released.energy += stopped_armatures(tree, workspace, place, change.to.locked);
   tree.set_loop(change.joint.index - first_loop, change.to, change.parameters, change.held);
   renew(tree, state);
-  state.set_turns(turns);
+  state.set_turn(place, change.turn);
   if (change.impact) settle_velocities(tree, state, workspace, tree.loops()[place].body);
+  if (tree.loops()[place].driven()) {  // it begins where the joint is, up to a tolerance
+    double energy = 0;
+    const State::Edit edit = state.edit();
+    const bool closed = close_loops(tree, edit.time, edit.q.data(), edit.u.data(), workspace, energy);
+    static_cast<void>(closed);  // else the next step will say so
+  }
   return released;
 }
 

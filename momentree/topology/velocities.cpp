@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/joint_mass.hpp>
@@ -26,6 +27,7 @@ void carry_momenta(const Tree& tree, Workspace<double>& workspace) noexcept {
     const auto i = static_cast<std::size_t>(b);
     workspace.carried[i] = to_user_frame(at_centre(tree, b), momentum(tree.link(b).body, workspace.motions[i].velocity));
   }
+  if (tree.has_loops()) carry_armatures(tree, workspace);
 }
 
 void settle_velocities(const Tree& tree, State& state, Workspace<double>& workspace, int b) noexcept {
@@ -35,7 +37,7 @@ void settle_velocities(const Tree& tree, State& state, Workspace<double>& worksp
   }
   double* const u = workspace.impulse.get();
   std::copy_n(state.u().data(), tree.nv(), u);
-  project_velocities(tree, state.q().data(), u, workspace);
+  project_velocities(tree, state.q().data(), u, workspace, state.time());
   const State::Edit edit = state.edit();
   if (tree.has_loops()) {  // which may join several trees
     std::copy_n(u, tree.nv(), edit.u.data());

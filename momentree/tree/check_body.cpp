@@ -273,14 +273,6 @@ std::vector<BodyProblem> check_loop(const LoopSpec& spec, int bodies) {
   checks.placement("at", spec.at);
   checks.placement("child_at", spec.child_at);
   for (const JointProblem& problem : check_joint(spec.joint)) checks.add(problem.field.c_str(), problem.what, problem.hint);
-  const JointParameters& p = spec.joint.parameters;
-  const char* const instead = "give it to a joint of the tree: any joint of a loop can be the one that closes it";
-  if (p.armature.any()) checks.add("armature", "is not supported for joints that close a loop yet", instead);
-  if (p.limits.hard())
-    checks.add("limits", "hard stops are not supported for joints that close a loop yet",
-               "give 'stiffness', or " + std::string(instead));
-  if (p.drive != nullptr && p.drive->moves())
-    checks.add("drive", "a prescribed motion is not supported for joints that close a loop yet", instead);
   return std::move(checks.problems);
 }
 

@@ -64,6 +64,10 @@ auto words(const Spring& s) {
       .all();
 }
 
+auto words(const Coupling& c) {
+  return Words<6>()(pair(c.joint.index, c.follows.index))(c.multiplier)(c.offset)(c.higher[0])(c.higher[1])(c.higher[2]).all();
+}
+
 // FNV-1a over whole words.
 struct Fingerprint {
   std::uint64_t value = 14695981039346656037u;
@@ -81,6 +85,7 @@ std::uint64_t fingerprint_of(const Declared& d) {
   for (const MassProperties& mass : d.masses) all.add(words(mass));
   for (const JointParameters& p : d.parameters) all.add(words(p));
   for (const Spring& s : d.springs) all.add(words(s));
+  for (const Coupling& c : d.couplings) all.add(words(c));
   return all.value;
 }
 
@@ -125,6 +130,7 @@ std::shared_ptr<Declared> declare(const Model& model) {
   Declared& d = *declared;
   d.forces = model.forces();
   d.springs = model.springs();
+  d.couplings = model.couplings();
   d.bodies.resize(static_cast<std::size_t>(model.size()));
   d.joints.reserve(d.bodies.size()), d.masses.reserve(d.bodies.size());
   Distinct joints, masses, parameters;

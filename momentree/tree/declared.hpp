@@ -61,6 +61,7 @@ struct Declared {
   SharedLinks links;                ///< of the declared topology
   std::vector<BodyForce> forces;
   std::vector<Spring> springs;
+  std::vector<Coupling> couplings;
   /// Hash of everything that a snapshot of coordinates and momenta depends on: equal for models with the same bodies and joints.
   std::uint64_t fingerprint = 0;
 };

@@ -118,10 +118,21 @@ JointId Model::add_loop(LoopSpec spec) {
   spec.at.rotation = unit(spec.at.rotation);
   spec.child_at.rotation = unit(spec.child_at.rotation);
   normalise_quaternion(spec.joint.parameters.rest, kind.q_units);
+  begin_motion(spec.joint.parameters.drive, 0, 0);
   const int number = first_loop + static_cast<int>(loops_.size());
   by_joint_.own().emplace(spec.name, number);
   loops_.push_back(std::move(spec));
   return {number};
+}
+
+CouplingId Model::add_coupling(const Coupling& coupling) {
+  for (const CouplingProblem& problem : check_coupling(coupling, *this)) {
+    const bool known = coupling.joint.index >= 0 && coupling.joint.index < size();
+    throw_error({problem.field + ": " + problem.what,
+                 known ? "coupling of '" + (*this)[coupling.joint].joint_name + "'" : "coupling", problem.hint});
+  }
+  couplings_.push_back(coupling);
+  return {static_cast<int>(couplings_.size()) - 1};
 }
 
 SpringId Model::add_spring(Spring spring) {
@@ -168,6 +179,7 @@ void Model::keep(int count) {
     by_joint_.own().erase(loops_.back().name);
     loops_.pop_back();
   }
+  std::erase_if(couplings_, [count](const Coupling& c) { return std::max(c.joint.index, c.follows.index) >= count; });
   std::erase_if(springs_, [count](const Spring& s) { return std::max(s.from.body.index, s.to.body.index) >= count; });
   while (size() > count) {
     const BodySpec& last = bodies_.own().back();

@@ -14,6 +14,7 @@
 #include <momentree/joint/joint.hpp>
 #include <momentree/math/vec.hpp>
 #include <momentree/tree/body_force.hpp>
+#include <momentree/tree/coupling.hpp>
 #include <momentree/tree/ids.hpp>
 #include <momentree/tree/spring.hpp>
 
@@ -81,6 +82,13 @@ class Model {
   /// joint, parameters that loop joints do not support.
   JointId add_loop(LoopSpec spec);
   const std::vector<LoopSpec>& loops() const { return loops_; }
+  /// Adds an exact coupling of joints of this model. At the start a joint that is coupled takes the position and velocity that
+  /// follow from the joint that it follows, not its own. Throws Error: no such joint, a joint that closes a loop or does not have
+  /// one DoF, a joint that follows itself, numbers that are not finite, joints whose motions are all prescribed.
+  CouplingId add_coupling(const Coupling& coupling);
+  const std::vector<Coupling>& couplings() const { return couplings_; }
+  /// True with loop joints or couplings: the model has equations beside its tree.
+  bool has_equations() const { return !loops_.empty() || !couplings_.empty(); }
   /// Adds a spring between two points of different bodies of this model, or of the ground. Throws Error: no name, or one that
   /// another spring or a joint has; no such body; an end that is not finite, or both ends on one body; a negative stiffness,
   /// damping or rest length; a strength that is not positive; neither stiffness nor damping.
@@ -94,7 +102,7 @@ class Model {
   /// Reserves space for that many bodies in total.
   void reserve(int count);
 
-  /// Removes all bodies but the first `count` (≥ 0), with the forces and springs on them and their loops.
+  /// Removes all bodies but the first `count` (≥ 0), with the forces and springs on them, their loops and couplings.
   void keep(int count);
 
   Vec3 gravity() const { return gravity_; }
@@ -144,6 +152,7 @@ class Model {
   detail::CopyOnWrite<std::vector<BodySpec>> bodies_;
   std::vector<BodyForce> forces_;
   std::vector<LoopSpec> loops_;
+  std::vector<Coupling> couplings_;
   std::vector<Spring> springs_;
   detail::CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: the first root with that name
 };

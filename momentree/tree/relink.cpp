@@ -203,6 +203,7 @@ void Tree::list_special_joints() {
   }
   has_forces_ = (all & force) != 0;
   has_functions_ = (all & function_driven) != 0;
+  note_constraints();
 }
 
 // Writes the tree of `root` into the order, from `place` on; returns its end. Iterative, because a chain of a million bodies is a
@@ -295,7 +296,7 @@ void Tree::build_runs() {
   record_scalars_ = scalars;
   if (has_pair_lanes) find_pairs((any & node::branching) != 0);
   list_loaded_bodies();
-  if (!loops_.empty()) list_loops();
+  if (!loops_.empty() || !coupling_ended_.empty()) list_loops();
 }
 
 // Allocates only the first time and after bodies were added.

@@ -73,6 +73,17 @@ void State::set_turns(std::span<const double> turns) {
   turns_.assign(turns.begin(), turns.end());
 }
 
+void State::set_turn(std::size_t place, double turn) {
+  changed();
+  if (place >= turns_.size()) turns_.resize(place + 1, 0.0);
+  turns_[place] = turn;
+}
+
+void State::remove_turn(std::size_t place) {
+  changed();
+  if (place < turns_.size()) turns_.erase(turns_.begin() + static_cast<std::ptrdiff_t>(place));
+}
+
 void State::change_variables(Variables variables, std::span<const double> y) {
   require_no_edit();
   MT_REQUIRE(y.size() == y_.size(), "as many numbers as the state has momenta or velocities");

@@ -54,6 +54,9 @@ class State {
   /// By loop: the angle of its joint when it was last closed, which tells full turns apart. Empty: all zero.
   const std::vector<double>& turns() const { return turns_; }
   void set_turns(std::span<const double> turns);
+  /// Of one loop, by its place in Tree::loops(): sets its angle, or removes it with the loop.
+  void set_turn(std::size_t place, double turn);
+  void remove_turn(std::size_t place);
   /// Tree::revision() of the tree to which the state belongs.
   std::uint64_t topology() const { return topology_; }
   /// While the state is being edited each call returns a new stamp, because anything may have been written in between.

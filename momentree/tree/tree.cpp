@@ -51,6 +51,7 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
     joint_at_[at(b)] = declared->bodies[at(b)].joint;
   }
   put_springs({});
+  coupling_ended_.assign(declared->couplings.size(), 0);
   revision_.renew();
   for (const LoopSpec& spec : model.loops()) {
     Loop loop;
@@ -82,6 +83,8 @@ Topology Tree::topology() const {
   t.loops = loops_;
   for (const Topology::SpringChange& s : spring_states_)
     if (s.broken || s.law != law_of(springs()[at(s.spring)])) t.springs.push_back(s);
+  for (std::size_t c = 0; c < coupling_ended_.size(); ++c)
+    if (coupling_ended_[c] != 0) t.ended_couplings.push_back(static_cast<int>(c));
   t.added = added_masses_;
   t.model = declared_ ? declared_->fingerprint : 0;
   return t;
@@ -111,6 +114,8 @@ void Tree::require_valid(const Topology& topology) const {
   for (const auto& function : topology.functions) MT_REQUIRE(function != nullptr, "a function is not null");
   for (const Topology::SpringChange& s : topology.springs)
     MT_REQUIRE(s.spring >= 0 && at(s.spring) < springs().size(), "a changed spring is one of the model's");
+  for (const int c : topology.ended_couplings)
+    MT_REQUIRE(c >= 0 && at(c) < couplings().size(), "a coupling that ended is one of the model's");
   for (const Topology::Loaded& load : topology.loads)
     MT_REQUIRE(has(load.body) && load.function != nullptr, "a function acts on a body of the topology");
 }
@@ -140,8 +145,11 @@ void Tree::restore(const Topology& topology) {
   loops_ = topology.loops;
   for (const Loop& loop : loops_) next_loop_ = std::max(next_loop_, loop.number + 1);
   loop_links_.clear(), loop_stops_.clear();
-  loop_rows_ = loop_columns_ = 0;
+  loop_rows_ = loop_columns_ = loop_motions_ = loop_armatures_ = 0;
+  note_constraints();
   put_springs(topology.springs);
+  std::fill(coupling_ended_.begin(), coupling_ended_.end(), static_cast<unsigned char>(0));
+  for (const int c : topology.ended_couplings) coupling_ended_[at(c)] = 1;
   revision_.renew();
   link_all();
 }
@@ -156,14 +164,15 @@ double Tree::next_bend(double t) const {
   const auto look = [&](const std::vector<Signal>& signals) {
     for (const Signal& s : signals) next = std::min(next, s.next_bend(t));
   };
-  for (const auto* joints : {&forced_joints_, &driven_joints_}) {
-    for (const int b : *joints) {
-      const JointParameters* p = parameters(b);
-      if (p == nullptr || p->drive == nullptr) continue;
-      look(p->drive->effort), look(p->drive->pd.target), look(p->drive->pd.target_speed);
-      for (const Curve& c : p->drive->motion) next = std::min(next, c.signal().next_bend(t));
-    }
-  }
+  const auto look_at = [&](const JointDrive* drive) {
+    if (drive == nullptr) return;
+    look(drive->effort), look(drive->pd.target), look(drive->pd.target_speed);
+    for (const Curve& c : drive->motion) next = std::min(next, c.signal().next_bend(t));
+  };
+  for (const auto* joints : {&forced_joints_, &driven_joints_})
+    for (const int b : *joints)
+      if (const JointParameters* p = parameters(b)) look_at(p->drive.get());
+  for (const Loop& loop : loops_) look_at(loop.parameters.drive.get());
   for (const BodyForce& force : body_forces())
     if (alive(force.body.index))
       for (const auto* signals : {&force.force, &force.torque})

@@ -61,6 +61,7 @@ struct Topology {
   std::vector<Loaded> loads;                                    ///< at most one per body
   std::vector<Loop> loops;                                      ///< all loop joints, the model's too
   std::vector<SpringChange> springs;                            ///< in the order of spring numbers
+  std::vector<int> ended_couplings;                             ///< in ascending order
   std::uint64_t model = 0;                                      ///< fingerprint of the model
 };
 
@@ -224,10 +225,19 @@ class Tree {
     const int i = joint(b).function;
     return i < 0 ? nullptr : functions_[at(i)].get();
   }
-  /// Loop joints, and their form for the recursions, in the same order.
+  /// Loop joints, and their form for the recursions, in the same order, followed by the couplings that act.
   std::span<const Loop> loops() const { return loops_; }
   std::span<const LoopLink> loop_links() const { return loop_links_; }
-  bool has_loops() const { return !loops_.empty(); }
+  /// True with loop joints or couplings that act.
+  bool has_loops() const { return !loop_links_.empty(); }
+  /// The couplings of the model. One acts until a joint of it breaks, leaves the world, or no longer has one DoF; it never acts
+  /// again.
+  std::span<const Coupling> couplings() const {
+    return declared_ ? std::span<const Coupling>(declared_->couplings) : std::span<const Coupling>();
+  }
+  bool coupling_acts(int coupling) const { return coupling_ended_[at(coupling)] == 0; }
+  /// True if there are loops or driven joints: evaluations then do more than the passes over the tree.
+  bool has_constraints() const { return has_constraints_; }
   /// The loop joint of that number, or null.
   const Loop* find_loop(int number) const;
   /// Bodies between the ends of loops and the ground, one entry per body and loop, inboard before outboard.
@@ -235,6 +245,9 @@ class Tree {
   /// Numbers of rows of all loops, and of columns at all stops.
   int loop_rows() const { return loop_rows_; }
   int loop_columns() const { return loop_columns_; }
+  /// Of these, rows of prescribed motions and of armatures of loop joints.
+  int loop_motions() const { return loop_motions_; }
+  int loop_armatures() const { return loop_armatures_; }
   /// The first instant (s) after t at which a table of a drive or force has a kink; infinite if there is none. Steps must not
   /// cross it.
   double next_bend(double t) const;
@@ -288,6 +301,8 @@ class Tree {
   int add_loop(Loop loop);
   void remove_loop(int number);
   void set_loop(int number, const Joint& joint, const JointParameters& parameters, const Values& held = {});
+  /// Ends a coupling.
+  void end_coupling(int coupling);
   /// Removes a spring, or sets its law.
   void break_spring(int spring);
   void set_spring_law(int spring, const SpringLaw& law);
@@ -355,6 +370,8 @@ class Tree {
 
   void list_loaded_bodies();
   void list_loops();
+  void list_couplings();
+  void note_constraints() { has_constraints_ = !driven_joints_.empty() || !loop_links_.empty(); }
 
   // springs.cpp
   void put_springs(const std::vector<Topology::SpringChange>& changes);
@@ -431,6 +448,7 @@ class Tree {
   detail::Reserved<int> angle_q_;
   detail::Reserved<double> angle_offset_, armature_, damping_, effort_;
   bool has_forces_ = false, has_functions_ = false, has_pairs_ = false, has_planes_ = false;
+  bool has_constraints_ = false;
   std::vector<Topology::Loaded> body_functions_;
   std::vector<Topology::SpringChange> spring_states_;  // by spring
   const Topology::SpringChange& spring_state(int spring) const {
@@ -442,7 +460,8 @@ class Tree {
   std::vector<Loop> loops_;
   std::vector<LoopLink> loop_links_;
   std::vector<LoopStop> loop_stops_;
-  int next_loop_ = 0, loop_rows_ = 0, loop_columns_ = 0;
+  std::vector<unsigned char> coupling_ended_;  // by coupling
+  int next_loop_ = 0, loop_rows_ = 0, loop_columns_ = 0, loop_motions_ = 0, loop_armatures_ = 0;
 };
 
 /// Compiles a model: `Tree tree = compile(model)`.

@@ -12,7 +12,19 @@ from typing import TYPE_CHECKING, Any
 from momentree import distributions, events, joints
 from momentree._core import Body, Context, Joint, ModelBody, Snapshot, Spring, World, __version__
 from momentree._errors import Diagnostic, Error, RunError
-from momentree._records import ActionRecord, Energy, Event, LoopStatus, Mechanism, MissedEvent, Momentum, Rates, Totals, Wrench
+from momentree._records import (
+    ActionRecord,
+    Coupling,
+    Energy,
+    Event,
+    LoopStatus,
+    Mechanism,
+    MissedEvent,
+    Momentum,
+    Rates,
+    Totals,
+    Wrench,
+)
 from momentree._views import StateView
 from momentree._vocabulary import Action, Condition, JointSpec, Quantity, Reaction
 from momentree.batch import Batch, BodyColumns, Group, JointColumns

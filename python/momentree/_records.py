@@ -58,6 +58,21 @@ class Wrench(NamedTuple):
     """Torque (N m), or angular impulse (N m s), shape (3,)."""
 
 
+class Coupling(NamedTuple):
+    """An exact coupling of joints."""
+
+    joint: str
+    """Name of the joint in the model."""
+    follows: str | None
+    """Name of the joint that it follows; ``None`` if it is held."""
+    ended: bool
+    """True once one of its joints broke, left the world or was changed."""
+    effort: float
+    """Effort on the joint along its DoF (N m or N); −f′(q) times that acts on the joint that it follows. 0 if it has ended."""
+    determined: bool
+    """False if redundant equations leave the effort open."""
+
+
 class LoopStatus(NamedTuple):
     """The equations of all closed loops of a world."""
 

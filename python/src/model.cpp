@@ -68,6 +68,17 @@ void add_loop(const ModelPtr& self, const std::string& name, nb::handle body, nb
   self->model.add_loop(io::PartReader(call).loop(name, table, self->model));
 }
 
+void add_coupling(ModelObject& self, const std::string& joint, const std::string& follows,
+                  const std::vector<double>& polynomial) {
+  Coupling coupling;
+  coupling.joint = self.model.joint(joint);
+  if (!follows.empty()) coupling.follows = self.model.joint(follows);
+  if (polynomial.empty() || polynomial.size() > 5) refuse("polynomial: expected 1 to 5 numbers");
+  const auto a = [&](std::size_t i) { return i < polynomial.size() ? polynomial[i] : 0.0; };
+  coupling.offset = a(0), coupling.multiplier = a(1), coupling.higher = {a(2), a(3), a(4)};
+  self.model.add_coupling(coupling);
+}
+
 template <class Name>
 std::vector<std::string> names(const ModelObject& self, Name name) {
   std::vector<std::string> all;
@@ -98,6 +109,10 @@ std::shared_ptr<ModelObject> in_order(const ModelObject& self, const std::vector
   for (LoopSpec loop : self.model.loops()) {
     loop.body = now(loop.body.index), loop.to = now(loop.to.index);
     sorted->model.add_loop(std::move(loop));
+  }
+  for (Coupling coupling : self.model.couplings()) {
+    coupling.joint = {now(coupling.joint.index).index}, coupling.follows = {now(coupling.follows.index).index};
+    sorted->model.add_coupling(coupling);
   }
   for (io::JointCoupling coupling : self.couplings) {
     coupling.joint = {now(coupling.joint.index).index}, coupling.leader = {now(coupling.leader.index).index};
@@ -133,6 +148,7 @@ void register_model(nb::module_& m) {
           "gravity"_a)
       .def("_add", &add, "name"_a, "parent"_a.none(), "fields"_a)
       .def("_add_loop", &add_loop, nb::arg(), nb::arg().none(), nb::arg().none(), nb::arg())
+      .def("_add_coupling", &add_coupling)
       .def("_add_force", &add_force)
       .def("_add_spring", &add_spring)
       .def("__len__", [](const ModelObject& self) { return self.model.size(); })

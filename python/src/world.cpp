@@ -380,6 +380,21 @@ void register_world(nb::module_& m) {
       .def_prop_ro(
           "loop_status", [](const WorldPtr& w) { return loop_status(Reading(w)->loop_status()); },
           "The equations of the closed loops: `rows`, `rank` and `residual`.")
+      .def_prop_ro(
+          "couplings",
+          [](const WorldPtr& w) {
+            const Reading world(w);
+            nb::list all;
+            for (int c = 0; c < world->couplings(); ++c) {
+              const CouplingView view = world->coupling({c});
+              const auto [joint, follows] = world->coupling_names({c});
+              all.append(python_class("_records", "Coupling")(joint,
+                                                              follows.empty() ? nb::none() : nb::object(nb::str(follows.c_str())),
+                                                              view.ended, view.effort, view.determined));
+            }
+            return all;
+          },
+          "The exact couplings of the model, in its order: `joint`, `follows`, `ended`, `effort` and `determined`.")
       .def("_body",
            [](const WorldPtr& w, nb::handle name) {
              const Reading world(w);

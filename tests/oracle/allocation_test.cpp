@@ -275,3 +275,116 @@ TEST_CASE("arrays of a batch allocate nothing for each world") {
       CHECK(allocations == before);
     }
 }
+
+namespace {
+JointSpec pin() {
+  JointSpec joint;
+  joint.kind = Kind::revolute, joint.axis = y_axis;
+  return joint;
+}
+
+// Parallelograms side by side: a crank on the ground, and a bar to the tip of the next crank, which a loop joint closes.
+Model windows(int count, bool closed = true) {
+  Model model;
+  const auto name = [](const char* what, int i) { return "a mechanism with a long name/" + (what + std::to_string(i)); };
+  const auto bar = [&](const std::string& called, BodyId parent, double at, double q) {
+    return model.add({.name = called,
+                      .mass = 1,
+                      .com = {0.15, 0, 0},
+                      .inertia = diagonal(1e-4, 0.01, 0.01),
+                      .parent = parent,
+                      .at = {at, 0, 0},
+                      .joint = pin(),
+                      .q = q});
+  };
+  std::vector<BodyId> cranks, bars;
+  for (int i = 0; i <= count; ++i) cranks.push_back(bar(name("crank", i), ground, 0.4 * i, 0.7));
+  for (int i = 0; i < count; ++i) bars.push_back(bar(name("bar", i), cranks[static_cast<std::size_t>(i)], 0.3, -0.7));
+  for (std::size_t i = 0; closed && i < bars.size(); ++i) {
+    LoopSpec loop{.name = name("pin", static_cast<int>(i)), .body = bars[i], .to = cranks[i + 1]};
+    loop.joint = pin(), loop.joint.parameters.damping = 0.01;
+    loop.at.position = {0.3, 0, 0}, loop.child_at.position = {0.4, 0, 0};
+    model.add_loop(loop);
+  }
+  return model;
+}
+}  // namespace
+
+TEST_CASE("steps with loops allocate nothing, nor do stops, conditions and dense output, by every method with loops") {
+  for (const char* method : {"rk4", "midpoint", "dopri5", "dop853"}) {
+    CAPTURE(method);
+    Model model = windows(3);
+    model.add({.name = "a mechanism with a long name/door",
+               .mass = 1,
+               .com = {0.1, 0, 0},
+               .inertia = diagonal(0.01),
+               .joint = Revolute{.axis = y_axis, .limits = {.lower = -3, .upper = 3, .restitution = 0.9}},
+               .v = 3.0});
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    const std::string crank = model[BodyId{0}].joint_name, loop = "a mechanism with a long name/pin0";
+    for (Condition condition : {reaction_force(crank).exceeds(1e6), reaction_torque(loop).exceeds(1e6)}) {
+      condition.least_norm = true;
+      sim.when(condition).then(lock(crank));
+    }
+    for (const Condition& condition : {position_of(crank).exceeds(100), speed_of(crank).exceeds(1e4)})
+      sim.when(condition).then(lock(crank));
+    REQUIRE(sim.run_until(0.02) == Status::ok);  // makes room
+    const long before = allocations;
+    const Status status = sim.run_until(0.06);
+    const long during = allocations - before;
+    CHECK(status == Status::ok);
+    CHECK(sim.world().loop_status().rank == 6);
+    CHECK(sim.events().empty());
+    CHECK(during == 0);
+  }
+}
+
+TEST_CASE("changes of loops allocate nothing, once there have been as many loops and rows") {
+  const Model model = windows(4, false);
+  Tree tree(model);
+  State state = start_state(model, tree);
+  Workspace<double> workspace(tree);
+  oracle::Prng draw(5);
+  const auto loop_between = [&](BodyId body, BodyId to) {
+    MakeLoop change;
+    change.loop.body = body.index, change.loop.to = to.index;
+    change.loop.joint.kind = Kind::ball;
+    const Pose at = user_pose(tree, locate_body(tree, state, workspace, body.index), body.index);
+    change.loop.joint.at =
+        to == ground ? at : inverse(user_pose(tree, locate_body(tree, state, workspace, to.index), to.index)) * at;
+    return change;
+  };
+  long during = 0;
+  int made = 0, set = 0, broken = 0, locked = 0;
+  for (int round = 0; round < 40; ++round) {
+    const long before = allocations;
+    for (int k = 0; k < 6; ++k) {  // from bar to bar, and to the ground
+      forward_dynamics(tree, state, workspace);
+      const BodyId body{5 + draw.integer(0, 3)}, to{draw.integer(-1, 4)};
+      if (tree.parent(body.index) == to.index) continue;
+      const JointId loop = apply(loop_between(body, to), tree, state, workspace);
+      ++made;
+      forward_dynamics(tree, state, workspace);
+      if (draw.chance(0.5)) {
+        SetLoop lock{loop, tree.loops().back().joint, {}, Values{1, 0, 0, 0}, 0, true};
+        lock.to.locked = 7;
+        apply(lock, tree, state, workspace), ++set;
+      }
+      forward_dynamics(tree, state, workspace);
+      apply(Lock{tree.inboard_joint(body)}, tree, state, workspace), ++locked;
+      forward_dynamics(tree, state, workspace);
+      apply(Unlock{tree.inboard_joint(body)}, tree, state, workspace);
+    }
+    forward_dynamics(tree, state, workspace);
+    while (tree.has_loops()) {
+      apply(BreakLoop{tree.loops()[0].id()}, tree, state, workspace), ++broken;
+      forward_dynamics(tree, state, workspace);
+    }
+    if (round >= 20) during += allocations - before;
+  }
+  CHECK(during == 0);
+  CHECK(made > 100);
+  CHECK(broken == made);
+  CHECK(set > 50);
+  CHECK(locked > 100);
+}

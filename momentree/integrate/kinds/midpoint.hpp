@@ -54,7 +54,7 @@ inline bool Midpoint::step(Evaluator& evaluate, State& state, EnergyLedger& ledg
   for (int k = 0; k < nv; ++k) y_[static_cast<std::size_t>(k)] = 2 * y_[static_cast<std::size_t>(k)] - y[k];
   end_step(evaluate.tree(), state.time() + h, q_.get(), y_.get());
   const Power power = workspace.power;  // closing loops evaluates, too
-  if (!sound(evaluate.tree(), q, q_.get(), y_.get()) || !close(evaluate, q_.get(), y_.get())) return false;
+  if (!sound(evaluate.tree(), q, q_.get(), y_.get()) || !close(evaluate, state.time() + h, q_.get(), y_.get())) return false;
   take_stored(evaluate.tree(), q, q_.get(), ledger);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());

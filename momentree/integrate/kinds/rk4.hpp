@@ -43,7 +43,7 @@ inline bool Rk4::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, d
                        sum.work += weight * workspace.power.work;
                      });
   end_step(evaluate.tree(), t + h, q_.get(), y_.get());
-  if (!sound(evaluate.tree(), q, q_.get(), y_.get()) || !close(evaluate, q_.get(), y_.get())) return false;
+  if (!sound(evaluate.tree(), q, q_.get(), y_.get()) || !close(evaluate, t + h, q_.get(), y_.get())) return false;
   take_stored(evaluate.tree(), q, q_.get(), ledger);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());

@@ -100,6 +100,12 @@ class Fit {
 
   static bool loop_number(int number) { return number >= 0 && number < 1 << 20; }  // far more than a run can make
 
+  int loop_dofs(int joint) const {
+    for (const Loop& loop : topology_.loops)
+      if (loop.id().index == joint) return info(loop.joint.kind).nv;
+    return 0;
+  }
+
   void check_loops() {
     const auto alive = [this](int b) { return body(b) && topology_.places[at(b)].joint >= 0; };
     for (const Loop& loop : topology_.loops) {
@@ -107,7 +113,7 @@ class Fit {
       require(alive(loop.body) && (loop.to == -1 || alive(loop.to)) && loop.body != loop.to, whole);
       const KindInfo& kind = info(loop.joint.kind);
       require(loop.joint.locked >> kind.nv == 0, whole);
-      require(loop.joint.locked == 0 || (loop.held.size() == kind.nq && locked_form(loop.joint, loop.held)), whole);
+      require(loop.joint.locked == 0 || loop.held.size() == kind.nq, whole);
     }
     require(run_.world.engine.turns.size() <= topology_.loops.size(), whole);
   }
@@ -128,7 +134,9 @@ class Fit {
             "a run in other variables");
     require(std::isfinite(run_.proposal) && run_.proposal > 0, whole);
     for (const ActiveLimit& limit : run_.world.active_limits)
-      require(joint(limit.joint) && limit.dof >= 0 && limit.dof < info(kinds_[at(limit.joint)]).nv, whole);
+      require(loops_.contains(limit.joint) ? limit.dof >= 0 && limit.dof < loop_dofs(limit.joint)
+                                           : joint(limit.joint) && limit.dof >= 0 && limit.dof < info(kinds_[at(limit.joint)]).nv,
+              whole);
   }
 
   const RunState now_;

@@ -141,7 +141,7 @@ void fields(Archive& archive, Part<Archive, Loop>& l) {
 /// Without functions and added bodies.
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Topology>& t) {
-  archive(t.places, t.changed, t.own, t.springs, t.loops, t.model);
+  archive(t.places, t.changed, t.own, t.springs, t.loops, t.ended_couplings, t.model);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Snapshot>& s) {

@@ -64,12 +64,17 @@ void fields(Archive& archive, Part<Archive, TopologyRecord::Moved>& m) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, TopologyRecord>& t) {
-  archive(t.gone, t.joints, t.moved, t.broken_springs);
+  archive(t.gone, t.joints, t.moved, t.broken_springs, t.ended_couplings);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, Event::OfCoupling>& c) {
+  archive(c.joint, c.follows, c.on_joint, c.on_follows);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Event>& e) {
   archive(e.time, e.name, e.actions, e.topology, e.mechanisms_before, e.mechanisms_after, e.before, e.after, e.released, e.lost,
-          e.work, e.impulse, e.ground_impulse, e.hardest_joint, e.hardest_linear, e.hardest_angular, e.duration_ns);
+          e.work, e.impulse, e.ground_impulse, e.coupling_impulse, e.hardest_joint, e.hardest_linear, e.hardest_angular,
+          e.duration_ns);
 }
 
 template <class Archive>

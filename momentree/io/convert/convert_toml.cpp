@@ -70,19 +70,18 @@ class Converter {
   Converter(const Scenario& scenario, std::string folder) : scenario_(scenario), folder_(std::move(folder)) {
     from_ = fs::path(scenario.path).parent_path().string();
     bodies_ = by_mechanism(scenario.model);
-    for (const Value& mechanism : *scenario.document->find("mechanism")->value.array())
-      mimics_ = mimics_ || (mechanism.find("mimic") && !scenario.couplings.empty());
   }
 
   Converted convert() {
     Value::Table document;
     for (const char* key : {"format", "title", "state", "world", "mechanism", "force", "loop", "spring", "coupling", "event",
                             "integrate", "output"}) {
-      if (mimics_ && std::string_view(key) == "coupling") {
+      const Value::Entry* entry = scenario_.document->find(key);
+      if (std::string_view(key) == "coupling" &&
+          springs_of(entry) < scenario_.couplings.size() + scenario_.model.couplings().size()) {
         add(document, key, couplings());
         continue;
       }
-      const Value::Entry* entry = scenario_.document->find(key);
       if (std::string_view(key) == "loop") {
         if (Value all = loops(entry); !all.array()->empty()) add(document, key, std::move(all));
         continue;
@@ -152,6 +151,7 @@ class Converter {
       if (each.damping != 0) add(table, "damping", number(each.damping));
       all.push_back(value(std::move(table)));
     }
+    for (const Coupling& each : scenario_.model.couplings()) all.push_back(value(describe_coupling(each, scenario_.model)));
     return value(std::move(all));
   }
 
@@ -230,7 +230,6 @@ class Converter {
   const Scenario& scenario_;
   std::string folder_, from_;
   std::unordered_map<std::string, std::vector<int>> bodies_;
-  bool mimics_ = false;
   LeftOut left_out_;
   std::vector<Diagnostic> diagnostics_;
 };
@@ -252,7 +251,7 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
     add(document, "world", value(std::move(world)));
   }
   LeftOut left_out;
-  Value::Array mechanisms, forces, loops, springs;
+  Value::Array mechanisms, forces, loops, springs, couplings;
   const auto bodies = by_mechanism(model);
   for (int b = 0; b < model.size(); ++b) {
     const std::string& name = model[BodyId{b}].name;
@@ -264,10 +263,12 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
   for (const BodyForce& force : model.forces()) forces.push_back(value(describe_force(force, model)));
   for (const LoopSpec& loop : model.loops()) loops.push_back(value(describe_loop(loop, model)));
   for (const Spring& spring : model.springs()) springs.push_back(value(describe_spring(spring, model)));
+  for (const Coupling& each : model.couplings()) couplings.push_back(value(describe_coupling(each, model)));
   add(document, "mechanism", value(std::move(mechanisms)));
   if (!forces.empty()) add(document, "force", value(std::move(forces)));
   if (!loops.empty()) add(document, "loop", value(std::move(loops)));
   if (!springs.empty()) add(document, "spring", value(std::move(springs)));
+  if (!couplings.empty()) add(document, "coupling", value(std::move(couplings)));
   return toml_text(value(std::move(document)));
 }
 

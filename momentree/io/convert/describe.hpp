@@ -39,6 +39,7 @@ Value::Table describe_mechanism(const std::string& name, const Model& model, std
                                 LeftOut& left_out);
 Value::Table describe_force(const BodyForce& force, const Model& model);
 Value::Table describe_spring(const Spring& spring, const Model& model);
+Value::Table describe_coupling(const Coupling& coupling, const Model& model);
 Value::Table describe_loop(const LoopSpec& loop, const Model& model);
 
 }  // namespace momentree::io

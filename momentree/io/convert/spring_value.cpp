@@ -24,4 +24,20 @@ Value::Table describe_spring(const Spring& spring, const Model& model) {
   return table;
 }
 
+Value::Table describe_coupling(const Coupling& coupling, const Model& model) {
+  Value::Table table;
+  add(table, "joint", text(model[coupling.joint].joint_name));
+  if (coupling.leads()) add(table, "follows", text(model[coupling.follows].joint_name));
+  const auto& a = coupling.higher;
+  if (coupling.leads() && a != std::array<double, 3>{}) {
+    Value::Array all;
+    for (const double x : {coupling.offset, coupling.multiplier, a[0], a[1], a[2]}) all.push_back(number(x));
+    add(table, "polynomial", value(std::move(all)));
+    return table;
+  }
+  if (coupling.leads() && coupling.multiplier != 1) add(table, "multiplier", number(coupling.multiplier));
+  if (coupling.offset != 0 || !coupling.leads()) add(table, "offset", number(coupling.offset));
+  return table;
+}
+
 }  // namespace momentree::io

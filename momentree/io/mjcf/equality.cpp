@@ -207,17 +207,18 @@ class EqualityReader {
     if (const auto given = fields.numbers("polycoef", 1, 5)) std::copy(given->begin(), given->end(), a.begin());
     fields.finish();
     if (!joint || (leads && !leader)) return;
-    if (a[2] != 0 || a[3] != 0 || a[4] != 0)
-      return file.warning({each}, "<joint> in <equality> is left out: its polynomial is not linear",
-                          "the joints move independently");
-    if (!leads || a[1] == 0)
-      return file.warning({each}, "<joint> in <equality> is left out: it holds a joint in its place",
-                          "an event's lock does that");
+    if (leads && *joint == *leader)
+      return file.error(fields.location("joint2"), "a joint cannot follow itself", "name another joint");
     const auto start = [this](int body) {
       const Values& q = model_.bodies[static_cast<std::size_t>(body)].spec.q;
       return q.empty() ? 0 : q[0];
     };
-    model_.followers.push_back({*joint, *leader, a[1], start(*joint) + a[0] - a[1] * start(*leader), &file, each});
+    if (!leads) return model_.followers.push_back({*joint, -1, 0, start(*joint) + a[0], &file, each, {}, true});
+    // In powers of x instead of x − x0, by Horner's scheme for a shift.
+    const double x0 = start(*leader);
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t k = 4; k-- > i;) a[k] -= x0 * a[k + 1];
+    model_.followers.push_back({*joint, *leader, a[1], start(*joint) + a[0], &file, each, {a[2], a[3], a[4]}, true});
   }
 
   Reading& reading_;

@@ -71,7 +71,8 @@ void check_followers(const ImportedModel& model) {
   const auto name = [&](int body) { return in_quotes(model.bodies[static_cast<std::size_t>(body)].spec.joint_name); };
   std::vector<std::pair<int, int>> pairs;
   pairs.reserve(model.followers.size());
-  for (const Follower& each : model.followers) pairs.emplace_back(each.body, each.leader);
+  for (const Follower& each : model.followers)
+    if (!each.exact) pairs.emplace_back(each.body, each.leader);
   for (const std::vector<int>& circle : circles_of(pairs)) {
     const auto first = std::find_if(model.followers.begin(), model.followers.end(),
                                     [&](const Follower& each) { return each.body == circle[0] && each.leader == circle[1]; });

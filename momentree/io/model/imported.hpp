@@ -1,5 +1,6 @@
 #pragma once
 // The result of an importer, whatever the format: bodies in tree order, with their places in the file for messages.
+#include <array>
 #include <deque>
 #include <optional>
 #include <string>
@@ -34,12 +35,20 @@ struct ImportedLoop {
   BodySpots spots{};     ///< the body's are the joint's
 };
 
-/// A joint that follows another according to the file: q = multiplier·q(leader) + offset.
+/// A joint that follows another according to the file: q = multiplier·q(leader) + offset + higher powers. Without a leader it is
+/// held at the offset.
 struct Follower {
-  int body = -1, leader = -1;  ///< joints, identified by the bodies that they carry
+  int body = -1, leader = -1;  ///< joints, identified by the bodies that they carry; −1: none
   double multiplier = 1, offset = 0;
   XmlFile* file = nullptr;
   XmlElement element{};
+  std::array<double, 3> higher{};  ///< coefficients of q², q³ and q⁴
+  bool exact = false;              ///< it is coupled exactly, unless the mechanism says otherwise
+
+  /// The coupling of joints whose numbers begin at `first`.
+  Coupling coupling(int first) const { return {{first + body}, {leader < 0 ? -1 : first + leader}, multiplier, offset, higher}; }
+  /// A spring can take its place.
+  bool linear() const { return leader >= 0 && multiplier != 0 && higher == std::array<double, 3>{}; }
 };
 
 /// A spring between points of bodies of this model, or of the ground in the frame of the file. Its name is without a mechanism.

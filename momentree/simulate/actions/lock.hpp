@@ -27,7 +27,6 @@ struct Lock : ActionBase {
     if (result.outcome != ActionResult::Outcome::done) return result;
     const int joint = editor.joint(name);
     if ((wanted & ~editor.locked(joint)) == 0) return ActionResult::skipped("it is already locked");
-    if (ActionResult possible = editor.can_lock(joint, wanted); possible.outcome != ActionResult::Outcome::done) return possible;
     editor.lock(joint, wanted);
     return result;
   }

@@ -1,0 +1,214 @@
+// Coordinates and velocities of loop joints, and the rows of their single DoFs: of prescribed motions and of armatures.
+//
+// An armature of inertia I adds I jᵀ j to the mass matrix, where u_l = j u is the velocity of the DoF. This is a soft row: its
+// multiplier −I u̇_l satisfies (A λ)_j + λ_j / I = −(b + drift)_j.
+#include <algorithm>
+
+#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/velocity.hpp>
+#include <momentree/joint/motion.hpp>
+#include <momentree/math/joint_mass.hpp>
+
+namespace momentree {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+Motion<double> relative_motion(const LoopPlace& p, const Mat3& Rb) {  // of the child side in the parent side, in axes Rb
+  const Vec3 v = p.vb - p.va - cross(p.wa, p.xb - p.xa);
+  return {transpose_times(Rb, v), transpose_times(Rb, p.wb - p.wa)};
+}
+
+double product(const Motion<double>& x, const Motion<double>& y) { return dot(x.v, y.v) + dot(x.w, y.w); }
+
+// Columns E at present, and the inverse of Eᵀ E: u = (Eᵀ E)⁻¹ Eᵀ (relative motion).
+struct Dofs {
+  Motion<double> E[6];
+  JointMass<double, 6> squares;
+  int count = 0;
+
+  Dofs(const JointSpec& spec, const double* q) {
+    count = joint_columns(spec, q, E);
+    for (int i = 0; i < 6; ++i) {
+      for (int j = 0; j < i; ++j) squares(i, j) = i < count ? product(E[i], E[j]) : 0;
+      squares(i, i) = i < count ? product(E[i], E[i]) : 1;
+    }
+    squares.factorise();
+  }
+  void velocities(const Motion<double>& relative, double* u) const {
+    double right[6] = {};
+    for (int i = 0; i < count; ++i) right[i] = product(E[i], relative);
+    squares.solve(right);
+    std::copy_n(right, count, u);
+  }
+  // The row of (Eᵀ E)⁻¹ Eᵀ of one DoF.
+  Motion<double> row(int dof) const {
+    double right[6] = {};
+    right[dof] = 1;
+    squares.solve(right);
+    Motion<double> w{};
+    for (int i = 0; i < count; ++i) w = w + Motion<double>{right[i] * E[i].v, right[i] * E[i].w};
+    return w;
+  }
+};
+
+// The row times the felt accelerations of the last outward pass; `base`: that of the ground.
+double relative_rate(const Tree& tree, const double* q, const Workspace<double>& workspace, int place, const LoopRow& row,
+                     const Motion<double>& base) {
+  const Loop& loop = tree.loops()[at(place)];
+  const auto part = [&](int b) {
+    return dot(felt_acceleration(tree, q, workspace, b),
+               on_body(workspace.bodies[at(b)], row.F, row.T, workspace.loops->places[at(place)].xb));
+  };
+  return part(loop.body) - (loop.to >= 0 ? part(loop.to) : dot(row.F, base.v));
+}
+
+}  // namespace
+
+Mat3 loop_child_axes(const LoopPlace& p, const LoopLink& link) noexcept {
+  return p.Ra * (p.R * transpose(rotation_matrix(link.child_offset.rotation)));
+}
+Pose loop_pose(const LoopPlace& p, const LoopLink& link) noexcept {
+  return link.parent_offset * (Pose{p.r, quaternion_of(p.R)} * inverse(link.child_offset));
+}
+
+void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept {
+  const LoopWorkspace& loops = *workspace.loops;
+  const LoopPlace& p = loops.places[at(place)];
+  const LoopLink& link = tree.loop_links()[at(place)];
+  const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
+  nearest_coordinates(spec, loop_pose(p, link), loops.turns[at(place)], q);
+  Dofs(spec, q).velocities(relative_motion(p, loop_child_axes(p, link)), u);
+}
+
+LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept {
+  const LoopPlace& p = workspace.loops->places[at(place)];
+  const LoopLink& link = tree.loop_links()[at(place)];
+  const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
+  double q[7] = {}, u[6] = {};
+  nearest_coordinates(spec, loop_pose(p, link), workspace.loops->turns[at(place)], q);
+  const Dofs dofs(spec, q);
+  const Mat3 Rb = loop_child_axes(p, link);
+  dofs.velocities(relative_motion(p, Rb), u);
+  const Motion<double> w = dofs.row(dof);
+  const Vec3 v = p.vb - p.va - cross(p.wa, p.xb - p.xa), relative = p.wb - p.wa;
+  LoopRow row;
+  row.F = Rb * w.v, row.T = Rb * w.w;
+  row.residual = info(spec.kind).nq == info(spec.kind).nv ? q[dof] : 0;
+  row.velocity = u[dof];
+  row.rate = cross(p.wb, row.T);
+  row.drift = dot(cross(p.wb, row.F), v) + dot(row.F, cross(relative, p.vb)) + dot(row.rate, relative) -
+              product(w, joint_columns_drift(spec, q, u));
+  return row;
+}
+
+void detail::set_loop_motions(const Tree& tree, double t, Workspace<double>& workspace) noexcept {
+  if (tree.loop_motions() == 0) return;
+  LoopWorkspace& loops = loop_memory(tree, workspace);
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    if (!loop.driven()) continue;
+    loops.motions[i] = loop.motion().at(t);
+    if (info(loop.joint.kind).q_units[0] == 'r') loops.turns[i] = loops.motions[i].value;
+  }
+}
+
+void detail::place_dof_rows(const Tree& tree, Workspace<double>& workspace, int place) noexcept {
+  LoopWorkspace& loops = *workspace.loops;
+  const LoopLink& link = tree.loop_links()[at(place)];
+  for (int i = 0; i < link.dof_row_count; ++i) {
+    const DofRow& of = link.dof_rows[at(i)];
+    LoopRow row = loop_dof_row(tree, workspace, place, of.dof);
+    if (of.use == DofRow::Use::motion) {
+      const Curve::Point& s = loops.motions[at(place)];
+      row.residual -= s.value, row.velocity -= s.rate, row.drift -= s.acceleration;
+      row.jump_to = s.rate;
+    } else if (of.use == DofRow::Use::armature) {
+      row.jump_to = row.velocity;
+      row.residual = row.velocity = 0;
+      row.softness = 1 / of.armature;
+    } else {
+      const Loop& loop = tree.loops()[at(place)];
+      if (info(loop.joint.kind).nq == info(loop.joint.kind).nv) row.residual -= loop.held[of.dof];
+    }
+    loops.rows[at(link.first_row + link.closure.rows() + i)] = row;
+  }
+}
+
+void detail::soften(LoopWorkspace& loops) noexcept {
+  const LoopLayout& layout = loops.whole ? loops.all : loops.kept;
+  for (std::size_t i = 0; i < layout.rows.size(); ++i)
+    loops.A[static_cast<std::size_t>(layout.position[i] + static_cast<std::ptrdiff_t>(i))] +=
+        loops.rows[at(layout.rows[i])].softness;
+}
+
+void carry_armatures(const Tree& tree, Workspace<double>& workspace) noexcept {
+  LoopWorkspace& loops = *workspace.loops;
+  loops.carried.clear();
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    if (!loop.parameters.armature.any()) continue;
+    double q[7] = {}, u[6] = {};
+    loop_coordinates(tree, workspace, static_cast<int>(i), q, u);
+    for (int k = 0; k < info(loop.joint.kind).nv; ++k) loops.carried.push_back({loop.number, k, u[k]});
+  }
+}
+
+void detail::keep_armatures(const Tree& tree, Workspace<double>& workspace) noexcept {
+  LoopWorkspace& loops = *workspace.loops;
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const LoopLink& link = tree.loop_links()[i];
+    for (int k = 0; k < link.dof_row_count; ++k) {
+      const DofRow& of = link.dof_rows[at(k)];
+      if (of.use != DofRow::Use::armature) continue;
+      LoopRow& row = loops.rows[at(link.first_row + link.closure.rows() + k)];
+      for (const ArmatureSpeed& armature : loops.carried)
+        if (armature.loop == tree.loops()[i].number && armature.dof == of.dof) row.jump_to = armature.speed;
+    }
+  }
+}
+
+double loop_acceleration(const Tree& tree, const double* q, const Workspace<double>& workspace, int place, int dof) noexcept {
+  const LoopRow row = loop_dof_row(tree, workspace, place, dof);
+  return row.drift + relative_rate(tree, q, workspace, place, row, {-tree.gravity(), {}});
+}
+
+double strike_loop(const Tree& tree, const double* q, Workspace<double>& workspace, int place, int dof, double* u) noexcept {
+  const Loop& loop = tree.loops()[at(place)];
+  LoopWorkspace& loops = *workspace.loops;
+  const LoopRow row = loop_dof_row(tree, workspace, place, dof);
+  const Vec3& x = loops.places[at(place)].xb;
+  for (const int b : tree.order()) workspace.biases[at(b)] = {};
+  std::fill_n(workspace.a.get(), tree.nv(), 0.0);
+  workspace.biases[at(loop.body)].wrench = -1.0 * on_body(workspace.bodies[at(loop.body)], row.F, row.T, x);
+  if (loop.to >= 0) workspace.biases[at(loop.to)].wrench = on_body(workspace.bodies[at(loop.to)], row.F, row.T, x);
+  reduce_accelerations<double, true>(tree, q, workspace);
+  for (LoopRow& each : loops.rows) each.jump_to = 0;
+  solve_loops(tree, q, workspace, {}, LoopRows::choose, true);
+  resolve_accelerations<double, true>(tree, q, workspace, {});
+  std::copy_n(workspace.a.get(), tree.nv(), u);
+  loops.struck = place, loops.strike = {row.F, row.T};
+  return relative_rate(tree, q, workspace, place, row, {});
+}
+
+double loop_armature_energy(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
+  const Loop& loop = tree.loops()[at(place)];
+  if (!loop.parameters.armature.any()) return 0;
+  double q[7] = {}, u[6] = {}, energy = 0;
+  loop_coordinates(tree, workspace, place, q, u);
+  for (int i = 0; i < info(loop.joint.kind).nv; ++i)
+    if ((loop.joint.locked >> i & 1u) == 0) energy += 0.5 * loop.parameters.armature.of(i) * u[i] * u[i];
+  return energy;
+}
+
+LoopMotion loop_motion(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
+  const Loop& loop = tree.loops()[at(place)];
+  const LoopLink& link = tree.loop_links()[at(place)];
+  if (!loop.driven()) return {};
+  const Curve::Point& s = workspace.loops->motions[at(place)];
+  return {workspace.loops->lambda[at(link.first_row + link.closure.rows())], s.rate,
+          loop.parameters.armature.of(0) * s.acceleration};
+}
+
+}  // namespace momentree

@@ -1,0 +1,131 @@
+// Exact couplings in a world: stops, prescribed motions, snapshots, branches and undo.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/simulate/simulation.hpp>
+
+namespace momentree {
+namespace {
+
+// Two fingers, the second of which moves opposite to the first; a motor closes the first.
+BodySpec finger(const char* name, double mass) {
+  BodySpec spec;
+  spec.name = name, spec.mass = mass, spec.inertia = diagonal(1e-3);
+  spec.joint = JointSpec(Prismatic{{1, 0, 0}});
+  return spec;
+}
+Model gripper(bool stop = false, bool driven = false) {
+  Model model;
+  BodySpec one = finger("hand/one", 0.2), other = finger("hand/other", 0.3);
+  one.joint.parameters.effort = {2};
+  if (driven) {
+    one.joint.parameters.effort = {};
+    one.joint.parameters.drive = motion_drive(Signal::sine(0.1, 1, 0, 0));
+  }
+  if (stop) other.joint.parameters.limits.lower = {-0.05}, other.joint.parameters.limits.restitution = {0};
+  model.add(one), model.add(other);
+  model.add_coupling({.joint = {1}, .follows = {0}, .multiplier = -1});
+  return model;
+}
+
+std::vector<double> bits(const World& world) {
+  std::vector<double> all{world.time()};
+  all.insert(all.end(), world.state().q().begin(), world.state().q().end());
+  all.insert(all.end(), world.state().y().begin(), world.state().y().end());
+  all.push_back(world.coupling({0}).ended ? 1 : 0);
+  all.push_back(world.coupling({0}).effort);
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("a stop of one joint of a coupling holds both, and its force passes through the coupling") {
+  Simulation sim(gripper(true), {.method = "rk4", .step = 1e-3});
+  REQUIRE(sim.run_until(1) == Status::ok);
+  const World& world = sim.world();
+  CHECK(world.joint({0}).q[0] == doctest::Approx(0.05).epsilon(1e-9));
+  CHECK(world.joint({1}).q[0] == doctest::Approx(-0.05).epsilon(1e-9));
+  CHECK(world.joint({1}).resting == 1);
+  CHECK(world.coupling({0}).effort == doctest::Approx(-2));  // the motor's force on the other finger
+  const double speed = std::sqrt(2 * 2 * 0.05 / 0.5);        // of both, before the impact
+  double lost = 0;
+  for (const Event& event : sim.events()) lost += event.lost;
+  CHECK(lost == doctest::Approx(0.5 * 0.5 * speed * speed).epsilon(1e-6));
+  CHECK(std::fabs(sim.energy().error) < 1e-9);
+  JointParameters opening;
+  opening.effort = {-1};
+  sim.apply(set_parameters("hand/one", opening));  // the motor opens the hand: the stop would have to pull
+  REQUIRE(sim.run_until(1.1) == Status::ok);
+  CHECK(world.joint({1}).resting == 0);
+  CHECK(world.joint({0}).v[0] == doctest::Approx(-0.1 / 0.5).epsilon(1e-6));
+}
+
+TEST_CASE("a prescribed motion drives what is coupled, and its effort moves both") {
+  Simulation sim(gripper(false, true), {.method = "dop853", .rtol = 1e-10, .atol = 1e-12});
+  REQUIRE(sim.run_until(0.3) == Status::ok);
+  const World& world = sim.world();
+  const double w = 2 * std::acos(-1.0), s = 0.1 * std::sin(w * 0.3);
+  CHECK(world.joint({1}).q[0] == doctest::Approx(-s).epsilon(1e-9));
+  CHECK(world.coupling({0}).effort == doctest::Approx(0.3 * w * w * s).epsilon(1e-7));
+  double tau[2];
+  world.efforts(tau);
+  CHECK(tau[0] == doctest::Approx(-0.5 * w * w * s).epsilon(1e-7));  // of the motion alone
+  CHECK(std::fabs(sim.energy().error) < 1e-8);
+}
+
+TEST_CASE("undo, branches and snapshots of worlds with couplings are exact") {
+  for (const char* method : {"rk4", "midpoint", "dopri5", "dop853"})
+    for (const Action& change : {break_joint("hand/other"), lock("hand/one"), free_joint("hand/one"), lock("hand/other")}) {
+      CAPTURE(method);
+      CAPTURE(change.text());
+      Simulation sim(gripper(), {.method = method});
+      sim.keep_history();
+      REQUIRE(sim.run_until(0.05) == Status::ok);
+      const std::vector<double> before = bits(sim.world());
+      const SimulationSnapshot snapshot = sim.snapshot();
+      sim.apply(change, "change");
+      REQUIRE(sim.run_until(0.1) == Status::ok);
+      const std::vector<double> after = bits(sim.world());
+      Simulation branch = sim.branch();
+      REQUIRE(branch.run_until(0.15) == Status::ok);
+      REQUIRE(sim.run_until(0.15) == Status::ok);
+      CHECK(bits(branch.world()) == bits(sim.world()));
+      sim.undo(0);
+      CHECK(bits(sim.world()) == before);
+      sim.restore(snapshot);
+      CHECK(bits(sim.world()) == before);
+      sim.apply(change, "change");
+      REQUIRE(sim.run_until(0.1) == Status::ok);
+      CHECK(bits(sim.world()) == after);
+    }
+}
+
+TEST_CASE("mistakes in couplings are errors") {
+  const auto refused = [](const Coupling& coupling, const char* what) {
+    Model model = gripper();
+    BodySpec ball = finger("hand/ball", 1);
+    ball.joint = JointSpec(Ball{});
+    model.add(ball);
+    try {
+      model.add_coupling(coupling);
+      FAIL_CHECK(what);
+    } catch (const Error& error) {
+      CHECK_MESSAGE(std::string(error.what()).find(what) != std::string::npos, error.what());
+    }
+  };
+  refused({.joint = {7}, .follows = {0}}, "is not a joint of this model");
+  refused({.joint = {first_loop}, .follows = {0}}, "closes a loop");
+  refused({.joint = {2}, .follows = {0}}, "does not have one degree of freedom");
+  refused({.joint = {0}, .follows = {0}}, "follow itself");
+  refused({.joint = {0}, .follows = {1}, .multiplier = NAN}, "must be finite");
+  CHECK_THROWS_AS(Simulation(gripper(), {.variables = Variables::momenta}), Error);
+  CHECK_THROWS_AS(Simulation(gripper(), {.method = "damped"}), Error);
+  Model contradiction = gripper();
+  contradiction.add_coupling({.joint = {1}, .follows = {0}, .multiplier = -1, .offset = 1});
+  CHECK_THROWS_AS(Simulation{contradiction}, Error);
+}
+
+}  // namespace momentree
