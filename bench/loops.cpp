@@ -42,7 +42,7 @@ struct Closed {
       later[k] = q[k] + h * workspace.qdot[k];
     }
     std::vector<double> residuals(tree.loops().size());
-    loop_residuals(tree, later.data(), u.data(), workspace, residuals.data());
+    loop_residuals(tree, 0, later.data(), u.data(), workspace, residuals.data());
     open = loop_velocities_open(tree, workspace);
     return !(open < 1e-8 * (1 + largest));
   }
@@ -83,7 +83,7 @@ void close(benchmark::State& run, Model (*make)(int)) {
   bool closed = true;
   for (auto _ : run) {
     to_q = q, to_u = u;
-    closed = close_loops(world.tree, to_q.data(), to_u.data(), world.workspace, energy) && closed;
+    closed = close_loops(world.tree, 0, to_q.data(), to_u.data(), world.workspace, energy) && closed;
     benchmark::ClobberMemory();
   }
   report(run, world);
