@@ -45,15 +45,8 @@ const Import* model_of(const Value& file, Reading& reading) {
   return reading.models.emplace_back(*name, std::move(import)).second.get();
 }
 
-// Uses the stops of the file, unless the joint is given others.
-void take_limits(const ImportedBody& body, const ModelChoice& choice, BodySpec& spec, Reading& reading) {
-  if (!choice.limits.value_or(false) || !body.limits.any() || spec.joint.parameters.limits.any()) return;
-  if (const auto& drive = spec.joint.parameters.drive; drive && drive->moves()) {
-    reading.out.note(choice.limits_place, "limits: joint " + in_quotes(body.spec.joint_name) +
-                                              " does not use those of the model: its motion is prescribed");
-    return;
-  }
-  spec.joint.parameters.limits = body.limits;
+void take_limits_of(const ImportedBody& body, const ModelChoice& choice, BodySpec& spec, Reading& reading) {
+  if (!take_limits(body.limits, choice, body.spec.joint_name, spec.joint.parameters, reading)) return;
   for (int i = 0; i < std::max(body.limits.lower.size(), body.limits.upper.size()); ++i) {
     const double q = i < spec.q.size() ? spec.q[i] : 0;
     const double lower = body.limits.lower_of(i), upper = body.limits.upper_of(i);
@@ -285,7 +278,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   for (const ImportedBody& body : import->model.bodies) {
     BodySpec spec = std::move(specs.front());
     specs.pop_front();
-    take_limits(body, choice, spec, reading);
+    take_limits_of(body, choice, spec, reading);
     spec.name = mechanism + "/" + spec.name;
     spec.joint_name = mechanism + "/" + spec.joint_name;
     if (spec.parent != ground) spec.parent.index += first;
@@ -305,6 +298,18 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   read_model_loops(*import, mechanism, choice, joints, first, errors, reading);
   if (coupled && errors == reading.out.errors()) couple_followers(*import, choice, first, reading);
   if (errors == reading.out.errors()) add_springs(*import, choice, mechanism, first, reading);
+}
+
+bool take_limits(const JointLimits& limits, const ModelChoice& choice, const std::string& joint, JointParameters& parameters,
+                 Reading& reading) {
+  if (!choice.limits.value_or(false) || !limits.any() || parameters.limits.any()) return false;
+  if (parameters.drive && parameters.drive->moves()) {
+    reading.out.note(choice.limits_place,
+                     "limits: joint " + in_quotes(joint) + " does not use those of the model: its motion is prescribed");
+    return false;
+  }
+  parameters.limits = limits;
+  return true;
 }
 
 }  // namespace momentree::io

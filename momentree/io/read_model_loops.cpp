@@ -21,13 +21,7 @@ void read_model_loops(const Import& import, const std::string& mechanism, const 
   for (const ImportedLoop& loop : import.model.loops) {
     LoopSpec spec = loop.spec;
     joints.apply(spec.name, spec);
-    if (choice.limits.value_or(false) && loop.limits.any() && !spec.joint.parameters.limits.any())
-      reading.out.warning(choice.limits_place,
-                          "limits: joint " + in_quotes(spec.name) +
-                              " does not use those of the model: it closes a loop, and hard " +
-                              "stops of such joints are not supported yet",
-                          "give it soft stops in [mechanism.joint." + spec.name.substr(0, 60) +
-                              "]: limits = { lower = …, upper = …, stiffness = … }");
+    take_limits(loop.limits, choice, spec.name, spec.joint.parameters, reading);
     spec.name = mechanism + "/" + spec.name;
     if (spec.to == ground)
       spec.at = choice.pose * spec.at;

@@ -150,6 +150,9 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
 /// Reads the bodies of a model file. `errors`: as above.
 void read_model(const Value& file, const std::string& mechanism, const ModelChoice& choice, JointTables& joints,
                 std::size_t errors, Reading& reading);
+/// Gives a joint the stops of its model file, if the mechanism requests them and the joint has no others. Returns true if so.
+bool take_limits(const JointLimits& limits, const ModelChoice& choice, const std::string& joint, JointParameters& parameters,
+                 Reading& reading);
 /// Adds the loop joints of a model file, whose bodies begin at `first`. `errors`: as above.
 void read_model_loops(const Import& import, const std::string& mechanism, const ModelChoice& choice, JointTables& joints,
                       int first, std::size_t errors, Reading& reading);

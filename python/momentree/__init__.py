@@ -46,6 +46,7 @@ __all__: list[str] = [
     "BodyRows",
     "Condition",
     "Context",
+    "Coupling",
     "Diagnostic",
     "Energy",
     "Error",

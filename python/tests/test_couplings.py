@@ -13,7 +13,7 @@ import momentree as mt
 
 def gears() -> mt.Model:
     model = mt.Model()
-    model.add("gear/motor", mass=1, inertia=0.01, joint=mt.Revolute(axis=(0, 0, 1), drive=mt.Drive(effort=0.5)))
+    model.add("gear/motor", mass=1, inertia=0.01, joint=mt.Revolute(axis=(0, 0, 1), effort=0.5))
     model.add("gear/load", mass=1, inertia=2.0, joint=mt.Revolute(axis=(0, 0, 1)))
     model.add_coupling("gear/load", "gear/motor", multiplier=-0.1, offset=0.3)
     return model

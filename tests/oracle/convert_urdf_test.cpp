@@ -86,7 +86,7 @@ double compare(const Model& model, const Model& written, Prng& random, double& b
   }
   // The accelerations of either model have a rounding that the condition of its mass matrix amplifies.
   const auto condition = [](const Model& of) { return spectrum(mass_matrix(system_of(of), start_q(of))).condition(); };
-  bound = std::max(1e-12, 2.2e-16 * (condition(here) + condition(there)));
+  bound = std::max(1e-12, 1e-15 * (condition(here) + condition(there)));
   const Accelerations a = accelerations(here), b = accelerations(there);
   double worst = 0;
   for (const auto& [name, pair] : a.of) {

@@ -31,7 +31,7 @@ struct ImportedBody {
 /// A joint that closes a loop, in addition to the joints of the tree.
 struct ImportedLoop {
   LoopSpec spec;         ///< the name without a mechanism; bodies are indices among those of this model
-  JointLimits limits{};  ///< as in the file; not used yet
+  JointLimits limits{};  ///< as in the file; used if the mechanism requests it
   BodySpots spots{};     ///< the body's are the joint's
 };
 

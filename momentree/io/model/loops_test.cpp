@@ -259,9 +259,8 @@ TEST_CASE("tables of a mechanism give parameters to joints that close loops") {
   const JointParameters& p = model.loops()[0].joint.parameters;
   CHECK(p.damping[0] == 0.7);
   CHECK(p.stiffness[0] == 5);
-  CHECK(!p.armature.any());
+  CHECK(p.armature[0] == 0.1);
   CHECK(model[{0}].joint.parameters.armature[0] == 0.1);
-  CHECK(said(result, Severity::note).find("armature: joint 'j3' closes a loop and cannot have it") != std::string::npos);
   CHECK(result.scenario->events.size() == 1);
   const ReadResult strong = folder.read(
       "<mujoco><worldbody><body name='a'><geom size='0.1'/><joint axis='1 0 0'/></body><body name='b' pos='0 0 1'>"
@@ -278,18 +277,15 @@ TEST_CASE("tables of a mechanism give parameters to joints that close loops") {
       folder.says(four_bar_sdf(), "state = { joints = { j3 = 1 } }\n") ==
       "s.toml:5:27: error: state: joint 'j3' closes a loop and has no start values: its position follows from the other joints; "
       "give start values to the joints of the tree");
-  CHECK(folder.says(four_bar_sdf(), "[mechanism.joint.j3]\narmature = 1\n")
-            .starts_with("s.toml:6:12: error: joint 'j3': armature: is not supported for joints that close a loop yet"));
   CHECK(folder.says(four_bar_sdf(), "[mechanism.joint.\"j3*\"]\ndamping = -1\n")
             .starts_with("s.toml:6:11: error: joint 'j3': damping: must not be negative"));
   CHECK(folder.says(four_bar_sdf(), "[[coupling]]\njoint = \"m/j3\"\nfollows = \"m/j1\"\nstiffness = 1\n") ==
         "s.toml:6:9: error: joint: joint 'm/j3' closes a loop, where it can't be coupled; let another joint of the loop be the "
         "one that closes it");
   const std::string limits = "<limit><lower>-1</lower><upper>1</upper></limit>";
-  CHECK(
-      folder.says(four_bar_sdf(limits), "limits = true\n", Severity::warning) ==
-      "s.toml:5:10: warning: limits: joint 'j3' does not use those of the model: it closes a loop, and hard stops of such joints "
-      "are not supported yet; give it soft stops in [mechanism.joint.j3]: limits = { lower = …, upper = …, stiffness = … }");
+  const ReadResult limited = folder.read(four_bar_sdf(limits), "limits = true\n");
+  REQUIRE_MESSAGE(limited.scenario, rendered(limited.diagnostics));
+  CHECK(limited.scenario->model.loops()[0].joint.parameters.limits.upper[0] == 1);
   CHECK(folder.says(four_bar_sdf(limits), "", Severity::warning).find("the limits of 1 joint are not used") != std::string::npos);
 }
 
