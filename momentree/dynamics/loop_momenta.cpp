@@ -163,18 +163,18 @@ void find_velocities_with_loops(const Tree& tree, const double* q, const double*
 }
 
 void evaluate_with_loops(const Tree& tree, double t, const double* q, const double* p, Workspace<double>& workspace,
-                         LoopRows rows) noexcept {
+                         LoopRows rows, bool resistance) noexcept {
   detail::find_motions_with_loops(tree, q, p, workspace, rows);
   LoopWorkspace& loops = *workspace.loops;
   detail::place_loops(tree, q, workspace, true);
-  add_joint_forces(tree, t, q, workspace);
+  add_joint_forces(tree, t, q, workspace, resistance);
   add_loop_forces(tree, t, workspace);
   for (const LoopStop& stop : tree.loop_stops()) loops.wrenches[at(stop.body)] = -1.0 * workspace.biases[at(stop.body)].wrench;
   add_turning_wrenches(tree, workspace, loops.lambda.data());
   add_rates(tree, q, workspace, workspace.pdot.get());
   complete_gyroscopic_wrenches(tree, q, workspace);
   add_body_forces(tree, t, q, workspace);
-  if (!tree.driven_joints().empty())  // for the power of the drives
+  if (resistance && !tree.driven_joints().empty())  // for the power of the drives
     evaluate_velocities_keeping(tree, t, q, workspace.v.get(), workspace, rows);
 }
 

@@ -12,8 +12,9 @@
 namespace momentree {
 
 /// q̇ and ṗ* at time t (s) with all forces: writes workspace.v, qdot, pdot and power. The workspace then belongs to no state.
+/// `resistance`: with what resisting_forces computes of the joints of the tree; without it, power lacks the work of motions.
 void evaluate_with_loops(const Tree& tree, double t, const double* q, const double* p, Workspace<double>& workspace,
-                         LoopRows rows) noexcept;
+                         LoopRows rows, bool resistance = true) noexcept;
 /// The same for a state in momenta, whose stamp the workspace then carries.
 void evaluate_state_with_loops(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 

@@ -44,6 +44,7 @@ void Evaluator::operator()(double t, const double* q, const double* y) noexcept 
 void Evaluator::without_resistance(const Tree& other, double t, const double* q, const double* p) noexcept {
   const Stopwatch watch(seconds);
   ++count;
+  if (other.has_loops()) return evaluate_with_loops(other, t, q, p, *workspace_, LoopRows::kept, false);
   evaluate_for_forces(other, q, p, *workspace_);
   add_joint_forces(other, t, q, *workspace_, false);
   add_body_forces(other, t, q, *workspace_);

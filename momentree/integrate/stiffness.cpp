@@ -7,6 +7,7 @@
 
 #include <momentree/dynamics/equations.hpp>
 #include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/springs.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/integrate/method_list.hpp>
@@ -18,45 +19,111 @@ namespace {
 
 struct Limits {
   double damper, spring;
+  double explicit_damper;  // of dampers that the method never treats implicitly
 };
+
+template <class Method>
+constexpr double explicit_damper_limit() {
+  if constexpr (requires { Method::explicit_damper_limit; })
+    return Method::explicit_damper_limit;
+  else
+    return Method::damper_limit;
+}
 
 // Stability limits of a method: the product of a rate (1/s) and the step.
 Limits limits_of(std::string_view method) {
 #define MOMENTREE_METHOD(name, Type) \
-  if (method == #name) return {Type::damper_limit, Type::spring_limit};
+  if (method == #name) return {Type::damper_limit, Type::spring_limit, explicit_damper_limit<Type>()};
   MOMENTREE_METHODS(MOMENTREE_METHOD)
 #undef MOMENTREE_METHOD
-  return {HUGE_VAL, HUGE_VAL};
+  return {HUGE_VAL, HUGE_VAL, HUGE_VAL};
 }
 
 // Dampers and springs of a DoF.
 struct Dof {
-  int body, place;
+  int joint;
+  int loop;   // place in tree.loops(); −1: a joint of the tree
+  int place;  // of the joint's DoFs, in a loop; otherwise of p
   double damping, kd, stiffness, kp;
   bool turns;
 };
+
+// `free`: the joint's DoFs that are neither locked nor driven. `first`: the place of its first one.
+void add_dofs(Kind of, const JointParameters& p, unsigned free, int joint, int loop, int first, std::vector<Dof>& all) {
+  const KindInfo& kind = info(of);
+  const JointDrive::Pd* pd = p.drive != nullptr && p.drive->pd.any() ? &p.drive->pd : nullptr;
+  for (int i = 0; i < kind.nv; ++i) {
+    if ((free >> i & 1u) == 0) continue;
+    const Dof dof{joint,
+                  loop,
+                  first + i,
+                  p.damping.of(i),
+                  pd != nullptr ? pd->kd.of(i) : 0,
+                  p.stiffness.of(i),
+                  pd != nullptr ? pd->kp.of(i) : 0,
+                  kind.v_units[i] == 'r'};
+    if (dof.damping + dof.kd > 0 || dof.stiffness + dof.kp > 0) all.push_back(dof);
+  }
+}
 
 std::vector<Dof> stiff_dofs(const Tree& tree) {
   std::vector<Dof> all;
   for (const int b : tree.order()) {
     const JointParameters* p = tree.parameters(b);
-    if (p == nullptr || tree.link(b).driven != 0) continue;
-    const KindInfo& kind = info(tree.kind(b));
-    const JointDrive::Pd* pd = p->drive != nullptr && p->drive->pd.any() ? &p->drive->pd : nullptr;
-    for (int i = 0; i < kind.nv; ++i) {
-      if ((tree.link(b).locked >> i & 1u) != 0) continue;
-      const Dof dof{b,
-                    tree.first_p(b) + i,
-                    p->damping.of(i),
-                    pd != nullptr ? pd->kd.of(i) : 0,
-                    p->stiffness.of(i),
-                    pd != nullptr ? pd->kp.of(i) : 0,
-                    kind.v_units[i] == 'r'};
-      if (dof.damping + dof.kd > 0 || dof.stiffness + dof.kp > 0) all.push_back(dof);
-    }
+    if (p != nullptr && tree.link(b).driven == 0)
+      add_dofs(tree.kind(b), *p, ~tree.link(b).locked, tree.joint_of(b), -1, tree.first_p(b), all);
+  }
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    const bool moves = loop.parameters.drive != nullptr && loop.parameters.drive->moves();
+    if (!moves) add_dofs(loop.joint.kind, loop.parameters, ~loop.joint.locked, loop.id().index, static_cast<int>(i), 0, all);
   }
   return all;
 }
+
+// Velocities that unit efforts and impulses cause at coordinates q, with all loops closed.
+class Mobility {
+ public:
+  Mobility(const Tree& tree, std::span<const double> q)
+      : tree_(tree),
+        state_(tree, tree.has_loops() ? Variables::velocities : Variables::momenta),
+        workspace_(tree),
+        u_(static_cast<std::size_t>(tree.nv())) {
+    state_.assign(0, q, u_, tree);
+    if (tree.has_loops()) forward_dynamics(tree, state_, workspace_);
+  }
+  const State& state() const { return state_; }
+  Workspace<double>& workspace() { return workspace_; }
+
+  /// Of a DoF: the diagonal entry of H⁻¹, which is at most the fastest rate caused by a unit of damping there.
+  double of(const Dof& dof) {
+    const double* const q = state_.q().data();
+    if (dof.loop >= 0) return strike_loop(tree_, q, workspace_, dof.loop, dof.place, u_.data());
+    const auto place = static_cast<std::size_t>(dof.place);
+    std::fill(u_.begin(), u_.end(), 0.0);
+    u_[place] = 1;
+    if (tree_.has_loops()) return solve_with_loops(tree_, q, workspace_, u_.data()), u_[place];
+    evaluate_rates<double>(tree_, q, u_.data(), workspace_);
+    return workspace_.v[place];
+  }
+  /// Of generalised impulses p along themselves.
+  double of(const std::vector<double>& p) {
+    u_ = p;
+    if (tree_.has_loops())
+      solve_with_loops(tree_, state_.q().data(), workspace_, u_.data());
+    else
+      solve_mass(tree_, state_, workspace_, p.data(), u_.data());
+    double sum = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) sum += p[i] * u_[i];
+    return sum;
+  }
+
+ private:
+  const Tree& tree_;
+  State state_;
+  Workspace<double> workspace_;
+  std::vector<double> u_;
+};
 
 std::string text(double x) {
   char buffer[32];
@@ -97,38 +164,29 @@ std::optional<StiffJoint> too_stiff(const Tree& tree, std::span<const double> q,
                      [&](const Dof& a, const Dof& b) { return size(a) > size(b); });
     dofs.resize(most);
   }
-  Workspace<double> workspace(tree);
-  std::vector<double> p(static_cast<std::size_t>(tree.nv()), 0.0);
+  Mobility mobilities(tree, q);
   std::optional<StiffJoint> worst;
   double worst_excess = 1;
   for (const Dof& f : dofs) {
-    // A column of H⁻¹: its diagonal entry is at most the fastest rate caused by a unit of damping in this DoF.
-    p[static_cast<std::size_t>(f.place)] = 1;
-    evaluate_rates<double>(tree, q.data(), p.data(), workspace);
-    p[static_cast<std::size_t>(f.place)] = 0;
-    const double mobility = workspace.v[static_cast<std::size_t>(f.place)];
+    const double mobility = mobilities.of(f);
     if (!(mobility > 0) || !std::isfinite(mobility)) continue;
     const double damping = f.damping + f.kd, stiffness = f.stiffness + f.kp;
     // "damped" adds γ h c to the inertia in this DoF.
     const auto swing = [&](bool damped) {
-      return std::sqrt(stiffness / (1 / mobility + (damped ? Damped::implicit_share * step * damping : 0)));
+      const bool implicit = damped && f.loop < 0;
+      return std::sqrt(stiffness / (1 / mobility + (implicit ? Damped::implicit_share * step * damping : 0)));
     };
     const Limits damped = limits_of("damped");
-    const bool helps = swing(true) * step <= damped.spring && !tree.has_loops();  // which that method can't integrate
+    const bool helps = f.loop < 0 && tree.couplings().empty() && swing(true) * step <= damped.spring;
     const auto consider = [&](bool damper, double rate, double limit) {
       const double excess = rate * step / limit;
       if (!(excess > worst_excess)) return;
       worst_excess = excess;
-      worst = StiffJoint{tree.joint_of(f.body),
-                         damper,
-                         damper ? f.kd > f.damping : f.kp > f.stiffness,
-                         f.turns,
-                         damper ? damping : stiffness,
-                         1 / mobility,
-                         limit / rate,
-                         method != "damped" && helps && damping > 0};
+      worst = StiffJoint{
+          f.joint,      damper,       damper ? f.kd > f.damping : f.kp > f.stiffness, f.turns, damper ? damping : stiffness,
+          1 / mobility, limit / rate, method != "damped" && helps && damping > 0};
     };
-    consider(true, damping * mobility, limits.damper);
+    consider(true, damping * mobility, f.loop < 0 ? limits.damper : limits.explicit_damper);
     consider(false, swing(method == "damped"), limits.spring);
   }
   return worst;
@@ -146,10 +204,10 @@ std::optional<StiffSpring> too_stiff_spring(const Tree& tree, std::span<const do
   const Limits limits = limits_of(method);
   if (tree.spring_count() == 0 || tree.nv() == 0 || !std::isfinite(limits.spring)) return {};
   const auto n = static_cast<std::size_t>(tree.nv());
-  State state(tree);
-  state.assign(0, q, std::vector<double>(n), tree);
-  Workspace<double> workspace(tree);
-  std::vector<double> J(6 * n), p(n), u(n);
+  Mobility mobilities(tree, q);
+  const State& state = mobilities.state();
+  Workspace<double>& workspace = mobilities.workspace();
+  std::vector<double> J(6 * n), p(n);
   constexpr std::size_t most_numbers = 20'000'000;
   int left = static_cast<int>(std::min<std::size_t>(1 + most_numbers / (6 * n), 100'000));
   std::optional<StiffSpring> worst;
@@ -169,9 +227,7 @@ std::optional<StiffSpring> too_stiff_spring(const Tree& tree, std::span<const do
       const Vec3 along = sign * motion.direction;
       for (std::size_t i = 0; i < n; ++i) p[i] += along.x * J[i] + along.y * J[n + i] + along.z * J[2 * n + i];
     }
-    solve_mass(tree, state, workspace, p.data(), u.data());
-    double mobility = 0;
-    for (std::size_t i = 0; i < n; ++i) mobility += p[i] * u[i];
+    const double mobility = mobilities.of(p);
     if (!(mobility > 0) || !std::isfinite(mobility)) continue;
     const auto consider = [&](bool damper, double rate, double limit) {
       const double excess = rate * step / limit;
@@ -179,7 +235,7 @@ std::optional<StiffSpring> too_stiff_spring(const Tree& tree, std::span<const do
       worst_excess = excess;
       worst = StiffSpring{s, damper, damper ? law.damping : law.stiffness, 1 / mobility, limit / rate};
     };
-    if (method != "damped") consider(true, law.damping * mobility, limits.damper);
+    consider(true, law.damping * mobility, limits.explicit_damper);
     consider(false, std::sqrt(law.stiffness * mobility), limits.spring);
   }
   return worst;

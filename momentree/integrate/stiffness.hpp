@@ -17,7 +17,7 @@ struct StiffJoint {
   bool servo = false;         ///< the damper or spring of position control: kd or kp
   bool turns = false;         ///< units N m s/rad and kg m²; otherwise N s/m and kg
   double coefficient = 0;     ///< damping or stiffness
-  double inertia = 0;         ///< inertia against an effort in this DoF, with all other joints free
+  double inertia = 0;         ///< inertia against an effort in this DoF, with all other joints free and loops closed
   double longest_step = 0;    ///< longest stable step (s)
   bool damped_helps = false;  ///< the method "damped" is stable at the given step
 
@@ -37,7 +37,7 @@ struct StiffSpring {
   int spring = -1;
   bool damper = false;      ///< true: its damper
   double coefficient = 0;   ///< damping (N s/m) or stiffness (N/m)
-  double mass = 0;          ///< mass against a force along the spring, with all joints free (kg)
+  double mass = 0;          ///< mass against a force along the spring, with all joints free and loops closed (kg)
   double longest_step = 0;  ///< longest stable step (s)
 
   /// "spring 'rope' (stiffness = 1e+06 N/m on 0.5 kg) is too stiff for steps of 0.01 s".

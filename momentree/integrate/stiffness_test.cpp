@@ -100,6 +100,64 @@ TEST_CASE("a spring that is too stiff for the step makes it unstable") {
             .starts_with("the spring of joint 'arm/hand' (stiffness = 4e+03 N m/rad on"));
 }
 
+TEST_CASE("dampers and springs of joints in loops are judged with the loops closed") {
+  // Two bars from the ground, pinned at their tips: together they can only turn as one, about a common axis.
+  const auto two_bars = [](const JointParameters& in_tree, const JointParameters& in_loop) {
+    Model model({.gravity = {}});
+    for (const char* name : {"light", "heavy"}) {
+      BodySpec bar{.name = name, .mass = name[0] == 'l' ? 0.1 : 2, .com = {0.3, 0, 0}, .inertia = diagonal(0.01)};
+      bar.joint.kind = Kind::revolute, bar.joint.axis = y_axis;
+      if (name[0] == 'l') bar.joint.parameters = in_tree;
+      bar.v = 0.01;
+      model.add(bar);
+    }
+    BodySpec slider{.name = "slider", .mass = 0.5, .inertia = diagonal(0.01), .parent = BodyId{1}, .at = {0.4, 0, 0}};
+    slider.joint.kind = Kind::prismatic, slider.joint.axis = {1, 0, 0};
+    slider.q = 0.02;
+    model.add(slider);
+    LoopSpec pin;
+    pin.name = "slot", pin.body = BodyId{2}, pin.to = BodyId{0};
+    pin.joint.kind = Kind::prismatic, pin.joint.axis = {1, 0, 0};
+    pin.joint.parameters = in_loop;
+    pin.at.position = {0.42, 0, 0};
+    model.add_loop(pin);
+    return model;
+  };
+  JointParameters damper, spring;
+  damper.damping = 800;
+  spring.stiffness = 2e6;
+  for (const bool in_loop : {false, true})
+    for (const JointParameters& p : {damper, spring}) {
+      CAPTURE(in_loop);
+      CAPTURE(p.damping.of(0));
+      const Model model = two_bars(in_loop ? JointParameters{} : p, in_loop ? p : JointParameters{});
+      const auto speed = [&](const char* method, double step) {
+        Simulation sim(model, {.method = method, .variables = Variables::momenta, .step = step});
+        if (in_loop) sim.apply(impulse("slider", {0.005, 0, 0}));
+        double largest = 0;
+        sim.observe(0, [&](const World& world) {
+          for (const double v : world.v()) largest = std::max(largest, std::fabs(v));
+          return true;
+        });
+        return sim.run_until(400 * step) == Status::ok ? largest : HUGE_VAL;
+      };
+      const auto stiff = judged(model, "rk4", 1e-2);
+      REQUIRE(stiff);
+      CHECK(stiff->damper == (p.damping.of(0) > 0));
+      CHECK(stiff->joint == (in_loop ? first_loop : 0));
+      CHECK(speed("rk4", 1.05 * stiff->longest_step) > 1);
+      CHECK(speed("rk4", 0.95 * stiff->longest_step) < 0.03);
+      const auto implicit = judged(model, "damped", 1e-2);
+      CHECK(implicit.has_value() == (in_loop || !stiff->damper));
+      if (implicit) {
+        CHECK(speed("damped", 1.05 * implicit->longest_step) > 1);
+        CHECK(speed("damped", 0.95 * implicit->longest_step) < 0.03);
+      } else {
+        CHECK(speed("damped", 1e-2) < 0.03);
+      }
+    }
+}
+
 TEST_CASE("with the method damped, a servo's spring next to a strong damper needs no small steps") {
   const Model model = arm(servo(4000, 80));
   const auto stiff = judged(model, "rk4", 2e-3);

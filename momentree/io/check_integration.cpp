@@ -7,6 +7,7 @@
 #include <momentree/integrate/stiffness.hpp>
 #include <momentree/io/number_text.hpp>
 #include <momentree/io/scenario_parts.hpp>
+#include <momentree/simulate/assembly.hpp>
 
 namespace momentree::io {
 
@@ -91,10 +92,13 @@ class IntegrationChecker {
     if (!scenario_.state_files.empty() || std::any_of(scenario_.events.begin(), scenario_.events.end(), at_start)) return;
     const Tree tree(model);
     if (tree.nv() == 0) return;
-    State state = start_state(model, tree);
+    State state = start_state(model, tree, tree.has_loops() ? how_.loop_variables() : Variables::momenta);
+    if (tree.has_loops() && assemble(tree, model, Names(model), state)) return;  // a mistake that check_loops reports
     const double step = std::min(how_.step, scenario_.until);
     if (const auto stiff = too_stiff(tree, state.q(), how_.method, step)) {
-      const std::string& name = model[BodyId{stiff->joint}].joint_name;
+      const bool closes = is_loop({stiff->joint});
+      const std::string& name = closes ? model.loops()[static_cast<std::size_t>(stiff->joint - first_loop)].name
+                                       : model[BodyId{stiff->joint}].joint_name;
       out_.warning(at_.step, stiff->what(name, step) + " by " + how_.method, stiff->cure());
     } else if (const auto spring = too_stiff_spring(tree, state.q(), how_.method, step)) {
       const std::string& name = model.springs()[static_cast<std::size_t>(spring->spring)].name;

@@ -67,8 +67,8 @@ TEST_CASE("mistakes in loops are reported with their places") {
       "example "
       "by a ball joint instead of a revolute one";
   const std::string velocities =
-      "not supported in momenta for joints that close a loop; leave 'variables' out, or give it to a joint of the tree: any "
-      "joint of a loop can be the one that closes it";
+      "not supported in momenta for joints that close a loop; leave 'variables' out and use rk4, midpoint, dopri5 or "
+      "dop853; or give it to a joint of the tree: any joint of a loop can be the one that closes it";
   check({
       {loop("kind = \"ball\"\nbody = \"m/rocker\""),
        "s.toml:36:1: error: [[loop]] has no 'name'; a name, by which events and results refer to it"},
@@ -109,8 +109,10 @@ TEST_CASE("mistakes in loops are reported with their places") {
        "s.toml:37:8: error: loop 'pin': it can't be closed from these start values: it stays open by 0.4 of its size; check its "
        "bodies, "
        "'at', 'child_at' and axes, or give start values nearer to a closed position"},
-      {linkage + "[integrate]\nmethod = \"damped\"\n",
-       "s.toml:37:8: error: the method 'damped' can't integrate closed loops; use rk4, midpoint, dopri5 or dop853"},
+      {linkage + "armature = 1\n[integrate]\nmethod = \"damped\"\n",
+       "s.toml:37:8: error: loop 'pin': armature: it is not supported in momenta for joints that close a loop; leave 'variables' "
+       "out and use rk4, midpoint, dopri5 or dop853; or give it to a joint of the tree: any joint of a loop can be the one that "
+       "closes it"},
       {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5 }\nbreak = \"pin\"\n",
        "s.toml:44:1: error: when: reaction_force: the closed loops do not determine the reaction of joint 'pin'; " + least},
       {linkage + "strength = { force = 5 }\n",

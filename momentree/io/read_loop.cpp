@@ -143,19 +143,14 @@ void check_loops(Reading& reading) {
   const Model& model = reading.scenario.model;
   if (!model.has_equations()) return;
   Integration& how = reading.scenario.integration;
-  const bool has_loops = !model.loops().empty();
-  const std::string what = has_loops ? "closed loops" : "exact couplings";
-  const auto report = [&](std::string problem, std::string hint) {
-    if (has_loops)
-      reading.out.error(reading.joints.at(model.loops().front().name), std::move(problem), std::move(hint));
-    else
-      report_coupling(0, std::move(problem), std::move(hint), reading);
-  };
-  if (how.variables == Variables::momenta && !model.couplings().empty())
-    report("exact couplings are integrated in velocities", "leave 'variables' out of [integrate]");
-  if (!takes_velocities(how.method))
-    report("the method '" + how.method + "' can't integrate " + what, "use rk4, midpoint, dopri5 or dop853");
-  if (!how.variables) how.variables = Variables::velocities;
+  if (!model.couplings().empty()) {
+    if (how.variables == Variables::momenta)
+      report_coupling(0, "exact couplings are integrated in velocities", "leave 'variables' out of [integrate]", reading);
+    else if (!takes_velocities(how.method))
+      report_coupling(0, "the method '" + how.method + "' can't integrate exact couplings", "use rk4, midpoint, dopri5 or dop853",
+                      reading);
+  }
+  how.variables = how.loop_variables();
   bool supported = true;
   for (const LoopSpec& loop : model.loops()) {
     if (how.variables != Variables::momenta) break;
@@ -178,7 +173,11 @@ void check_loops(Reading& reading) {
   for (const auto& [joint, place] : reading.joints)
     if (error->where == "joint '" + joint + "'")
       return reading.out.error(place, error->where + ": " + error->problem, error->hint);
-  report(error->where + ": " + error->problem, error->hint);
+  const std::string problem = error->where + ": " + error->problem;
+  if (model.loops().empty())
+    report_coupling(0, problem, error->hint, reading);
+  else
+    report_loop(model.loops().front().name, problem, error->hint, reading);
 }
 
 }  // namespace momentree::io

@@ -121,7 +121,7 @@ TEST_CASE("the grounded partner's root is kept, whichever is named first; the jo
   }
 }
 
-TEST_CASE("loops by 'damped' and impossible actions are refused, name both sides, and change no bit of the world") {
+TEST_CASE("impossible actions are refused, name both sides, and change no bit of the world") {
   Simulation sim(yard({0, 0, -9.81}), {.method = "damped"});
   CHECK(sim.run_until(0.05) == Status::ok);
   const std::vector<double> before = bits(sim.world());
@@ -132,16 +132,14 @@ TEST_CASE("loops by 'damped' and impossible actions are refused, name both sides
     CHECK(bits(sim.world()) == before);
     CHECK(sim.events().empty());
   };
-  says({weld("tug/hand", "tug/hull")}, {"'tug/hand'", "'tug/hull'", "close a loop", "rk4"});
   says({weld("tug/hand", "tug/hand")}, {"itself"});
   says({weld("tug/hand", "tug/upper")}, {"already joined", "joint 'tug/hand'"});
-  says({weld("crane/boom")}, {"'crane/boom'", "'ground'", "close a loop"});
   says({attach("sat/hull", "tug/hand", Universal{.axis = {0, 0, 1}, .axis2 = {0, 0, 2}})}, {"axis2", "parallel"});
   says({lock("tug/upper"), unlock("tug/upper")}, {"contradicts", "lock tug/upper", "unlock tug/upper"});
   says({break_joint("tug/upper"), lock("tug/upper")}, {"contradicts", "break tug/upper"});
   says({lock("tug/hand", {3})}, {"no degree of freedom 3", "0 to 2"});
-  says({lock("tug/hand"), weld("sat/panel", "tug/hand"), weld("sat/hull", "tug/hull")},
-       {"close a loop"});  // after two valid ones
+  says({lock("tug/hand"), weld("sat/panel", "tug/hand"), weld("sat/hull", "sat/panel")},
+       {"already joined"});  // after two valid ones
   says({change_joint("tug/hand", Kind::revolute)}, {"axis"});
   says({reroot("crane/boom")}, {"attached to the ground"});
   says({set_parameters("tug/upper", {.damping = -1})}, {"damping"});
@@ -208,11 +206,17 @@ TEST_CASE("changes of the kind of joint are one impact with the others, in any o
 
 TEST_CASE("a mechanism remains grounded through a joint that changes at the same instant") {
   const Action turn = change_joint("crane/base", Prismatic{.axis = {0, 1, 0}});
-  Simulation sim(yard(), {.method = "damped"});
+  Simulation sim(yard());
   sim.apply(weld("sat/hull"), "held");
-  CHECK(refused(sim, {turn, weld("crane/boom", "sat/panel")}).find("close a loop") != std::string::npos);
-  CHECK(refused(sim, {weld("crane/boom", "sat/panel"), turn}).find("close a loop") != std::string::npos);
-  CHECK(refused(sim, {turn, weld("crane/boom", "tug/hand")}) == "");  // the crane carries the tug, not the other way round
+  const auto loops_after = [&sim](const std::vector<Action>& actions) {
+    Simulation branch = sim.branch();
+    branch.apply(actions);
+    return branch.world().loops().size();
+  };
+  CHECK(loops_after({turn, weld("crane/boom", "sat/panel")}) == 1);
+  CHECK(loops_after({weld("crane/boom", "sat/panel"), turn}) == 1);
+  CHECK(loops_after({turn, weld("crane/boom", "tug/hand")}) == 0);  // the crane carries the tug, not the other way round
+  sim.apply(std::vector<Action>{turn, weld("crane/boom", "tug/hand")});
   CHECK(sim.world().mechanism_names() == std::vector<std::string>{"crane", "sat"});
 }
 
@@ -305,11 +309,11 @@ TEST_CASE("snapshots, branches and undo are exact to the bit, across any number 
 }
 
 TEST_CASE("a dry run finds impossible actions and all joints that will exist, and changes nothing") {
-  Simulation sim(yard(), {.method = "damped"});
+  Simulation sim(yard());
   sim.at(0.1).then(weld("sat/panel", "tug/hand")).named("grasp");
   sim.at(0.2).then(break_joint("grasp"));
   sim.at(0.3).then(break_joint("grasp"));
-  sim.at(0.4).then(weld("tug/hand", "tug/hull"));
+  sim.at(0.4).then(weld("tug/hand", "tug/upper"));
   const std::vector<double> before = bits(sim.world());
   const DryRun found = sim.dry_run();
   CHECK(bits(sim.world()) == before);

@@ -37,12 +37,17 @@ Variables Integration::state_variables() const { return variables.value_or(defau
 
 Variables Integration::state_variables(const Model& model) const {
   if (!model.has_equations()) return state_variables();
-  const std::string what = model.loops().empty() ? "couplings of joints" : "closed loops";
-  if (variables == Variables::momenta && !model.couplings().empty())
-    throw_error({"couplings of joints are integrated in velocities", "variables", "leave 'variables' out"});
-  if (!takes_velocities(method))
-    throw_error({"the method '" + method + "' can't integrate " + what, "method", "use rk4, midpoint, dopri5 or dop853"});
-  return variables.value_or(Variables::velocities);
+  if (loop_variables() == Variables::momenta && !model.couplings().empty()) {
+    if (variables == Variables::momenta)
+      throw_error({"couplings of joints are integrated in velocities", "variables", "leave 'variables' out"});
+    throw_error(
+        {"the method '" + method + "' can't integrate couplings of joints", "method", "use rk4, midpoint, dopri5 or dop853"});
+  }
+  return loop_variables();
+}
+
+Variables Integration::loop_variables() const {
+  return variables.value_or(takes_velocities(method) ? Variables::velocities : Variables::momenta);
 }
 
 std::optional<Error> wrong_period(double period, double clock, const char* what) {

@@ -141,7 +141,9 @@ std::optional<Error> needs_velocities(const JointParameters& parameters) {
   if (!moves && !parameters.armature.any()) return std::nullopt;
   return Error(std::string(moves ? "drive: a prescribed motion" : "armature: it") +
                    " is not supported in momenta for joints that close a loop",
-               "", "leave 'variables' out, or give it to a joint of the tree: any joint of a loop can be the one that closes it");
+               "",
+               "leave 'variables' out and use rk4, midpoint, dopri5 or dop853; or give it to a joint of the tree: any joint of a "
+               "loop can be the one that closes it");
 }
 
 std::optional<Error> needs_velocities(const Tree& tree, const Names& names) {
@@ -156,16 +158,7 @@ std::optional<Error> needs_velocities(const Tree& tree, const Names& names) {
 std::optional<Error> check_assembly(const Model& model) {
   if (!model.has_equations()) return std::nullopt;
   const Tree tree(model);
-  State state(tree, Variables::velocities);
-  {
-    const State::Edit edit = state.edit();
-    for (int b = 0; b < model.size(); ++b) {
-      const BodySpec& body = model[BodyId{b}];
-      std::copy(body.q.begin(), body.q.end(), edit.q.begin() + tree.first_q(b));
-      std::copy(body.v.begin(), body.v.end(), edit.u.begin() + tree.first_p(b));
-    }
-    follow_motions(tree, 0, edit.q.data(), edit.u.data());
-  }
+  State state = start_state(model, tree, Variables::velocities);
   const Names names(model);
   if (std::optional<Error> error = assemble(tree, model, names, state)) return error;
   if (std::optional<Error> error = conflicting_motions(tree, names, state)) return error;

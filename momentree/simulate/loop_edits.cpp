@@ -49,10 +49,6 @@ double TopologyEditor::turn_of(int joint) const {
 }
 
 ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
-  if (!world_.loops_allowed_)
-    return ActionResult::refused(
-        "joining '" + body_name(body) + "' to '" + body_name(to) + "' would close a loop, which this method can't integrate",
-        "use rk4, midpoint, dopri5 or dop853; batches have no loops yet");
   if (std::optional<ActionResult> taken = name_taken(body, to)) return *taken;
   if (std::optional<ActionResult> refused = refused_in_momenta(spec.parameters)) return *refused;
   if (spec.kind == Kind::free) return ActionResult::skipped("a free joint between them constrains nothing");

@@ -30,9 +30,11 @@ struct Integration {
   double atol = 1e-10;         ///< in the unit of each coordinate and velocity
   double max_step = HUGE_VAL;  ///< s
 
-  /// The variables that a run uses, without a model those of open trees. Closed loops are in velocities by default: throws Error
-  /// for a model with loops that `method` can't integrate.
+  /// The variables that a run uses, without a model those of open trees. Throws Error for a model with couplings that `method`
+  /// can't integrate.
   Variables state_variables() const;
+  /// Those of worlds with closed loops: velocities by default, if the method takes them.
+  Variables loop_variables() const;
   Variables state_variables(const Model& model) const;
 };
 

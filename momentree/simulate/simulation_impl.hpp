@@ -42,11 +42,10 @@ struct Simulation::Impl {
   using Clock = detail::Clock;
   Impl(const Model& model, const Integration& how)
       : integration(checked(how)),
-        world(model, integration.state_variables(model), integration.variables.value_or(Variables::velocities)),
+        world(model, integration.state_variables(model), integration.loop_variables()),
         evaluate(world.tree_, world.workspace_),
         method(new_method()),
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
-    world.loops_allowed_ = takes_velocities(integration.method);
     if (std::optional<Error> error = undetermined_strength(world)) throw_error(std::move(*error));
     begin();
   }

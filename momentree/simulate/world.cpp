@@ -51,9 +51,6 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   }
   for (const Topology::Loaded& load : loads)
     if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
-  if (tree_.has_loops() && !loops_allowed_)
-    throw_error({"the state has closed loops or couplings, which this method can't integrate", "",
-                 "use rk4, midpoint, dopri5 or dop853"});
   State state(tree_, own_variables());
   workspace_ = Workspace<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));

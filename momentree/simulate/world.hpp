@@ -252,9 +252,8 @@ class World {
 
   Model model_;
   Variables variables_ = Variables::momenta, loop_variables_ = Variables::velocities;
-  bool loops_allowed_ = true;  // not for every method
-  int first_bodies_ = 0;       // number of bodies that the world was made with
-  Names declared_, names_;     // as in the model, and now
+  int first_bodies_ = 0;    // number of bodies that the world was made with
+  Names declared_, names_;  // as in the model, and now
   std::vector<ActiveLimit> active_limits_;
   Tree tree_;
   State state_;

@@ -8,6 +8,9 @@
 // is the mass matrix with larger armatures: γ h C is added to the armature in the first recursion, so that a stage costs one
 // evaluation. The rest of that evaluation is correct as well: the armature is not part of Pb, and the rates (20) are those of the
 // velocities u. Forces that are not linear in u are linearised, f(w) − C (u − w), and −C u is the part treated as armature.
+//
+// The forces of joints that close loops and of springs between points are in the explicit part. Loops add their impulses to p*
+// in every stage, with the rows of H + γ h C: see loop_momenta.hpp.
 #include <cmath>
 #include <optional>
 
@@ -22,7 +25,8 @@ class Damped final : public Integrator {
   static constexpr Variables default_variables = Variables::momenta;
   // Dampers at any step; springs as in its explicit part.
   static constexpr double damper_limit = HUGE_VAL, spring_limit = 1.57;
-  static constexpr double implicit_share = 0.5;  ///< γ
+  static constexpr double explicit_damper_limit = 2.14;  ///< of dampers of loop joints and of springs between points
+  static constexpr double implicit_share = 0.5;          ///< γ
   Damped(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept override;
 
@@ -153,7 +157,7 @@ inline bool Damped::step(Evaluator& evaluate, State& state, EnergyLedger& ledger
     for (int i = 0; i < nv && (s == 0 || driven); ++i) done -= share * rate(giving_, s)[i] * u[i];
   }
   end_step(tree, state.time() + h, q_.get(), p_.get());
-  if (!sound(tree, q, q_.get(), p_.get())) return false;
+  if (!sound(tree, q, q_.get(), p_.get()) || !close(evaluate, state.time() + h, q_.get(), p_.get())) return false;
   take_stored(tree, q, q_.get(), ledger);
   const State::Edit edit = state.edit();
   std::copy_n(q_.get(), nq, edit.q.begin());
@@ -165,6 +169,7 @@ inline bool Damped::step(Evaluator& evaluate, State& state, EnergyLedger& ledger
     ledger.dissipated -= spent(dissipating_, nv, h);
     ledger.work += spent(giving_, nv, h);
   }
+  book_closing(evaluate, state, ledger);
   return true;
 }
 
