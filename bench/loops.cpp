@@ -1,15 +1,17 @@
 // Stages and states of mechanisms with closed loops; `stage` keeps its rows, `state` chooses them and has all reactions, `close`
-// corrects a state as after each step.
+// corrects a state as after each step; `change` makes, breaks and locks in a loop, without the evaluations before and after.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <vector>
 
 #include <momentree/dynamics/loop_workspace.hpp>
 #include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <momentree/topology/change.hpp>
 
 #include "loop_models.hpp"
 
@@ -90,6 +92,39 @@ void close(benchmark::State& run, Model (*make)(int)) {
   if (!closed) run.SkipWithError("the loops are not closed");
 }
 
+double seconds_of_thread() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// A change at an evaluated state, without what follows it: the next evaluation.
+template <class Change>
+void change(benchmark::State& run, Model (*make)(int), Change (*change_of)(const Closed&)) {
+  const Closed world(make(static_cast<int>(run.range(0))));
+  const Change action = change_of(world);
+  for (auto _ : run) {
+    Tree tree = world.tree;
+    State state = world.state;
+    Workspace<double> workspace(tree);
+    forward_dynamics(tree, state, workspace);
+    const double start = seconds_of_thread();
+    apply(action, tree, state, workspace);
+    run.SetIterationTime(seconds_of_thread() - start);
+  }
+}
+Lock lock_of(const Closed& world) { return {world.tree.joint_of(world.tree.bodies() / 2)}; }
+BreakLoop break_of(const Closed& world) { return {world.tree.loops()[0].id()}; }
+MakeLoop make_of(const Closed& world) {
+  MakeLoop made{world.tree.loops()[0], 0};
+  made.loop.number = 1, made.loop.body = world.tree.bodies() / 2;
+  Workspace<double> workspace(world.tree);
+  locate_bodies(world.tree, world.state, workspace);
+  const Kinematics<double>& at = workspace.bodies[static_cast<std::size_t>(made.loop.body)];
+  made.loop.joint.at.position = at.r, made.loop.joint.child_at = {};
+  return made;
+}
+
 #define MOMENTREE_LOOP_BENCHMARK(model, bodies)        \
   BENCHMARK_CAPTURE(stage, model, model)->Arg(bodies); \
   BENCHMARK_CAPTURE(state, model, model)->Arg(bodies); \
@@ -100,6 +135,9 @@ MOMENTREE_LOOP_BENCHMARK(suspended_chain, 100);
 MOMENTREE_LOOP_BENCHMARK(ring, 10);
 MOMENTREE_LOOP_BENCHMARK(two_arms, 15);
 MOMENTREE_LOOP_BENCHMARK(standing_humanoid, 31);
+BENCHMARK_CAPTURE(change, lock_in_chain, suspended_chain, lock_of)->Arg(100)->Iterations(3000)->UseManualTime();
+BENCHMARK_CAPTURE(change, break_of_chain, suspended_chain, break_of)->Arg(100)->Iterations(3000)->UseManualTime();
+BENCHMARK_CAPTURE(change, second_loop_of_chain, suspended_chain, make_of)->Arg(100)->Iterations(3000)->UseManualTime();
 
 }  // namespace
 }  // namespace momentree::bench
