@@ -207,7 +207,8 @@ std::string totals_text(const World& world) {
   row("one evaluation", format("%ld operations (%ld additions, %ld multiplications, ", operations.total(), operations.additions,
                                operations.multiplications) +
                             count_text(operations.divisions, "division", "divisions") + ") and " +
-                            count_text(operations.sincos, "pair", "pairs") + " of sine and cosine");
+                            count_text(operations.sincos, "pair", "pairs") + " of sine and cosine" +
+                            (world.tree().has_loops() ? ", of the tree without its equations" : ""));
   if (const int bodies = bodies_in_planes(world.tree()); bodies > 0) row("in a plane", count_text(bodies, "body", "bodies"));
   if (const std::string pairs = pairs_text(world); !pairs.empty()) row("paired branches", pairs);
   return table.text("  ");

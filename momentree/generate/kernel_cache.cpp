@@ -56,7 +56,8 @@ struct KernelCache::Impl {
     const std::lock_guard lock(mutex);
     if (compiler.empty()) return {};
     if (!stages_take_rates(tree))
-      return leave("stages with forces on bodies, functions or prescribed motions run the kernels themselves");
+      return leave(
+          "stages with closed loops, couplings, forces on bodies, functions or prescribed motions run the kernels themselves");
     const auto start = std::chrono::steady_clock::now();
     const auto [place, fresh] = codes.try_emplace(fingerprint(tree, variables));
     if (fresh)
