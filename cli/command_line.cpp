@@ -109,9 +109,10 @@ CLI::Option* CommandLine::source(CLI::App* sub, const char* name, std::string& v
 }
 
 CommandLine::CommandLine(Bench bench, std::string_view commit) : measure_(bench) {
-  app_.set_version_flag("--version", version_text(commit), "Print the version and how it was built");
   app_.add_flag_callback(
-      "-V", [text = long_version_text(commit)] { throw CLI::CallForVersion(text, 0); }, "The same with all details");
+      "-V", [text = long_version_text(commit)] { throw CLI::CallForVersion(text, 0); },
+      "Print the version and all details of the build");
+  app_.set_version_flag("--version", version_text(commit), "Print the version and how it was built");
   app_.footer(closing);
   app_.require_subcommand(0, 1);
   app_.allow_extras();

@@ -1,6 +1,7 @@
 # Read by cpack for each kind of package.
 if(CPACK_GENERATOR STREQUAL "DEB")
   set(CPACK_PACKAGING_INSTALL_PREFIX "/usr")
+  list(REMOVE_ITEM CPACK_COMPONENTS_ALL "${CPACK_MOMENTREE_WITHOUT}")  # cpack -D CPACK_MOMENTREE_WITHOUT=library
 elseif(CPACK_GENERATOR MATCHES "TGZ|TXZ|TZST|ZIP")  # the program alone; its plugins need libraries of one distribution
   set(CPACK_PACKAGING_INSTALL_PREFIX "/")
   set(CPACK_ARCHIVE_COMPONENT_INSTALL ON)
