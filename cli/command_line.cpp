@@ -12,6 +12,7 @@
 #include <cli/arguments.hpp>
 #include <cli/completion.hpp>
 #include <cli/man_page.hpp>
+#include <cli/version.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/io/schema.hpp>
@@ -31,7 +32,7 @@ std::string quoted(const std::string& words) { return "`momentree " + words + "`
 
 class CommandLine {
  public:
-  explicit CommandLine(Bench bench);
+  CommandLine(Bench bench, std::string_view commit);
   int call(int argc, char** argv);
 
  private:
@@ -107,8 +108,11 @@ CLI::Option* CommandLine::source(CLI::App* sub, const char* name, std::string& v
   return sub->add_option(name, value, does)->type_name(type);
 }
 
-CommandLine::CommandLine(Bench bench) : measure_(bench) {
-  app_.set_version_flag("-V,--version", "momentree " MOMENTREE_VERSION);
+CommandLine::CommandLine(Bench bench, std::string_view commit) : measure_(bench) {
+  app_.add_flag_callback(
+      "-V", [text = long_version_text(commit)] { throw CLI::CallForVersion(text, 0); },
+      "Print the version and all details of the build");
+  app_.set_version_flag("--version", version_text(commit), "Print the version and how it was built");
   app_.footer(closing);
   app_.require_subcommand(0, 1);
   app_.allow_extras();
@@ -422,7 +426,8 @@ int CommandLine::call(int argc, char** argv) {
     std::fputs(help(parsed()->get_name()).c_str(), stdout);
     return done;
   } catch (const CLI::CallForVersion& e) {
-    return app_.exit(e) == 0 ? done : bad_input;
+    std::fputs(e.what(), stdout);
+    return done;
   } catch (const CLI::ParseError& e) {
     require_known_arguments();  // a missing option may be caused by a misspelled one
     const CLI::App* sub = parsed();
@@ -443,6 +448,6 @@ int CommandLine::call(int argc, char** argv) {
 
 }  // namespace
 
-int call(int argc, char** argv, Bench bench) { return CommandLine(bench).call(argc, argv); }
+int call(int argc, char** argv, Bench bench, std::string_view commit) { return CommandLine(bench, commit).call(argc, argv); }
 
 }  // namespace momentree::cli

@@ -1,6 +1,7 @@
 #pragma once
 // The table of commands and options, used for parsing, --help, the manual page and completion.
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <cli/commands.hpp>
@@ -24,7 +25,7 @@ struct CommandTable {
   std::vector<CommandInfo> commands;
 };
 
-/// Parses and runs the command line; `bench`: that command. Throws Error if it is invalid.
-int call(int argc, char** argv, Bench bench);
+/// Parses and runs the command line; `bench`: that command; `commit`: what --version says. Throws Error if it is invalid.
+int call(int argc, char** argv, Bench bench, std::string_view commit);
 
 }  // namespace momentree::cli

@@ -44,12 +44,12 @@ void require_standard_streams() {
 
 }  // namespace
 
-int program(int argc, char** argv, Bench bench) {
+int program(int argc, char** argv, Bench bench, std::string_view commit) {
   require_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN);  // exceeding the limit on file sizes then gives a write error
   int code = failed;
   try {
-    code = call(argc, argv, bench);
+    code = call(argc, argv, bench, commit);
   } catch (const Error& error) {
     code = bad_input;
     print_error(error);

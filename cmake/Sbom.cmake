@@ -3,6 +3,7 @@
 # Each plugin has one, too: momentree-hdf5.spdx.json, momentree-mpi.spdx.json.
 #   momentree_sbom(TARGET OUTPUT NAME=VERSION=FILE…)   NAME: a component whose header or static library FILE is in the target
 # As a script: cmake -DOUTPUT=… -DPROGRAM=… -DVERSION=… -DREADELF=… -DHEADERS=… -DROOT=… -P Sbom.cmake
+# and for the engine alone, as npm has it: cmake -DOUTPUT=… -DVERSION=… -DROOT=… -DENGINE=ON -P Sbom.cmake
 if(NOT CMAKE_SCRIPT_MODE_FILE)
   function(momentree_sbom target output)
     if(NOT CMAKE_READELF)  # needed to find its libraries
@@ -80,9 +81,17 @@ set(supplier "Organization: the momentree authors")
 set(name "momentree")
 if(PLUGIN)
   set(name "${PLUGIN}")
+elseif(ENGINE)
+  set(name "momentree engine")
+  set(purl "pkg:npm/momentree@${VERSION}")
+endif()
+set(engine engine)  # what contains the components of the engine
+if(ENGINE)
+  set(engine momentree)
 endif()
 add_package(momentree DOCUMENT DESCRIBES)
-if(NOT PLUGIN)
+set(purl "")
+if(NOT PLUGIN AND NOT ENGINE)
   set(name "momentree pages")
   add_package(pages momentree CONTAINS)
   set(name "momentree engine")
@@ -91,7 +100,7 @@ endif()
 
 # Third-party components.
 set(needed "")
-if(READELF)
+if(READELF AND NOT ENGINE)
   execute_process(COMMAND "${READELF}" -dW "${PROGRAM}" OUTPUT_VARIABLE dynamic COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX REPLACE "[][]" "|" dynamic "${dynamic}")  # brackets would join list elements
   string(REGEX MATCHALL "NEEDED[^|]*[|][^|]*" needed "${dynamic}")
@@ -129,7 +138,7 @@ foreach(i RANGE ${last})
       endif()
     endforeach()
   endif()
-  if(contained OR in STREQUAL "header" OR (PLUGIN AND NOT in STREQUAL "shared"))
+  if(contained OR in STREQUAL "header" OR (PLUGIN AND NOT in STREQUAL "shared") OR (ENGINE AND NOT in STREQUAL "engine"))
     continue()
   elseif(in STREQUAL "shared")
     set(libraries ${needed})
@@ -145,7 +154,7 @@ foreach(i RANGE ${last})
     set(purl "pkg:npm/${npm}@${version}")
     add_package(${id} pages CONTAINS)
   else()
-    add_package(${id} engine CONTAINS)
+    add_package(${id} ${engine} CONTAINS)
   endif()
 endforeach()
 if(needed OR headers)

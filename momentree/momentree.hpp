@@ -1,6 +1,7 @@
 #pragma once
 // All public headers of the library: build a Model, run a Simulation, read its World. For your own loop: compile, start_state,
 // forward_dynamics, apply.
+#include <momentree/base/build_info.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/energy.hpp>

@@ -1,4 +1,5 @@
-// The types of host.mjs.
+// The types of host.mjs. Quantities are in SI units and radians; quaternions are w, x, y, z.
+/** Numbers per body in World.motions(), and per row in World.joints(). */
 export const motionSize: 13;
 export const jointSize: 29;
 export const status: {
@@ -8,11 +9,13 @@ export const status: {
   readonly refused: 3;
 };
 
+/** An unexpected error of the engine. The engine that threw it must not be used again. */
 export class EngineFailure extends Error {}
 
 export type Triple = readonly [number, number, number];
 
 export interface Outcome {
+  /** One of `status`. */
   readonly status: number;
   /** Why the action was refused or the run diverged. */
   readonly message: string;
@@ -96,14 +99,21 @@ export interface WorldTotals {
   };
 }
 
+/** Made by Engine.of. */
 export class Engine {
+  private constructor();
+  /** From the contents of momentree.wasm, or the compiled module. */
   static of(source: BufferSource | WebAssembly.Module, log?: (text: string) => void): Promise<Engine>;
+  /** An empty world: load a scenario next. */
   world(): World;
+  /** Size of the memory. */
   readonly bytes: number;
 }
 
 /** Arrays of numbers are valid until the next call. */
 export class World {
+  private constructor();
+  /** Reads a scenario (TOML). If it has errors, `scenario` is null and the world stays as it was. */
   load(scenario: string): {
     scenario: ScenarioInfo | null;
     diagnostics: readonly Diagnostic[];
@@ -112,14 +122,20 @@ export class World {
   model(): unknown;
   /** By kind of joint, the units of its coordinates, velocities and momenta; "": a component of a quaternion. */
   kinds(): Record<string, Record<"q" | "v" | "p", readonly string[]>>;
+  /** The mechanisms and joints at this instant. */
   topology(): Topology;
   /** Lines of events.jsonl (docs/results.md). */
   events(first?: number): unknown[];
+  /** Changes whenever the topology may have changed. */
   readonly revision: number;
+  /** Number of events that have happened. */
   readonly eventCount: number;
+  /** s */
   readonly time: number;
   readonly bodies: number;
+  /** Steps to `time` (s) for at most `budget` seconds of wall-clock time; status.interrupted: call again. */
   run(time: number, budget?: number): Outcome;
+  /** 13 numbers per body: position and quaternion of its frame, velocity of the origin, angular velocity, in world axes. */
   motions(): Float64Array;
   /** Of the loaded scenario at these coordinates of all joints of its tree, in the order of their numbers. */
   motionsAt(q: readonly number[]): Float64Array;
@@ -129,16 +145,29 @@ export class World {
   coordinates(row: number): number[];
   /** Number of rows of joints(). */
   readonly jointRows: number;
+  /** 29 numbers per row: nq, nv, q (7), v (6), p (6), the reaction on the child at its origin in its axes (force and torque,
+   * 6; zero unless requested), the load, and 0 if closed loops leave the reaction open, else 1. nq is -1 where there is no
+   * joint any more. The load is the largest ratio of a reaction to the value at which the joint breaks; NaN if there is none. */
   joints(withReactions?: boolean): Float64Array;
+  /** Energies (J), momenta about the origin of the world, and the energy balance since the start. */
   totals(): WorldTotals;
+  /** Removes a joint. The part that comes off becomes a mechanism of its own. */
   cut(joint: number): Outcome;
+  /** Turns a joint into one with six degrees of freedom; the part stays in its mechanism. */
   free(joint: number): Outcome;
+  /** Stops a joint by a plastic impact, and holds it. */
   lock(joint: number): Outcome;
+  /** Lets a locked joint move again. */
   unlock(joint: number): Outcome;
+  /** Joins two bodies as they are; -1 is the ground. */
   weld(body: number, to: number): Outcome;
+  /** Joins two bodies as they are by a joint of this kind ("revolute"); `axis` in the frame of `to`. */
   attach(body: number, to: number, kind: string, axis: Triple): Outcome;
+  /** Changes the kind of a joint; its axes stay. */
   change(joint: number, kind: string): Outcome;
+  /** An impulse (N s) in world axes at a point of the body (m). */
   impulse(body: number, force: Triple, point: Triple): Outcome;
+  /** Damping (N m s or N s/m), stiffness (N m or N/m) and strength (N, N m) of all DoFs of a joint; absent: unchanged. */
   set(
     joint: number,
     parameters: {
@@ -148,15 +177,24 @@ export class World {
       torque?: number;
     },
   ): Outcome;
+  /** Sets the damping of every joint to its initial one times `factor`, plus `offset` (N m s) where it can rotate. */
   setDamping(factor: number, offset: number): Outcome;
+  /** m/s² */
   setGravity(gravity: Triple): Outcome;
+  /** Holds a point of a body (m, in its frame) by a spring and a damper, of which there is one. */
   grab(body: number, point: Triple, strength?: number): Outcome;
+  /** Where the grabbed point is pulled to (m, world). */
   pull(target: Triple): void;
   releaseGrip(): void;
+  /** Keeps the complete run until it is dropped or another scenario is loaded. */
   snapshot(): number;
+  /** Exact to the last bit, in this world and its branches. */
   restore(snapshot: number): Outcome;
   drop(snapshot: number): void;
+  /** Returns to just before an event; its actions happen again only with `again`. */
   undo(event: number, again?: boolean): Outcome;
+  /** An independent run from here. */
   branch(): World;
+  /** Frees the memory; the world must not be used again. */
   destroy(): void;
 }

@@ -41,7 +41,7 @@ int main_of(const std::vector<nanobind::bytes>& given) {
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   const ProgramSignals signals;
-  return cli::program(static_cast<int>(arguments.size()), argv.data(), cli::bench);
+  return cli::program(static_cast<int>(arguments.size()), argv.data(), cli::bench, commit());
 }
 
 }  // namespace
