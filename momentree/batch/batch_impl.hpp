@@ -85,7 +85,7 @@ struct Batch::Impl {
         precision(options.precision),
         integration{.method = "rk4", .variables = options.variables},
         variables(integration.state_variables(model)),
-        loop_variables(model.couplings().empty() ? options.variables.value_or(Variables::velocities) : Variables::velocities),
+        loop_variables(model.couplings().empty() ? integration.loop_variables() : Variables::velocities),
         pool(threads) {
     out.state = State(declared, variables);
   }
