@@ -18,15 +18,14 @@ std::vector<int> made_free(const Tree& tree) {
 }  // namespace
 
 // Changes by edits know no names: where they left a world without them, it gets those that actions would have given.
-Batch::Impl::Named Batch::Impl::names_now(int world) const {
-  const Tree& tree = seat(world).group->tree();
-  const Names declared_names(model);
-  Names names = declared_names;
-  Named now;
+Names Batch::Impl::names_of(int world, const Tree& tree) const {
+  Names names(model);
+  std::span<const int> named_free;
   if (const auto known = named.find(world); known != named.end()) {
-    now = known->second;
-    for (const auto& [joint, name] : now.joints) names.name_joint(joint, name);
-    for (const auto& [root, name] : now.mechanisms) names.name_mechanism(root, name);
+    named_free = known->second.free;
+    for (const auto& [joint, name] : known->second.joints)
+      joint >= first_loop ? names.add_loop(joint, name) : names.name_joint(joint, name);
+    for (const auto& [root, name] : known->second.mechanisms) names.name_mechanism(root, name);
   }
   for (int k = 0; k < model.size(); ++k) {
     if (tree.carrier(k) < 0 && !names.joint(k).empty()) names.remove_joint(k);
@@ -36,14 +35,33 @@ Batch::Impl::Named Batch::Impl::names_now(int world) const {
     else if (root && names.mechanism(k).empty())
       names.name_mechanism(k, model[BodyId{k}].name);
   }
+  for (int k = first_loop; k < names.loops_end(); ++k)
+    if (tree.find_loop(k - first_loop) == nullptr && !names.joint(k).empty()) names.remove_joint(k);
+  for (const Loop& loop : tree.loops()) {
+    const int k = loop.id().index;
+    if (k < names.loops_end() && !names.joint(k).empty()) continue;
+    std::string name = "loop " + std::to_string(loop.number);
+    while (names.find_joint(name) >= 0) name += "~";
+    names.add_loop(k, std::move(name));
+  }
   for (const int joint : made_free(tree))
-    if (std::find(now.free.begin(), now.free.end(), joint) == now.free.end())
+    if (std::find(named_free.begin(), named_free.end(), joint) == named_free.end())
       names.name_joint(joint, names.free_joint(model[BodyId{tree.carrier(joint)}].name, joint));
+  return names;
+}
+
+Batch::Impl::Named Batch::Impl::names_now(int world) const {
+  const Names declared_names(model), names = names_of(world, seat(world).group->tree());
+  Named now;
+  if (const auto known = named.find(world); known != named.end()) now = known->second;
   now.joints.clear(), now.mechanisms.clear();
   for (int k = 0; k < model.size(); ++k) {
     if (names.joint(k) != declared_names.joint(k)) now.joints.emplace_back(k, names.joint(k));
     if (names.mechanism(k) != declared_names.mechanism(k)) now.mechanisms.emplace_back(k, names.mechanism(k));
   }
+  for (int k = first_loop; k < names.loops_end(); ++k)
+    if (k >= declared_names.loops_end() ? !names.joint(k).empty() : names.joint(k) != declared_names.joint(k))
+      now.joints.emplace_back(k, names.joint(k));
   return now;
 }
 
@@ -59,23 +77,30 @@ Event Batch::apply(int world, std::span<const Action> actions, std::string name)
   Snapshot& engine = start.world.engine;
   engine.topology = group.topology();
   engine.time = group.time(seat.slot);
-  engine.variables = impl.variables;
+  engine.variables = group.variables();
+  engine.turns.assign(group.turns(seat.slot).begin(), group.turns(seat.slot).end());
   engine.q.resize(static_cast<std::size_t>(group.tree().nq())), engine.y.resize(static_cast<std::size_t>(group.tree().nv()));
   group.get_values(seat.slot, engine.q.data(), engine.y.data());
   start.world.joint_names = names.joints, start.world.mechanism_names = names.mechanisms;
 
-  if (impl.scratch == nullptr) impl.scratch = std::make_unique<Simulation>(impl.model, Integration{.variables = impl.variables});
+  // Numbers of loop joints must not depend on what happened in other worlds.
+  if (std::exchange(impl.scratch_is_used, true)) impl.scratch.reset();
+  if (impl.scratch == nullptr) impl.scratch = std::make_unique<Simulation>(impl.model, impl.integration);
   Simulation& scratch = *impl.scratch;
   scratch.restore(start);
   const bool unnamed = name.empty();
   Event event = scratch.apply(actions, std::move(name));
   const World& after = scratch.world();
   impl.out.tree = after.tree();
-  impl.out.state.assign(after.time(), after.state().q(), after.state().y(), impl.out.tree);
+  impl.out.state = after.state();
   put_back(world);  // may throw
 
   WorldSnapshot now = after.snapshot();
   names.joints = std::move(now.joint_names), names.mechanisms = std::move(now.mechanism_names);
+  const int later = first_loop + static_cast<int>(impl.model.loops().size());
+  const auto is_later = [later](const auto& each) { return each.first >= later; };
+  impl.scratch_is_used = std::any_of(names.joints.begin(), names.joints.end(), is_later);
+  std::erase_if(names.joints, [&](const auto& each) { return is_later(each) && each.second.empty(); });
   names.free = made_free(after.tree());
   ++names.events;
   if (unnamed) event.name = "#" + std::to_string(names.events);
@@ -83,8 +108,19 @@ Event Batch::apply(int world, std::span<const Action> actions, std::string name)
   return event;
 }
 
+std::optional<JointId> Batch::find_joint(int world, const std::string& name) const {
+  const Impl& impl = this->impl();
+  const Tree& tree = impl.seat(world).group->tree();
+  if (!impl.had_loops && !impl.named.contains(world) && tree.revision() == impl.declared.revision() && impl.model.has_joint(name))
+    return impl.model.joint(name);
+  const int number = impl.names_of(world, tree).find_joint(name);
+  return number < 0 ? std::nullopt : std::optional(JointId{number});
+}
+
 std::string Batch::joint_name(int world, JointId joint) const {
   const Tree& tree = impl().seat(world).group->tree();
+  if (is_loop(joint))
+    return tree.find_loop(joint.index - first_loop) != nullptr ? impl_->names_of(world, tree).joint(joint.index) : std::string();
   MT_REQUIRE(joint.index >= 0 && joint.index < tree.bodies(), "the world has or had a joint of that number");
   if (joint.index >= impl_->model.size() || tree.carrier(joint.index) < 0) return {};
   for (const auto& [number, name] : impl_->names_now(world).joints)

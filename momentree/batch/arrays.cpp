@@ -6,7 +6,9 @@
 #include <momentree/base/error.hpp>
 #include <momentree/batch/batch_impl.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/user_frames.hpp>
+#include <momentree/simulate/assembly.hpp>
 
 namespace momentree {
 
@@ -81,7 +83,7 @@ void Batch::read(std::span<const int> worlds, double* time, double* q, double* p
   Impl& impl = this->impl();
   if (worlds.empty()) return;
   Group& group = impl.common_rows(worlds);
-  const bool momenta = impl.variables == Variables::momenta;
+  const bool momenta = group.variables() == Variables::momenta;
   const int nq = group.tree().nq(), nv = group.tree().nv();
   double* const y = momenta ? p : v;
   const auto slot_of = [&](std::size_t row) { return impl.seats[static_cast<std::size_t>(worlds[row])].slot; };
@@ -89,14 +91,40 @@ void Batch::read(std::span<const int> worlds, double* time, double* q, double* p
     if (time != nullptr) time[row] = group.time(slot_of(row));
     group.get_values(slot_of(row), q != nullptr ? q + place(row, nq) : nullptr, y != nullptr ? y + place(row, nv) : nullptr);
   }
-  if (momenta && v != nullptr) impl.read_velocities(group, worlds, v);
-  if (momenta || p == nullptr) return;
+  double* const other = momenta ? v : p;
+  if (other == nullptr) return;
+  if (momenta && !group.tree().has_loops()) return impl.read_velocities(group, worlds, v);
   for (Impl::Scratch& each : impl.scratches) each.fit(group.tree());
   impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
     const auto row = static_cast<std::size_t>(i);
     Impl::Scratch& own = impl.scratches[static_cast<std::size_t>(thread)];
     group.get_values(slot_of(row), own.q.data(), own.v.data());
-    Impl::convert(group.tree(), Variables::velocities, own.q.data(), own.v.data(), p + place(row, nv), own);
+    Impl::convert(group.tree(), group.variables(), own.q.data(), own.v.data(), other + place(row, nv), own);
+  });
+}
+
+void Batch::read_loop(std::span<const int> worlds, JointId joint, double* q, double* v) const {
+  Impl& impl = this->impl();
+  if (worlds.empty()) return;
+  const Group& group = impl.common(worlds);
+  const Tree& tree = group.tree();
+  const Loop* const loop = is_loop(joint) ? tree.find_loop(joint.index - first_loop) : nullptr;
+  MT_REQUIRE(loop != nullptr, "a joint that closes a loop in these worlds");
+  const int at = static_cast<int>(loop - tree.loops().data());
+  const KindInfo& kind = info(loop->joint.kind);
+  for (Impl::Scratch& each : impl.scratches) each.fit(tree);
+  impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
+    const auto row = static_cast<std::size_t>(i);
+    Impl::Scratch& own = impl.scratches[static_cast<std::size_t>(thread)];
+    const int slot = impl.seat(worlds[row]).slot;
+    group.get_values(slot, own.q.data(), own.v.data());
+    if (group.variables() == Variables::momenta)
+      Impl::convert(tree, Variables::momenta, own.q.data(), own.v.data(), own.v.data(), own);
+    double coordinates[7] = {}, velocities[6] = {};
+    loop_joint_values(tree, group.time(slot), own.q.data(), own.v.data(), group.turns(slot), own.workspace, at, coordinates,
+                      velocities);
+    if (q != nullptr) std::copy_n(coordinates, kind.nq, q + place(row, kind.nq));
+    if (v != nullptr) std::copy_n(velocities, kind.nv, v + place(row, kind.nv));
   });
 }
 
@@ -159,7 +187,8 @@ void Batch::write(std::span<const int> worlds, const double* time, const double*
     follow_motions(tree, now, own.q.data(), own.v.data());
     return now;
   };
-  const bool converts = y != nullptr && given != impl.variables;
+  if (tree.has_loops()) return impl.write_closed(worlds, y != nullptr ? given : group.variables(), take);
+  const bool converts = y != nullptr && given != group.variables();
   if (converts) {
     for (Impl::Scratch& each : impl.scratches) each.fit(tree);
     impl.converted.resize(worlds.size() * static_cast<std::size_t>(nv));
@@ -174,6 +203,34 @@ void Batch::write(std::span<const int> worlds, const double* time, const double*
     const double now = take(row, scratch);
     const int slot = impl.seat(worlds[row]).slot;
     group.set_values(slot, now, scratch.q.data(), converts ? impl.converted.data() + place(row, nv) : scratch.v.data());
+    group.set_ran_away(slot, false);
+  }
+}
+
+// With closed loops. take(row, scratch) writes the new numbers of a world, with y in the variables `given`, and returns its time.
+void Batch::Impl::write_closed(std::span<const int> worlds, Variables given,
+                               const std::function<double(std::size_t, Scratch&)>& take) {
+  Group& group = common(worlds);
+  const Tree& tree = group.tree();
+  const Names names = names_of(worlds[0], tree);
+  std::vector<State> states(worlds.size());
+  std::vector<char> closed(worlds.size());
+  for (Scratch& each : scratches) each.fit(tree);
+  pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
+    const auto row = static_cast<std::size_t>(i);
+    Scratch& own = scratches[static_cast<std::size_t>(thread)];
+    const double now = take(row, own);
+    if (given != group.variables()) convert(tree, given, own.q.data(), own.v.data(), own.v.data(), own);
+    State& state = states[row] = State(tree, group.variables());
+    state.assign(now, own.q, own.v, tree);
+    state.set_turns(group.turns(seat(worlds[row]).slot));
+    closed[row] = assemble(tree, model, names, state) ? 0 : 1;
+  });
+  for (std::size_t row = 0; row < worlds.size(); ++row)
+    if (closed[row] == 0) close(worlds[row], tree, states[row]);  // throws
+  for (std::size_t row = 0; row < worlds.size(); ++row) {
+    const int slot = seat(worlds[row]).slot;
+    group.set_state(slot, states[row]);
     group.set_ran_away(slot, false);
   }
 }
@@ -251,7 +308,7 @@ void Batch::motions(std::span<const int> worlds, BodyId body, double* thirteen) 
     }
     auto& [workspace, projection, q, y, lanes] = impl.scratches[static_cast<std::size_t>(thread)];
     seat.group->get_values(seat.slot, q.data(), y.data());
-    if (impl.variables == Variables::momenta)
+    if (seat.group->variables() == Variables::momenta)
       evaluate_motions<double>(tree, q.data(), y.data(), workspace);
     else
       sweep_velocities<double, true>(tree, q.data(), y.data(), workspace);

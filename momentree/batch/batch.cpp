@@ -6,6 +6,7 @@
 #include <thread>
 
 #include <momentree/base/error.hpp>
+#include <momentree/simulate/assembly.hpp>
 
 namespace momentree {
 
@@ -28,11 +29,12 @@ Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
     : impl_(std::make_unique<Impl>(with_bodies(model), options, threads_of(options))) {
   if (worlds < 1) throw_error({"a batch has at least one world", "", "give the number of worlds"});
   const Tree& tree = impl_->declared;
-  batch::check(tree);
+  batch::check(tree, impl_->variables_of(tree));
   impl_->seats.resize(static_cast<std::size_t>(worlds));
   impl_->efforts.resize(static_cast<std::size_t>(worlds));
   Group& group = impl_->group_of(tree);
-  const State start = start_state(model, tree, impl_->variables);
+  if (tree.has_loops()) impl_->scratch = std::make_unique<Simulation>(impl_->model, impl_->integration);  // closes them
+  const State start = tree.has_loops() ? impl_->scratch->world().state() : start_state(model, tree, impl_->variables);
   for (int world = 0; world < worlds; ++world) {
     impl_->sit(world, group);
     group.set_state(impl_->seat(world).slot, start);
@@ -71,6 +73,7 @@ Batch::Editing::~Editing() { impl_.editing = false; }
 int Batch::worlds() const { return static_cast<int>(impl().seats.size()); }
 Isa Batch::isa() const { return impl().isa; }
 Variables Batch::variables() const { return impl().variables; }
+Variables Batch::variables(int world) const { return impl().seat(world).group->variables(); }
 int Batch::lanes() const { return impl().lanes; }
 int Batch::threads() const { return impl().pool.threads(); }
 int Batch::groups() const { return static_cast<int>(impl().groups.size()); }
@@ -107,7 +110,7 @@ const Tree& Batch::tree(int world) const { return impl().seat(world).group->tree
 
 State Batch::state(int world) const {
   const Impl::Seat& seat = impl().seat(world);
-  State state(seat.group->tree(), impl_->variables);
+  State state(seat.group->tree(), seat.group->variables());
   seat.group->get_state(seat.slot, state);
   return state;
 }
@@ -116,22 +119,39 @@ void Batch::set_state(int world, const State& state) {
   const Impl::Seat& seat = changing().seat(world);
   MT_REQUIRE(state.topology() == seat.group->tree().revision(), "the state belongs to tree(world)");
   MT_REQUIRE(!state.being_edited(), edited_state);
-  impl_->set_state(seat, state);
+  if (seat.group->tree().has_loops()) {
+    State closed = state;
+    impl_->close(world, seat.group->tree(), closed);
+    impl_->set_state(seat, closed);
+  } else {
+    impl_->set_state(seat, state);
+  }
   seat.group->set_ran_away(seat.slot, false);
 }
 
 void Batch::Impl::set_state(const Seat& seat, const State& state) {
-  if (state.variables() == variables) return seat.group->set_state(seat.slot, state);
+  if (state.variables() == seat.group->variables()) return seat.group->set_state(seat.slot, state);
   const Tree& tree = seat.group->tree();
   Scratch& own = scratches[0];
   own.fit(tree);
   convert(tree, state.variables(), state.q().data(), state.y().data(), own.v.data(), own);
-  seat.group->set_values(seat.slot, state.time(), state.q().data(), own.v.data());
+  seat.group->set_values(seat.slot, state.time(), state.q().data(), own.v.data(), state.turns());
+}
+
+void Batch::Impl::close(int world, const Tree& tree, State& state) const {
+  if (!tree.has_loops()) return;
+  std::optional<Error> error = assemble(tree, model, names_of(world, tree), state);
+  if (!error) return;
+  error->where += " of world " + std::to_string(world);
+  throw_error(std::move(*error));
 }
 
 void Batch::set_effort(int world, JointId joint, int dof, double effort) {
   const Impl::Seat& seat = changing().seat(world);
   const Tree& tree = seat.group->tree();
+  if (is_loop(joint))
+    throw_error({"a joint that closes a loop has no extra efforts", "",
+                 "set its parameters, or let another joint of the loop be the one that closes it"});
   MT_REQUIRE(dof >= 0 && dof < info(tree.joint(tree.carrier(joint).index).kind).nv, "the joint has this degree of freedom");
   MT_REQUIRE(std::isfinite(effort), "a finite effort");
   auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];
@@ -140,11 +160,22 @@ void Batch::set_effort(int world, JointId joint, int dof, double effort) {
   seat.group->set_efforts(seat.slot, efforts);
 }
 
+namespace {
+// Whether a loop joint has taken the place, and the number, of that joint, which broke.
+bool took_place(const Tree& before, const Tree& after, int joint) {
+  const auto loops = before.loops();
+  if (std::all_of(loops.begin(), loops.end(), [&](const Loop& loop) { return after.find_loop(loop.number) != nullptr; }))
+    return false;
+  const Joint &then = before.joint(before.carrier(joint)), &now = after.joint(after.carrier(joint));
+  return !batch::same_pose(then.at, now.at) || !batch::same_pose(then.child_at, now.child_at);
+}
+}  // namespace
+
 Batch::Out& Batch::take_out(int world) {
   const Impl::Seat& seat = changing().seat(world);
   Out& out = impl_->out;
   out.tree = seat.group->tree();
-  if (out.state.variables() != impl_->variables) out.state = State(out.tree, impl_->variables);  // an edit had changed them
+  if (out.state.variables() != seat.group->variables()) out.state = State(out.tree, seat.group->variables());
   seat.group->get_state(seat.slot, out.state);
   if (out.workspace.capacity() < out.tree.bodies()) out.workspace = Workspace<double>(out.tree);
   forward_dynamics(out.tree, out.state, out.workspace);
@@ -153,16 +184,18 @@ Batch::Out& Batch::take_out(int world) {
 
 void Batch::put_back(int world) {
   const Impl::Seat from = impl_->seat(world);
-  const Out& out = impl_->out;
+  Out& out = impl_->out;
   MT_REQUIRE(!out.state.being_edited(), edited_state);
   const bool changed = out.tree.revision() != from.group->tree().revision();
-  if (changed) batch::check(out.tree);  // throws Error for features that batches do not support
+  if (changed) batch::check(out.tree, impl_->variables_of(out.tree));  // throws Error for features that batches do not support
   MT_REQUIRE(out.state.topology() == out.tree.revision(), "after the edit, the state still belongs to the tree");
+  impl_->close(world, out.tree, out.state);  // may throw
   if (changed) {
     auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];
     const Tree& before = from.group->tree();
     std::erase_if(efforts, [&](const batch::ExtraEffort& e) {
       const int then = before.carrier(e.joint), now = out.tree.carrier(e.joint);
+      if (now >= 0 && took_place(before, out.tree, e.joint)) return true;
       return now < 0 || out.tree.joint(now).kind != before.joint(then).kind ||
              out.tree.joint(now).created_by_event != before.joint(then).created_by_event;
     });

@@ -2,6 +2,7 @@
 // Many worlds of one model at once: in the CPU's SIMD lanes and on several threads. Each world may change its topology at any
 // time; worlds with the same topology are packed together, so that lanes stay full.
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,8 +19,9 @@ struct BatchOptions {
   /// float32 doubles the number of lanes; the motion is as accurate as float (seven digits). Topology changes are made in double
   /// in either case.
   Precision precision = Precision::float64;
-  /// What states hold between changes, as for single worlds: see docs/howto/choose-a-method.md.
-  Variables variables = Variables::momenta;
+  /// What states hold between changes, as for single worlds: see docs/howto/choose-a-method.md. Not given: velocities for models
+  /// with closed loops or couplings, and for worlds while they have loops; otherwise momenta.
+  std::optional<Variables> variables{};
   int threads = 1;           ///< 0: as many as the machine has
   Isa widest = Isa::avx512;  ///< the widest instruction set to use, if the CPU and this build support it
 };
@@ -31,6 +33,9 @@ struct BatchOptions {
 /// Batches support all forces that act in joints: dampers, springs, constant and time-dependent efforts, position control,
 /// friction, soft stops, prescribed motions, and extra efforts per world. They do not support forces on bodies, functions, hard
 /// stops and strengths: the constructor and `edit` throw Error for a model that has any. There is no energy ledger.
+///
+/// Worlds with closed loops or exact couplings are stepped one by one on the threads, in double: exactly as by a Simulation with
+/// the method rk4. Their start values, and states that are set, are brought to the nearest ones that close the loops.
 ///
 /// Worlds are numbered from 0. Functions for several worlds take their numbers in any order, and arrays with one row per number,
 /// row-major. In those with coordinates, momenta or velocities the worlds must all be in one group, that is, have the same
@@ -49,7 +54,9 @@ class Batch {
 
   int worlds() const;
   Isa isa() const;
+  /// What the states of worlds without closed loops hold, and what that of a world holds.
   Variables variables() const;
+  Variables variables(int world) const;
   int lanes() const;
   int threads() const;
   /// Number of different topologies at present.
@@ -68,28 +75,34 @@ class Batch {
 
   /// Time of a world (s).
   double time(int world) const;
-  /// True for a world whose last step diverged: it keeps its state from before that step until its state is set.
+  /// True for a world whose last step diverged, or ended where its loops cannot be closed: it keeps its state from before that
+  /// step until its state is set.
   [[nodiscard]] bool ran_away(int world) const;
   /// The world's topology. Valid until the next edit.
   const Tree& tree(int world) const;
-  /// A copy of the world's state, in variables(), for tree(world): for forward_dynamics, energies, poses …
+  /// A copy of the world's state, in variables(world), for tree(world): for forward_dynamics, energies, poses …
   [[nodiscard]] State state(int world) const;
   /// Sets coordinates, momenta or velocities, and time; the next step of a float32 world rounds them. The state must belong to
   /// tree(world): from state() of this world or of one with the same topology, or made from that tree. One in the other variables
-  /// is converted.
+  /// is converted. Throws Error if its loops cannot be closed.
   void set_state(int world, const State& state);
 
   /// Sets an extra effort, finite, on one DoF of a joint (N m, N), until it is set again. It has no effect
-  /// on a locked DoF. It stays with the joint as long as the joint's kind does not change.
+  /// on a locked DoF. It stays with the joint as long as the joint's kind does not change. Throws Error for a joint that closes a
+  /// loop: its efforts are parameters.
   void set_effort(int world, JointId joint, int dof, double effort);
 
-  /// Writes a row per world: time (s), coordinates, momenta and velocities. Null: not wanted. Those that are not variables() cost
-  /// an evaluation: of velocities in the precision of the batch, of momenta in double. Throws Error for worlds of several groups.
+  /// Writes a row per world: time (s), coordinates, momenta and velocities. Null: not wanted. Those that are not variables(world)
+  /// cost an evaluation: of velocities in the precision of the batch, of momenta in double. Throws Error for worlds of several
+  /// groups.
   void read(std::span<const int> worlds, double* time, double* q, double* p, double* v) const;
+  /// The same for a joint that closes a loop in all of these worlds: rows of its coordinates and of the velocities of its DoFs,
+  /// which follow from the motion of its bodies. Throws Error for worlds of several groups.
+  void read_loop(std::span<const int> worlds, JointId joint, double* q, double* v) const;
   /// Sets time, coordinates and y, momenta or velocities, from a row per world, as set_state() does; null: as they are, which for
-  /// y means variables(). Quaternions are normalised; joints with a prescribed motion follow it, and locked DoFs have no momentum
-  /// or velocity. Throws Error, with nothing changed, for worlds of several groups, numbers that are not finite, a negative time,
-  /// and a quaternion that differs from unit length by more than 1e-6.
+  /// y means variables(world). Quaternions are normalised; joints with a prescribed motion follow it, and locked DoFs have no
+  /// momentum or velocity. Throws Error, with nothing changed, for worlds of several groups, numbers that are not finite, a
+  /// negative time, a quaternion that differs from unit length by more than 1e-6, and loops that cannot be closed.
   void write(std::span<const int> worlds, const double* time, const double* q, const double* y, Variables given);
   /// The same with momenta.
   void write(std::span<const int> worlds, const double* time, const double* q, const double* p) {
@@ -118,6 +131,8 @@ class Batch {
   }
   /// The present name of a joint of a world, as actions know it; empty if the joint was removed.
   std::string joint_name(int world, JointId joint) const;
+  /// The joint that has that name in a world at present, if there is one.
+  std::optional<JointId> find_joint(int world, const std::string& name) const;
 
   /// Applies one change of topology/change.hpp to one world, which then joins the worlds with the same topology.
   template <class Change>

@@ -3,6 +3,7 @@
 #include <momentree/batch/batch.hpp>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <string>
 #include <unordered_map>
@@ -10,11 +11,13 @@
 #include <vector>
 
 #include <momentree/batch/group.hpp>
+#include <momentree/batch/loop_stepper.hpp>
 #include <momentree/batch/pool.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
+#include <momentree/simulate/names.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/tree/packed.hpp>
 
@@ -36,13 +39,16 @@ struct Batch::Impl {
   const std::uint64_t fingerprint = declared.topology().model;
   Isa isa;
   Precision precision;
-  Variables variables;
+  Integration integration;                                              // of a simulation of one world
+  Variables variables, loop_variables;                                  // of worlds without and with closed loops
   std::unordered_multimap<std::size_t, std::unique_ptr<Group>> groups;  // by the topology's key
   std::vector<Seat> seats;                                              // by world
   std::vector<std::vector<batch::ExtraEffort>> efforts;                 // by world
   std::vector<std::unique_ptr<batch::Stepper>> steppers;                // by thread
+  std::vector<batch::LoopStepper> loop_steppers;                        // by thread; none without closed loops
   std::vector<Task> tasks;                                              // of the current step
-  int capacity = 0, lanes = 0;
+  int capacity = 0, lanes = 0, loop_capacity = 0;
+  bool had_loops = false;  // a world had a loop joint
   batch::Pool pool;
   Out out;
   bool editing = false;
@@ -54,6 +60,7 @@ struct Batch::Impl {
   };
   std::unordered_map<int, Named> named;  // only worlds in which actions happened
   std::unique_ptr<Simulation> scratch;   // for actions
+  bool scratch_is_used = false;          // its next loop joint may get a number that depends on earlier ones
   bool numbered = false;                 // the groups' numbers are valid
   // Scratch memory of arrays.cpp, by thread.
   struct Scratch {
@@ -76,10 +83,14 @@ struct Batch::Impl {
         declared(model),
         isa(batch::best_isa(options.widest)),
         precision(options.precision),
-        variables(options.variables),
+        integration{.method = "rk4", .variables = options.variables},
+        variables(integration.state_variables(model)),
+        loop_variables(model.couplings().empty() ? integration.loop_variables() : Variables::velocities),
         pool(threads) {
     out.state = State(declared, variables);
   }
+
+  Variables variables_of(const Tree& tree) const { return tree.has_loops() ? loop_variables : variables; }
 
   // Ensures scratch memory for trees of that size.
   void make_room(const Tree& tree) {
@@ -101,7 +112,27 @@ struct Batch::Impl {
     for (auto i = begin; i != end; ++i)
       if (batch::same(i->second->topology(), topology)) return *i->second;
     make_room(tree);
-    return *groups.emplace(key, std::make_unique<Group>(std::move(topology), tree, lanes, variables))->second;
+    Group& group = *groups.emplace(key, new_group(std::move(topology), tree))->second;
+    if (tree.has_loops()) prepare_loops(group.tree());
+    return group;
+  }
+  std::unique_ptr<Group> new_group(Topology topology, const Tree& tree) {
+    had_loops |= !tree.loops().empty();
+    if (!had_loops) return std::make_unique<Group>(std::move(topology), tree, lanes, variables_of(tree));
+    Tree own = declared;  // later loop joints get numbers that do not depend on earlier ones
+    own.restore(topology);
+    return std::make_unique<Group>(std::move(topology), own, lanes, variables_of(own));
+  }
+  // Memory of all threads, so that steps allocate nothing.
+  void prepare_loops(const Tree& tree) {
+    const bool grows = tree.bodies() > loop_capacity;
+    loop_capacity = std::max(loop_capacity, tree.bodies());
+    loop_steppers.resize(static_cast<std::size_t>(pool.threads()));
+    for (batch::LoopStepper& stepper : loop_steppers) {
+      stepper.fit(tree);
+      for (auto group = groups.begin(); grows && group != groups.end(); ++group)
+        if (group->second->tree().has_loops()) stepper.fit(group->second->tree());
+    }
   }
 
   void sit(int world, Group& group) {
@@ -123,8 +154,12 @@ struct Batch::Impl {
     for (const auto& [key, group] : groups)
       for (int i = 0; i < group->blocks(); ++i) tasks.push_back({group.get(), i});
     pool.run(static_cast<int>(tasks.size()), [this](int thread, int i) {
-      const Task& task = tasks[static_cast<std::size_t>(i)];
-      steppers[static_cast<std::size_t>(thread)]->step(task.group->tree(), task.group->plan(), task.group->block(task.block));
+      Group& group = *tasks[static_cast<std::size_t>(i)].group;
+      const batch::Block block = group.block(tasks[static_cast<std::size_t>(i)].block);
+      if (group.tree().has_loops())
+        loop_steppers[static_cast<std::size_t>(thread)].step(group.tree(), group.variables(), block);
+      else
+        steppers[static_cast<std::size_t>(thread)]->step(group.tree(), group.plan(), block);
     });
   }
   const Seat& seat(int world) const {
@@ -143,8 +178,13 @@ struct Batch::Impl {
   void read_velocities(Group& group, std::span<const int> worlds, double* v);
   /// Sets the state of a world; converts one in the other variables.
   void set_state(const Seat& seat, const State& state);
+  void write_closed(std::span<const int> worlds, Variables given, const std::function<double(std::size_t, Scratch&)>& take);
+  /// Names in a world, whose tree may just have been changed.
+  Names names_of(int world, const Tree& tree) const;
   /// The world's present names that differ from the model's.
   Named names_now(int world) const;
+  /// Closes the loops of a state for a world; throws Error if one cannot be closed.
+  void close(int world, const Tree& tree, State& state) const;
 };
 
 }  // namespace momentree

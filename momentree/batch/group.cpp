@@ -7,14 +7,15 @@
 
 namespace momentree::batch {
 
-namespace {
-
-bool same(const Pose& a, const Pose& b) {
+bool same_pose(const Pose& a, const Pose& b) noexcept {
   const Quat &x = a.rotation, &y = b.rotation;
   return a.position == b.position && x.w == y.w && x.x == y.x && x.y == y.y && x.z == y.z;
 }
+
+namespace {
+
 bool same(const Joint& a, const Joint& b) {
-  return a.kind == b.kind && a.parameters == b.parameters && same(a.at, b.at) && same(a.child_at, b.child_at) &&
+  return a.kind == b.kind && a.parameters == b.parameters && same_pose(a.at, b.at) && same_pose(a.child_at, b.child_at) &&
          a.axis == b.axis && a.axis2 == b.axis2 && a.pitch == b.pitch && a.locked == b.locked &&
          a.created_by_event == b.created_by_event && a.function == b.function;
 }
@@ -43,7 +44,13 @@ bool same(const Topology& a, const Topology& b) noexcept {
                      [](const MassProperties& x, const MassProperties& y) {
                        return x.mass == y.mass && x.com == y.com && same(x.inertia, y.inertia);
                      }) &&
-         a.functions == b.functions && a.loads.size() == b.loads.size();
+         a.functions == b.functions && a.loads.size() == b.loads.size() &&
+         equal_lists(a.loops, b.loops,
+                     [](const Loop& x, const Loop& y) {
+                       return x.number == y.number && x.body == y.body && x.to == y.to && same(x.joint, y.joint) &&
+                              x.parameters == y.parameters && x.held == y.held;
+                     }) &&
+         a.ended_couplings == b.ended_couplings;
 }
 
 void simplify(Topology& topology, const Tree& declared) {
@@ -58,42 +65,58 @@ std::size_t key_of(const Topology& topology) noexcept {
   for (const Topology::Changed& c : topology.changed) mix(c.joint), mix(static_cast<int>(c.as.kind)), mix(c.as.locked);
   for (const Topology::Own& own : topology.own) mix(own.joint);
   mix(static_cast<std::int64_t>(topology.added.size()));
+  for (const Loop& loop : topology.loops)
+    mix(loop.number), mix(loop.body), mix(loop.to), mix(static_cast<int>(loop.joint.kind)), mix(loop.joint.locked);
+  for (const int coupling : topology.ended_couplings) mix(coupling);
   return static_cast<std::size_t>(key);
 }
 
-std::optional<Unsupported> unsupported(const Tree& tree) noexcept {
+std::optional<Unsupported> unsupported(const Tree& tree, Variables variables) noexcept {
   if (!tree.body_forces().empty() || !tree.body_functions().empty())
     return Unsupported{"batches do not support forces on bodies", "use efforts in joints, or a Simulation for each world"};
-  if (tree.has_loops())
-    return Unsupported{"batches do not support closed loops and exact couplings yet", "use a Simulation for each world"};
   if (tree.spring_count() > 0)
     return Unsupported{"batches do not support springs between two points",
                        "use springs in joints, or a Simulation for each world"};
   if (tree.has_functions())
     return Unsupported{"batches do not support functions as drives", "set efforts between steps: Batch::set_effort"};
-  if (!tree.strength_joints().empty())
+  const auto loops = tree.loops();
+  const auto any_loop = [&](const auto& has) { return std::any_of(loops.begin(), loops.end(), has); };
+  if (!tree.strength_joints().empty() || any_loop([](const Loop& loop) { return loop.parameters.strength.any(); }))
     return Unsupported{"batches do not support joint strengths",
                        "leave them out and apply Break, or use a Simulation for each world"};
-  for (const int b : tree.order())
-    if (tree.parameters(b) != nullptr && tree.parameters(b)->limits.hard())
-      return Unsupported{"batches do not support hard stops", "give the limits a stiffness, or use a Simulation for each world"};
+  const auto order = tree.order();
+  if (any_loop([](const Loop& loop) { return loop.parameters.limits.hard(); }) ||
+      std::any_of(order.begin(), order.end(),
+                  [&](int b) { return tree.parameters(b) != nullptr && tree.parameters(b)->limits.hard(); }))
+    return Unsupported{"batches do not support hard stops", "give the limits a stiffness, or use a Simulation for each world"};
+  if (variables == Variables::momenta && tree.loop_motions() + tree.loop_armatures() > 0)
+    return Unsupported{"prescribed motions and armatures of joints that close a loop are not supported in momenta",
+                       "leave 'variables' out, or give them to a joint of the tree"};
   return std::nullopt;
 }
 
-void check(const Tree& tree) {
-  if (const std::optional<Unsupported> why = unsupported(tree)) throw_error({why->problem, "", why->hint});
+void check(const Tree& tree, Variables variables) {
+  if (const std::optional<Unsupported> why = unsupported(tree, variables)) throw_error({why->problem, "", why->hint});
 }
 
 Group::Group(Topology topology, const Tree& tree, int lanes, Variables variables)
-    : topology_(std::move(topology)), key_(key_of(topology_)), tree_(tree), plan_(tree_), lanes_(lanes), variables_(variables) {}
+    : topology_(std::move(topology)),
+      key_(key_of(topology_)),
+      tree_(tree),
+      plan_(tree_),
+      lanes_(tree.has_loops() ? 1 : lanes),
+      variables_(variables) {}
+
+void Group::resize(std::size_t slots) {
+  q_.resize(slots * at(tree_.nq())), y_.resize(slots * at(tree_.nv())), effort_.resize(slots * at(tree_.nv()));
+  turns_.resize(slots * tree_.loops().size());
+  time_.resize(slots), h_.resize(slots), ran_away_.resize(slots);
+}
 
 int Group::add(int world) {
   const int slot = worlds();
   world_.push_back(world);
-  if (slot % lanes_ != 0) return slot;
-  const std::size_t slots = at(slot + lanes_);
-  q_.resize(slots * at(tree_.nq())), y_.resize(slots * at(tree_.nv())), effort_.resize(slots * at(tree_.nv()));
-  time_.resize(slots), h_.resize(slots), ran_away_.resize(slots);
+  if (slot % lanes_ == 0) resize(at(slot + lanes_));
   return slot;
 }
 
@@ -103,6 +126,7 @@ void Group::copy_slot(int from, int to) {
     y_[place(to, tree_.nv(), i)] = y_[place(from, tree_.nv(), i)];
     effort_[place(to, tree_.nv(), i)] = effort_[place(from, tree_.nv(), i)];
   }
+  std::copy_n(turns_.data() + turn(from), tree_.loops().size(), turns_.data() + turn(to));
   time_[at(to)] = time_[at(from)], h_[at(to)] = h_[at(from)], ran_away_[at(to)] = ran_away_[at(from)];
 }
 
@@ -110,16 +134,14 @@ int Group::remove(int slot) {
   const int last = worlds() - 1, moved = slot == last ? -1 : world_[at(last)];
   if (moved >= 0) copy_slot(last, slot), world_[at(slot)] = moved;
   world_.pop_back();
-  if (last % lanes_ == 0) {  // its block is empty
-    q_.resize(at(last) * at(tree_.nq())), y_.resize(at(last) * at(tree_.nv())), effort_.resize(at(last) * at(tree_.nv()));
-    time_.resize(at(last)), h_.resize(at(last)), ran_away_.resize(at(last));
-  }
+  if (last % lanes_ == 0) resize(at(last));  // its block is empty
   return moved;
 }
 
-void Group::set_values(int slot, double time, const double* q, const double* y) noexcept {
+void Group::set_values(int slot, double time, const double* q, const double* y, std::span<const double> turns) noexcept {
   for (int i = 0; i < tree_.nq(); ++i) q_[place(slot, tree_.nq(), i)] = q[i];
   for (int i = 0; i < tree_.nv(); ++i) y_[place(slot, tree_.nv(), i)] = y[i];
+  for (std::size_t i = 0; i < tree_.loops().size(); ++i) turns_[turn(slot) + i] = i < turns.size() ? turns[i] : 0;
   time_[at(slot)] = time;
 }
 
@@ -130,7 +152,7 @@ void Group::get_values(int slot, double* q, double* y) const noexcept {
 
 void Group::set_state(int slot, const State& state) {
   MT_REQUIRE(state.variables() == variables_, "a state in the variables of the group");
-  set_values(slot, state.time(), state.q().data(), state.y().data());
+  set_values(slot, state.time(), state.q().data(), state.y().data(), state.turns());
 }
 
 void Group::get_state(int slot, State& state) const {
@@ -138,6 +160,7 @@ void Group::get_state(int slot, State& state) const {
   std::vector<double> q(at(tree_.nq())), y(at(tree_.nv()));
   get_values(slot, q.data(), y.data());
   state.assign(time_[at(slot)], q, y, tree_);
+  state.set_turns(turns(slot));
 }
 
 void Group::set_efforts(int slot, std::span<const ExtraEffort> efforts) {
@@ -160,7 +183,8 @@ Block Group::block(int number) {
           efforts_ ? effort_.data() + y : nullptr,
           time_.data() + at(first),
           h_.data() + at(first),
-          ran_away_.data() + at(first)};
+          ran_away_.data() + at(first),
+          turns_.data() + turn(first)};
 }
 
 }  // namespace momentree::batch

@@ -13,15 +13,17 @@ namespace momentree::batch {
 /// Equal topologies have equal keys; different ones may, too.
 std::size_t key_of(const Topology& topology) noexcept;
 bool same(const Topology& a, const Topology& b) noexcept;
+bool same_pose(const Pose& a, const Pose& b) noexcept;
 /// Removes changes that restored declared joints, which are those of `declared`.
 void simplify(Topology& topology, const Tree& declared);
 /// A feature of the tree that batches do not support.
 struct Unsupported {
   const char *problem, *hint;
 };
-std::optional<Unsupported> unsupported(const Tree& tree) noexcept;
+/// `variables`: of the states.
+std::optional<Unsupported> unsupported(const Tree& tree, Variables variables = Variables::velocities) noexcept;
 /// Throws Error if there is one.
-void check(const Tree& tree);
+void check(const Tree& tree, Variables variables);
 
 /// An extra effort of one world: on one DoF of a joint, by the joint's number (N m, N).
 struct ExtraEffort {
@@ -31,6 +33,7 @@ struct ExtraEffort {
 
 class Group {
  public:
+  /// Worlds with closed loops or exact couplings have blocks of one lane: they are stepped one by one.
   Group(Topology topology, const Tree& tree, int lanes, Variables variables);
 
   const Topology& topology() const { return topology_; }
@@ -52,8 +55,10 @@ class Group {
   void set_state(int slot, const State& state);
   void get_state(int slot, State& state) const;
   /// The same for bare arrays; null when reading: not wanted.
-  void set_values(int slot, double time, const double* q, const double* y) noexcept;
+  void set_values(int slot, double time, const double* q, const double* y, std::span<const double> turns = {}) noexcept;
   void get_values(int slot, double* q, double* y) const noexcept;
+  /// State::turns() of a world.
+  std::span<const double> turns(int slot) const { return {turns_.data() + turn(slot), tree_.loops().size()}; }
   double time(int slot) const { return time_[at(slot)]; }
   bool ran_away(int slot) const { return ran_away_[at(slot)] != 0; }
   void set_ran_away(int slot, bool yes) { ran_away_[at(slot)] = yes ? 1 : 0; }
@@ -70,7 +75,9 @@ class Group {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   // Index of number i of `count` per world.
   std::size_t place(int slot, int count, int i) const { return at((slot / lanes_ * count + i) * lanes_ + slot % lanes_); }
+  std::size_t turn(int slot) const { return at(slot) * tree_.loops().size(); }
   void copy_slot(int from, int to);
+  void resize(std::size_t slots);
 
   Topology topology_;
   std::size_t key_;
@@ -81,7 +88,7 @@ class Group {
   int number_ = 0;
   bool efforts_ = false;
   std::vector<int> world_;
-  std::vector<double> q_, y_, effort_, time_, h_;
+  std::vector<double> q_, y_, effort_, turns_, time_, h_;
   std::vector<unsigned char> ran_away_;
 };
 

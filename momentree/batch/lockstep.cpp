@@ -45,7 +45,7 @@ Lockstep::~Lockstep() = default;
 bool Lockstep::fits(const Simulation& simulation) {
   Simulation::Impl& impl = simulation.impl();
   return impl.method->is_that_of_lanes() && !impl.generated && !impl.stops.any() && !impl.queue.watching(impl.world) &&
-         !batch::unsupported(impl.world.tree());
+         !impl.world.tree().has_loops() && !batch::unsupported(impl.world.tree(), impl.world.state().variables());
 }
 
 Group& Lockstep::group_of(const Simulation::Impl& impl) {

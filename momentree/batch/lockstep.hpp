@@ -40,7 +40,8 @@ class Lockstep {
   /// The number of simulations that one step advances at most.
   int lanes() const { return isa_ == Isa::avx512 ? 8 : isa_ == Isa::avx2 ? 4 : 2; }
   /// Whether run() would compute the next steps in lanes: with the method rk4, without generated code, and without what has to be
-  /// looked at after each step or is not computed in lanes: conditions, hard stops, strengths, functions, and forces on bodies.
+  /// looked at after each step or is not computed in lanes: conditions, hard stops, strengths, functions, forces on bodies,
+  /// springs between them, closed loops and exact couplings.
   [[nodiscard]] static bool fits(const Simulation& simulation);
   /// Runs all of them. Simulations that do not fit, or no longer fit after an event, run alone. Exceptions of callbacks
   /// propagate; the results of the other simulations are then undefined.

@@ -82,6 +82,28 @@ void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int 
   Dofs(spec, q).velocities(relative_motion(p, loop_child_axes(p, link)), u);
 }
 
+void held_loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept {
+  loop_coordinates(tree, workspace, place, q, u);
+  const Loop& loop = tree.loops()[at(place)];
+  const KindInfo& kind = info(loop.joint.kind);
+  for (int k = 0; k < kind.nv; ++k) {
+    if ((loop.joint.locked >> k & 1u) == 0) continue;
+    u[k] = 0;
+    if (kind.nq == kind.nv) q[k] = loop.held[k];
+  }
+  if (kind.nq != kind.nv && loop.joint.locked + 1 == 1u << kind.nv) std::copy_n(loop.held.begin(), kind.nq, q);
+}
+
+void loop_joint_values(const Tree& tree, double t, const double* q, const double* u, std::span<const double> turns,
+                       Workspace<double>& workspace, int place, double* loop_q, double* loop_u) {
+  LoopWorkspace& loops = detail::loop_memory(tree, workspace);
+  std::copy(turns.begin(), turns.end(), loops.turns.begin());
+  detail::set_loop_motions(tree, t, workspace);
+  sweep_velocities<double, true>(tree, q, u, workspace);
+  detail::place_loops(tree, q, workspace, true);
+  held_loop_coordinates(tree, workspace, place, loop_q, loop_u);
+}
+
 LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept {
   const LoopPlace& p = workspace.loops->places[at(place)];
   const LoopLink& link = tree.loop_links()[at(place)];
@@ -101,6 +123,13 @@ LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int p
   row.drift = dot(cross(p.wb, row.F), v) + dot(row.F, cross(relative, p.vb)) + dot(row.rate, relative) -
               product(w, joint_columns_drift(spec, q, u));
   return row;
+}
+
+void detail::add_extra_efforts(const Tree& tree, const LoopWorkspace& loops, double* force) noexcept {
+  if (loops.efforts == nullptr) return;
+  for (const int b : tree.order())
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
+      if ((tree.link(b).locked >> i & 1u) == 0) force[tree.first_p(b) + i] += loops.efforts[tree.first_p(b) + i];
 }
 
 void detail::set_loop_motions(const Tree& tree, double t, Workspace<double>& workspace) noexcept {

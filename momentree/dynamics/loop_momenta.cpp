@@ -169,6 +169,7 @@ void evaluate_with_loops(const Tree& tree, double t, const double* q, const doub
   detail::place_loops(tree, q, workspace, true);
   add_joint_forces(tree, t, q, workspace, resistance);
   add_loop_forces(tree, t, workspace);
+  detail::add_extra_efforts(tree, loops, workspace.pdot.get());
   for (const LoopStop& stop : tree.loop_stops()) loops.wrenches[at(stop.body)] = -1.0 * workspace.biases[at(stop.body)].wrench;
   add_turning_wrenches(tree, workspace, loops.lambda.data());
   add_rates(tree, q, workspace, workspace.pdot.get());

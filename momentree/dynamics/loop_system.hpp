@@ -42,6 +42,9 @@ LoopWorkspace& loop_memory(const Tree& tree, Workspace<double>& workspace);
 void place_loops(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving,
                  LoopRows which = LoopRows::choose) noexcept;
 
+/// Adds the extra efforts of a world of a batch to the joint forces, except along locked and driven DoFs.
+void add_extra_efforts(const Tree& tree, const LoopWorkspace& loops, double* force) noexcept;
+
 /// Sets prescribed motions of loop joints to time t (s); before place_loops.
 void set_loop_motions(const Tree& tree, double t, Workspace<double>& workspace) noexcept;
 /// Part of place_loops: the rows of single DoFs of a loop.

@@ -109,6 +109,7 @@ struct LoopWorkspace {
   std::vector<double> least_pivots;    ///< by chosen row: smaller ones are zero at stages
   std::vector<double> b, lambda;       ///< by row; behind b as many for scratch
   RowChoice choice;
+  const double* efforts = nullptr;               ///< extra joint forces of a world of a batch, packed as p; null: none
   LoopRows wanted{};                             ///< of the evaluation in momenta that is going on
   std::vector<double> gauge;                     ///< by row: impulses that the last closing in momenta added to the momenta
   std::vector<double> u;                         ///< velocities, scratch of that closing

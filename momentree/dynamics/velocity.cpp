@@ -34,6 +34,7 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
       detail::set_loop_motions(tree, t, workspace);
       detail::place_loops(tree, q, workspace, true, rows);
       add_loop_forces(tree, t, workspace);
+      detail::add_extra_efforts(tree, *workspace.loops, tau);
     }
   }
 }

@@ -35,13 +35,7 @@ JointView World::loop_view(JointId number) const {
   const KindInfo& kind = info(loop.joint.kind);
   if (loop_values_.size() < tree_.loops().size()) loop_values_.resize(tree_.loops().size());
   LoopValues& own = loop_values_[i];
-  loop_coordinates(tree_, workspace_, static_cast<int>(i), own.q, own.v);
-  for (int k = 0; k < kind.nv; ++k) {
-    if ((loop.joint.locked >> k & 1u) == 0) continue;
-    own.v[k] = 0;
-    if (kind.nq == kind.nv) own.q[k] = loop.held[k];
-  }
-  if (kind.nq != kind.nv && loop.joint.locked + 1 == 1u << kind.nv) std::copy_n(loop.held.begin(), kind.nq, own.q);
+  held_loop_coordinates(tree_, workspace_, static_cast<int>(i), own.q, own.v);
   JointView view;
   view.name = joint_name(number);
   view.kind = loop.joint.kind;

@@ -43,7 +43,7 @@ class Group(NamedTuple):
 
 
 class JointColumns(NamedTuple):
-    """A joint in all worlds; NaN where it is of another kind than in the model, or was removed."""
+    """A joint in all worlds; NaN where it is of another kind than in the model, or was removed. One that closes a loop has no p."""
 
     q: Array
     """Coordinates (rad, m, quaternion), shape (worlds, nq of its kind)."""
@@ -73,15 +73,16 @@ class Batch(_core.BatchBase):
     use ``set_state`` for some of the worlds. A batch may be used by one thread at a time; ``step`` and ``run`` release the GIL.
 
     A world's results do not depend on the other worlds or on the number of threads. Batches support all forces in joints; they do
-    not support forces on bodies, Python functions, hard stops and strengths.
+    not support forces on bodies, Python functions, hard stops and strengths. Worlds with closed loops or couplings are stepped one
+    by one on the threads; states that are set are brought to the nearest ones that close the loops.
 
     Args:
         model: The model.
         worlds: How many worlds; all begin in the model's start state.
         threads: Number of threads; 0: as many as the machine has.
         precision: ``"float64"``, or ``"float32"``: faster, seven digits; changes are always made in double precision.
-        variables: Of the states, ``"momenta"`` or ``"velocities"``, as for :class:`Simulation`. Both can be read and set in any case;
-            the one that the states do not hold costs an evaluation.
+        variables: Of the states, ``"momenta"`` or ``"velocities"``, as for :class:`Simulation`; default: velocities with closed loops
+            or couplings, else momenta. Both can be read and set in any case; the one that the states do not hold costs an evaluation.
     """
 
     def __init__(
@@ -91,10 +92,10 @@ class Batch(_core.BatchBase):
         *,
         threads: int = 0,
         precision: Precision = "float64",
-        variables: Variables = "momenta",
+        variables: Variables | None = None,
     ) -> None:
         super().__init__(model, worlds, threads, precision, variables)
-        self._joint_names = model.joint_names
+        self._joint_names = [*model.joint_names, *model.loop_names]
         self._body_names = model.body_names
         self._effort: Array | None = None
 
@@ -162,8 +163,8 @@ class Batch(_core.BatchBase):
             time: s, one number or shape (worlds,).
 
         Raises:
-            Error: The worlds have different topologies, a shape is wrong, a number is not finite, or ``v`` and ``p`` are both given;
-                nothing has changed.
+            Error: The worlds have different topologies, a shape is wrong, a number is not finite, ``v`` and ``p`` are both given, or a
+                loop can't be closed; nothing has changed.
         """
         numbers = self._numbers(worlds)
 
@@ -248,12 +249,15 @@ class Batch(_core.BatchBase):
 
     @property
     def diverged(self) -> NDArray[np.bool_]:
-        """True for worlds whose last step diverged: they stay where they were until their state is set. Shape (worlds,)."""
+        """True for worlds whose last step diverged, or ended where loops can't be closed. Shape (worlds,).
+
+        They stay where they were until their state is set.
+        """
         return np.asarray(self._diverged(), dtype=np.bool_)
 
     @property
     def joints(self) -> Mapping[str, JointColumns]:
-        """The model's joints in all worlds, by name: ``batch.joints["arm/elbow"].q`` has shape (worlds, nq of the joint)."""
+        """The model's joints in all worlds, also those that close loops: ``batch.joints["arm/elbow"].q`` has shape (worlds, nq)."""
         return Columns(self._joint_names, self._joint, keep=False)
 
     @property
@@ -267,6 +271,10 @@ class Batch(_core.BatchBase):
         for group in self.groups:
             layout = self._layout(int(group.worlds[0]), name)
             if layout is None:
+                loop = self._loop_rows([int(i) for i in group.worlds], name)
+                if loop is not None and loop[0] == start_kind:
+                    for key, rows in (("q", loop[1]), ("v", loop[2])):
+                        columns.setdefault(key, np.full((len(self), rows.shape[1]), np.nan))[group.worlds] = rows
                 continue
             kind, first_q, nq, first_v, nv = layout
             if kind != start_kind:
@@ -274,10 +282,8 @@ class Batch(_core.BatchBase):
             for key, source, first, width in (("q", group.q, first_q, nq), ("v", group.v, first_v, nv), ("p", group.p, first_v, nv)):
                 target = columns.setdefault(key, np.full((len(self), width), np.nan))
                 target[group.worlds] = source[:, first : first + width]
-        if not columns:
-            nothing_q, nothing_v = np.full((len(self), width_q), np.nan), np.full((len(self), width_v), np.nan)
-            return JointColumns(nothing_q, nothing_v, nothing_v.copy())
-        return JointColumns(_fixed(columns["q"]), _fixed(columns["v"]), _fixed(columns["p"]))
+        widths = {"q": width_q, "v": width_v, "p": width_v}
+        return JointColumns(*(_fixed(columns.get(key, np.full((len(self), width), np.nan))) for key, width in widths.items()))
 
     def _body(self, name: str) -> BodyColumns:
         rows = _fixed(self._motions(name))

@@ -171,15 +171,31 @@ nb::object motions(BatchObject& self, const std::string& body) {
   return std::move(array.object);
 }
 
-// Where a joint's numbers are in the rows of a world: kind, first of q, number, first of v, number; None if it was removed.
+// Where a joint's numbers are in the rows of a world: kind, first of q, number, first of v, number; None if it is not in the
+// tree.
 nb::object layout(BatchObject& self, int world, const std::string& joint) {
   const UseBatch use(self);
   check_worlds(self, {world});
   const Tree& tree = self.batch.tree(world);
-  const int body = tree.carrier(self.start.model().joint(joint).index);
-  if (body < 0) return nb::none();
+  const std::optional<JointId> id = self.batch.find_joint(world, joint);
+  if (!id || is_loop(*id)) return nb::none();
+  const int body = tree.carrier(*id).index;
   const KindInfo& kind = info(tree.kind(body));
   return nb::make_tuple(kind.name, tree.first_q(body), kind.nq, tree.first_p(body), kind.nv);
+}
+
+// Coordinates and velocities of a joint that closes a loop, of worlds of one topology; None if it does not close one there.
+nb::object loop_rows(BatchObject& self, const Worlds& worlds, const std::string& joint) {
+  const UseBatch use(self);
+  widths(self, worlds);
+  const std::optional<JointId> id = self.batch.find_joint(worlds.at(0), joint);
+  if (!id || !is_loop(*id)) return nb::none();
+  const Loop* const loop = self.batch.tree(worlds[0]).find_loop(id->index - first_loop);
+  const KindInfo& kind = info(loop->joint.kind);
+  NewArray q = new_array(worlds.size(), static_cast<std::size_t>(kind.nq)),
+           v = new_array(worlds.size(), static_cast<std::size_t>(kind.nv));
+  self.batch.read_loop(worlds, *id, q.data, v.data);
+  return nb::make_tuple(kind.name, q.object, v.object);
 }
 
 nb::tuple start_layout(BatchObject& self, const std::string& joint) {
@@ -203,16 +219,16 @@ std::vector<bool> diverged(BatchObject& self) {
 }
 
 void construct(BatchObject* self, const ModelObject& model, int worlds, int threads, const std::string& precision,
-               const std::string& variables) {
+               const std::optional<std::string>& variables) {
   BatchOptions options;
   if (precision == "float32")
     options.precision = Precision::float32;
   else if (precision != "float64")
     refuse("unknown precision '" + precision + "'", "\"float64\" or \"float32\"");
-  if (const std::optional<Variables> known = variables_of(variables))
-    options.variables = *known;
-  else
-    refuse("unknown variables '" + variables + "'", "\"momenta\" or \"velocities\"");
+  if (variables) {
+    options.variables = variables_of(*variables);
+    if (!options.variables) refuse("unknown variables '" + *variables + "'", "\"momenta\" or \"velocities\"");
+  }
   options.threads = threads;
   const Tree tree(model.model);
   const double bytes = static_cast<double>(worlds) * (16.0 * (tree.nq() + tree.nv()) + 64);
@@ -228,13 +244,13 @@ void construct(BatchObject* self, const ModelObject& model, int worlds, int thre
 
 void register_batch(nb::module_& m) {
   nb::class_<BatchObject>(m, "BatchBase")
-      .def("__init__", &construct, "model"_a, "worlds"_a, "threads"_a, "precision"_a, "variables"_a)
+      .def("__init__", &construct, "model"_a, "worlds"_a, "threads"_a, "precision"_a, "variables"_a.none())
       .def("__len__", [](const BatchObject& self) { return self.batch.worlds(); })
       .def_prop_ro(
           "lanes", [](const BatchObject& self) { return self.batch.lanes(); }, "Worlds that one vector of the CPU holds.")
       .def_prop_ro(
           "variables", [](const BatchObject& self) { return name_of(self.batch.variables()); },
-          "What the states hold: \"momenta\" or \"velocities\".")
+          "What the states of worlds without closed loops hold: \"momenta\" or \"velocities\".")
       .def_prop_ro(
           "threads", [](const BatchObject& self) { return self.batch.threads(); }, "Number of threads that step the worlds.")
       .def("step", &step_worlds, "h"_a,
@@ -252,6 +268,7 @@ void register_batch(nb::module_& m) {
       .def("_set_efforts", &set_efforts)
       .def("_motions", &motions)
       .def("_layout", &layout)
+      .def("_loop_rows", &loop_rows)
       .def("_start_layout", &start_layout)
       .def("_groups", &groups)
       .def("_diverged", &diverged);

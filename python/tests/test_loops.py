@@ -73,8 +73,10 @@ def test_what_loops_do_not_support_is_an_error() -> None:
         model = four_bar()
         model.add_loop("far", body="bar/crank", joint=mt.Ball(), at=(9, 0, 0))
         mt.Simulation(model)
-    with pytest.raises(mt.Error, match="batches do not support closed loops"):
-        mt.Batch(four_bar(), 2)
+    with pytest.raises(mt.Error, match="hard stops"):
+        mt.Batch(four_bar(), 2).apply(0, mt.set_parameters("pin", limits={"lower": -3, "upper": 3}))
+    with pytest.raises(mt.Error, match="not supported in momenta"):
+        mt.Batch(four_bar(), 2, variables="momenta").apply(0, mt.set_parameters("pin", armature=1))
     sim = mt.Simulation(four_bar())
     with pytest.raises(mt.Error, match="closes a loop"):
         sim.drive("pin", lambda context: 0.0)
@@ -183,3 +185,65 @@ def test_runs_have_columns_of_loop_joints() -> None:
     pin = run.joints["pin"]
     assert pin.q.shape[1] == 1 and np.isfinite(pin.q).all() and np.isfinite(pin.reaction.force).all()
     assert np.isnan(pin.p).all() or pin.p.shape[1] == 0
+
+
+@pytest.mark.parametrize("variables", [None, "velocities", "momenta"])
+def test_worlds_of_batches_with_loops_equal_simulations_bit_for_bit(variables: Any) -> None:
+    generator = np.random.default_rng(5)
+    h, worlds, steps = 2.0**-10, 12, 60
+    changes = [
+        [mt.break_joint("pin")],
+        [mt.break_joint("bar/coupler")],
+        [mt.lock("bar/crank")],
+        [mt.weld("bar/rocker", "bar/crank")],
+        [mt.attach("bar/coupler", "ground", mt.Ball())],
+        [mt.set_parameters("pin", damping=0.5), mt.lock("bar/rocker")],
+    ]
+    batch = mt.Batch(four_bar(), worlds, threads=2, variables=variables)
+    sims = [mt.Simulation(four_bar(), method="rk4", step=h, variables=variables) for _ in range(worlds)]
+    assert batch.joints["pin"].q.shape == (worlds, 1) and np.isnan(batch.joints["pin"].p).all()
+    speeds = generator.uniform(-3, 3, (worlds, 3))
+    batch.v = speeds
+    for sim, v in zip(sims, speeds):
+        sim.set_state(v=v)
+    assert np.allclose(batch.v, [sim.v for sim in sims], rtol=0, atol=1e-12)
+    exact = variables != "momenta"  # momenta of velocities may differ in the last bit
+    in_lanes = set()
+    for step in range(steps):
+        batch.step(h)
+        for world, sim in enumerate(sims):
+            sim.run((step + 1) * h)
+            q, p, v = (batch._read([world], which)[0] for which in ("q", "p", "v"))
+            if exact and world not in in_lanes:
+                assert np.array_equal(q, sim.q) and np.array_equal(v, sim.v)
+            else:
+                assert np.allclose(q, sim.q, rtol=0, atol=1e-10) and np.allclose(v, sim.v, rtol=0, atol=1e-9)
+            assert np.allclose(p, sim.p, rtol=0, atol=1e-9)
+            if step == 5 + 4 * world:
+                one, other = batch.apply(world, *changes[world % 6], name="change")[0], sim.apply(*changes[world % 6], name="change")
+                assert np.isclose(one.lost, other.lost, rtol=0, atol=1e-9) and one.mechanisms_after == other.mechanisms_after
+            if not sim.world.loops:
+                in_lanes.add(world)
+        pin = batch.joints["pin"]
+        for world, sim in enumerate(sims):  # in the tree or not
+            if "pin" in sim.world.joints:
+                joint = sim.world.joints["pin"]
+                assert np.allclose(pin.q[world], joint.q, rtol=0, atol=1e-10) and np.allclose(pin.v[world], joint.v, rtol=0, atol=1e-8)
+            else:
+                assert np.isnan(pin.q[world]).all()
+    assert not batch.diverged.any() and len(batch.groups) >= 6
+
+
+def test_states_of_batches_are_closed_or_refused() -> None:
+    batch = mt.Batch(four_bar(), 3)
+    sim = mt.Simulation(four_bar())
+    open_q = sim.q + [0.02, -0.01, 0.015]
+    sim.set_state(q=open_q)
+    batch.set_state([0, 2], q=open_q)
+    assert np.array_equal(batch._read([0], "q")[0], sim.q) and not np.allclose(sim.q, open_q, rtol=0, atol=1e-4)
+    model = four_bar()
+    model.add_coupling("bar/crank", multiplier=0, offset=0.1)
+    coupled = mt.Batch(model, 2)
+    assert coupled.variables == "velocities" and np.allclose(coupled.joints["bar/crank"].q, 0.1)
+    with pytest.raises(mt.Error, match="couplings of joints are integrated in velocities"):
+        mt.Batch(model, 2, variables="momenta")

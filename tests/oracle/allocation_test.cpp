@@ -339,6 +339,23 @@ TEST_CASE("steps with loops allocate nothing, nor do stops, conditions and dense
   }
 }
 
+TEST_CASE("worlds of a batch with loops are stepped without allocating, in several topologies") {
+  for (const int threads : {1, 2})
+    for (const Variables variables : {Variables::velocities, Variables::momenta}) {
+      Batch batch(windows(3), 12, {.variables = variables, .threads = threads});
+      const std::string loop = "a mechanism with a long name/pin";
+      for (int world = 0; world < 3; ++world) batch.apply(world, break_joint(loop + std::to_string(world)));
+      batch.apply(3, weld("a mechanism with a long name/bar0", "a mechanism with a long name/crank2"));
+      for (int k = 0; k < 3; ++k) batch.apply(4, break_joint(loop + std::to_string(k)));
+      batch.set_effort(5, {0}, 0, 0.1);
+      CHECK(batch.groups() == 6);
+      const long before = allocations;
+      for (int step = 0; step < 10; ++step) batch.step(1e-3);
+      CHECK(allocations == before);
+      for (int world = 0; world < 12; ++world) CHECK_FALSE(batch.ran_away(world));
+    }
+}
+
 TEST_CASE("changes of loops allocate nothing, once there have been as many loops and rows") {
   const Model model = windows(4, false);
   Tree tree(model);
