@@ -34,7 +34,7 @@ export function launch({ webgl = true } = {}): Promise<Browser> {
 
 /** What the playground tells programs. */
 interface App {
-  run: { frames: number; last: { time: number; totals: Totals } } | null;
+  run: { frames: number; last: { time: number; totals: Totals }; events: { time: number }[] } | null;
   topology: { joints: { child: number; kind: string; locked: number; name: string; loop?: boolean }[]; mechanisms: unknown[] };
   playing: boolean;
 }
@@ -56,10 +56,13 @@ export interface View {
   readonly scale?: number;
   readonly touch?: boolean;
   readonly noScript?: boolean;
+  /** The reader has no objection to motion: pages start to play. */
+  readonly motion?: boolean;
 }
 
 export const desktop: View = { width: 1280, height: 800 };
 export const phone: View = { width: 390, height: 844, scale: 2, touch: true };
+export const phoneAcross: View = { width: 844, height: 390, scale: 2, touch: true };
 
 export interface Opened {
   readonly page: Page;
@@ -74,7 +77,7 @@ export async function open(browser: Browser, address: string, view: View = deskt
     colorScheme: view.dark ? "dark" : "light",
     deviceScaleFactor: view.scale ?? 1,
     hasTouch: view.touch ?? false,
-    reducedMotion: "reduce",
+    reducedMotion: view.motion ? "no-preference" : "reduce",
     javaScriptEnabled: !view.noScript,
   });
   const page = await context.newPage();

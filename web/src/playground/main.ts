@@ -4,6 +4,7 @@ import packedModule from "../../engine/momentree.wasm?packed";
 import EngineWorker from "../engine/worker?worker&inline";
 import "../panels/base.css";
 import "../panels/parts.css";
+import "../panels/help.css";
 import "./style.css";
 import { Engine } from "../../../wasm/host.mjs";
 import { h } from "../panels/dom";

@@ -1,6 +1,7 @@
 // The page: picture with tools, timeline, plots and readouts, panel, editor. Controls that need a world are disabled
 // without one.
 import { h } from "../panels/dom";
+import { helpButton } from "../panels/help";
 import { mountStage, ownColoursTitle } from "../panels/mount_stage";
 import { tabs } from "../panels/tabs";
 import { Timeline } from "../panels/timeline";
@@ -13,6 +14,7 @@ import type { App } from "./app";
 import { Placeholder } from "./placeholder";
 import { Editor } from "./editor";
 import { gallery } from "./gallery";
+import { about, sections } from "./help";
 import { PointerTools, type Tool } from "./pointer_tools";
 import { loadColours } from "./load_colours";
 import { history, jointControls, sliders } from "./panel";
@@ -35,6 +37,8 @@ export function showPlayground(page: HTMLElement, app: App) {
   let first = -1;
   let loads = true;
   let own = true;
+  /** Whether a scenario starts to move when it is opened. */
+  const lively = !window.matchMedia("(prefers-reduced-motion: reduce)").matches;
 
   const title = h("h1", {}, "momentree playground");
   const choice = h("select", { "aria-label": "Scenario" });
@@ -70,7 +74,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     app.play(false);
     if (editor.text !== text) editor.text = text;
     choice.value = gallery.find((example) => example.text === text)?.name ?? "";
-    app.load(text);
+    app.load(text, lively);
   };
   /** There is no scenario to show: gives the reason, and shows no other scenario instead. */
   const showProblem = (reason: string, other: string) => {
@@ -159,7 +163,7 @@ export function showPlayground(page: HTMLElement, app: App) {
   const openTab = (name: string) => side.querySelector<HTMLElement>(`#panel-${name}-tab`)?.click();
 
   page.append(
-    h("header", {}, title, choice, share, shared, h("span", { class: "gap" }), themeButton()),
+    h("header", {}, title, choice, share, shared, h("span", { class: "gap" }), helpButton(about, sections), themeButton()),
     h("section", { class: "picture", "aria-label": "Picture" }, host, timeline),
     readings.element,
     side,

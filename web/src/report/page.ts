@@ -2,6 +2,7 @@
 import type { Recording } from "../recording";
 import { h } from "../panels/dom";
 import { EventList } from "../panels/events";
+import { helpButton, viewRows } from "../panels/help";
 import { listenToKeys } from "../panels/keys";
 import { count } from "../panels/numbers";
 import { Picture } from "../panels/picture";
@@ -33,13 +34,46 @@ const warningsOf = (run: Recording): HTMLElement[] =>
     h("p", { class: "status warning", role: "note" }, h("strong", {}, "Warning: "), text),
   );
 
+const help = () =>
+  helpButton("The report of one run: its motion, plots and events. Every event has a certificate of what it conserved.", [
+    {
+      title: "Time",
+      rows: [
+        ["Space", "play or pause"],
+        ["← →", "the previous or next frame"],
+        ["Shift ← →", "the previous or next event"],
+        ["Home, End", "the start or the end"],
+        ["click a plot", "go to that time"],
+      ],
+    },
+    {
+      title: "View",
+      rows: [
+        ...viewRows,
+        ["click a body", "show its path, and its joint in the plots"],
+        ["F", "show the whole motion"],
+        ["G, T", "earlier poses; paths"],
+        ["O", "bodies in their own colours, or in those of their mechanisms"],
+      ],
+    },
+  ]);
+
 /** `notes`: remarks for the reader about the data. */
 export function showRun(page: HTMLElement, run: Recording, notes: readonly string[] = []): Player {
   const title = run.model.title || run.summary?.scenario?.name || "A run";
   document.title = `${title} – momentree`;
   const player = new Player(() => [startTime(run), endTime(run)]);
   page.append(
-    h("header", {}, h("h1", {}, title), h("p", {}, subtitle(run, notes)), themeButton(), statusOf(run), ...warningsOf(run)),
+    h(
+      "header",
+      {},
+      h("h1", {}, title),
+      h("p", {}, subtitle(run, notes)),
+      help(),
+      themeButton(),
+      statusOf(run),
+      ...warningsOf(run),
+    ),
   );
 
   const plots = new Plots(run, player);
