@@ -11,6 +11,7 @@ import { Trails } from "../viewer/trails";
 import { h } from "./dom";
 import { count, instant } from "./numbers";
 import { mountStage, ownColoursTitle } from "./mount_stage";
+import { turnByKeys } from "./turn_by_keys";
 
 /** The drawing, and the parts of it that can be switched on and off. */
 interface Drawn {
@@ -139,27 +140,9 @@ export class Picture {
     this.description.textContent = text;
   }
 
-  private rotateByKey(event: KeyboardEvent) {
-    const turns: Record<string, [number, number, number]> = {
-      ArrowLeft: [-0.1, 0, 1],
-      ArrowRight: [0.1, 0, 1],
-      ArrowUp: [0, 0.1, 1],
-      ArrowDown: [0, -0.1, 1],
-      "+": [0, 0, 1 / 1.15],
-      "-": [0, 0, 1.15],
-    };
-    const turn = turns[event.key];
-    if (!turn || event.shiftKey || event.ctrlKey || event.metaKey) return;
-    event.preventDefault();
-    event.stopPropagation();
-    this.stage?.turn(...turn);
-  }
-
   /** Keys rotate the view; a press without rotation is a click: it selects a body, or none. */
   private listenTo(canvas: HTMLCanvasElement) {
-    canvas.tabIndex = 0;
-    canvas.setAttribute("role", "img");
-    canvas.addEventListener("keydown", (event) => this.rotateByKey(event));
+    if (this.stage) turnByKeys(this.stage);
     let [x, y] = [0, 0];
     canvas.addEventListener("pointerdown", (event) => ([x, y] = [event.clientX, event.clientY]));
     canvas.addEventListener("pointerup", (event) => {

@@ -6,6 +6,7 @@ import { mountStage, ownColoursTitle } from "../panels/mount_stage";
 import { tabs } from "../panels/tabs";
 import { Timeline } from "../panels/timeline";
 import { themeButton } from "../panels/theme_button";
+import { turnByKeys } from "../panels/turn_by_keys";
 import { onThemeChange, type Theme } from "../viewer/colours";
 import type { Model } from "../recording";
 import { phaseAt } from "../viewer/frames";
@@ -210,9 +211,11 @@ export function showPlayground(page: HTMLElement, app: App) {
     over.hidden = hint.hidden = stage === null;
     if (!stage) return;
     choose(tool);
-    stage.canvas.tabIndex = 0;
-    stage.canvas.setAttribute("role", "img");
-    stage.canvas.setAttribute("aria-label", `${model.title}: the mechanisms in 3D`);
+    turnByKeys(stage);
+    stage.canvas.setAttribute(
+      "aria-label",
+      `${model.title || "The scenario"}: the mechanisms in 3D. Arrow keys rotate the picture, plus and minus zoom.`,
+    );
     stage.ownColours = own;
     colours.hidden = !stage.shapes.coloured;
     if (theme) stage.setTheme(theme);

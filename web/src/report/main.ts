@@ -2,7 +2,9 @@
 import "../panels/base.css";
 import "../panels/parts.css";
 import "../panels/help.css";
+import "../panels/across.css";
 import "./style.css";
+import "../panels/fingers.css";
 import { h } from "../panels/dom";
 import { recordingOf, type ReportData } from "./data";
 import { showRun } from "./page";
