@@ -27,7 +27,10 @@ export const sections: readonly HelpSection[] = [
     title: "View",
     rows: [
       ...viewRows,
+      ["M", "follow: the camera keeps what moves in the picture; pieces outside are named at its edge"],
       ["A", "show everything"],
+      ["V", "arrows: momenta of bodies and forces of joints"],
+      ["pointer on a body", "its name, mass and joint, and its frame"],
       ["F", "colour joints by their load"],
       ["O", "bodies in their own colours, or in those of their mechanisms"],
     ],

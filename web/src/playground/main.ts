@@ -4,6 +4,7 @@ import packedModule from "../../engine/momentree.wasm?packed";
 import EngineWorker from "../engine/worker?worker&inline";
 import "../panels/base.css";
 import "../panels/parts.css";
+import "../panels/overlays.css";
 import "../panels/help.css";
 import "../panels/across.css";
 import "./style.css";

@@ -3,8 +3,11 @@
 import { h } from "../panels/dom";
 import { helpButton } from "../panels/help";
 import { mountStage, ownColoursTitle } from "../panels/mount_stage";
+import { Hover } from "../panels/hover";
+import { Strays } from "../panels/strays";
 import { tabs } from "../panels/tabs";
 import { Timeline } from "../panels/timeline";
+import { Vectors } from "../panels/vectors";
 import { themeButton } from "../panels/theme_button";
 import { turnByKeys } from "../panels/turn_by_keys";
 import { onThemeChange, type Theme } from "../viewer/colours";
@@ -17,7 +20,7 @@ import { Editor } from "./editor";
 import { gallery } from "./gallery";
 import { about, sections } from "./help";
 import { PointerTools, type Tool } from "./pointer_tools";
-import { loadColours } from "./load_colours";
+import { forcesOf, loadColours } from "./load_colours";
 import { history, jointControls, sliders } from "./panel";
 import { Readings } from "./readings";
 import { initialView } from "./initial_view";
@@ -33,6 +36,8 @@ const tools: readonly { tool: Tool; label: string; key: string; hint: string }[]
 export function showPlayground(page: HTMLElement, app: App) {
   let stage: Stage | null = null;
   let pointer: PointerTools | null = null;
+  let vectors: Vectors | null = null;
+  let shownParts: HTMLElement[] = [];
   let theme: Theme | null = null;
   let tool: Tool = "grab";
   let first = -1;
@@ -123,6 +128,27 @@ export function showPlayground(page: HTMLElement, app: App) {
     colours.setAttribute("aria-pressed", String(own));
     if (stage) stage.ownColours = own;
   });
+  let follows = true;
+  const follow = h("button", { type: "button", title: "The camera follows what moves (M)", "aria-pressed": "true" }, "Follow");
+  const showFollowing = (on: boolean) => {
+    follows = on;
+    follow.setAttribute("aria-pressed", String(on));
+  };
+  follow.addEventListener("click", () => {
+    showFollowing(!follows);
+    if (stage) stage.following = follows;
+  });
+  const arrows = h(
+    "button",
+    { type: "button", title: "Momenta of bodies and forces of joints (V)", "aria-pressed": "false" },
+    "Arrows",
+  );
+  arrows.addEventListener("click", () => {
+    if (!vectors) return;
+    vectors.visible = !vectors.visible;
+    arrows.setAttribute("aria-pressed", String(vectors.visible));
+    draw();
+  });
   const hint = h("p", { class: "hint" });
   const load = h("p", { class: "hint load" });
   const notice = h("p", { class: "notice", role: "status" });
@@ -138,7 +164,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     { class: "tools", role: "group", "aria-label": "Tools" },
     ...toolButtons.map(({ button }) => button),
   );
-  const over = h("div", { class: "over" }, buttons, h("div", { class: "tools" }, loadButton, colours, fit));
+  const over = h("div", { class: "over" }, buttons, h("div", { class: "tools" }, loadButton, colours, arrows, follow, fit));
   host.append(over, h("div", { class: "below" }, notice, load, hint), placeholder.element);
 
   const restart = h(
@@ -202,6 +228,7 @@ export function showPlayground(page: HTMLElement, app: App) {
 
   function showWorld(model: Model) {
     stage?.dispose();
+    for (const each of shownParts) each.remove();
     for (const each of host.querySelectorAll(".placeholder")) each.remove();
     for (const part of [over, timeline, panel]) part.inert = false;
     stage = mountStage(host, model, [
@@ -217,6 +244,14 @@ export function showPlayground(page: HTMLElement, app: App) {
       `${model.title || "The scenario"}: the mechanisms in 3D. Arrow keys rotate the picture, plus and minus zoom.`,
     );
     stage.ownColours = own;
+    stage.following = follows;
+    stage.onFollowChange(showFollowing);
+    const now = () => app.run && { poses: scene.poses(), phase: scene.phase(), names: app.run.mechanisms };
+    const arrows = vectors?.visible ?? false;
+    vectors = new Vectors(stage);
+    vectors.visible = arrows;
+    shownParts = [new Strays(stage, now).element, new Hover(stage, now).element, vectors.legend];
+    host.append(...shownParts);
     colours.hidden = !stage.shapes.coloured;
     if (theme) stage.setTheme(theme);
     resetView();
@@ -235,6 +270,7 @@ export function showPlayground(page: HTMLElement, app: App) {
       stage.mechanisms.colourJoints(carried?.colours ?? new Map());
       stage.mechanisms.highlighted = first;
       stage.show(frame.poses, phaseAt(run, frame.time));
+      vectors?.show(run, frame.time, frame.poses, forcesOf(frame, run.topology));
     }
     pointer?.show();
     load.textContent = carried?.text ?? "";
@@ -268,6 +304,8 @@ export function showPlayground(page: HTMLElement, app: App) {
     else if (event.key === " " && !target.matches("button")) app.toggle();
     else if (event.key.toLowerCase() === "r") restart.click();
     else if (event.key.toLowerCase() === "f") loadButton.click();
+    else if (event.key.toLowerCase() === "v") arrows.click();
+    else if (event.key.toLowerCase() === "m") follow.click();
     else if (event.key.toLowerCase() === "a") fit.click();
     else if (event.key.toLowerCase() === "o" && !colours.hidden) colours.click();
     else return;

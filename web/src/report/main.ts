@@ -1,6 +1,7 @@
 // The report of a run: reads the data in the page and shows them.
 import "../panels/base.css";
 import "../panels/parts.css";
+import "../panels/overlays.css";
 import "../panels/help.css";
 import "../panels/across.css";
 import "./style.css";
