@@ -89,15 +89,12 @@ const pale = (page: Page) =>
   });
 
 const nameless = (page: Page) =>
-  page
-    .locator("button, select, input, textarea, [role=img], dialog")
-    .evaluateAll((all) =>
-      all
-        .filter(
-          (e) => !(e.getAttribute("aria-label") || e.textContent?.trim() || e.getAttribute("title") || e.closest("label")),
-        )
-        .map((e) => e.outerHTML.slice(0, 90)),
-    );
+  page.locator("button, select, input, textarea, [role=img], dialog").evaluateAll((all) =>
+    all
+      .filter((e) => (e as HTMLElement).checkVisibility() || e.matches("dialog"))
+      .filter((e) => !(e.getAttribute("aria-label") || e.textContent?.trim() || e.getAttribute("title") || e.closest("label")))
+      .map((e) => e.outerHTML.slice(0, 90)),
+  );
 
 describe.each(["playground", "report", "sweep"] as const)("the %s", (name) => {
   it.each([

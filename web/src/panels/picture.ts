@@ -12,6 +12,7 @@ import { h } from "./dom";
 import { count, instant } from "./numbers";
 import { mountStage, ownColoursTitle } from "./mount_stage";
 import { Hover } from "./hover";
+import { Save } from "./save";
 import { Strays } from "./strays";
 import { Vectors } from "./vectors";
 import { turnByKeys } from "./turn_by_keys";
@@ -110,8 +111,25 @@ export class Picture {
         this.followButton(stage),
         this.toggle("Trails", "Paths of the outermost bodies and of the selected body", "T", trails),
       );
-    tools.append(fit);
+    const save = this.save(stage);
+    this.keys.set("p", h("button", { onclick: () => save.savePicture() }));
+    tools.append(fit, save.element);
     return tools;
+  }
+
+  /** A video shows the run from its start to its end. */
+  private save(stage: Stage): Save {
+    const { player, run } = this;
+    return new Save({
+      stage: () => stage,
+      title: () => run.model.title,
+      play: () => {
+        player.seek(startTime(run));
+        player.play();
+      },
+      ended: () => !player.playing,
+      report: (message) => (this.description.textContent = message),
+    });
   }
 
   private followButton(stage: Stage): HTMLButtonElement {

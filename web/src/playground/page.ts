@@ -3,7 +3,9 @@
 import { h } from "../panels/dom";
 import { helpButton } from "../panels/help";
 import { mountStage, ownColoursTitle } from "../panels/mount_stage";
+import { FrameRate } from "../panels/frame_rate";
 import { Hover } from "../panels/hover";
+import { Save } from "../panels/save";
 import { Strays } from "../panels/strays";
 import { tabs } from "../panels/tabs";
 import { Timeline } from "../panels/timeline";
@@ -37,6 +39,7 @@ export function showPlayground(page: HTMLElement, app: App) {
   let stage: Stage | null = null;
   let pointer: PointerTools | null = null;
   let vectors: Vectors | null = null;
+  let frameRate: FrameRate | null = null;
   let shownParts: HTMLElement[] = [];
   let theme: Theme | null = null;
   let tool: Tool = "grab";
@@ -149,6 +152,13 @@ export function showPlayground(page: HTMLElement, app: App) {
     arrows.setAttribute("aria-pressed", String(vectors.visible));
     draw();
   });
+  const save = new Save({
+    stage: () => stage,
+    title: () => app.run?.model.title ?? "",
+    play: () => app.playing || app.play(true),
+    ended: () => false,
+    report: (message) => app.showNotice(message),
+  });
   const hint = h("p", { class: "hint" });
   const load = h("p", { class: "hint load" });
   const notice = h("p", { class: "notice", role: "status" });
@@ -164,7 +174,12 @@ export function showPlayground(page: HTMLElement, app: App) {
     { class: "tools", role: "group", "aria-label": "Tools" },
     ...toolButtons.map(({ button }) => button),
   );
-  const over = h("div", { class: "over" }, buttons, h("div", { class: "tools" }, loadButton, colours, arrows, follow, fit));
+  const over = h(
+    "div",
+    { class: "over" },
+    buttons,
+    h("div", { class: "tools" }, loadButton, colours, arrows, follow, fit, save.element),
+  );
   host.append(over, h("div", { class: "below" }, notice, load, hint), placeholder.element);
 
   const restart = h(
@@ -249,6 +264,8 @@ export function showPlayground(page: HTMLElement, app: App) {
     const now = () => app.run && { poses: scene.poses(), phase: scene.phase(), names: app.run.mechanisms };
     const arrows = vectors?.visible ?? false;
     vectors = new Vectors(stage);
+    const counter = (frameRate = new FrameRate());
+    stage.onDrawn = (began, ended) => counter.add(began, ended);
     vectors.visible = arrows;
     shownParts = [new Strays(stage, now).element, new Hover(stage, now).element, vectors.legend];
     host.append(...shownParts);
@@ -285,7 +302,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     if (!app.run && app.notice) placeholder.show("Nothing to show", app.notice);
     notice.textContent = app.run ? app.notice : "";
     if (changed !== "status") draw();
-    if (app.run) readings.show(app.run, app.frame, app.engineSeconds, changed !== "frame" || !app.playing);
+    if (app.run) readings.show(app.run, app.frame, app.engineSeconds, frameRate, changed !== "frame" || !app.playing);
   });
   onThemeChange((next) => {
     theme = next;
@@ -304,6 +321,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     else if (event.key === " " && !target.matches("button")) app.toggle();
     else if (event.key.toLowerCase() === "r") restart.click();
     else if (event.key.toLowerCase() === "f") loadButton.click();
+    else if (event.key.toLowerCase() === "p" && stage) save.savePicture();
     else if (event.key.toLowerCase() === "v") arrows.click();
     else if (event.key.toLowerCase() === "m") follow.click();
     else if (event.key.toLowerCase() === "a") fit.click();
@@ -316,6 +334,8 @@ export function showPlayground(page: HTMLElement, app: App) {
     start,
     showProblem,
     // For programs that use the playground: position in the page of a joint, by its name or as the inboard joint of a body.
+    /** Frames per second of the picture, and the page's time for each (s). */
+    frameRate: () => frameRate && { rate: frameRate.rate, duration: frameRate.duration },
     placeOf: (of: number | string) => {
       const joint = scene
         .phase()

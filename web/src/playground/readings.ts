@@ -1,6 +1,7 @@
 // Numerical data of the running world: plots of energy and momentum, and the momenta at the instant shown.
 import type { LiveRecording } from "../engine/live";
 import { h } from "../panels/dom";
+import type { FrameRate } from "../panels/frame_rate";
 import { digits } from "../panels/numbers";
 import { momentumScale, reachOf } from "../panels/scales";
 import type { Theme } from "../viewer/colours";
@@ -63,7 +64,7 @@ export class Readings {
   }
 
   /** Updates up to a frame; without `immediately`, at most as often as a reader can follow. */
-  show(run: LiveRecording, frame: number, engineSeconds: number, immediately: boolean) {
+  show(run: LiveRecording, frame: number, engineSeconds: number, picture: FrameRate | null, immediately: boolean) {
     const now = performance.now();
     if (!immediately && now - this.drawn < pause) return;
     this.drawn = now;
@@ -78,6 +79,14 @@ export class Readings {
       ["Energy balance, error (J)", balanceText(balance.error, kinetic)],
       ...(balance.projection === 0 ? [] : [["By closing loops (J)", digits(balance.projection, 3)] as [string, string]]),
       ["Engine, per frame", `${(1000 * engineSeconds).toFixed(1)} ms`],
+      ...(picture && Number.isFinite(picture.rate)
+        ? [
+            ["Picture", `${picture.rate.toFixed(0)} frames/s, ${(1000 * picture.duration).toFixed(1)} ms each`] as [
+              string,
+              string,
+            ],
+          ]
+        : []),
     ];
     this.readout.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
   }

@@ -52,6 +52,7 @@ const help = () =>
         ...viewRows,
         ["click a body", "show its path, and its joint in the plots"],
         ["M", "follow: the camera keeps what moves in the picture"],
+        ["P", "save the picture; the menu Save also records a video of the run"],
         ["F", "show the whole motion"],
         ["G, T", "earlier poses; paths"],
         ["V", "arrows: momenta of bodies and forces of joints"],

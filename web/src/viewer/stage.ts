@@ -41,6 +41,7 @@ export class Stage {
   private readonly themeListeners: ((theme: Theme) => void)[] = [];
   private readonly followListeners: ((on: boolean) => void)[] = [];
   private follows = false;
+  private drawingListener: (began: number, ended: number) => void = () => undefined;
   /** Distance of the camera at the last view of everything (m). */
   private home = Infinity;
   private readonly contextListeners: ((lost: boolean) => void)[] = [];
@@ -135,6 +136,11 @@ export class Stage {
     listener(this.theme);
   }
 
+  /** Calls back after each drawing, with the times (s) when it began and ended. */
+  set onDrawn(listener: (began: number, ended: number) => void) {
+    this.drawingListener = listener;
+  }
+
   /** Calls back before each drawing, with the height of the picture in pixels. */
   onDraw(listener: (camera: THREE.PerspectiveCamera, height: number) => void) {
     this.drawListeners.push(listener);
@@ -198,11 +204,13 @@ export class Stage {
   drawNow() {
     this.scheduled = false;
     if (this.disposed) return;
+    const began = performance.now();
     const height = this.canvas.clientHeight || 1;
     this.camera.updateMatrixWorld();
     this.mechanisms.fit(this.camera, height);
     for (const listener of this.drawListeners) listener(this.camera, height);
     this.renderer.render(this.scene, this.camera);
+    this.drawingListener(began / 1000, performance.now() / 1000);
   }
 
   private resize() {
