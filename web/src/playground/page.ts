@@ -23,7 +23,8 @@ import { gallery } from "./gallery";
 import { about, sections } from "./help";
 import { PointerTools, type Tool } from "./pointer_tools";
 import { forcesOf, loadColours } from "./load_colours";
-import { history, jointControls, sliders } from "./panel";
+import { connections } from "./connections";
+import { history, jointControls, sliders, weldControls } from "./panel";
 import { Readings } from "./readings";
 import { initialView } from "./initial_view";
 import { fragmentOf, scopeOf } from "./share";
@@ -52,7 +53,8 @@ export function showPlayground(page: HTMLElement, app: App) {
   const title = h("h1", {}, "momentree playground");
   const choice = h("select", { "aria-label": "Scenario" });
   for (const { name, title: text } of gallery) choice.append(h("option", { value: name }, text));
-  choice.append(h("option", { value: "" }, "(your own)"));
+  const ownChoice = h("option", { value: "" }, "(your own)");
+  choice.append(ownChoice);
   choice.addEventListener("change", () => {
     const example = gallery.find(({ name }) => name === choice.value);
     if (example) start(example.text);
@@ -174,12 +176,16 @@ export function showPlayground(page: HTMLElement, app: App) {
     { class: "tools", role: "group", "aria-label": "Tools" },
     ...toolButtons.map(({ button }) => button),
   );
-  const over = h(
-    "div",
-    { class: "over" },
-    buttons,
-    h("div", { class: "tools" }, loadButton, colours, arrows, follow, fit, save.element),
+  // On a phone, these are behind a button: the picture needs the room.
+  const viewTools = h("div", { class: "tools view-tools" });
+  const more = h(
+    "button",
+    { type: "button", class: "more", "aria-expanded": "false", title: "What the picture shows" },
+    "View",
   );
+  more.addEventListener("click", () => more.setAttribute("aria-expanded", String(viewTools.classList.toggle("open"))));
+  viewTools.append(more, loadButton, colours, arrows, follow, fit, save.element);
+  const over = h("div", { class: "over" }, buttons, viewTools);
   host.append(over, h("div", { class: "below" }, notice, load, hint), placeholder.element);
 
   const restart = h(
@@ -195,7 +201,15 @@ export function showPlayground(page: HTMLElement, app: App) {
   }).element;
 
   const readings = new Readings();
-  const panel = h("div", { class: "controls" }, jointControls(app), sliders(app), history(app));
+  const panel = h(
+    "div",
+    { class: "controls" },
+    jointControls(app),
+    weldControls(app),
+    connections(app),
+    sliders(app),
+    history(app),
+  );
   const side = tabs("What to do", [
     { name: "Play", content: panel },
     { name: "Scenario", content: editor.element },
@@ -298,6 +312,7 @@ export function showPlayground(page: HTMLElement, app: App) {
       showWorld(app.run.model);
       title.textContent = app.run.model.title || "momentree playground";
       document.title = `${title.textContent} – momentree`;
+      ownChoice.textContent = choice.value === "" && app.run.model.title ? `${app.run.model.title} (your own)` : "(your own)";
     }
     if (!app.run && app.notice) placeholder.show("Nothing to show", app.notice);
     notice.textContent = app.run ? app.notice : "";

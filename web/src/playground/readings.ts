@@ -55,7 +55,8 @@ export class Readings {
     momentumIn,
   );
   private readonly readout = h("dl", { class: "readout", "aria-label": "Momentum" });
-  readonly element = h("div", { class: "plots" }, this.energy.element, this.momentum.element, this.readout);
+  private readonly drawing = h("p", { class: "drawing" });
+  readonly element = h("div", { class: "plots" }, this.energy.element, this.momentum.element, this.readout, this.drawing);
   private drawn = 0;
 
   setTheme(theme: Theme) {
@@ -79,15 +80,11 @@ export class Readings {
       ["Energy balance, error (J)", balanceText(balance.error, kinetic)],
       ...(balance.projection === 0 ? [] : [["By closing loops (J)", digits(balance.projection, 3)] as [string, string]]),
       ["Engine, per frame", `${(1000 * engineSeconds).toFixed(1)} ms`],
-      ...(picture && Number.isFinite(picture.rate)
-        ? [
-            ["Picture", `${picture.rate.toFixed(0)} frames/s, ${(1000 * picture.duration).toFixed(1)} ms each`] as [
-              string,
-              string,
-            ],
-          ]
-        : []),
     ];
+    const drawing = picture && Number.isFinite(picture.rate) ? picture : null;
+    this.drawing.textContent = drawing
+      ? `Picture: ${drawing.rate.toFixed(0)} frames/s, ${(1000 * drawing.duration).toFixed(1)} ms of the page for each`
+      : "";
     this.readout.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
   }
 }
