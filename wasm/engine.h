@@ -51,7 +51,8 @@ void mt_kinds(MtWorld* world);
 /* Sets the text to the present topology: {"mechanisms": [{"name", "root", "grounded", "bodies": […]}], "joints": [{"number",
  * "row", "name", "kind", "parent", "child", "locked": bits, "at", "child_at", "axis", "damping", "force", "torque", "loop"}]}:
  * bodies by number, -1: the ground; "row": the joint's place in mt_joints; "force" and "torque": the joint's strength, null:
- * unlimited; "loop": true for a joint that closes a loop, absent for others. */
+ * unlimited; "loop": true for a joint that closes a loop, absent for others. "broken_springs": names, absent if the model has no springs;
+ * "couplings": [{"joint", "follows", "ended"}], the exact couplings of joints by name, absent if the model has none. */
 void mt_topology(MtWorld* world);
 /* Changes whenever the result of mt_topology may have changed. */
 int mt_revision(const MtWorld* world);

@@ -78,6 +78,8 @@ export interface Topology {
   readonly joints: readonly TopologyJoint[];
   /** Absent if the model has no springs. */
   readonly broken_springs?: readonly string[];
+  /** Exact couplings of joints by name, "": no joint is followed; absent if the model has none. */
+  readonly couplings?: readonly { readonly joint: string; readonly follows: string; readonly ended: boolean }[];
 }
 
 export interface WorldTotals {

@@ -78,6 +78,15 @@ std::string topology_json(const World& world) {
       if (const SpringView spring = world.spring({s}); spring.broken) json.value(spring.name);
     json.end_array();
   }
+  if (world.couplings() > 0) {
+    json.key("couplings").begin_array();
+    for (int c = 0; c < world.couplings(); ++c) {
+      const auto [joint, follows] = world.coupling_names({c});
+      json.begin_object().member("joint", joint).member("follows", follows);
+      json.member("ended", world.coupling({c}).ended).end_object();
+    }
+    json.end_array();
+  }
   json.end_object();
   return text;
 }

@@ -24,6 +24,8 @@ export interface Body {
   readonly name: string;
   readonly mass: number;
   readonly com: Vec3;
+  /** xx, yy, zz, xy, xz, yz about the centre of mass; absent: unknown. */
+  readonly inertia?: readonly number[];
   /** Lines in the body's axes that represent a body without a shape. */
   readonly extent: readonly (readonly [Vec3, Vec3])[];
   readonly shapes: readonly Shape[];

@@ -26,7 +26,10 @@ export interface ModelFile {
   title: string;
   gravity: Vec3;
   mechanisms: { name: string; bodies: string[] }[];
-  bodies: Record<string, { mass: number; com: Vec3; extent: [Vec3, Vec3][]; shape: Shape | null; more_shapes?: Shape[] }>;
+  bodies: Record<
+    string,
+    { mass: number; com: Vec3; inertia?: number[]; extent: [Vec3, Vec3][]; shape: Shape | null; more_shapes?: Shape[] }
+  >;
   joints: Record<string, JointFile>;
   springs?: Record<string, SpringFile>;
 }
@@ -80,7 +83,8 @@ export function modelOf(file: ModelFile, names: readonly string[] = Object.keys(
   const bodies = names.map((name) => {
     const body = file.bodies[name];
     const shapes = [body?.shape, ...(body?.more_shapes ?? [])].filter((shape): shape is Shape => Boolean(shape));
-    return { name, mass: body?.mass ?? 0, com: body?.com ?? [0, 0, 0], extent: body?.extent ?? [], shapes };
+    const { mass, com, inertia, extent } = body ?? {};
+    return { name, mass: mass ?? 0, com: com ?? [0, 0, 0], ...(inertia && { inertia }), extent: extent ?? [], shapes };
   });
   const numbers = numbered(names);
   const [joints, springs] = [jointsOf(file.joints, numbers), springsOf(file.springs ?? {}, numbers)];

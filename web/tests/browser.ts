@@ -34,7 +34,12 @@ export function launch({ webgl = true } = {}): Promise<Browser> {
 
 /** What the playground tells programs. */
 interface App {
-  run: { frames: number; last: { time: number; totals: Totals } } | null;
+  run: {
+    frames: number;
+    last: { time: number; totals: Totals };
+    events: { time: number }[];
+    model: { bodies: unknown[] };
+  } | null;
   topology: { joints: { child: number; kind: string; locked: number; name: string; loop?: boolean }[]; mechanisms: unknown[] };
   playing: boolean;
 }
@@ -45,7 +50,11 @@ interface Totals {
 }
 declare global {
   interface Window {
-    playground: { app: App; placeOf(of: number | string): { x: number; y: number } };
+    playground: {
+      app: App;
+      placeOf(of: number | string): { x: number; y: number };
+      frameRate(): { rate: number; duration: number } | null;
+    };
   }
 }
 
@@ -56,10 +65,13 @@ export interface View {
   readonly scale?: number;
   readonly touch?: boolean;
   readonly noScript?: boolean;
+  /** The reader has no objection to motion: pages start to play. */
+  readonly motion?: boolean;
 }
 
 export const desktop: View = { width: 1280, height: 800 };
 export const phone: View = { width: 390, height: 844, scale: 2, touch: true };
+export const phoneAcross: View = { width: 844, height: 390, scale: 2, touch: true };
 
 export interface Opened {
   readonly page: Page;
@@ -74,7 +86,7 @@ export async function open(browser: Browser, address: string, view: View = deskt
     colorScheme: view.dark ? "dark" : "light",
     deviceScaleFactor: view.scale ?? 1,
     hasTouch: view.touch ?? false,
-    reducedMotion: "reduce",
+    reducedMotion: view.motion ? "no-preference" : "reduce",
     javaScriptEnabled: !view.noScript,
   });
   const page = await context.newPage();
@@ -136,5 +148,29 @@ export async function pixelsLike(page: Page, selector: string, colours: readonly
       });
     },
     [png, colours, within] as const,
+  );
+}
+
+/** How many pixels of two screenshots of the same size differ by more than the rounding of translucent parts over the picture. */
+export async function differing(page: Page, a: Buffer, b: Buffer): Promise<number> {
+  return page.evaluate(
+    async (screenshots) => {
+      const [one, other] = await Promise.all(
+        screenshots.map(async (png) => {
+          const image = new Image();
+          image.src = `data:image/png;base64,${png}`;
+          await image.decode();
+          const canvas = document.createElement("canvas");
+          [canvas.width, canvas.height] = [image.width, image.height];
+          const context = canvas.getContext("2d")!;
+          context.drawImage(image, 0, 0);
+          return context.getImageData(0, 0, canvas.width, canvas.height).data;
+        }),
+      );
+      let count = 0;
+      for (let i = 0; i < one.length; i++) if (Math.abs(one[i] - other[i]) > 3) count++;
+      return count;
+    },
+    [a.toString("base64"), b.toString("base64")],
   );
 }

@@ -243,3 +243,25 @@ test("the gallery runs, on a phone and in the dark too", async () => {
     expect(complaints).toEqual([]);
   }
 });
+
+test("loops and springs are listed; a loop joint is cut there, and bodies are welded by name", async () => {
+  const { page, complaints } = await playground();
+  await page.getByLabel("Scenario", { exact: true }).first().selectOption("two_arms_hold_a_bar");
+  await page.waitForFunction(() => document.title.startsWith("Two arms"));
+  const list = page.getByRole("list", { name: "Loops, springs and couplings" });
+  await expect.poll(() => list.innerText(), patience).toMatch(/right grip\s+revolute, left\/bar to right\/fore/);
+  await page.getByRole("button", { name: "Cut right grip" }).click();
+  await expect.poll(() => list.isVisible(), patience).toBe(false);
+  await page.getByLabel("Body to weld").selectOption("left/bar");
+  await page.getByLabel("Weld to").selectOption("left/upper");
+  await page.getByRole("button", { name: "Weld together" }).click();
+  await expect.poll(() => list.innerText(), patience).toContain("weld, left/bar to left/upper");
+  await playTo(page, 0.3);
+  await keep(page, "playground-loops");
+  await page.getByLabel("Scenario", { exact: true }).first().selectOption("guyed_mast");
+  await expect.poll(() => list.innerText(), patience).toMatch(/west guy\s+rope, mast\/pole to the ground: [\d.e]+ N of/);
+  await playTo(page, 2.5);
+  await expect.poll(() => list.innerText(), patience).toMatch(/west guy\s+broken/);
+  await keep(page, "playground-springs");
+  expect(complaints).toEqual([]);
+});

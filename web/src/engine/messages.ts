@@ -29,15 +29,15 @@ export type ToWorker =
   | { type: "branch"; branch: number };
 
 /** Numbers per joint in `Frame.loads`. */
-export const loadSize = 3;
+export const loadSize = 6;
 
 export interface Frame {
   readonly time: number;
   /** Per body x, y, z, qw, qx, qy, qz. */
   readonly poses: Float32Array;
   /**
-   * By the joints' rows: load as a fraction of the load at which it breaks (NaN: unlimited), reaction force (N), and whether the
-   * reaction is determined (0: closed loops leave it open).
+   * By the joints' rows: load as a fraction of the load at which it breaks (NaN: unlimited), reaction force (N), whether the
+   * reaction is determined (0: closed loops leave it open), and the reaction force on the child in its axes (N).
    */
   readonly loads: Float32Array;
   readonly totals: WorldTotals;

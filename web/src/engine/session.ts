@@ -40,7 +40,8 @@ export function frameOf(world: World): Frame {
   const loads = new Float32Array(loadSize * count);
   for (let j = 0; j < count; j++) {
     const row = rows.subarray(jointSize * j, jointSize * (j + 1));
-    loads.set(row[0] < 0 ? [NaN, NaN, 1] : [row[27], Math.hypot(row[21], row[22], row[23]), row[28]], loadSize * j);
+    const [fx, fy, fz] = row.subarray(21, 24);
+    loads.set(row[0] < 0 ? [NaN, NaN, 1, NaN, NaN, NaN] : [row[27], Math.hypot(fx, fy, fz), row[28], fx, fy, fz], loadSize * j);
   }
   return { time: world.time, poses, loads, totals: world.totals() };
 }

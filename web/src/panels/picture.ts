@@ -1,6 +1,6 @@
 // The picture with its overlays: names of mechanisms in their colours, and switches. If the browser can't draw it, a
 // message and the names are shown instead.
-import type { Motion } from "../recording";
+import type { Joint, Motion } from "../recording";
 import { mechanismColour, themeOf, type Theme } from "../viewer/colours";
 import { endTime, phaseAt, posesAt, startTime } from "../viewer/frames";
 import { Ghosts } from "../viewer/ghosts";
@@ -11,13 +11,22 @@ import { Trails } from "../viewer/trails";
 import { h } from "./dom";
 import { count, instant } from "./numbers";
 import { mountStage, ownColoursTitle } from "./mount_stage";
+import { Hover } from "./hover";
+import { Save } from "./save";
+import { Strays } from "./strays";
+import { Vectors } from "./vectors";
+import { turnByKeys } from "./turn_by_keys";
 
 /** The drawing, and the parts of it that can be switched on and off. */
 interface Drawn {
   readonly stage: Stage;
   readonly ghosts: Ghosts;
   readonly trails: Trails;
+  readonly vectors: Vectors;
 }
+
+/** At a time, the force of a joint on its child, in the child's axes; null: unknown. */
+export type Forces = (time: number) => (joint: Joint) => readonly number[] | null;
 
 export class Picture {
   readonly element = h("section", { class: "picture", "aria-label": "Picture" });
@@ -33,14 +42,27 @@ export class Picture {
     private readonly run: Motion,
     private readonly player: Player,
     private readonly choose: (body: number) => void,
-    private readonly options: { readonly static?: boolean; readonly alternatives: readonly (Node | string)[] },
+    private readonly options: {
+      readonly static?: boolean;
+      readonly forces?: Forces;
+      readonly alternatives: readonly (Node | string)[];
+    },
   ) {
     const host = h("div", { class: "stage" });
     this.element.append(host);
     this.poses = new Float64Array(7 * run.model.bodies.length);
     const stage = mountStage(host, run.model, options.alternatives);
-    this.drawn = stage && { stage, ghosts: new Ghosts(stage, run), trails: new Trails(stage, run) };
+    this.drawn = stage && {
+      stage,
+      ghosts: new Ghosts(stage, run),
+      trails: new Trails(stage, run),
+      vectors: new Vectors(stage),
+    };
     host.append(h("div", { class: "over" }, this.names, this.drawn && this.tools(this.drawn)), this.description);
+    if (stage) {
+      const now = () => ({ poses: this.poses, phase: phaseAt(run, player.time), names: run.mechanisms });
+      host.append(new Strays(stage, now).element, new Hover(stage, now).element, this.drawn!.vectors.legend);
+    }
     if (this.drawn) this.listenTo(this.drawn.stage.canvas);
     player.listen((time) => this.show(time));
     stage?.fit(run);
@@ -69,7 +91,7 @@ export class Picture {
     return button;
   }
 
-  private tools({ stage, ghosts, trails }: Drawn): HTMLElement {
+  private tools({ stage, ghosts, trails, vectors }: Drawn): HTMLElement {
     const fit = h("button", { type: "button", title: "Show the whole motion (F)", onclick: () => this.fit() }, "Fit");
     this.keys.set("f", fit);
     const tools = h("div", { class: "tools" });
@@ -85,10 +107,43 @@ export class Picture {
     if (!this.options.static)
       tools.append(
         this.toggle("Ghosts", `Earlier poses, every ${instant(ghosts.every, ghosts.every * 10)}`, "G", ghosts),
+        this.toggle("Arrows", "Momenta of bodies and forces of joints", "V", vectors),
+        this.followButton(stage),
         this.toggle("Trails", "Paths of the outermost bodies and of the selected body", "T", trails),
       );
-    tools.append(fit);
+    const save = this.save(stage);
+    this.keys.set("p", h("button", { onclick: () => save.savePicture() }));
+    tools.append(fit, save.element);
     return tools;
+  }
+
+  /** A video shows the run from its start to its end. */
+  private save(stage: Stage): Save {
+    const { player, run } = this;
+    return new Save({
+      stage: () => stage,
+      title: () => run.model.title,
+      play: () => {
+        player.seek(startTime(run));
+        player.play();
+      },
+      ended: () => !player.playing,
+      report: (message) => (this.description.textContent = message),
+    });
+  }
+
+  private followButton(stage: Stage): HTMLButtonElement {
+    const target = {
+      get visible() {
+        return stage.following;
+      },
+      set visible(on: boolean) {
+        stage.following = on;
+      },
+    };
+    const button = this.toggle("Follow", "The camera follows what moves", "M", target);
+    stage.onFollowChange((on) => button.setAttribute("aria-pressed", String(on)));
+    return button;
   }
 
   /** Buttons by the key that presses them. */
@@ -109,6 +164,7 @@ export class Picture {
       this.drawn.ghosts.show(time);
       this.drawn.trails.show(time);
       this.drawn.stage.show(posesAt(this.run, time, this.poses), phase);
+      this.drawn.vectors.show(this.run, time, this.poses, this.options.forces?.(time) ?? (() => null));
     }
     this.showNames(phase.mechanism);
     if (!this.player.playing) this.describe(time);
@@ -139,27 +195,9 @@ export class Picture {
     this.description.textContent = text;
   }
 
-  private rotateByKey(event: KeyboardEvent) {
-    const turns: Record<string, [number, number, number]> = {
-      ArrowLeft: [-0.1, 0, 1],
-      ArrowRight: [0.1, 0, 1],
-      ArrowUp: [0, 0.1, 1],
-      ArrowDown: [0, -0.1, 1],
-      "+": [0, 0, 1 / 1.15],
-      "-": [0, 0, 1.15],
-    };
-    const turn = turns[event.key];
-    if (!turn || event.shiftKey || event.ctrlKey || event.metaKey) return;
-    event.preventDefault();
-    event.stopPropagation();
-    this.stage?.turn(...turn);
-  }
-
   /** Keys rotate the view; a press without rotation is a click: it selects a body, or none. */
   private listenTo(canvas: HTMLCanvasElement) {
-    canvas.tabIndex = 0;
-    canvas.setAttribute("role", "img");
-    canvas.addEventListener("keydown", (event) => this.rotateByKey(event));
+    if (this.stage) turnByKeys(this.stage);
     let [x, y] = [0, 0];
     canvas.addEventListener("pointerdown", (event) => ([x, y] = [event.clientX, event.clientY]));
     canvas.addEventListener("pointerup", (event) => {

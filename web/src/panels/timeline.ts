@@ -68,6 +68,7 @@ export class Timeline {
         clock.seek(time);
       },
     });
+    this.slider.addEventListener("pointerup", (event) => this.snap(event));
     const speed = h("select", {
       "aria-label": "Speed",
       title: "Speed",
@@ -84,6 +85,18 @@ export class Timeline {
       speed,
     );
     clock.listen(() => this.show());
+  }
+
+  /** Fingers can't hit a mark: a tap on the slider near one is a tap on it. */
+  private snap(event: PointerEvent) {
+    if (event.pointerType !== "touch") return;
+    const near = [...this.marks.children]
+      .map((mark, i) => ({ i, away: Math.abs(mark.getBoundingClientRect().left + 8 - event.clientX) }))
+      .sort((a, b) => a.away - b.away)[0];
+    const run = this.run();
+    if (!run || !near || near.away > 14) return;
+    const [from, to] = this.range();
+    this.options.choose(marked(run.events, from, to)[near.i]);
   }
 
   private range(): [number, number] {

@@ -23,6 +23,7 @@ export class App implements Clock {
   engineSeconds = 0;
   private listeners: ((changed: Changed) => void)[] = [];
   private requested: string | null = null;
+  private playsWhenLoaded = false;
   private ready = false;
   onChecked: (diagnostics: readonly Diagnostic[]) => void = () => undefined;
   onDiagnostics: (diagnostics: readonly Diagnostic[]) => void = () => undefined;
@@ -46,8 +47,10 @@ export class App implements Clock {
     this.worker.postMessage(message);
   }
 
-  load(text: string) {
+  /** `play`: whether it starts to move as soon as it is loaded. */
+  load(text: string, play = false) {
     this.requested = text;
+    this.playsWhenLoaded = play;
     if (this.ready) this.send({ type: "load", text });
   }
 
@@ -129,7 +132,10 @@ export class App implements Clock {
         this.run = new LiveRecording(modelOf(message.world.model), message.world.topology, message.world.frame);
         this.shownFrame = null;
         this.notice = "";
-        return this.notify("world");
+        this.notify("world");
+        if (this.playsWhenLoaded) this.play(true);
+        this.playsWhenLoaded = false;
+        return;
       case "checked":
         return this.onChecked(message.diagnostics);
       case "frame":

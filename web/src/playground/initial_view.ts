@@ -47,5 +47,10 @@ export function initialView(run: LiveRecording, frame: number, reach: (body: num
     box.min[axis] = view.box.min[axis];
     box.max[axis] = view.box.max[axis];
   }
-  return { ...view, box, centre: box.getCenter(new THREE.Vector3()) };
+  // The floor is below everything that is in the picture.
+  const lowest = [box.min, box.max].reduce((sum, corner) => sum.add(corner), new THREE.Vector3()).dot(view.up) / 2;
+  const size = box.getSize(new THREE.Vector3());
+  const half = 0.5 * size.toArray().reduce((sum, extent, k) => sum + extent * Math.abs(view.up.getComponent(k)), 0);
+  const radius = Math.max(0.5 * size.length(), 1e-3);
+  return { ...view, box, radius, lowest: lowest - half, centre: box.getCenter(new THREE.Vector3()) };
 }

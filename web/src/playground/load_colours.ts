@@ -21,7 +21,7 @@ export function loadColours(frame: Frame, topology: Topology): LoadColours {
   const rows = topology.joints
     .filter(({ kind }) => kind !== "free")
     .map((joint) => {
-      const [share, force, determined] = frame.loads.subarray(loadSize * joint.row, loadSize * (joint.row + 1));
+      const [share, force, determined] = frame.loads.subarray(loadSize * joint.row, loadSize * joint.row + 3);
       return { joint, share: share ?? NaN, force: force ?? NaN, determined: determined !== 0 };
     });
   const of = ({ joint, determined }: (typeof rows)[number]) =>
@@ -42,4 +42,13 @@ export function loadColours(frame: Frame, topology: Topology): LoadColours {
       ? `Closest to breaking: ${of(worst)}, at ${(100 * worst.share).toFixed(0)} % of its strength`
       : `Largest joint force: ${worst.force.toPrecision(3)} N, at ${of(worst)}`;
   return { colours, text };
+}
+
+/** Forces of joints on their children, in the children's axes. */
+export function forcesOf(frame: Frame, topology: Topology): (joint: { readonly name: string }) => readonly number[] | null {
+  const rows = new Map(topology.joints.map(({ name, row }) => [name, row]));
+  return ({ name }) => {
+    const row = rows.get(name);
+    return row === undefined ? null : Array.from(frame.loads.subarray(loadSize * row + 3, loadSize * (row + 1)));
+  };
 }

@@ -4,7 +4,11 @@ import packedModule from "../../engine/momentree.wasm?packed";
 import EngineWorker from "../engine/worker?worker&inline";
 import "../panels/base.css";
 import "../panels/parts.css";
+import "../panels/overlays.css";
+import "../panels/help.css";
+import "../panels/across.css";
 import "./style.css";
+import "../panels/fingers.css";
 import { Engine } from "../../../wasm/host.mjs";
 import { h } from "../panels/dom";
 import { showModel } from "../posing/page";
@@ -21,7 +25,7 @@ async function begin(page: HTMLElement) {
   if (given !== null && typeof given === "object") return showModel(page, await Engine.of(module), given.model);
   const app = new App(new EngineWorker(), module);
   const playground = showPlayground(page, app);
-  Object.assign(window, { playground: { app, placeOf: playground.placeOf } });
+  Object.assign(window, { playground: { app, placeOf: playground.placeOf, frameRate: playground.frameRate } });
   const own = given ?? gallery[0].text;
   /** Opens the scenario in the address, and nothing else in its place. */
   const follow = async (otherwise: string | null) => {

@@ -1,10 +1,17 @@
 // The page: picture with tools, timeline, plots and readouts, panel, editor. Controls that need a world are disabled
 // without one.
 import { h } from "../panels/dom";
+import { helpButton } from "../panels/help";
 import { mountStage, ownColoursTitle } from "../panels/mount_stage";
+import { FrameRate } from "../panels/frame_rate";
+import { Hover } from "../panels/hover";
+import { Save } from "../panels/save";
+import { Strays } from "../panels/strays";
 import { tabs } from "../panels/tabs";
 import { Timeline } from "../panels/timeline";
+import { Vectors } from "../panels/vectors";
 import { themeButton } from "../panels/theme_button";
+import { turnByKeys } from "../panels/turn_by_keys";
 import { onThemeChange, type Theme } from "../viewer/colours";
 import type { Model } from "../recording";
 import { phaseAt } from "../viewer/frames";
@@ -13,9 +20,11 @@ import type { App } from "./app";
 import { Placeholder } from "./placeholder";
 import { Editor } from "./editor";
 import { gallery } from "./gallery";
+import { about, sections } from "./help";
 import { PointerTools, type Tool } from "./pointer_tools";
-import { loadColours } from "./load_colours";
-import { history, jointControls, sliders } from "./panel";
+import { forcesOf, loadColours } from "./load_colours";
+import { connections } from "./connections";
+import { history, jointControls, sliders, weldControls } from "./panel";
 import { Readings } from "./readings";
 import { initialView } from "./initial_view";
 import { fragmentOf, scopeOf } from "./share";
@@ -30,16 +39,22 @@ const tools: readonly { tool: Tool; label: string; key: string; hint: string }[]
 export function showPlayground(page: HTMLElement, app: App) {
   let stage: Stage | null = null;
   let pointer: PointerTools | null = null;
+  let vectors: Vectors | null = null;
+  let frameRate: FrameRate | null = null;
+  let shownParts: HTMLElement[] = [];
   let theme: Theme | null = null;
   let tool: Tool = "grab";
   let first = -1;
   let loads = true;
   let own = true;
+  /** Whether a scenario starts to move when it is opened. */
+  const lively = !window.matchMedia("(prefers-reduced-motion: reduce)").matches;
 
   const title = h("h1", {}, "momentree playground");
   const choice = h("select", { "aria-label": "Scenario" });
   for (const { name, title: text } of gallery) choice.append(h("option", { value: name }, text));
-  choice.append(h("option", { value: "" }, "(your own)"));
+  const ownChoice = h("option", { value: "" }, "(your own)");
+  choice.append(ownChoice);
   choice.addEventListener("change", () => {
     const example = gallery.find(({ name }) => name === choice.value);
     if (example) start(example.text);
@@ -70,7 +85,7 @@ export function showPlayground(page: HTMLElement, app: App) {
     app.play(false);
     if (editor.text !== text) editor.text = text;
     choice.value = gallery.find((example) => example.text === text)?.name ?? "";
-    app.load(text);
+    app.load(text, lively);
   };
   /** There is no scenario to show: gives the reason, and shows no other scenario instead. */
   const showProblem = (reason: string, other: string) => {
@@ -118,6 +133,34 @@ export function showPlayground(page: HTMLElement, app: App) {
     colours.setAttribute("aria-pressed", String(own));
     if (stage) stage.ownColours = own;
   });
+  let follows = true;
+  const follow = h("button", { type: "button", title: "The camera follows what moves (M)", "aria-pressed": "true" }, "Follow");
+  const showFollowing = (on: boolean) => {
+    follows = on;
+    follow.setAttribute("aria-pressed", String(on));
+  };
+  follow.addEventListener("click", () => {
+    showFollowing(!follows);
+    if (stage) stage.following = follows;
+  });
+  const arrows = h(
+    "button",
+    { type: "button", title: "Momenta of bodies and forces of joints (V)", "aria-pressed": "false" },
+    "Arrows",
+  );
+  arrows.addEventListener("click", () => {
+    if (!vectors) return;
+    vectors.visible = !vectors.visible;
+    arrows.setAttribute("aria-pressed", String(vectors.visible));
+    draw();
+  });
+  const save = new Save({
+    stage: () => stage,
+    title: () => app.run?.model.title ?? "",
+    play: () => app.playing || app.play(true),
+    ended: () => false,
+    report: (message) => app.showNotice(message),
+  });
   const hint = h("p", { class: "hint" });
   const load = h("p", { class: "hint load" });
   const notice = h("p", { class: "notice", role: "status" });
@@ -133,7 +176,16 @@ export function showPlayground(page: HTMLElement, app: App) {
     { class: "tools", role: "group", "aria-label": "Tools" },
     ...toolButtons.map(({ button }) => button),
   );
-  const over = h("div", { class: "over" }, buttons, h("div", { class: "tools" }, loadButton, colours, fit));
+  // On a phone, these are behind a button: the picture needs the room.
+  const viewTools = h("div", { class: "tools view-tools" });
+  const more = h(
+    "button",
+    { type: "button", class: "more", "aria-expanded": "false", title: "What the picture shows" },
+    "View",
+  );
+  more.addEventListener("click", () => more.setAttribute("aria-expanded", String(viewTools.classList.toggle("open"))));
+  viewTools.append(more, loadButton, colours, arrows, follow, fit, save.element);
+  const over = h("div", { class: "over" }, buttons, viewTools);
   host.append(over, h("div", { class: "below" }, notice, load, hint), placeholder.element);
 
   const restart = h(
@@ -149,7 +201,15 @@ export function showPlayground(page: HTMLElement, app: App) {
   }).element;
 
   const readings = new Readings();
-  const panel = h("div", { class: "controls" }, jointControls(app), sliders(app), history(app));
+  const panel = h(
+    "div",
+    { class: "controls" },
+    jointControls(app),
+    weldControls(app),
+    connections(app),
+    sliders(app),
+    history(app),
+  );
   const side = tabs("What to do", [
     { name: "Play", content: panel },
     { name: "Scenario", content: editor.element },
@@ -159,7 +219,7 @@ export function showPlayground(page: HTMLElement, app: App) {
   const openTab = (name: string) => side.querySelector<HTMLElement>(`#panel-${name}-tab`)?.click();
 
   page.append(
-    h("header", {}, title, choice, share, shared, h("span", { class: "gap" }), themeButton()),
+    h("header", {}, title, choice, share, shared, h("span", { class: "gap" }), helpButton(about, sections), themeButton()),
     h("section", { class: "picture", "aria-label": "Picture" }, host, timeline),
     readings.element,
     side,
@@ -197,6 +257,7 @@ export function showPlayground(page: HTMLElement, app: App) {
 
   function showWorld(model: Model) {
     stage?.dispose();
+    for (const each of shownParts) each.remove();
     for (const each of host.querySelectorAll(".placeholder")) each.remove();
     for (const part of [over, timeline, panel]) part.inert = false;
     stage = mountStage(host, model, [
@@ -206,10 +267,22 @@ export function showPlayground(page: HTMLElement, app: App) {
     over.hidden = hint.hidden = stage === null;
     if (!stage) return;
     choose(tool);
-    stage.canvas.tabIndex = 0;
-    stage.canvas.setAttribute("role", "img");
-    stage.canvas.setAttribute("aria-label", `${model.title}: the mechanisms in 3D`);
+    turnByKeys(stage);
+    stage.canvas.setAttribute(
+      "aria-label",
+      `${model.title || "The scenario"}: the mechanisms in 3D. Arrow keys rotate the picture, plus and minus zoom.`,
+    );
     stage.ownColours = own;
+    stage.following = follows;
+    stage.onFollowChange(showFollowing);
+    const now = () => app.run && { poses: scene.poses(), phase: scene.phase(), names: app.run.mechanisms };
+    const arrows = vectors?.visible ?? false;
+    vectors = new Vectors(stage);
+    const counter = (frameRate = new FrameRate());
+    stage.onDrawn = (began, ended) => counter.add(began, ended);
+    vectors.visible = arrows;
+    shownParts = [new Strays(stage, now).element, new Hover(stage, now).element, vectors.legend];
+    host.append(...shownParts);
     colours.hidden = !stage.shapes.coloured;
     if (theme) stage.setTheme(theme);
     resetView();
@@ -228,6 +301,7 @@ export function showPlayground(page: HTMLElement, app: App) {
       stage.mechanisms.colourJoints(carried?.colours ?? new Map());
       stage.mechanisms.highlighted = first;
       stage.show(frame.poses, phaseAt(run, frame.time));
+      vectors?.show(run, frame.time, frame.poses, forcesOf(frame, run.topology));
     }
     pointer?.show();
     load.textContent = carried?.text ?? "";
@@ -238,11 +312,12 @@ export function showPlayground(page: HTMLElement, app: App) {
       showWorld(app.run.model);
       title.textContent = app.run.model.title || "momentree playground";
       document.title = `${title.textContent} – momentree`;
+      ownChoice.textContent = choice.value === "" && app.run.model.title ? `${app.run.model.title} (your own)` : "(your own)";
     }
     if (!app.run && app.notice) placeholder.show("Nothing to show", app.notice);
     notice.textContent = app.run ? app.notice : "";
     if (changed !== "status") draw();
-    if (app.run) readings.show(app.run, app.frame, app.engineSeconds, changed !== "frame" || !app.playing);
+    if (app.run) readings.show(app.run, app.frame, app.engineSeconds, frameRate, changed !== "frame" || !app.playing);
   });
   onThemeChange((next) => {
     theme = next;
@@ -261,6 +336,9 @@ export function showPlayground(page: HTMLElement, app: App) {
     else if (event.key === " " && !target.matches("button")) app.toggle();
     else if (event.key.toLowerCase() === "r") restart.click();
     else if (event.key.toLowerCase() === "f") loadButton.click();
+    else if (event.key.toLowerCase() === "p" && stage) save.savePicture();
+    else if (event.key.toLowerCase() === "v") arrows.click();
+    else if (event.key.toLowerCase() === "m") follow.click();
     else if (event.key.toLowerCase() === "a") fit.click();
     else if (event.key.toLowerCase() === "o" && !colours.hidden) colours.click();
     else return;
@@ -271,6 +349,8 @@ export function showPlayground(page: HTMLElement, app: App) {
     start,
     showProblem,
     // For programs that use the playground: position in the page of a joint, by its name or as the inboard joint of a body.
+    /** Frames per second of the picture, and the page's time for each (s). */
+    frameRate: () => frameRate && { rate: frameRate.rate, duration: frameRate.duration },
     placeOf: (of: number | string) => {
       const joint = scene
         .phase()

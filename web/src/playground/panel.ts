@@ -42,6 +42,32 @@ export function jointControls(app: App): HTMLElement {
   );
 }
 
+/** Welds two bodies by name, without a pointer. */
+export function weldControls(app: App): HTMLElement {
+  const body = h("select", { "aria-label": "Body to weld" });
+  const to = h("select", { "aria-label": "Weld to" });
+  const weld = h(
+    "button",
+    {
+      type: "button",
+      title: "Joins them rigidly; two bodies of one mechanism close a loop",
+      onclick: () => app.act({ action: "weld", body: Number(body.value), to: Number(to.value) }),
+    },
+    "Weld together",
+  );
+  const update = () => (weld.disabled = body.value === to.value || body.value === "");
+  for (const choice of [body, to]) choice.addEventListener("change", update);
+  app.listen((changed) => {
+    if (changed !== "world") return;
+    const options = () => (app.run?.model.bodies ?? []).map(({ name }, b) => h("option", { value: b }, name));
+    body.replaceChildren(...options());
+    to.replaceChildren(...options(), h("option", { value: -1 }, "the ground"));
+    to.selectedIndex = Math.min(1, to.options.length - 1);
+    update();
+  });
+  return h("fieldset", { class: "joint" }, h("legend", {}, "Bodies"), body, to, h("div", { class: "buttons" }, weld));
+}
+
 export function sliders(app: App): HTMLElement {
   const gravity = h("input", { type: "range", min: 0, max: 20, step: 0.01 });
   const gravityText = h("output");

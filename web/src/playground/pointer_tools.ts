@@ -23,6 +23,10 @@ export interface PointerActions {
 
 const triple = (v: THREE.Vector3): Triple => [v.x, v.y, v.z];
 
+/** Tolerances (pixels): a finger is less exact than a mouse. */
+const tolerance = (event: PointerEvent) =>
+  event.pointerType === "touch" ? { body: 26, joint: 34, still: 16 } : { body: 12, joint: 24, still: 8 };
+
 export class PointerTools {
   tool: Tool = "grab";
   private drag: { pointer: number; plane: THREE.Plane } | null = null;
@@ -81,9 +85,10 @@ export class PointerTools {
 
   private press(event: PointerEvent) {
     if (event.button !== 0 || !event.isPrimary) return;
-    const hit = this.stage.pick(event.clientX, event.clientY, event.pointerType === "touch" ? 22 : 12);
+    const within = tolerance(event);
+    const hit = this.stage.pick(event.clientX, event.clientY, within.body);
     if (this.tool !== "grab") {
-      const joint = this.jointAt(event.clientX, event.clientY, 24);
+      const joint = this.jointAt(event.clientX, event.clientY, within.joint);
       if (hit || joint) {
         this.pressed = { pointer: event.pointerId, x: event.clientX, y: event.clientY };
         event.stopImmediatePropagation();
@@ -140,9 +145,10 @@ export class PointerTools {
     if (event.pointerId !== this.pressed?.pointer) return;
     const { x, y } = this.pressed;
     this.pressed = null;
-    if (Math.hypot(event.clientX - x, event.clientY - y) > 8) return;
-    const joint = this.jointAt(x, y, 24);
-    const hit = this.stage.pick(x, y, 12);
+    const within = tolerance(event);
+    if (event.type === "pointercancel" || Math.hypot(event.clientX - x, event.clientY - y) > within.still) return;
+    const joint = this.jointAt(x, y, within.joint);
+    const hit = this.stage.pick(x, y, within.body);
     if (this.tool === "weld") {
       if (hit) this.actions.body(hit.body);
     } else if (joint) this.actions.joint(joint.name);

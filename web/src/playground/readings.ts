@@ -1,6 +1,7 @@
 // Numerical data of the running world: plots of energy and momentum, and the momenta at the instant shown.
 import type { LiveRecording } from "../engine/live";
 import { h } from "../panels/dom";
+import type { FrameRate } from "../panels/frame_rate";
 import { digits } from "../panels/numbers";
 import { momentumScale, reachOf } from "../panels/scales";
 import type { Theme } from "../viewer/colours";
@@ -54,7 +55,8 @@ export class Readings {
     momentumIn,
   );
   private readonly readout = h("dl", { class: "readout", "aria-label": "Momentum" });
-  readonly element = h("div", { class: "plots" }, this.energy.element, this.momentum.element, this.readout);
+  private readonly drawing = h("p", { class: "drawing" });
+  readonly element = h("div", { class: "plots" }, this.energy.element, this.momentum.element, this.readout, this.drawing);
   private drawn = 0;
 
   setTheme(theme: Theme) {
@@ -63,7 +65,7 @@ export class Readings {
   }
 
   /** Updates up to a frame; without `immediately`, at most as often as a reader can follow. */
-  show(run: LiveRecording, frame: number, engineSeconds: number, immediately: boolean) {
+  show(run: LiveRecording, frame: number, engineSeconds: number, picture: FrameRate | null, immediately: boolean) {
     const now = performance.now();
     if (!immediately && now - this.drawn < pause) return;
     this.drawn = now;
@@ -79,6 +81,10 @@ export class Readings {
       ...(balance.projection === 0 ? [] : [["By closing loops (J)", digits(balance.projection, 3)] as [string, string]]),
       ["Engine, per frame", `${(1000 * engineSeconds).toFixed(1)} ms`],
     ];
+    const drawing = picture && Number.isFinite(picture.rate) ? picture : null;
+    this.drawing.textContent = drawing
+      ? `Picture: ${drawing.rate.toFixed(0)} frames/s, ${(1000 * drawing.duration).toFixed(1)} ms of the page for each`
+      : "";
     this.readout.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
   }
 }

@@ -1,7 +1,11 @@
 // The report of a run: reads the data in the page and shows them.
 import "../panels/base.css";
 import "../panels/parts.css";
+import "../panels/overlays.css";
+import "../panels/help.css";
+import "../panels/across.css";
 import "./style.css";
+import "../panels/fingers.css";
 import { h } from "../panels/dom";
 import { recordingOf, type ReportData } from "./data";
 import { showRun } from "./page";

@@ -2,16 +2,17 @@
 import type { Recording } from "../recording";
 import { h } from "../panels/dom";
 import { EventList } from "../panels/events";
+import { helpButton, viewRows } from "../panels/help";
 import { listenToKeys } from "../panels/keys";
 import { count } from "../panels/numbers";
-import { Picture } from "../panels/picture";
+import { Picture, type Forces } from "../panels/picture";
 import { Plots } from "../panels/plots";
 import { summaryPanel } from "../panels/summary";
 import { tabs } from "../panels/tabs";
 import { themeButton } from "../panels/theme_button";
 import { Timeline } from "../panels/timeline";
 import { onThemeChange } from "../viewer/colours";
-import { endTime, inboardJoints, startTime } from "../viewer/frames";
+import { endTime, frameAt, inboardJoints, startTime } from "../viewer/frames";
 import { Player } from "../viewer/player";
 
 function subtitle(run: Recording, notes: readonly string[]): string {
@@ -33,18 +34,68 @@ const warningsOf = (run: Recording): HTMLElement[] =>
     h("p", { class: "status warning", role: "note" }, h("strong", {}, "Warning: "), text),
   );
 
+const help = () =>
+  helpButton("The report of one run: its motion, plots and events. Every event has a certificate of what it conserved.", [
+    {
+      title: "Time",
+      rows: [
+        ["Space", "play or pause"],
+        ["← →", "the previous or next frame"],
+        ["Shift ← →", "the previous or next event"],
+        ["Home, End", "the start or the end"],
+        ["click a plot", "go to that time"],
+      ],
+    },
+    {
+      title: "View",
+      rows: [
+        ...viewRows,
+        ["click a body", "show its path, and its joint in the plots"],
+        ["M", "follow: the camera keeps what moves in the picture"],
+        ["P", "save the picture; the menu Save also records a video of the run"],
+        ["F", "show the whole motion"],
+        ["G, T", "earlier poses; paths"],
+        ["V", "arrows: momenta of bodies and forces of joints"],
+        ["pointer on a body", "its name, mass and joint, and its frame"],
+        ["O", "bodies in their own colours, or in those of their mechanisms"],
+      ],
+    },
+  ]);
+
+/** Forces of joints, as the run recorded them. */
+function forcesOf(run: Recording): Forces {
+  const columns = new Map(run.joints.map((name) => [name, run.joint(name, "force")]));
+  return (time) => {
+    const frame = frameAt(run, time);
+    return ({ name }) => {
+      const force = columns.get(name);
+      return force?.length === 3 ? force.map(({ values }) => values[frame]) : null;
+    };
+  };
+}
+
 /** `notes`: remarks for the reader about the data. */
 export function showRun(page: HTMLElement, run: Recording, notes: readonly string[] = []): Player {
   const title = run.model.title || run.summary?.scenario?.name || "A run";
   document.title = `${title} – momentree`;
   const player = new Player(() => [startTime(run), endTime(run)]);
   page.append(
-    h("header", {}, h("h1", {}, title), h("p", {}, subtitle(run, notes)), themeButton(), statusOf(run), ...warningsOf(run)),
+    h(
+      "header",
+      {},
+      h("h1", {}, title),
+      h("p", {}, subtitle(run, notes)),
+      help(),
+      themeButton(),
+      statusOf(run),
+      ...warningsOf(run),
+    ),
   );
 
   const plots = new Plots(run, player);
   const jointOf = inboardJoints(run.model.joints);
   const picture = new Picture(run, player, (body) => plots.chooseJoint(jointOf.get(body)?.name ?? ""), {
+    forces: forcesOf(run),
     alternatives: [
       "Plots, events and tables work without it. ",
       h("code", {}, "momentree view DIR --svg FILE"),

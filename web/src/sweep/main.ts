@@ -4,6 +4,7 @@ import "../panels/parts.css";
 import "./style.css";
 import "./plots.css";
 import "./worlds.css";
+import "../panels/fingers.css";
 import { h } from "../panels/dom";
 import { showSweep } from "./page";
 import { sweepOf } from "./read";

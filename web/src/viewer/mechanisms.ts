@@ -71,7 +71,7 @@ export class MechanismsView {
     this.length = typicalLength(model);
     this.radius = 0.045 * this.length;
     this.lines = model.bodies.map((body, b) => {
-      const reach = 1.2 * shapes.reach(b);
+      const reach = shapes.hasShapes(b) ? 1.2 * shapes.reach(b) : 0;
       return body.extent.filter((line) => reach === 0 || line.some((end) => Math.hypot(...end) > reach));
     });
     this.setLayer(this.rodMaterial);

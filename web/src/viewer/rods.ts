@@ -28,6 +28,7 @@ class Instances {
     const mesh = new THREE.InstancedMesh(this.geometry, this.material, capacity);
     mesh.frustumCulled = false;
     mesh.renderOrder = this.order;
+    mesh.castShadow = this.order > 0;
     mesh.count = 0;
     mesh.setColorAt(0, new THREE.Color()); // creates the colour buffer
     this.parent.add(mesh);

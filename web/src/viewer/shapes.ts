@@ -1,7 +1,8 @@
 // The shapes of bodies as three.js meshes; shapes in separate files are not loaded.
 import * as THREE from "three";
-import type { Model, Shape } from "../recording";
+import type { Body, Model, Shape } from "../recording";
 import { hexOf } from "./colours";
+import { ellipsoidOf } from "./inertia";
 import { addOutward } from "./outline";
 
 /** A mesh in its body's frame, or null if there is nothing to draw. */
@@ -34,6 +35,15 @@ function meshOf(shape: Shape, material: THREE.Material): THREE.Mesh | null {
   return mesh;
 }
 
+/** A body without shapes, by its inertia; null if there is nothing to draw. */
+function inertiaOf(body: Body, material: THREE.Material): THREE.Mesh | null {
+  const ellipsoid = ellipsoidOf(body);
+  if (!ellipsoid) return null;
+  const geometry = new THREE.SphereGeometry(1, 20, 14).scale(...ellipsoid.semi);
+  geometry.applyQuaternion(ellipsoid.turn).translate(...body.com);
+  return new THREE.Mesh(geometry, material);
+}
+
 /** Data of a view of body shapes: `own`: their own colours, if any; `outlines`: of the shapes that have one. */
 export interface ShapeMeshes {
   readonly group: THREE.Group;
@@ -41,19 +51,28 @@ export interface ShapeMeshes {
   readonly outlines: readonly THREE.Mesh[];
 }
 
-/** By body: a group with its shapes, or null if none can be drawn. Geometries are shared between copies. */
+/** By body: its shapes, or the ellipsoid of its inertia if it has none. Geometries are shared between copies. */
 export class ShapeLibrary {
   private readonly parts: THREE.Mesh[][];
+  private readonly shaped: boolean[];
 
   constructor(model: Model) {
     const nothing = new THREE.MeshBasicMaterial();
-    this.parts = model.bodies.map((body) =>
-      body.shapes.map((shape) => meshOf(shape, nothing)).filter((mesh): mesh is THREE.Mesh => mesh !== null),
-    );
+    const drawn = (mesh: THREE.Mesh | null): mesh is THREE.Mesh => mesh !== null;
+    this.parts = model.bodies.map((body) => body.shapes.map((shape) => meshOf(shape, nothing)).filter(drawn));
+    this.shaped = this.parts.map((parts) => parts.length > 0);
+    this.parts.forEach((parts, b) => {
+      if (parts.length === 0) parts.push(...[inertiaOf(model.bodies[b], nothing)].filter(drawn));
+    });
   }
 
   has(body: number): boolean {
     return this.parts[body].length > 0;
+  }
+
+  /** Whether the body has shapes of its own, not only the ellipsoid of its inertia. */
+  hasShapes(body: number): boolean {
+    return this.shaped[body];
   }
 
   /** Whether any shape has its own colour. */
@@ -67,6 +86,7 @@ export class ShapeLibrary {
     const outlines: THREE.Mesh[] = [];
     const meshes = this.parts[body].map((part) => {
       const mesh = new THREE.Mesh(part.geometry, material);
+      mesh.castShadow = outlined;
       mesh.userData.body = body;
       const own = (part.userData.colour as string | undefined) ?? null;
       if (own && outlined) outlines.push(new THREE.Mesh(part.geometry, material));

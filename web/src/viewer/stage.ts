@@ -4,6 +4,8 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Model, Phase, Motion } from "../recording";
 import { distanceFor, upOf, viewOf, type View } from "./camera";
+import { Floor, lengthText, Sun } from "./floor";
+import { aimAt, gathered, spheresOf } from "./follow";
 import { themeOf, type Theme } from "./colours";
 import { MechanismsView, type Hit } from "./mechanisms";
 import { ShapeLibrary } from "./shapes";
@@ -27,14 +29,21 @@ export class Stage {
   readonly shapes: ShapeLibrary;
   readonly mechanisms: MechanismsView;
   theme: Theme = themeOf(false);
-  private readonly light = new THREE.DirectionalLight(0xffffff, 1.9);
+  private readonly light = new THREE.DirectionalLight(0xffffff, 1.2);
   private readonly sky = new THREE.HemisphereLight(0xffffff, 0x9aa4b2, 1.9);
   private view: View | null = null;
-  private floor: THREE.GridHelper | null = null;
+  private readonly floor = new Floor();
+  private readonly sun = new Sun();
+  private readonly scale = document.createElement("p");
   private scheduled = false;
   private state: { poses: ArrayLike<number>; phase: Phase } | null = null;
   private readonly drawListeners: ((camera: THREE.PerspectiveCamera, height: number) => void)[] = [];
   private readonly themeListeners: ((theme: Theme) => void)[] = [];
+  private readonly followListeners: ((on: boolean) => void)[] = [];
+  private follows = false;
+  private drawingListener: (began: number, ended: number) => void = () => undefined;
+  /** Distance of the camera at the last view of everything (m). */
+  private home = Infinity;
   private readonly contextListeners: ((lost: boolean) => void)[] = [];
   private readonly resizeObserver: ResizeObserver;
   private disposed = false;
@@ -47,15 +56,26 @@ export class Stage {
   ) {
     this.renderer = new THREE.WebGLRenderer({ antialias: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    host.append(this.renderer.domElement);
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
+    this.scale.className = "scale";
+    host.append(this.renderer.domElement, this.scale);
     this.shapes = new ShapeLibrary(model);
     this.mechanisms = new MechanismsView(model, this.shapes, { faded: 0, pixels: 4, joints: true });
     this.camera.add(this.light);
     this.light.position.set(-0.6, 0.9, 1);
-    this.scene.add(this.camera, this.sky, this.mechanisms.group);
+    this.scene.add(this.camera, this.sky, this.sun.light, this.sun.light.target, this.floor.group, this.mechanisms.group);
     this.camera.up.copy(upOf(model)); // before the controls, which read it only once
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener("change", () => this.draw());
+    let before = { target: new THREE.Vector3(), distance: 0 };
+    const aim = () => ({ target: this.controls.target.clone(), distance: this.controls.getDistance() });
+    this.controls.addEventListener("start", () => (before = aim()));
+    this.controls.addEventListener("end", () => {
+      const after = aim();
+      const moved = after.target.distanceTo(before.target) + Math.abs(after.distance - before.distance);
+      if (this.follows && moved > 0.02 * after.distance) this.following = false;
+    });
     for (const [name, lost] of [
       ["webglcontextlost", true],
       ["webglcontextrestored", false],
@@ -116,15 +136,61 @@ export class Stage {
     listener(this.theme);
   }
 
+  /** Calls back after each drawing, with the times (s) when it began and ended. */
+  set onDrawn(listener: (began: number, ended: number) => void) {
+    this.drawingListener = listener;
+  }
+
   /** Calls back before each drawing, with the height of the picture in pixels. */
   onDraw(listener: (camera: THREE.PerspectiveCamera, height: number) => void) {
     this.drawListeners.push(listener);
+  }
+
+  /** Whether the camera follows what moves: a zoom or a shift by the reader ends it. */
+  get following() {
+    return this.follows;
+  }
+  set following(on: boolean) {
+    this.follows = on;
+    for (const listener of this.followListeners) listener(on);
+  }
+  onFollowChange(listener: (on: boolean) => void) {
+    this.followListeners.push(listener);
+  }
+
+  /** Moves the camera a part of the way that it must go to keep the bodies in the picture. */
+  private follow() {
+    if (!this.follows || !this.view || !this.state) return;
+    const { camera, controls } = this;
+    const offset = camera.position.clone().sub(controls.target);
+    const distance = offset.length();
+    const direction = offset.divideScalar(distance);
+    const spheres = spheresOf(this.model, this.state.poses, (body) => this.shapes.reach(body));
+    const near = gathered(spheres, this.view.centre, 4 * this.view.radius);
+    const aim = aimAt(near, { target: controls.target, distance }, direction, camera.up, camera.fov, camera.aspect, this.home);
+    if (aim.target === controls.target) return;
+    const share = 0.12;
+    controls.target.lerp(aim.target, share);
+    camera.position.copy(controls.target).addScaledVector(direction, distance + share * (aim.distance - distance));
+    camera.updateMatrixWorld();
+  }
+
+  /** Looks at a point from the present direction and distance; the floor and what the camera follows move there, too. */
+  lookTowards(point: THREE.Vector3) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    this.controls.target.copy(point);
+    this.camera.position.copy(point).add(offset);
+    if (this.view) this.view = { ...this.view, centre: point.clone() };
+    this.controls.update();
+    this.following = true;
+    this.draw();
   }
 
   /** Sets the present poses of the bodies. `poses` is used until the next call. */
   show(poses: ArrayLike<number>, phase: Phase) {
     this.state = { poses, phase };
     this.mechanisms.place(poses, phase, this.theme);
+    this.follow();
     this.draw();
   }
 
@@ -138,11 +204,13 @@ export class Stage {
   drawNow() {
     this.scheduled = false;
     if (this.disposed) return;
+    const began = performance.now();
     const height = this.canvas.clientHeight || 1;
     this.camera.updateMatrixWorld();
     this.mechanisms.fit(this.camera, height);
     for (const listener of this.drawListeners) listener(this.camera, height);
     this.renderer.render(this.scene, this.camera);
+    this.drawingListener(began / 1000, performance.now() / 1000);
   }
 
   private resize() {
@@ -160,32 +228,30 @@ export class Stage {
   fit(run: Motion, direction?: THREE.Vector3) {
     this.view = viewOf(run, (body) => this.shapes.reach(body));
     this.layFloor(this.view);
-    this.lookAt(direction ? { ...this.view, direction } : this.view);
+    this.aimAt(direction ? { ...this.view, direction } : this.view);
   }
 
-  /** A grid below all moving bodies, with squares of a round size; hidden when seen edge-on, as it would be a line. */
+  /** The floor below all moving bodies, its scale, and the lamp above them. */
   private layFloor(view: View) {
-    this.floor?.removeFromParent();
-    this.floor?.dispose();
-    this.floor = null;
-    if (Math.abs(view.direction.dot(view.up)) < 0.05) return;
-    const size = 3 * view.radius;
-    const unit = 10 ** Math.floor(Math.log10(size / 8));
-    const square = [5, 2, 1].map((step) => step * unit).find((side) => side <= size / 8) ?? unit;
-    const count = 2 * Math.ceil(size / square / 2);
-    this.floor = new THREE.GridHelper(count * square, count, this.theme.grid, this.theme.grid);
-    this.floor.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), view.up);
-    const centre = view.centre.clone();
-    this.floor.position.copy(centre.addScaledVector(view.up, view.lowest - centre.dot(view.up) - 1e-3 * view.radius));
-    this.scene.add(this.floor);
+    this.floor.lay(view, this.theme);
+    this.sun.stand(view);
+    this.sun.light.castShadow = this.floor.receivesShadows;
+    this.scale.textContent = `1 square: ${lengthText(this.floor.square)}`;
   }
 
-  /** A part of the picture. */
-  lookAt(view: Pick<View, "box" | "centre" | "direction" | "up">) {
+  /** A view that is not of the whole motion. */
+  lookAt(view: View) {
+    this.view = view;
+    this.layFloor(view);
+    this.aimAt(view);
+  }
+
+  private aimAt(view: Pick<View, "box" | "centre" | "direction" | "up">) {
     this.camera.up.copy(view.up);
     this.aim(this.camera, view, view.direction);
     this.controls.target.copy(view.centre);
     this.controls.update();
+    this.home = this.controls.getDistance();
     this.draw();
   }
 
@@ -256,13 +322,16 @@ export class Stage {
   }
 
   private isLight(object: THREE.Object3D) {
-    return object === this.sky || object === this.camera;
+    return object === this.sky || object === this.camera || object === this.sun.light;
   }
 
   dispose() {
     this.disposed = true;
     this.resizeObserver.disconnect();
     this.mechanisms.dispose();
+    this.floor.dispose();
+    this.sun.light.dispose();
+    this.scale.remove();
     this.shapes.dispose();
     this.controls.dispose();
     this.renderer.dispose();

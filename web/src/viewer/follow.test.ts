@@ -1,0 +1,56 @@
+import * as THREE from "three";
+import { describe, expect, it } from "vitest";
+import { aimAt, gathered, type Sphere } from "./follow";
+
+let seed = 11;
+const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
+const vector = (size: number) => new THREE.Vector3(random() - 0.5, random() - 0.5, random() - 0.5).multiplyScalar(size);
+const up = new THREE.Vector3(0, 0, 1);
+
+describe("the camera that follows", () => {
+  it("sees all pieces after it moved, as a projection confirms", () => {
+    for (let n = 0; n < 300; n++) {
+      const spheres: Sphere[] = Array.from({ length: 1 + Math.floor(6 * random()) }, () => ({
+        at: vector(10),
+        radius: 0.3 * random(),
+      }));
+      const direction = vector(1).normalize();
+      if (Math.abs(direction.dot(up)) > 0.95) continue;
+      const aspect = 0.4 + 2 * random();
+      const { target, distance } = aimAt(spheres, { target: vector(3), distance: 0.5 + random() }, direction, up, 32, aspect);
+      const camera = new THREE.PerspectiveCamera(32, aspect, 1e-3, 1e4);
+      camera.up.copy(up);
+      camera.position.copy(target).addScaledVector(direction, distance);
+      camera.lookAt(target);
+      camera.updateMatrixWorld();
+      for (const { at } of spheres) {
+        const seen = at.clone().project(camera);
+        expect(Math.max(Math.abs(seen.x), Math.abs(seen.y))).toBeLessThanOrEqual(0.95);
+        expect(seen.z).toBeLessThan(1);
+      }
+    }
+  });
+
+  it("stays where it is while all pieces are in the picture", () => {
+    const present = { target: new THREE.Vector3(), distance: 20 };
+    const spheres = [{ at: new THREE.Vector3(1, 1, 1), radius: 0.1 }];
+    expect(aimAt(spheres, present, new THREE.Vector3(0, -1, 0), up, 32, 1)).toBe(present);
+  });
+
+  it("comes back, but not nearer than it was, when what is left is small in the picture", () => {
+    const spheres = [{ at: new THREE.Vector3(1, 0, 0), radius: 0.1 }];
+    const far = { target: new THREE.Vector3(0, 0, -9), distance: 80 };
+    const { target, distance } = aimAt(spheres, far, new THREE.Vector3(0, -1, 0), up, 32, 1, 20);
+    expect([...target.toArray(), distance]).toEqual([1, 0, 0, 20].map((x) => expect.closeTo(x, 9)));
+    const there = { target, distance };
+    expect(aimAt(spheres, there, new THREE.Vector3(0, -1, 0), up, 32, 1, 20)).toBe(there);
+  });
+
+  it("leaves pieces that are too far away, but never all of them", () => {
+    const sphere = (x: number): Sphere => ({ at: new THREE.Vector3(x, 0, 0), radius: 0.1 });
+    const home = new THREE.Vector3();
+    expect(gathered([sphere(0), null, sphere(100)], home, 10)).toHaveLength(1);
+    expect(gathered([sphere(90), sphere(100), sphere(500)], home, 20).map(({ at }) => at.x)).toEqual([90, 100]);
+    expect(gathered([null], home, 20)).toEqual([]);
+  });
+});

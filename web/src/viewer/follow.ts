@@ -1,0 +1,77 @@
+// Keeps the mechanisms in the picture while they move: the camera moves and recedes no more than it must. Pieces that are too far
+// away for that are named at the picture's edge (panels/strays.ts).
+import * as THREE from "three";
+import type { Model } from "../recording";
+import { pointOf } from "./frames";
+
+/** Something with a place and a size (m). */
+export interface Sphere {
+  readonly at: THREE.Vector3;
+  readonly radius: number;
+}
+
+export interface Aim {
+  readonly target: THREE.Vector3;
+  readonly distance: number;
+}
+
+/** Spheres around the bodies that exist. */
+export function spheresOf(model: Model, poses: ArrayLike<number>, reach: (body: number) => number): (Sphere | null)[] {
+  return model.bodies.map((body, b) => {
+    if (Number.isNaN(poses[7 * b])) return null;
+    const at = new THREE.Vector3(...pointOf(poses, b, body.com));
+    let radius = reach(b);
+    for (const line of body.extent)
+      for (const end of line)
+        radius = Math.max(radius, Math.hypot(end[0] - body.com[0], end[1] - body.com[1], end[2] - body.com[2]));
+    return { at, radius };
+  });
+}
+
+/** The spheres that are not farther from the main group than `room`; the group begins with those near `home`. */
+export function gathered(spheres: readonly (Sphere | null)[], home: THREE.Vector3, room: number): Sphere[] {
+  const present = spheres.filter((each): each is Sphere => each !== null);
+  const near = present.filter(({ at }) => at.distanceTo(home) <= room);
+  if (near.length > 0) return near;
+  // Everything has left: the camera goes with the nearest.
+  const [first] = [...present].sort((a, b) => a.at.distanceTo(home) - b.at.distanceTo(home));
+  return first ? present.filter(({ at }) => at.distanceTo(first.at) <= room) : [];
+}
+
+/**
+ * How the camera must look at spheres that it sees along `direction` (from the target to the camera): as it does if all are within
+ * the share `margin` of the picture; otherwise at their middle, from where all are within. A camera that is farther away than
+ * `home` comes back when they fill less than half of the picture.
+ */
+export function aimAt(
+  spheres: readonly Sphere[],
+  present: Aim,
+  direction: THREE.Vector3,
+  up: THREE.Vector3,
+  fov: number,
+  aspect: number,
+  home = Infinity,
+  margin = 0.94,
+): Aim {
+  if (spheres.length === 0) return present;
+  const tall = margin * Math.tan(THREE.MathUtils.degToRad(fov) / 2);
+  const wide = tall * aspect;
+  const right = new THREE.Vector3().crossVectors(up, direction).normalize();
+  const top = new THREE.Vector3().crossVectors(direction, right);
+  const needed = (target: THREE.Vector3) =>
+    Math.max(
+      ...spheres.map(({ at, radius }) => {
+        const from = at.clone().sub(target);
+        const aside = Math.max((Math.abs(from.dot(right)) + radius) / wide, (Math.abs(from.dot(top)) + radius) / tall);
+        return aside + from.dot(direction);
+      }),
+    );
+  const now = needed(present.target);
+  const back = present.distance > 1.001 * home && now < 0.5 * present.distance;
+  if (now <= present.distance && !back) return present;
+  const box = new THREE.Box3();
+  for (const { at, radius } of spheres)
+    box.expandByPoint(at.clone().addScalar(radius)).expandByPoint(at.clone().addScalar(-radius));
+  const target = box.getCenter(new THREE.Vector3());
+  return { target, distance: Math.max(back ? home : present.distance, needed(target)) };
+}

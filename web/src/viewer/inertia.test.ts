@@ -1,0 +1,80 @@
+import * as THREE from "three";
+import { describe, expect, it } from "vitest";
+import type { Body } from "../recording";
+import { lengthText, roundLength } from "./floor";
+import { ellipsoidOf, principal } from "./inertia";
+
+let seed = 7;
+const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
+const turnOf = () => new THREE.Quaternion(random() - 0.5, random() - 0.5, random() - 0.5, random() - 0.5).normalize();
+/** R diag(moments) Rᵀ as xx, yy, zz, xy, xz, yz. */
+function rotated(moments: readonly number[], turn: THREE.Quaternion): number[] {
+  const e = new THREE.Matrix4().makeRotationFromQuaternion(turn).elements; // columns
+  const of = (r: number, c: number) => moments.reduce((sum, m, k) => sum + m * e[4 * k + r] * e[4 * k + c], 0);
+  return [of(0, 0), of(1, 1), of(2, 2), of(0, 1), of(0, 2), of(1, 2)];
+}
+const body = (mass: number, inertia: readonly number[], extent: Body["extent"] = []): Body => ({
+  name: "",
+  mass,
+  com: [0, 0, 0],
+  inertia,
+  extent,
+  shapes: [],
+});
+
+describe("the ellipsoid of a body's inertia", () => {
+  it("is the ellipsoid that the inertia was computed from, however it is turned", () => {
+    for (let n = 0; n < 200; n++) {
+      const mass = 0.1 + 5 * random();
+      const semi = [0.5 + random(), 0.5 + random(), 0.5 + random()];
+      const [a, b, c] = semi.map((x) => x * x);
+      const moments = [b + c, a + c, a + b].map((x) => (mass / 5) * x);
+      const inertia = rotated(moments, turnOf());
+      const found = ellipsoidOf(body(mass, inertia))!;
+      expect([...found.semi].sort()).toEqual([...semi].sort().map((x) => expect.closeTo(x, 9)));
+      // Its own inertia is the one that was given.
+      const back = rotated(
+        [0, 1, 2].map((k) => (mass / 5) * ([0, 1, 2].reduce((s, l) => s + found.semi[l] ** 2, 0) - found.semi[k] ** 2)),
+        found.turn,
+      );
+      back.forEach((x, i) => expect(x).toBeCloseTo(inertia[i], 9));
+    }
+  });
+
+  it("has principal axes that are orthonormal and diagonalise the matrix", () => {
+    const { moments, axes } = principal([3, 2, 1, 0.5, -0.2, 0.1]);
+    const m = [
+      [3, 0.5, -0.2],
+      [0.5, 2, 0.1],
+      [-0.2, 0.1, 1],
+    ];
+    for (let k = 0; k < 3; k++)
+      for (let r = 0; r < 3; r++)
+        expect(m[r].reduce((s, x, c) => s + x * axes[c][k], 0)).toBeCloseTo(moments[k] * axes[r][k], 12);
+  });
+
+  it("is none for point masses, and for equal moments of a body that is drawn by a line", () => {
+    const line: Body["extent"] = [
+      [
+        [0, 0, 0],
+        [1, 0, 0],
+      ],
+    ];
+    expect(ellipsoidOf(body(1, [0, 0, 0, 0, 0, 0]))).toBeNull();
+    expect(ellipsoidOf(body(1, [0.1, 0.1, 0.1, 0, 0, 0], line))).toBeNull();
+    expect(ellipsoidOf(body(1, [0.1, 0.1, 0.1, 0, 0, 0]))!.semi[0]).toBeCloseTo(0.5, 12);
+    expect(Math.max(...ellipsoidOf(body(1, [9, 9, 0.1, 0, 0, 0], line))!.semi)).toBeCloseTo(0.55, 12); // no longer than the body
+  });
+});
+
+describe("the scale of the floor", () => {
+  it("is a round length, of which at least eight fit", () => {
+    for (const size of [0.003, 0.07, 1, 8, 9.99, 41, 1234]) {
+      const square = roundLength(size);
+      expect(size / square).toBeGreaterThanOrEqual(8 - 1e-9);
+      expect(size / square).toBeLessThan(20.1);
+      expect(["1", "2", "5"]).toContain(square.toExponential()[0]);
+    }
+    expect([0.5, 0.02, 2000, 0.001].map(lengthText)).toEqual(["50 cm", "2 cm", "2 km", "1 mm"]);
+  });
+});

@@ -1,0 +1,68 @@
+// The ellipsoid of uniform density that has a body's mass and inertia: it shows how the mass is distributed where a body has no
+// shape.
+import * as THREE from "three";
+import type { Body } from "../recording";
+
+/** Eigenvalues and eigenvectors (columns of a rotation) of a symmetric matrix xx, yy, zz, xy, xz, yz; Jacobi's method. */
+export function principal([xx, yy, zz, xy, xz, yz]: readonly number[]): { moments: number[]; axes: number[][] } {
+  const a = [
+    [xx, xy, xz],
+    [xy, yy, yz],
+    [xz, yz, zz],
+  ];
+  const v = [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+  ];
+  for (let sweep = 0; sweep < 30; sweep++) {
+    const off = Math.abs(a[0][1]) + Math.abs(a[0][2]) + Math.abs(a[1][2]);
+    if (off <= 1e-15 * (Math.abs(a[0][0]) + Math.abs(a[1][1]) + Math.abs(a[2][2]))) break;
+    for (const [p, q] of [
+      [0, 1],
+      [0, 2],
+      [1, 2],
+    ]) {
+      if (a[p][q] === 0) continue;
+      const theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+      const t = (theta >= 0 ? 1 : -1) / (Math.abs(theta) + Math.hypot(theta, 1));
+      const c = 1 / Math.hypot(t, 1);
+      const s = t * c;
+      for (let k = 0; k < 3; k++) [a[k][p], a[k][q]] = [c * a[k][p] - s * a[k][q], s * a[k][p] + c * a[k][q]];
+      for (let k = 0; k < 3; k++) [a[p][k], a[q][k]] = [c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]];
+      for (let k = 0; k < 3; k++) [v[k][p], v[k][q]] = [c * v[k][p] - s * v[k][q], s * v[k][p] + c * v[k][q]];
+    }
+  }
+  return { moments: [a[0][0], a[1][1], a[2][2]], axes: v };
+}
+
+export interface Ellipsoid {
+  /** Semi-axes (m), along the columns of `turn`. */
+  readonly semi: readonly [number, number, number];
+  readonly turn: THREE.Quaternion;
+}
+
+/** null for a point mass, and for an inertia that is the same about all axes of a body drawn by lines: it tells no shape. */
+export function ellipsoidOf(body: Body): Ellipsoid | null {
+  const { mass, inertia } = body;
+  if (!inertia || !(mass > 0)) return null;
+  const { moments, axes } = principal(inertia);
+  const [i, j, k] = moments;
+  const largest = Math.max(i, j, k);
+  if (!(largest > 0)) return null;
+  if (body.extent.length > 0 && largest - Math.min(i, j, k) < 1e-6 * largest) return null;
+  const half = (sum: number) => Math.sqrt(Math.max((2.5 / mass) * sum, 0));
+  const semi = [half(j + k - i), half(i + k - j), half(i + j - k)];
+  // Identified inertias are often not those of any body: none is drawn much longer than the body is.
+  const lengths = body.extent.map(([a, b]) => Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]));
+  const most = lengths.length > 0 ? 0.55 * Math.max(...lengths) : Infinity;
+  const bound = Math.min(most > 0 ? most : Infinity, Math.max(...semi));
+  const least = 0.12 * bound;
+  const basis = new THREE.Matrix4().makeBasis(
+    new THREE.Vector3(axes[0][0], axes[1][0], axes[2][0]),
+    new THREE.Vector3(axes[0][1], axes[1][1], axes[2][1]),
+    new THREE.Vector3(axes[0][2], axes[1][2], axes[2][2]),
+  );
+  const clamp = (x: number) => Math.min(Math.max(x, least), bound);
+  return { semi: [clamp(semi[0]), clamp(semi[1]), clamp(semi[2])], turn: new THREE.Quaternion().setFromRotationMatrix(basis) };
+}

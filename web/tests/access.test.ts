@@ -1,0 +1,185 @@
+// For fingers, keyboards, screen readers and weak eyes: sizes of targets, contrast, names of controls, on every page.
+import { readFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+import type { Browser, Page } from "playwright-core";
+import { afterAll, afterEach, beforeAll, describe, expect, it } from "vitest";
+import {
+  desktop,
+  keep,
+  launch,
+  open,
+  openReport,
+  phone,
+  phoneAcross,
+  playgroundAddress,
+  report,
+  scenario,
+  temporary,
+} from "./browser";
+import { builtPage, pendulumSweep, sweepPage } from "./pendulum_sweep";
+
+let browser: Browser;
+let capture: string;
+let sweep: string;
+beforeAll(async () => {
+  browser = await launch();
+  capture = report(scenario("capture.toml"), "--reactions");
+  const data = pendulumSweep({ failing: [3] });
+  sweep = pathToFileURL(sweepPage(temporary(), readFileSync(builtPage, "utf8"), data)).href;
+});
+afterAll(() => browser?.close());
+afterEach(async () => {
+  for (const context of browser.contexts()) await context.close();
+});
+
+const pages = {
+  playground: (view: typeof phone) => open(browser, playgroundAddress, view),
+  report: (view: typeof phone) => openReport(browser, capture, view, 2.6),
+  sweep: (view: typeof phone) => open(browser, sweep, view, "h1"),
+};
+
+/** Visible buttons and choices that are smaller than 44 px; words within text are no targets of their own (WCAG 2.5.8). */
+const small = (page: Page) =>
+  page.locator("button, select, input[type=range], summary").evaluateAll((all) =>
+    all
+      .filter(
+        (e) => (e as HTMLElement).checkVisibility({ visibilityProperty: true }) && getComputedStyle(e).pointerEvents !== "none",
+      )
+      .filter((e) => !e.matches("dd button, td button, th button, .note button"))
+      .map((e) => ({ box: e.getBoundingClientRect(), what: e.outerHTML.slice(0, 90) }))
+      .filter(({ box }) => box.width > 0 && (box.width < 43.5 || box.height < 43.5))
+      .map(({ box, what }) => `${box.width.toFixed(0)} × ${box.height.toFixed(0)}: ${what}`),
+  );
+
+/** Text whose contrast with its background is below 4.5 (3 for large text), as by WCAG 1.4.3. */
+const pale = (page: Page) =>
+  page.evaluate(() => {
+    const canvas = document.createElement("canvas").getContext("2d", { willReadFrequently: true })!;
+    canvas.canvas.width = canvas.canvas.height = 1;
+    const rgba = (colour: string): number[] => {
+      canvas.clearRect(0, 0, 1, 1);
+      canvas.fillStyle = colour;
+      canvas.fillRect(0, 0, 1, 1);
+      const [r, g, b, a] = canvas.getImageData(0, 0, 1, 1).data;
+      return [r, g, b, a / 255];
+    };
+    const over = (top: number[], below: number[]) => [0, 1, 2].map((k) => top[3] * top[k] + (1 - top[3]) * below[k]);
+    const groundOf = (element: Element | null): number[] => {
+      if (!element) return [255, 255, 255];
+      const own = rgba(getComputedStyle(element).backgroundColor);
+      return own[3] === 1 ? own.slice(0, 3) : over(own, groundOf(element.parentElement));
+    };
+    const luminance = (c: number[]) => {
+      const [r, g, b] = c.map((x) => (x / 255 <= 0.03928 ? x / 255 / 12.92 : ((x / 255 + 0.055) / 1.055) ** 2.4));
+      return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    const found: string[] = [];
+    for (const element of document.querySelectorAll("body *")) {
+      if (![...element.childNodes].some((n) => n.nodeType === 3 && n.textContent!.trim())) continue;
+      if (!(element as HTMLElement).checkVisibility() || element.closest("[inert], :disabled, .hidden-text, script, noscript"))
+        continue;
+      const style = getComputedStyle(element);
+      const ground = groundOf(element);
+      const [a, b] = [luminance(over(rgba(style.color), ground)), luminance(ground)].sort((x, y) => y - x);
+      const large = parseFloat(style.fontSize) >= 24;
+      if ((a + 0.05) / (b + 0.05) < (large ? 3 : 4.5))
+        found.push(`${((a + 0.05) / (b + 0.05)).toFixed(2)}: ${element.outerHTML.slice(0, 90)}`);
+    }
+    return found;
+  });
+
+const nameless = (page: Page) =>
+  page.locator("button, select, input, textarea, [role=img], dialog").evaluateAll((all) =>
+    all
+      .filter((e) => (e as HTMLElement).checkVisibility() || e.matches("dialog"))
+      .filter((e) => !(e.getAttribute("aria-label") || e.textContent?.trim() || e.getAttribute("title") || e.closest("label")))
+      .map((e) => e.outerHTML.slice(0, 90)),
+  );
+
+describe.each(["playground", "report", "sweep"] as const)("the %s", (name) => {
+  it.each([
+    ["upright", phone],
+    ["across", phoneAcross],
+  ] as const)("on a phone held %s fits, has targets of 44 px, and no part over another", async (held, view) => {
+    const { page, complaints } = await pages[name](view);
+    await page.waitForTimeout(300);
+    expect(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)).toBeLessThanOrEqual(0);
+    expect(await small(page)).toEqual([]);
+    // Plots and texts beside the picture do not overlap.
+    const boxes = await page.locator(".plots > *, .details").evaluateAll((all) => all.map((e) => e.getBoundingClientRect()));
+    boxes.forEach((box, i) => i > 0 && expect(box.top).toBeGreaterThanOrEqual(boxes[i - 1].bottom - 1));
+    for (const plot of await page.locator(".plot").evaluateAll((all) => all.map((e) => e.clientHeight)))
+      expect(plot).toBeGreaterThan(60);
+    if (name !== "sweep") {
+      const picture = (await page.locator(".stage").boundingBox())!;
+      const timeline = (await page.locator(".timeline").boundingBox())!;
+      expect(picture.height).toBeGreaterThan(200);
+      expect(timeline.y + timeline.height).toBeLessThanOrEqual(view.height + 1);
+    }
+    await keep(page, `${name}_${held}`);
+    expect(complaints).toEqual([]);
+  });
+
+  it.each([
+    ["light", desktop],
+    ["dark", { ...desktop, dark: true }],
+    ["dark, on a phone", { ...phone, dark: true }],
+  ] as const)("%s: text has contrast, and every control a name", async (_kind, view) => {
+    const { page } = await pages[name](view);
+    await page.waitForTimeout(300);
+    expect(await pale(page)).toEqual([]);
+    expect(await nameless(page)).toEqual([]);
+    expect(await page.evaluate(() => [document.documentElement.lang, document.querySelectorAll("main, h1").length])).toEqual([
+      "en",
+      2,
+    ]);
+  });
+});
+
+describe("with a thumb", () => {
+  const ready = (page: Page) => page.waitForFunction(() => Boolean(window.playground?.app.run));
+  const place = (page: Page, of: number) => page.evaluate((n) => window.playground.placeOf(n), of);
+
+  it.each([
+    ["upright", phone],
+    ["across", phoneAcross],
+  ] as const)("on a phone held %s one cuts and welds", async (_held, view) => {
+    const { page, complaints } = await open(browser, playgroundAddress, view);
+    await ready(page);
+    await page.getByLabel("Scenario", { exact: true }).first().selectOption("two_arms_hold_a_bar");
+    await page.waitForFunction(() => document.title.startsWith("Two arms"));
+    const mechanisms = () => page.evaluate(() => window.playground.app.topology.mechanisms.length);
+    // Beside the joint, as a thumb is.
+    const tap = async (of: number, aside = 9) => {
+      const at = await place(page, of);
+      await page.touchscreen.tap(at.x + aside, at.y - aside);
+    };
+    const events = () => page.evaluate(() => window.playground.app.run!.events.length);
+    const before = await mechanisms();
+    await page.getByRole("button", { name: "Cut", exact: true }).first().tap();
+    await tap(2);
+    await expect.poll(events, { timeout: 20_000 }).toBe(1);
+    expect(await mechanisms()).toBe(before); // a loop still held the bar
+    await page.getByRole("button", { name: "Weld", exact: true }).tap();
+    await tap(1, 0);
+    await tap(3, 0);
+    await expect.poll(events, { timeout: 20_000 }).toBe(2);
+    expect(complaints).toEqual([]);
+  });
+
+  it("a body follows a finger, and the page stays where it is", async () => {
+    const { page, complaints } = await open(browser, playgroundAddress, phone);
+    await ready(page);
+    const session = await page.context().newCDPSession(page); // touches as the screen sends them
+    const from = await place(page, 60);
+    const touch = (type: string, x?: number, y?: number) =>
+      session.send("Input.dispatchTouchEvent", { type: type as never, touchPoints: x === undefined ? [] : [{ x, y: y! }] });
+    await touch("touchStart", from.x + 14, from.y);
+    for (let i = 1; i <= 6; i++) await touch("touchMove", from.x + 14, from.y - 10 * i);
+    await page.waitForFunction(() => window.playground.app.playing);
+    await expect.poll(async () => from.y - (await place(page, 60)).y, { timeout: 20_000 }).toBeGreaterThan(20);
+    await touch("touchEnd");
+    expect(await page.evaluate(() => scrollY)).toBe(0);
+    expect(complaints).toEqual([]);
+  });
+});
