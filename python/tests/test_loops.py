@@ -65,8 +65,10 @@ def test_momenta_and_velocities_describe_the_same_motion() -> None:
 
 
 def test_what_loops_do_not_support_is_an_error() -> None:
+    coupled = four_bar()
+    coupled.add_coupling("bar/crank", multiplier=0, offset=0.1)
     with pytest.raises(mt.Error, match="damped"):
-        mt.Simulation(four_bar(), method="damped")
+        mt.Simulation(coupled, method="damped")
     with pytest.raises(mt.Error, match="open at the start"):
         mt.Simulation(four_bar(assemble=False))
     with pytest.raises(mt.Error, match="can't be closed"):
