@@ -139,7 +139,7 @@ void detail::set_loop_motions(const Tree& tree, double t, Workspace<double>& wor
     const Loop& loop = tree.loops()[i];
     if (!loop.driven()) continue;
     loops.motions[i] = loop.motion().at(t);
-    if (info(loop.joint.kind).q_units[0] == 'r') loops.turns[i] = loops.motions[i].value;
+    if (info(loop.joint.kind).q_units[0] == 'r') loops.turns[i].first = loops.motions[i].value;
   }
 }
 

@@ -99,7 +99,7 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   const std::size_t n = tree.loops().size(), rows = at(tree.loop_rows());
   loops.sizes.resize(tree.loop_links().size() - n);
   loops.topology = tree.revision();
-  loops.places.resize(n), loops.turns.resize(n, 0.0), loops.motions.resize(n);
+  loops.places.resize(n), loops.turns.resize(n), loops.motions.resize(n);
   loops.rows.assign(rows, {}), loops.columns.assign(at(tree.loop_columns()), {});
   std::vector<int>& all = loops.choice.taken;
   all.resize(rows);
@@ -158,7 +158,7 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
       to.rate = cross(p.wa, to.T) + a.R * Tdot;
       to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(to.rate, p.wb - p.wa);
     };
-    closure_rows(link.closure, wanted, p.R, p.r, wr, loops.turns[i], put);
+    closure_rows(link.closure, wanted, p.R, p.r, wr, loops.turns[i].first, put);
     if (link.dof_row_count > 0) place_dof_rows(tree, workspace, static_cast<int>(i));
   }
   place_couplings(tree, q, workspace, moving);
@@ -275,7 +275,7 @@ void joint_force(const Loop& loop, double t, const double* q, const double* u, d
 
 void load_turns(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
   LoopWorkspace& loops = detail::loop_memory(tree, workspace);
-  std::fill(loops.turns.begin(), loops.turns.end(), 0.0);
+  std::fill(loops.turns.begin(), loops.turns.end(), Turns{});
   std::copy_n(state.turns().begin(), std::min(loops.turns.size(), state.turns().size()), loops.turns.begin());
 }
 

@@ -98,7 +98,7 @@ struct LoopReactions {
 struct LoopWorkspace {
   std::uint64_t topology = 0;          ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
   std::vector<LoopPlace> places;       ///< by loop
-  std::vector<double> turns;           ///< by loop: the angle to which its own is nearest
+  std::vector<Turns> turns;            ///< by loop: the angles to which its own are nearest
   std::vector<Curve::Point> motions;   ///< by loop: its prescribed motion at the time of the evaluation
   std::vector<ArmatureSpeed> carried;  ///< of loop joints with armature, before an impact
   std::vector<LoopRow> rows;           ///< by row

@@ -38,7 +38,7 @@ struct Motions {
       for (const JointId each : kept) keeps = keeps || each == joint;
       if (keeps) continue;
       if (is_loop(joint)) {
-        const Loop loop = *tree.find_loop(joint.index - first_loop);
+        const Loop loop = *tree.find_loop(joint);
         part.set_loop(loop.number, loop.joint, without_motion(loop.parameters), loop.held);
       } else {
         const int b = tree.carrier(joint).index;
