@@ -92,8 +92,9 @@ double detail::open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t
   double worst = 0;
   for (int i = 0; i < tree.loop_links()[link].rows; ++i) {
     const LoopRow& row = loops.rows[at(tree.loop_links()[link].first_row + i)];
-    const double part = std::fabs(row.residual) / row_size(tree, loops, link, i);
-    if (!(part <= worst)) worst = part;  // NaN is kept
+    const double size = row_size(tree, loops, link, i);
+    const double part = std::isfinite(size) ? std::fabs(row.residual) / size : HUGE_VAL;  // lengths beyond all bounds
+    if (!(part <= worst)) worst = part;                                                   // NaN is kept
   }
   return worst;
 }

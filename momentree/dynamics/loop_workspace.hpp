@@ -91,7 +91,9 @@ struct LoopReactions {
   };
   std::vector<double> null;          ///< multipliers without effect, one after the other
   std::vector<double> lambda, G, c;  ///< multipliers at first; the system of the least reactions
-  std::vector<WorldWrench> by_body, by_loop, by_null;
+  std::vector<WorldWrench> by_body, by_loop;
+  std::vector<double> by_null;       ///< what null vectors add to the joints
+  std::vector<std::size_t> nonzero;  ///< of a row of by_null
   std::vector<Carried> joints;
 };
 

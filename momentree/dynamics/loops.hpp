@@ -81,8 +81,8 @@ void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace
 /// Evaluates the state first if needed.
 LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
-/// Closes the loops at the start, from coordinates that may be far off; see loop_assembly.cpp. Writes the residual of each link of
-/// Tree::loop_links(); returns false if one cannot be closed.
+/// Closes the loops at the start, from coordinates that may be far off; see loop_assembly.cpp. Writes the residual of each link
+/// of Tree::loop_links(); returns false if one cannot be closed.
 [[nodiscard]] bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace,
                                   double* residuals) noexcept;
 /// The residual of each link at coordinates q and velocities u.

@@ -109,11 +109,19 @@ TEST_CASE("mechanisms close from positions in which all bars are in line, where 
   }
 }
 
+TEST_CASE("lengths whose squares overflow are open, not closed") {
+  Model model = polygon(4, 0, pin);
+  LoopSpec far = model.loops()[0];
+  far.name = "far", far.at.position = {1e300, 0, 0};
+  model.add_loop(far);
+  CHECK_THROWS_AS(World{model}, Error);
+}
+
 TEST_CASE("loops that are too short to close are refused by name, with what remains open") {
   for (const JointSpec& joint : {JointSpec(Ball{}), pin}) {
     Model model = polygon(20, 1.2, joint);  // 20 bars of 0.1 m to a point 2.36 m away
     try {
-      const World world(model);
+      [[maybe_unused]] const World world(model);
       FAIL("it cannot be closed");
     } catch (const Error& error) {
       CHECK(error.where == "loop 'end'");
