@@ -123,6 +123,7 @@ struct LoopWorkspace {
   bool least = false;      ///< the multipliers are those of the least reactions
   LoopReactions reactions;
   std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by link: 1 if the loops leave the joint's reaction open
+  std::vector<double> extents;                         ///< by loop: the least size for tolerances (m)
   std::vector<double> sizes;                           ///< by coupling that acts: of its equation, for tolerances (rad or m)
 };
 

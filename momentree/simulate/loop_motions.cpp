@@ -71,7 +71,7 @@ std::optional<Error> conflicting_motions(const Tree& tree, const Names& names, c
   const std::string where = "joint " + quoted(last);
   if (others.empty())
     return Error("its motion is prescribed, but loops and locks do not let it move here", where,
-                 "unlock a joint of the loop, or drive this one by 'effort' or 'pd'");
+                 "start away from a dead point, unlock a joint of the loop, or drive this one by 'effort' or 'pd'");
   return Error("its prescribed motion contradicts the one of " + others + ": through the loops, these joints move together",
                where, "leave out one of these motions, or drive that joint by 'effort' or 'pd'");
 }
