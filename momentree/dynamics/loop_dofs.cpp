@@ -94,7 +94,7 @@ void held_loop_coordinates(const Tree& tree, const Workspace<double>& workspace,
   if (kind.nq != kind.nv && loop.joint.locked + 1 == 1u << kind.nv) std::copy_n(loop.held.begin(), kind.nq, q);
 }
 
-void loop_joint_values(const Tree& tree, double t, const double* q, const double* u, std::span<const double> turns,
+void loop_joint_values(const Tree& tree, double t, const double* q, const double* u, std::span<const Turns> turns,
                        Workspace<double>& workspace, int place, double* loop_q, double* loop_u) {
   LoopWorkspace& loops = detail::loop_memory(tree, workspace);
   std::copy(turns.begin(), turns.end(), loops.turns.begin());

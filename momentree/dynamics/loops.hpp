@@ -96,7 +96,7 @@ void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int 
 /// The same with the values at which locked DoFs are held.
 void held_loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept;
 /// The same at coordinates q and velocities u of the tree at time t (s), and State::turns(). May allocate.
-void loop_joint_values(const Tree& tree, double t, const double* q, const double* u, std::span<const double> turns,
+void loop_joint_values(const Tree& tree, double t, const double* q, const double* u, std::span<const Turns> turns,
                        Workspace<double>& workspace, int place, double* loop_q, double* loop_u);
 
 /// Potential energy of a loop joint's spring and soft stops (J), and kinetic energy of its armatures. The same requirement.

@@ -137,7 +137,7 @@ TEST_CASE("a start in a singular position is a warning that names the loop") {
   };
   const ReadResult in_line = read_scenario_text(parallelogram("0.0"), "s.toml");
   REQUIRE(in_line.scenario);
-  CHECK(said(in_line).find("s.toml:37:8: warning: the start is a singular position of loop 'pin'") != std::string::npos);
+  CHECK(said(in_line).find("s.toml:36:8: warning: the start is a singular position of loop 'pin'") != std::string::npos);
   CHECK(said(read_scenario_text(parallelogram("0.3"), "s.toml")).empty());
   CHECK(said(read_scenario_text(linkage, "s.toml")).empty());
 }
