@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/dynamics/loops.hpp>
+#include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
