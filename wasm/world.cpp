@@ -50,7 +50,7 @@ int MtWorld::act(const std::vector<Action>& actions) {
 
 std::optional<std::string> MtWorld::joint_name(int joint) {
   const World& world = simulation->world();
-  const bool exists = is_loop({joint}) ? world.tree().find_loop(joint - first_loop) != nullptr
+  const bool exists = is_loop({joint}) ? world.tree().find_loop({joint}) != nullptr
                                        : joint >= 0 && joint < world.model().size() && world.tree().carrier(joint) >= 0;
   if (exists) return std::string(world.joint_name({joint}));
   text = "joint number " + std::to_string(joint) + " no longer exists";

@@ -36,7 +36,7 @@ Names Batch::Impl::names_of(int world, const Tree& tree) const {
       names.name_mechanism(k, model[BodyId{k}].name);
   }
   for (int k = first_loop; k < names.loops_end(); ++k)
-    if (tree.find_loop(k - first_loop) == nullptr && !names.joint(k).empty()) names.remove_joint(k);
+    if (tree.find_loop({k}) == nullptr && !names.joint(k).empty()) names.remove_joint(k);
   for (const Loop& loop : tree.loops()) {
     const int k = loop.id().index;
     if (k < names.loops_end() && !names.joint(k).empty()) continue;
@@ -120,7 +120,7 @@ std::optional<JointId> Batch::find_joint(int world, const std::string& name) con
 std::string Batch::joint_name(int world, JointId joint) const {
   const Tree& tree = impl().seat(world).group->tree();
   if (is_loop(joint))
-    return tree.find_loop(joint.index - first_loop) != nullptr ? impl_->names_of(world, tree).joint(joint.index) : std::string();
+    return tree.find_loop(joint) != nullptr ? impl_->names_of(world, tree).joint(joint.index) : std::string();
   MT_REQUIRE(joint.index >= 0 && joint.index < tree.bodies(), "the world has or had a joint of that number");
   if (joint.index >= impl_->model.size() || tree.carrier(joint.index) < 0) return {};
   for (const auto& [number, name] : impl_->names_now(world).joints)

@@ -108,7 +108,7 @@ void Batch::read_loop(std::span<const int> worlds, JointId joint, double* q, dou
   if (worlds.empty()) return;
   const Group& group = impl.common(worlds);
   const Tree& tree = group.tree();
-  const Loop* const loop = is_loop(joint) ? tree.find_loop(joint.index - first_loop) : nullptr;
+  const Loop* const loop = is_loop(joint) ? tree.find_loop(joint) : nullptr;
   MT_REQUIRE(loop != nullptr, "a joint that closes a loop in these worlds");
   const int at = static_cast<int>(loop - tree.loops().data());
   const KindInfo& kind = info(loop->joint.kind);

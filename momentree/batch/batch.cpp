@@ -164,7 +164,7 @@ namespace {
 // Whether a loop joint has taken the place, and the number, of that joint, which broke.
 bool took_place(const Tree& before, const Tree& after, int joint) {
   const auto loops = before.loops();
-  if (std::all_of(loops.begin(), loops.end(), [&](const Loop& loop) { return after.find_loop(loop.number) != nullptr; }))
+  if (std::all_of(loops.begin(), loops.end(), [&](const Loop& loop) { return after.find_loop(loop.id()) != nullptr; }))
     return false;
   const Joint &then = before.joint(before.carrier(joint)), &now = after.joint(after.carrier(joint));
   return !batch::same_pose(then.at, now.at) || !batch::same_pose(then.child_at, now.child_at);

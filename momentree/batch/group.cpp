@@ -138,10 +138,10 @@ int Group::remove(int slot) {
   return moved;
 }
 
-void Group::set_values(int slot, double time, const double* q, const double* y, std::span<const double> turns) noexcept {
+void Group::set_values(int slot, double time, const double* q, const double* y, std::span<const Turns> turns) noexcept {
   for (int i = 0; i < tree_.nq(); ++i) q_[place(slot, tree_.nq(), i)] = q[i];
   for (int i = 0; i < tree_.nv(); ++i) y_[place(slot, tree_.nv(), i)] = y[i];
-  for (std::size_t i = 0; i < tree_.loops().size(); ++i) turns_[turn(slot) + i] = i < turns.size() ? turns[i] : 0;
+  for (std::size_t i = 0; i < tree_.loops().size(); ++i) turns_[turn(slot) + i] = i < turns.size() ? turns[i] : Turns{};
   time_[at(slot)] = time;
 }
 

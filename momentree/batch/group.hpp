@@ -55,10 +55,10 @@ class Group {
   void set_state(int slot, const State& state);
   void get_state(int slot, State& state) const;
   /// The same for bare arrays; null when reading: not wanted.
-  void set_values(int slot, double time, const double* q, const double* y, std::span<const double> turns = {}) noexcept;
+  void set_values(int slot, double time, const double* q, const double* y, std::span<const Turns> turns = {}) noexcept;
   void get_values(int slot, double* q, double* y) const noexcept;
   /// State::turns() of a world.
-  std::span<const double> turns(int slot) const { return {turns_.data() + turn(slot), tree_.loops().size()}; }
+  std::span<const Turns> turns(int slot) const { return {turns_.data() + turn(slot), tree_.loops().size()}; }
   double time(int slot) const { return time_[at(slot)]; }
   bool ran_away(int slot) const { return ran_away_[at(slot)] != 0; }
   void set_ran_away(int slot, bool yes) { ran_away_[at(slot)] = yes ? 1 : 0; }
@@ -88,7 +88,8 @@ class Group {
   int number_ = 0;
   bool efforts_ = false;
   std::vector<int> world_;
-  std::vector<double> q_, y_, effort_, turns_, time_, h_;
+  std::vector<double> q_, y_, effort_, time_, h_;
+  std::vector<Turns> turns_;
   std::vector<unsigned char> ran_away_;
 };
 

@@ -14,7 +14,7 @@ void LoopStepper::fit(const Tree& tree) {
     rk4_ = make_integrator("rk4", tree);
   }
   detail::loop_memory(tree, workspace_);
-  const std::vector<double> turns(tree.loops().size());
+  const std::vector<Turns> turns(tree.loops().size());
   momenta_.set_turns(turns), velocities_.set_turns(turns);
 }
 

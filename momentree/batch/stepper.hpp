@@ -29,7 +29,7 @@ struct Block {
   double* time;               ///< s, by lane
   const double* h;            ///< s, by lane: the step of each world; 0: the world does not change, bit for bit
   unsigned char* ran_away{};  ///< by lane: set if a step diverged; that world is left as before
-  double* turns{};            ///< of a world with closed loops: State::turns()
+  Turns* turns{};             ///< of a world with closed loops: State::turns()
 };
 
 class Stepper {

@@ -1,4 +1,4 @@
-// Closing loops: after a step, where little is missing, and at the start, where much may be.
+// Closing loops after a step, where little is missing.
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +8,7 @@
 #include <momentree/dynamics/springs.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/joint/motion.hpp>
 
 namespace momentree {
 
@@ -15,46 +16,12 @@ namespace {
 
 using detail::LoopCorrection;
 
-constexpr double closed = 1e-14;      // |φ| relative to the size of the loop, and as a sine of angles
-constexpr double nearly = 1e-7;       // where redundant rows contradict each other: axes of CAD files have such errors
-constexpr double at_assembly = 1e-6;  // pivots while coordinates are far off
-constexpr int most_corrections = 8, most_assembly_steps = 200;
+using detail::nearly_closed;
+
+constexpr double closed = 1e-14;  // |φ| relative to the size of the loop, and as a sine of angles
+constexpr int most_corrections = 8;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-// The largest residual in units of what counts as closed; of one loop, or of all.
-double open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t loop) {
-  const LoopLink& link = tree.loop_links()[loop];
-  if (link.ends.coupling >= 0)
-    return std::fabs(loops.rows[at(link.first_row)].residual) / std::max(loops.sizes[loop - tree.loops().size()], 1e-300);
-  double worst = 0;
-  for (int i = 0; i < link.rows; ++i) {
-    const LoopRow& row = loops.rows[at(link.first_row + i)];
-    const int rows = link.closure.rows();
-    const bool length = i >= rows ? info(tree.loops()[loop].joint.kind).q_units[link.dof_rows[at(i - rows)].dof] == 'm'
-                                  : i < link.closure.positions || i >= link.closure.positions + link.closure.directions;
-    const double part = std::fabs(row.residual) / (length ? std::max(loops.places[loop].size, 1e-300) : 1.0);
-    if (!(part <= worst)) worst = part;  // NaN is kept
-  }
-  return worst;
-}
-double open_by(const Tree& tree, const LoopWorkspace& loops) {
-  double worst = 0;
-  for (std::size_t i = 0; i < tree.loop_links().size(); ++i)
-    if (const double part = open_by(tree, loops, i); !(part <= worst)) worst = part;
-  return worst;
-}
-
-// The angles of the loops' joints, as hints for the next ones.
-void note_turns(const Tree& tree, Workspace<double>& workspace) {
-  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
-    const KindInfo& kind = info(tree.loops()[i].joint.kind);
-    double q[7] = {}, u[6] = {};
-    loop_coordinates(tree, workspace, static_cast<int>(i), q, u);
-    const char* const angle = std::find(kind.q_units, kind.q_units + kind.nq, 'r');
-    workspace.loops->turns[i] = angle == kind.q_units + kind.nq ? 0 : q[angle - kind.q_units];
-  }
-}
 
 // Kinetic and potential energy (J) at the motions of the last sweep.
 double energy_at(const Tree& tree, const double* q, Workspace<double>& workspace) {
@@ -91,9 +58,9 @@ bool close_coordinates(LoopCorrection& correction, double* q, const double* u, d
   for (int k = 0;; ++k) {
     correction.evaluate(q, u, 0);
     if (k == 0) energy = -energy_at(correction.tree, q, correction.workspace);
-    const double open = open_by(correction.tree, loops);
+    const double open = detail::open_by(correction.tree, loops);
     if (open <= closed) return true;
-    if (!(open < 0.5 * before) || k == most_corrections) return open <= nearly;
+    if (!(open < 0.5 * before) || k == most_corrections) return open <= nearly_closed;
     before = open;
     correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
     detail::displace(correction.tree, correction.workspace.a.get(), 1, q);
@@ -111,6 +78,41 @@ void each_moving_root(const Tree& tree, const F& f) {
 }
 
 }  // namespace
+
+double detail::row_size(const Tree& tree, const LoopWorkspace& loops, std::size_t link, int row) noexcept {
+  const LoopLink& own = tree.loop_links()[link];
+  if (own.ends.coupling >= 0) return std::max(loops.sizes[link - tree.loops().size()], 1e-300);
+  const int rows = own.closure.rows();
+  const bool length = row >= rows ? info(tree.loops()[link].joint.kind).q_units[own.dof_rows[at(row - rows)].dof] == 'm'
+                                  : row < own.closure.positions || row >= own.closure.positions + own.closure.directions;
+  return length ? std::max(loops.places[link].size, 1e-300) : 1.0;
+}
+
+double detail::open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t link) noexcept {
+  double worst = 0;
+  for (int i = 0; i < tree.loop_links()[link].rows; ++i) {
+    const LoopRow& row = loops.rows[at(tree.loop_links()[link].first_row + i)];
+    const double size = row_size(tree, loops, link, i);
+    const double part = std::isfinite(size) ? std::fabs(row.residual) / size : HUGE_VAL;  // lengths beyond all bounds
+    if (!(part <= worst)) worst = part;                                                   // NaN is kept
+  }
+  return worst;
+}
+
+double detail::open_by(const Tree& tree, const LoopWorkspace& loops) noexcept {
+  double worst = 0;
+  for (std::size_t i = 0; i < tree.loop_links().size(); ++i)
+    if (const double part = open_by(tree, loops, i); !(part <= worst)) worst = part;
+  return worst;
+}
+
+void detail::note_turns(const Tree& tree, Workspace<double>& workspace) noexcept {
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    double q[7] = {}, u[6] = {};
+    loop_coordinates(tree, workspace, static_cast<int>(i), q, u);
+    workspace.loops->turns[i] = turns_of(tree.loops()[i].joint.kind, q);
+  }
+}
 
 void detail::displace(const Tree& tree, const double* delta, double scale, double* q) noexcept {
   for (const int b : tree.order())
@@ -136,7 +138,7 @@ bool close_loops(const Tree& tree, double t, double* q, double* u, Workspace<dou
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
   energy += energy_at(tree, q, workspace);
-  note_turns(tree, workspace);
+  detail::note_turns(tree, workspace);
   return true;
 }
 
@@ -167,43 +169,8 @@ bool close_loops_in_momenta(const Tree& tree, double* q, double* p, Workspace<do
     if (const int b = stops[s].body; s == 0 || stops[s - 1].body != b)
       absorb(tree, b, joint_state(tree, q, workspace, b), loops.momenta[at(b)], +1, p);
   energy += energy_at(tree, q, workspace);
-  note_turns(tree, workspace);
+  detail::note_turns(tree, workspace);
   return true;
-}
-
-bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double* residuals) noexcept {
-  detail::loop_memory(tree, workspace);
-  detail::set_loop_motions(tree, t, workspace);
-  LoopCorrection correction{tree, workspace};
-  const LoopWorkspace& loops = *workspace.loops;
-  const auto n = at(tree.nq());
-  std::vector<double> from(n), step(at(tree.nv()));
-  correction.evaluate(q, u, at_assembly);
-  double open = open_by(tree, loops);
-  for (int k = 0; open > nearly && k < most_assembly_steps; ++k) {
-    correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
-    std::copy_n(workspace.a.get(), step.size(), step.begin());
-    std::copy_n(q, n, from.begin());
-    double largest = 0;
-    for (const double s : step) largest = std::max(largest, std::fabs(s));
-    bool better = false;
-    for (double scale = largest > 0.5 ? 0.5 / largest : 1; scale > 1e-6 && !better; scale /= 2) {
-      std::copy_n(from.begin(), n, q);
-      detail::displace(tree, step.data(), scale, q);
-      correction.evaluate(q, u, open < 1e-4 ? 0 : at_assembly);
-      const double now = open_by(tree, loops);
-      if (now < open * (1 - 1e-4 * scale)) open = now, better = true;
-    }
-    if (!better) {
-      std::copy_n(from.begin(), n, q);
-      break;
-    }
-  }
-  for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = open_by(tree, loops, i);
-  double energy = 0;
-  if (!(open <= nearly)) return false;
-  note_turns(tree, workspace);
-  return close_loops(tree, t, q, u, workspace, energy);
 }
 
 void loop_residuals(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
@@ -212,7 +179,7 @@ void loop_residuals(const Tree& tree, double t, const double* q, const double* u
   detail::set_loop_motions(tree, t, workspace);
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
-  for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = open_by(tree, *workspace.loops, i);
+  for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = detail::open_by(tree, *workspace.loops, i);
 }
 
 int independent_rows(const Tree& tree, double t, const double* q, Workspace<double>& workspace) {

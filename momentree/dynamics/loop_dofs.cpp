@@ -94,7 +94,7 @@ void held_loop_coordinates(const Tree& tree, const Workspace<double>& workspace,
   if (kind.nq != kind.nv && loop.joint.locked + 1 == 1u << kind.nv) std::copy_n(loop.held.begin(), kind.nq, q);
 }
 
-void loop_joint_values(const Tree& tree, double t, const double* q, const double* u, std::span<const double> turns,
+void loop_joint_values(const Tree& tree, double t, const double* q, const double* u, std::span<const Turns> turns,
                        Workspace<double>& workspace, int place, double* loop_q, double* loop_u) {
   LoopWorkspace& loops = detail::loop_memory(tree, workspace);
   std::copy(turns.begin(), turns.end(), loops.turns.begin());
@@ -139,7 +139,7 @@ void detail::set_loop_motions(const Tree& tree, double t, Workspace<double>& wor
     const Loop& loop = tree.loops()[i];
     if (!loop.driven()) continue;
     loops.motions[i] = loop.motion().at(t);
-    if (info(loop.joint.kind).q_units[0] == 'r') loops.turns[i] = loops.motions[i].value;
+    if (info(loop.joint.kind).q_units[0] == 'r') loops.turns[i].first = loops.motions[i].value;
   }
 }
 

@@ -86,6 +86,19 @@ void closure_rows(const Closure& c, unsigned wanted, const Mat3& R, const Vec3& 
   put(c.positions + c.directions, dot(s.n, r) - s.h * screw_angle(s, R, turn), s.n, -s.h * gradient, -s.h * rate);
 }
 
+// By loop: the largest radius of gyration about the origin of its frame, of the bodies between the loop and the ground (m).
+void find_extents(const Tree& tree, std::vector<double>& extents) {
+  extents.assign(tree.loops().size(), 0.0);
+  for (const LoopStop& stop : tree.loop_stops()) {
+    if (at(stop.loop) >= extents.size()) continue;  // of a coupling
+    const RigidMass& mass = tree.link(stop.body).body;
+    const double radius = mass.m > 0 ? std::sqrt((mass.J.xx + mass.J.yy + mass.J.zz) / (2 * mass.m)) : 0;
+    if (std::isfinite(radius)) extents[at(stop.loop)] = std::max(extents[at(stop.loop)], radius);
+  }
+  for (double& extent : extents)
+    if (!(extent > 0)) extent = 1;
+}
+
 }  // namespace
 
 Force<double> on_body(const Kinematics<double>& body, const Vec3& F, const Vec3& T, const Vec3& x) noexcept {
@@ -99,7 +112,8 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   const std::size_t n = tree.loops().size(), rows = at(tree.loop_rows());
   loops.sizes.resize(tree.loop_links().size() - n);
   loops.topology = tree.revision();
-  loops.places.resize(n), loops.turns.resize(n, 0.0), loops.motions.resize(n);
+  loops.places.resize(n), loops.turns.resize(n), loops.motions.resize(n);
+  find_extents(tree, loops.extents);
   loops.rows.assign(rows, {}), loops.columns.assign(at(tree.loop_columns()), {});
   std::vector<int>& all = loops.choice.taken;
   all.resize(rows);
@@ -142,6 +156,7 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
     p.va = p.wa = p.vb = p.wb = {};
     if (moving) velocity_at(workspace, loop.to, p.xa, p.va, p.wa), velocity_at(workspace, loop.body, p.xb, p.vb, p.wb);
     p.size = norm(a.x) + norm(b.x) + norm(workspace.bodies[at(loop.body)].r) + norm(link.child.r) + norm(link.parent.r);
+    p.size = std::max(p.size, loops.extents[i]);  // everything may be at the origin
     const Vec3 wr = transpose_times(a.R, p.wb - p.wa);
     const Vec3 v = p.vb - p.va - cross(p.wa, p.xb - p.xa), turning = cross(p.wb - p.wa, p.vb);
     unsigned wanted = ~0u;
@@ -158,7 +173,7 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
       to.rate = cross(p.wa, to.T) + a.R * Tdot;
       to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(to.rate, p.wb - p.wa);
     };
-    closure_rows(link.closure, wanted, p.R, p.r, wr, loops.turns[i], put);
+    closure_rows(link.closure, wanted, p.R, p.r, wr, loops.turns[i].first, put);
     if (link.dof_row_count > 0) place_dof_rows(tree, workspace, static_cast<int>(i));
   }
   place_couplings(tree, q, workspace, moving);
@@ -275,7 +290,7 @@ void joint_force(const Loop& loop, double t, const double* q, const double* u, d
 
 void load_turns(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
   LoopWorkspace& loops = detail::loop_memory(tree, workspace);
-  std::fill(loops.turns.begin(), loops.turns.end(), 0.0);
+  std::fill(loops.turns.begin(), loops.turns.end(), Turns{});
   std::copy_n(state.turns().begin(), std::min(loops.turns.size(), state.turns().size()), loops.turns.begin());
 }
 

@@ -94,7 +94,70 @@ using WorldWrench = LoopReactions::WorldWrench;
 
 void add(WorldWrench& sum, double x, const WorldWrench& w) { sum.F += x * w.F, sum.T += x * w.T; }
 WorldWrench about(const WorldWrench& w, const Vec3& x) { return {w.F, w.T - cross(x, w.F)}; }
-double product(const WorldWrench& a, const WorldWrench& b, double size) { return dot(a.F, b.F) + dot(a.T, b.T) / (size * size); }
+
+// A null vector of one loop loads no joint beyond the common ancestor of its bodies: what round-off leaves there becomes zero.
+void drop_round_off(LoopReactions& work, std::size_t d) {
+  constexpr double negligible = 1e-14;  // of the largest load that the vector causes
+  std::vector<double>& largest = work.c;
+  std::fill(largest.begin(), largest.end(), 0.0);
+  for (std::size_t k = 0; k < work.by_null.size(); k += d)
+    for (std::size_t i = 0; i < d; ++i) largest[i] = std::max(largest[i], std::fabs(work.by_null[k + i]));
+  for (std::size_t k = 0; k < work.by_null.size(); k += d)
+    for (std::size_t i = 0; i < d; ++i)
+      if (std::fabs(work.by_null[k + i]) < negligible * largest[i]) work.by_null[k + i] = 0;
+  std::fill(largest.begin(), largest.end(), 0.0);
+}
+
+// Null vectors change the reaction of a joint.
+bool carries_null(const LoopReactions& work, std::size_t joint, std::size_t d) {
+  for (std::size_t i = 0; i < d; ++i) {
+    double square = 0;
+    for (std::size_t part = 0; part < 6; ++part) {
+      const double x = work.by_null[(6 * joint + part) * d + i];
+      square += x * x;
+    }
+    if (square > undetermined_above * undetermined_above) return true;
+  }
+  return false;
+}
+
+// G c = c by Cholesky, without the zeros at the beginning of rows, and with zeros for vectors without effect.
+void solve_in_place(LoopReactions& work, std::size_t d) {
+  std::vector<double>&G = work.G, &c = work.c;
+  std::vector<std::size_t>& begin = work.nonzero;
+  begin.assign(d, 0);
+  for (std::size_t i = 0; i < d; ++i) {
+    while (begin[i] < i && G[i * d + begin[i]] == 0) ++begin[i];
+    for (std::size_t k = begin[i]; k <= i; ++k) {
+      double x = G[i * d + k];
+      for (std::size_t j = std::max(begin[i], begin[k]); j < k; ++j) x -= G[i * d + j] * G[k * d + j];
+      if (k < i)
+        G[i * d + k] = G[k * d + k] > 0 ? x / G[k * d + k] : 0;
+      else
+        G[i * d + i] = x > 1e-20 ? std::sqrt(x) : 0;
+    }
+    for (std::size_t j = begin[i]; j < i; ++j) c[i] -= G[i * d + j] * c[j];
+    c[i] = G[i * d + i] > 0 ? c[i] / G[i * d + i] : 0;
+  }
+  for (std::size_t i = d; i-- > 0;) {
+    c[i] = G[i * d + i] > 0 ? c[i] / G[i * d + i] : 0;
+    for (std::size_t j = begin[i]; j < i; ++j) c[j] -= G[i * d + j] * c[i];
+  }
+}
+
+// G += x xᵀ, below the diagonal, and c −= x now, without the zeros of x.
+void add_squares(LoopReactions& work, const double* x, double now, std::size_t d) {
+  std::vector<std::size_t>& some = work.nonzero;
+  some.clear();
+  for (std::size_t i = 0; i < d; ++i)
+    if (x[i] != 0) some.push_back(i);
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    const double xi = x[some[i]];
+    double* const row = work.G.data() + some[i] * d;
+    for (std::size_t k = 0; k <= i; ++k) row[some[k]] += xi * x[some[k]];
+    work.c[some[i]] -= xi * now;
+  }
+}
 
 // The wrenches of multipliers λ (by row) on the child of each loop, about the world's origin.
 WorldWrench loop_wrench(const Tree& tree, const LoopWorkspace& loops, std::size_t loop, const double* lambda) {
@@ -102,6 +165,7 @@ WorldWrench loop_wrench(const Tree& tree, const LoopWorkspace& loops, std::size_
   const LoopLink& link = tree.loop_links()[loop];
   for (int i = 0; i < link.rows; ++i) {
     const auto row = at(link.first_row + i);
+    if (lambda[row] == 0) continue;
     sum.F += lambda[row] * loops.rows[row].F;
     sum.T += lambda[row] * (loops.rows[row].T + cross(loops.places[loop].xb, loops.rows[row].F));
   }
@@ -173,56 +237,45 @@ void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
   }
   for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i)
     work.joints.push_back({-1, static_cast<int>(i), {}, coupling_load(tree, i, work.lambda.data())});
-  work.by_null.resize(work.joints.size() * d);
+  // What a unit of each null vector adds to a joint: six numbers, force and torque / size, in a row of d each.
+  work.by_null.resize(6 * work.joints.size() * d);
   for (std::size_t i = 0; i < d; ++i) {
     const double* const lambda = work.null.data() + i * m;
     joint_wrenches(tree, loops, lambda, work);
     for (std::size_t k = 0; k < work.joints.size(); ++k) {
       const LoopReactions::Carried& joint = work.joints[k];
-      WorldWrench& added = work.by_null[k * d + i];
-      if (joint.body < 0 && at(joint.loop) >= tree.loops().size())
-        added = coupling_load(tree, at(joint.loop), lambda);
-      else
-        added = about(joint.body >= 0 ? work.by_body[at(joint.body)] : work.by_loop[at(joint.loop)], joint.at);
+      const WorldWrench added =
+          joint.body < 0 && at(joint.loop) >= tree.loops().size()
+              ? coupling_load(tree, at(joint.loop), lambda)
+              : about(joint.body >= 0 ? work.by_body[at(joint.body)] : work.by_loop[at(joint.loop)], joint.at);
+      const Vec3 T = (1 / size) * added.T;
+      const double six[] = {added.F.x, added.F.y, added.F.z, T.x, T.y, T.z};
+      for (std::size_t c = 0; c < 6; ++c) work.by_null[(6 * k + c) * d + i] = six[c];
     }
   }
   work.G.assign(d * d, 0.0), work.c.assign(d, 0.0);
-  std::vector<double>&G = work.G, &c = work.c;
+  const std::vector<double>& c = work.c;
+  drop_round_off(work, d);
   for (std::size_t joint = 0; joint < work.joints.size(); ++joint) {
     const LoopReactions::Carried& at_joint = work.joints[joint];
-    const WorldWrench* const own = work.by_null.data() + joint * d;
-    for (std::size_t i = 0; i < d; ++i) {
-      unsigned char& open = at_joint.body >= 0 ? loops.open_bodies[at(at_joint.body)] : loops.open_loops[at(at_joint.loop)];
-      if (product(own[i], own[i], size) > undetermined_above * undetermined_above) open = 1;
-      c[i] -= product(own[i], at_joint.now, size);
-      for (std::size_t k = 0; k <= i; ++k) G[i * d + k] += product(own[i], own[k], size);
-    }
+    if (carries_null(work, joint, d))
+      (at_joint.body >= 0 ? loops.open_bodies[at(at_joint.body)] : loops.open_loops[at(at_joint.loop)]) = 1;
+    const Vec3 F = at_joint.now.F, T = (1 / size) * at_joint.now.T;
+    const double now[] = {F.x, F.y, F.z, T.x, T.y, T.z};
+    for (std::size_t part = 0; part < 6; ++part) add_squares(work, work.by_null.data() + (6 * joint + part) * d, now[part], d);
   }
-  for (std::size_t i = 0; i < d; ++i) {  // Cholesky, with zeros for vectors without effect
-    for (std::size_t k = 0; k <= i; ++k) {
-      double x = G[i * d + k];
-      for (std::size_t j = 0; j < k; ++j) x -= G[i * d + j] * G[k * d + j];
-      if (k < i)
-        G[i * d + k] = G[k * d + k] > 0 ? x / G[k * d + k] : 0;
-      else
-        G[i * d + i] = x > 1e-20 ? std::sqrt(x) : 0;
-    }
-    for (std::size_t j = 0; j < i; ++j) c[i] -= G[i * d + j] * c[j];
-    c[i] = G[i * d + i] > 0 ? c[i] / G[i * d + i] : 0;
-  }
-  for (std::size_t i = d; i-- > 0;) {
-    for (std::size_t j = i + 1; j < d; ++j) c[i] -= G[j * d + i] * c[j];
-    c[i] = G[i * d + i] > 0 ? c[i] / G[i * d + i] : 0;
-  }
+  solve_in_place(work, d);
   for (std::size_t i = 0; i < d; ++i)
     for (std::size_t row = 0; row < m; ++row) loops.lambda[row] += c[i] * work.null[i * m + row];
   for (std::size_t joint = 0; joint < work.joints.size(); ++joint) {
     const int body = work.joints[joint].body;
     if (body < 0) continue;
-    WorldWrench more;
-    for (std::size_t i = 0; i < d; ++i) add(more, c[i], work.by_null[joint * d + i]);
+    double more[6] = {};
+    for (std::size_t part = 0; part < 6; ++part)
+      for (std::size_t i = 0; i < d; ++i) more[part] += c[i] * work.by_null[(6 * joint + part) * d + i];
     const Mat3& R = workspace.bodies[at(body)].R;
-    workspace.reduced_bias_wrenches[at(body)] += Force<double>{transpose_times(R, more.F), transpose_times(R, more.T)};
+    const Vec3 F{more[0], more[1], more[2]}, T = size * Vec3{more[3], more[4], more[5]};
+    workspace.reduced_bias_wrenches[at(body)] += Force<double>{transpose_times(R, F), transpose_times(R, T)};
   }
 }
 

@@ -242,7 +242,7 @@ void apply_multipliers(const Tree& tree, const double* q, Workspace<double>& wor
   });
 }
 
-void LoopCorrection::evaluate(const double* q, const double* u, double tolerance) noexcept {
+void LoopCorrection::gather(const double* q, const double* u) noexcept {
   sweep_velocities<double, true>(tree, q, u, workspace);
   for (const int b : tree.order()) workspace.biases[at(b)] = {};
   std::fill_n(workspace.a.get(), tree.nv(), 0.0);
@@ -250,9 +250,32 @@ void LoopCorrection::evaluate(const double* q, const double* u, double tolerance
   place_loops(tree, q, workspace, true);
   gather_loops(tree, q, workspace, {}, true);
   soften(*workspace.loops);
+}
+
+void LoopCorrection::evaluate(const double* q, const double* u, double tolerance) noexcept {
+  gather(q, u);
   scale_rows(tree, workspace);
   choose_rows(tree, *workspace.loops, tolerance > 0 ? tolerance : rank_tolerance);
   factorise_loops(*workspace.loops);
+}
+
+void LoopCorrection::evaluate_damped(const double* q, const double* u, double damping) noexcept {
+  gather(q, u);
+  LoopWorkspace& loops = *workspace.loops;
+  const auto each_row = [&](const auto& act) {
+    for (std::size_t link = 0; link < tree.loop_links().size(); ++link)
+      for (int i = 0; i < tree.loop_links()[link].rows; ++i) {
+        const auto row = at(tree.loop_links()[link].first_row + i);
+        const double size = row_size(tree, loops, link, i);
+        act(loops.A[static_cast<std::size_t>(loops.all.position[row]) + row], size * size);
+      }
+  };
+  double largest = 1e-300;
+  each_row([&](double& a, double square) { largest = std::max(largest, a / square); });
+  each_row([&](double& a, double square) { a += damping * largest * square; });
+  loops.kept = loops.all;
+  loops.rank = static_cast<int>(loops.rows.size());
+  factorise_loops(loops);
 }
 
 void LoopCorrection::finish(const double* q) noexcept {

@@ -31,6 +31,19 @@ double loop_holding_force(const Tree& tree, double t, const Workspace<double>& w
 
 namespace momentree::detail {
 
+/// Loops that are open by this much are as good as closed where redundant rows contradict each other: axes of CAD files have such
+/// errors.
+inline constexpr double nearly_closed = 1e-7;
+
+/// By what residuals of a row are measured, given by its place among those of its link: the size of a loop (m), or 1 for
+/// directions.
+double row_size(const Tree& tree, const LoopWorkspace& loops, std::size_t link, int row) noexcept;
+/// The largest residual of a link, or of all, relative to these sizes; NaN if one is.
+double open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t link) noexcept;
+double open_by(const Tree& tree, const LoopWorkspace& loops) noexcept;
+/// The present angles of the loops' joints become the hints for the next ones.
+void note_turns(const Tree& tree, Workspace<double>& workspace) noexcept;
+
 /// q ← q + N(q) scale·δ.
 void displace(const Tree& tree, const double* delta, double scale, double* q) noexcept;
 
@@ -95,11 +108,13 @@ void solve_chosen(LoopWorkspace& loops, Right right) noexcept {
 void apply_multipliers(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept;
 
 /// H⁻¹ Jᵀ λ to workspace.a, for A λ = right(row); rows are chosen with that tolerance if it is positive. Evaluates (q, u), so
-/// that places, rows and records are of these.
+/// that places, rows and records are of these. `evaluate_damped`: with all rows, for (A + damping D²) λ = right(row), where D are
+/// the sizes of the rows; damping is relative to the largest element of D⁻¹ A D⁻¹.
 struct LoopCorrection {
   const Tree& tree;
   Workspace<double>& workspace;
   void evaluate(const double* q, const double* u, double tolerance) noexcept;
+  void evaluate_damped(const double* q, const double* u, double damping) noexcept;
   template <class Right>
   void solve(const double* q, Right right) noexcept {
     solve_chosen(*workspace.loops, right);
@@ -107,6 +122,7 @@ struct LoopCorrection {
   }
 
  private:
+  void gather(const double* q, const double* u) noexcept;
   void finish(const double* q) noexcept;
 };
 

@@ -91,14 +91,16 @@ struct LoopReactions {
   };
   std::vector<double> null;          ///< multipliers without effect, one after the other
   std::vector<double> lambda, G, c;  ///< multipliers at first; the system of the least reactions
-  std::vector<WorldWrench> by_body, by_loop, by_null;
+  std::vector<WorldWrench> by_body, by_loop;
+  std::vector<double> by_null;       ///< what null vectors add to the joints
+  std::vector<std::size_t> nonzero;  ///< of a row of by_null
   std::vector<Carried> joints;
 };
 
 struct LoopWorkspace {
   std::uint64_t topology = 0;          ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
   std::vector<LoopPlace> places;       ///< by loop
-  std::vector<double> turns;           ///< by loop: the angle to which its own is nearest
+  std::vector<Turns> turns;            ///< by loop: the angles to which its own are nearest
   std::vector<Curve::Point> motions;   ///< by loop: its prescribed motion at the time of the evaluation
   std::vector<ArmatureSpeed> carried;  ///< of loop joints with armature, before an impact
   std::vector<LoopRow> rows;           ///< by row
@@ -121,6 +123,7 @@ struct LoopWorkspace {
   bool least = false;      ///< the multipliers are those of the least reactions
   LoopReactions reactions;
   std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by link: 1 if the loops leave the joint's reaction open
+  std::vector<double> extents;                         ///< by loop: the least size for tolerances (m)
   std::vector<double> sizes;                           ///< by coupling that acts: of its equation, for tolerances (rad or m)
 };
 

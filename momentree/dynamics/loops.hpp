@@ -81,8 +81,8 @@ void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace
 /// Evaluates the state first if needed.
 LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
-/// Closes the loops at the start, from coordinates that may be far off: like close_loops, by damped steps. Writes the residual of
-/// each link of Tree::loop_links(); returns false if one cannot be closed.
+/// Closes the loops at the start, from coordinates that may be far off; see loop_assembly.cpp. Writes the residual of each link
+/// of Tree::loop_links(); returns false if one cannot be closed.
 [[nodiscard]] bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace,
                                   double* residuals) noexcept;
 /// The residual of each link at coordinates q and velocities u.
@@ -96,7 +96,7 @@ void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int 
 /// The same with the values at which locked DoFs are held.
 void held_loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept;
 /// The same at coordinates q and velocities u of the tree at time t (s), and State::turns(). May allocate.
-void loop_joint_values(const Tree& tree, double t, const double* q, const double* u, std::span<const double> turns,
+void loop_joint_values(const Tree& tree, double t, const double* q, const double* u, std::span<const Turns> turns,
                        Workspace<double>& workspace, int place, double* loop_q, double* loop_u);
 
 /// Potential energy of a loop joint's spring and soft stops (J), and kinetic energy of its armatures. The same requirement.

@@ -128,6 +128,32 @@ TEST_CASE("mistakes in loops are reported with their places") {
   });
 }
 
+TEST_CASE("a start in a singular position is a warning that names the loop") {
+  const auto parallelogram = [](const std::string& angle) {
+    return "format = 1\n[[mechanism]]\nname = \"m\"\nroots = 2\n" + bar("crank", "0.15", "angle = " + angle) +
+           bar("coupler", "0.4", "parent = \"crank\"\nat = { xyz = [0.3, 0, 0] }\nangle = -" + angle) +
+           bar("rocker", "0.15", "at = { xyz = [0.8, 0, 0] }\nangle = " + angle) + open_pin +
+           "at = { xyz = [0.3, 0, 0] }\nchild_at = { xyz = [0.8, 0, 0] }\n";
+  };
+  const ReadResult in_line = read_scenario_text(parallelogram("0.0"), "s.toml");
+  REQUIRE(in_line.scenario);
+  CHECK(said(in_line).find("s.toml:36:8: warning: the start is a singular position of loop 'pin'") != std::string::npos);
+  CHECK(said(read_scenario_text(parallelogram("0.3"), "s.toml")).empty());
+  CHECK(said(read_scenario_text(linkage, "s.toml")).empty());
+}
+
+TEST_CASE("the first step is judged from where the loops are closed") {  // far from the values given
+  std::string text = "format = 1\n[[mechanism]]\nname = \"m\"\n";
+  for (int k = 0; k < 100; ++k) {
+    const std::string outer = k == 0 ? "" : "parent = \"b" + std::to_string(k - 1) + "\"\nat = { xyz = [0.1, 0, 0] }\n";
+    text += bar("b" + std::to_string(k), "0.05", outer + "angle = -0.0628");
+  }
+  text +=
+      "[[loop]]\nname = \"end\"\nkind = \"revolute\"\naxis = [0, 1, 0]\nbody = \"m/b99\"\nat = { xyz = [0.9, 0, 0.2] }\n"
+      "child_at = { xyz = [0.1, 0, 0] }\n";
+  CHECK(said(read_scenario_text(text, "s.toml")).empty());
+}
+
 TEST_CASE("a scenario with a loop is assembled, and its loop joint is one of the joints") {
   const Session session = session_of(linkage + "damping = 0.5\n");
   const World& world = session.simulation().world();

@@ -5,6 +5,7 @@
 #include <momentree/io/read_action.hpp>
 #include <momentree/io/scenario_parts.hpp>
 #include <momentree/simulate/assembly.hpp>
+#include <momentree/simulate/singular_start.hpp>
 #include <momentree/simulate/strengths.hpp>
 #include <momentree/simulate/world.hpp>
 
@@ -129,8 +130,19 @@ bool loops_fit(Reading& reading) {
 
 namespace {
 
-void check_strengths(Reading& reading) {
-  const World world(reading.scenario.model, Variables::velocities);
+void warn_of_singular_start(const World& world, Reading& reading) {
+  const std::vector<JointId> singular = singular_loops(world);
+  if (singular.empty()) return;
+  std::string names;
+  for (const JointId loop : singular) names += (names.empty() ? "" : ", ") + in_quotes(std::string(world.joint_name(loop)));
+  const auto place = reading.joints.find(std::string(world.joint_name(singular.front())));
+  reading.out.warning(place == reading.joints.end() ? Place{} : place->second,
+                      "the start is a singular position of loop " + names +
+                          ": it blocks fewer directions there than nearby, so the mechanism can go on in different ways",
+                      "give start values away from it, for example bars that do not lie in one line");
+}
+
+void check_strengths(const World& world, Reading& reading) {
   const std::optional<Error> error = undetermined_strength(world);
   if (!error) return;
   for (const auto& [joint, place] : reading.joints)
@@ -160,7 +172,11 @@ void check_loops(Reading& reading) {
   }
   if (!supported) return;
   const std::optional<Error> error = check_assembly(model);
-  if (!error) return check_strengths(reading);
+  if (!error) {
+    const World world(model, Variables::velocities);
+    if (reading.scenario.state_files.empty()) warn_of_singular_start(world, reading);
+    return check_strengths(world, reading);
+  }
   for (const LoopSpec& loop : model.loops())
     if (error->where == "loop '" + loop.name + "'")
       return report_loop(loop.name, error->where + ": " + error->problem, error->hint, reading);

@@ -64,7 +64,7 @@ void RunRecord::begin_epoch(const Simulation& simulation) {
 
 std::size_t RunRecord::row_size(const Epoch& epoch) const {
   const auto nq = static_cast<std::size_t>(epoch.nq), nv = static_cast<std::size_t>(epoch.nv);
-  const auto loops = static_cast<std::size_t>(epoch.loop_q + epoch.loop_v + epoch.loops);
+  const auto loops = static_cast<std::size_t>(epoch.loop_q + epoch.loop_v + 2 * epoch.loops);
   return nq + 2 * nv + loops + (reactions_ ? nv + 6 * epoch.joints.size() : 0);
 }
 
@@ -82,8 +82,11 @@ void RunRecord::add_loops(const World& world, const Epoch& epoch) {
   for (const Layout& joint : epoch.joints)
     if (joint.loop >= 0)
       for (const double x : world.joint({joint.loop}).v) numbers_.push_back(x);
-  const std::vector<double>& turns = world.state().turns();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(epoch.loops); ++i) numbers_.push_back(i < turns.size() ? turns[i] : 0);
+  const std::vector<Turns>& turns = world.state().turns();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(epoch.loops); ++i) {
+    const Turns own = i < turns.size() ? turns[i] : Turns{};
+    numbers_.push_back(own.first), numbers_.push_back(own.second);
+  }
 }
 
 void RunRecord::observe(const Simulation& simulation) {
@@ -201,7 +204,8 @@ WorldSnapshot RunRecord::state(std::size_t row) const {
   const double* const y = numbers + epoch.nq + (snapshot.engine.variables == Variables::momenta ? epoch.nv : 0);
   snapshot.engine.y.assign(y, y + epoch.nv);
   const double* const turns = numbers + epoch.nq + std::ptrdiff_t{2} * epoch.nv + epoch.loop_q + epoch.loop_v;
-  snapshot.engine.turns.assign(turns, turns + epoch.loops);
+  snapshot.engine.turns.clear();
+  for (int i = 0; i < epoch.loops; ++i) snapshot.engine.turns.push_back({turns[2 * i], turns[2 * i + 1]});
   return snapshot;
 }
 

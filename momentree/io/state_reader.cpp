@@ -141,8 +141,7 @@ class Reader {
     for (const BodyProblem& problem : check_loop(spec, model_.size()))
       out_.error(joint.entry->place, "loop joint " + in_quotes(loop.name) + ": " + problem.field + ": " + problem.what,
                  problem.hint);
-    const std::size_t angle = std::string_view(kind.q_units).find('r');
-    if (angle != std::string_view::npos && !joint.q.empty()) loop.turn = joint.q[static_cast<int>(angle)];
+    if (joint.q.size() == kind.nq) loop.turns = turns_of(joint.joint.kind, joint.q.begin());
     loop.active_limits = joint.active_limits;
     result_.forest.loops.push_back(std::move(loop));
   }

@@ -41,7 +41,7 @@ std::vector<Motion<double>> joint_dofs(const JointSpec& joint, const double* q) 
   });
 }
 
-std::optional<Values> joint_coordinates(const JointSpec& joint, const Pose& motion, double hint) {
+std::optional<Values> joint_coordinates(const JointSpec& joint, const Pose& motion, const Turns& hint) {
   return dispatch(joint.kind, [&](auto tag) -> std::optional<Values> {
     using K = typename decltype(tag)::type;
     double q[Values::capacity] = {};
@@ -52,8 +52,16 @@ std::optional<Values> joint_coordinates(const JointSpec& joint, const Pose& moti
   });
 }
 
-void nearest_coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) noexcept {
+void nearest_coordinates(const JointSpec& joint, const Pose& motion, const Turns& hint, double* q) noexcept {
   dispatch(joint.kind, [&](auto tag) { decltype(tag)::type::Kernels::coordinates(joint, motion, hint, q); });
+}
+
+Turns turns_of(Kind kind, const double* q) noexcept {
+  double angles[2] = {};
+  int count = 0;
+  for (int i = 0; i < info(kind).nq && count < 2; ++i)
+    if (info(kind).q_units[i] == 'r') angles[count++] = q[i];
+  return {angles[0], angles[1]};
 }
 
 Closure closure_of(const JointSpec& joint) noexcept {

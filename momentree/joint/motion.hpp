@@ -6,6 +6,7 @@
 
 #include <momentree/joint/closure.hpp>
 #include <momentree/joint/joint.hpp>
+#include <momentree/joint/turns.hpp>
 #include <momentree/math/spatial.hpp>
 
 namespace momentree {
@@ -18,10 +19,13 @@ std::vector<Motion<double>> joint_dofs(const JointSpec& joint, const double* q);
 
 /// Coordinates at which the joint has that motion; empty if the joint cannot represent it. Of angles that differ by full turns,
 /// the one nearest to `hint` is returned.
-std::optional<Values> joint_coordinates(const JointSpec& joint, const Pose& motion, double hint);
+std::optional<Values> joint_coordinates(const JointSpec& joint, const Pose& motion, const Turns& hint);
+
+/// The angles among coordinates q.
+Turns turns_of(Kind kind, const double* q) noexcept;
 
 /// The coordinates that come nearest to a motion that the joint may represent only approximately.
-void nearest_coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) noexcept;
+void nearest_coordinates(const JointSpec& joint, const Pose& motion, const Turns& hint, double* q) noexcept;
 
 /// The equations that hold the joint closed if it is not part of the tree.
 Closure closure_of(const JointSpec& joint) noexcept;

@@ -49,7 +49,7 @@ TEST_CASE("every kind recovers its coordinates from the relative pose that they 
     const JointSpec joint = example(kind.kind);
     const Values q = example_coordinates(kind);
     const Pose motion = joint_motion(joint, q.begin());
-    const auto back = joint_coordinates(joint, motion, q.empty() ? 0 : q[0]);
+    const auto back = joint_coordinates(joint, motion, turns_of(kind.kind, q.data()));
     REQUIRE(back);
     CHECK(distance(joint_motion(joint, back->begin()), motion) < 1e-14);
     for (int i = 0; i < kind.nq; ++i)
@@ -61,20 +61,28 @@ TEST_CASE("every kind recovers its coordinates from the relative pose that they 
 TEST_CASE("a kind refuses relative poses that it can't represent; a free joint represents all of them") {
   const Pose askew{{0.1, 0.2, 0.3}, normalized(Quat{1, 0.2, -0.3, 0.4})};
   for (const KindInfo& kind : all_kinds())
-    CHECK_MESSAGE(joint_coordinates(example(kind.kind), askew, 0).has_value() == (kind.kind == Kind::free), kind.name);
+    CHECK_MESSAGE(joint_coordinates(example(kind.kind), askew, {}).has_value() == (kind.kind == Kind::free), kind.name);
 }
 
 TEST_CASE("full turns are kept: the recovered angle is the one nearest to the hint") {
   const JointSpec hinge = example(Kind::revolute);
   const double turns = 0.5 + 6 * std::numbers::pi;
-  const auto q = joint_coordinates(hinge, joint_motion(hinge, &turns), turns);
+  const auto q = joint_coordinates(hinge, joint_motion(hinge, &turns), {turns});
   REQUIRE(q);
   CHECK((*q)[0] == turns);
   JointSpec screw = example(Kind::helical);
-  const auto screwed = joint_coordinates(screw, joint_motion(screw, &turns), turns);
+  const auto screwed = joint_coordinates(screw, joint_motion(screw, &turns), {turns});
   REQUIRE(screwed);
   CHECK((*screwed)[0] == doctest::Approx(turns).epsilon(1e-14));
-  CHECK_FALSE(joint_coordinates(screw, joint_motion(screw, &turns), 0));  // displaced by three turns more
+  CHECK_FALSE(joint_coordinates(screw, joint_motion(screw, &turns), {}));  // displaced by three turns more
+}
+
+TEST_CASE("both angles of a universal joint are those nearest to the hint") {
+  const JointSpec cross = example(Kind::universal);
+  const double q[] = {0.4 - 4 * std::numbers::pi, 0.7 + 6 * std::numbers::pi};
+  const auto back = joint_coordinates(cross, joint_motion(cross, q), {q[0], q[1] - 3});
+  REQUIRE(back);
+  for (int i = 0; i < 2; ++i) CHECK((*back)[i] == doctest::Approx(q[i]).epsilon(1e-14));
 }
 
 TEST_CASE("the columns of DoFs are derivatives of the relative pose") {

@@ -106,7 +106,7 @@ void TopologyEditor::certify(Event& event) {
   for (const int joint : touched_[&event]) {
     std::string& name = names_at_start_[joint];  // empty: another event at this instant has reported it
     if (!name.empty() && world_.find_joint(name) < 0) event.topology.gone.push_back(std::exchange(name, {}));
-    const bool exists = is_loop({joint}) ? tree().find_loop(joint - first_loop) != nullptr : tree().carrier(joint) >= 0;
+    const bool exists = is_loop({joint}) ? tree().find_loop({joint}) != nullptr : tree().carrier(joint) >= 0;
     if (exists) event.topology.joints.push_back(joint_record(world_, {joint}));
   }
   const auto add = [&event](const std::string& name, const Force<double>& S) {

@@ -7,7 +7,7 @@
 namespace momentree {
 
 const Loop& TopologyEditor::loop_of(int joint) const {
-  const Loop* const found = tree().find_loop(joint - first_loop);
+  const Loop* const found = tree().find_loop({joint});
   MT_REQUIRE(found != nullptr, "the loop joint is in the world");
   return *found;
 }
@@ -42,10 +42,10 @@ std::optional<ActionResult> TopologyEditor::refused_in_momenta(const JointParame
   return error ? std::optional(ActionResult::refused(error->problem, error->hint)) : std::nullopt;
 }
 
-double TopologyEditor::turn_of(int joint) const {
-  const std::size_t place = static_cast<std::size_t>(&loop_of(joint) - tree().loops().data());
-  const std::vector<double>& turns = world_.state_.turns();
-  return place < turns.size() ? turns[place] : 0;
+Turns TopologyEditor::turns_of_loop(int joint) const {
+  const auto place = static_cast<std::size_t>(tree().loop_place({joint}));
+  const std::vector<Turns>& turns = world_.state_.turns();
+  return place < turns.size() ? turns[place] : Turns{};
 }
 
 ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
@@ -87,7 +87,7 @@ void TopologyEditor::lock_loop(int joint, unsigned locked) {
   const Loop& loop = loop_of(joint);
   const bool locks = (locked & ~loop.joint.locked) != 0;
   const bool resumes = locked == 0 && loop.parameters.drive != nullptr && loop.parameters.drive->moves();
-  SetLoop change{{joint}, loop.joint, loop.parameters, loop.held, turn_of(joint), locks || resumes};
+  SetLoop change{{joint}, loop.joint, loop.parameters, loop.held, turns_of_loop(joint), locks || resumes};
   const Values now = coordinates(joint);
   if (change.held.size() != now.size()) change.held = now;
   for (int i = 0; i < now.size() && now.size() == info(loop.joint.kind).nv; ++i)  // what was locked keeps its place
@@ -100,11 +100,10 @@ void TopologyEditor::lock_loop(int joint, unsigned locked) {
 
 void TopologyEditor::change_loop(int joint, const JointPlan& plan, bool impact) {
   const Loop& loop = loop_of(joint);
-  SetLoop change{{joint}, plan.joint, {}, {}, 0, impact, plan.keeps_parameters};
+  SetLoop change{{joint}, plan.joint, {}, {}, {}, impact, plan.keeps_parameters};
   change.to.parameters = -1;
   if (plan.keeps_parameters) change.parameters = loop.parameters;
-  const std::string_view units = info(plan.joint.kind).q_units;
-  if (const std::size_t angle = units.find('r'); angle != units.npos) change.turn = plan.q[static_cast<int>(angle)];
+  change.turns = turns_of(plan.joint.kind, plan.q.begin());
   carry_out(change, impact ? Nature::impact : Nature::workless);
 }
 

@@ -38,7 +38,7 @@ struct Motions {
       for (const JointId each : kept) keeps = keeps || each == joint;
       if (keeps) continue;
       if (is_loop(joint)) {
-        const Loop loop = *tree.find_loop(joint.index - first_loop);
+        const Loop loop = *tree.find_loop(joint);
         part.set_loop(loop.number, loop.joint, without_motion(loop.parameters), loop.held);
       } else {
         const int b = tree.carrier(joint).index;
@@ -71,7 +71,7 @@ std::optional<Error> conflicting_motions(const Tree& tree, const Names& names, c
   const std::string where = "joint " + quoted(last);
   if (others.empty())
     return Error("its motion is prescribed, but loops and locks do not let it move here", where,
-                 "unlock a joint of the loop, or drive this one by 'effort' or 'pd'");
+                 "start away from a dead point, unlock a joint of the loop, or drive this one by 'effort' or 'pd'");
   return Error("its prescribed motion contradicts the one of " + others + ": through the loops, these joints move together",
                where, "leave out one of these motions, or drive that joint by 'effort' or 'pd'");
 }

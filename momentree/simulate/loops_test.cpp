@@ -48,7 +48,7 @@ std::vector<double> bits(const World& world) {
   std::vector<double> all{world.time()};
   const auto append = [&all](Numbers numbers) { all.insert(all.end(), numbers.begin(), numbers.end()); };
   append(world.state().q()), append(world.state().y());
-  for (const double turn : world.state().turns()) all.push_back(turn);
+  for (const Turns& turns : world.state().turns()) all.push_back(turns.first), all.push_back(turns.second);
   for (const JointId loop : world.loops()) append(world.joint(loop).q), append(world.joint(loop).v);
   return all;
 }
@@ -122,6 +122,61 @@ TEST_CASE("undo, branches and snapshots of worlds with loops are exact") {
       go(sim, 0.1);
       CHECK(bits(sim.world()) == after);
     }
+}
+
+TEST_CASE("both angles of a universal loop joint continue over full turns, also through snapshots and changes of kind") {
+  const auto spinner = [](bool in_loop) {
+    BodySpec body;
+    body.name = "spinner", body.mass = 1, body.inertia = diagonal(0.1, 0.1, 0.1);
+    body.joint = in_loop ? JointSpec(Ball{}) : JointSpec(Universal{.axis = x_axis, .axis2 = z_axis});
+    body.v = in_loop ? Values{-4, 0, 9} : Values{-4, 9};
+    Model model;
+    model.set_gravity({});
+    const BodyId b = model.add(body);
+    if (in_loop) model.add_loop({.name = "cross", .body = b, .joint = Universal{.axis = x_axis, .axis2 = z_axis}});
+    return model;
+  };
+  for (const auto& [method, variables] : every_way()) {
+    CAPTURE(method);
+    CAPTURE(name_of(variables));
+    const Integration way{.method = method, .variables = variables, .step = 1e-3};
+    Simulation loop(spinner(true), way), tree(spinner(false), way);
+    go(loop, 1), go(tree, 1);
+    const JointView own = loop.world().joint(loop.world().loops()[0]),
+                    other = tree.world().joint(JointId{tree.world().find_joint("spinner")});
+    CHECK(other.q[0] < -3.5);
+    CHECK(other.q[1] > 8.5);
+    for (int i = 0; i < 2; ++i) CHECK(own.q[i] == doctest::Approx(other.q[i]).epsilon(1e-4));
+    const std::vector<double> before = bits(loop.world());
+    const SimulationSnapshot snapshot = loop.snapshot();
+    go(loop, 1.5);
+    loop.restore(snapshot);
+    CHECK(bits(loop.world()) == before);
+    const double second = own.q[1];
+    loop.apply(lock("cross")), loop.apply(unlock("cross"));
+    CHECK(loop.world().joint(loop.world().loops()[0]).q[1] == doctest::Approx(second).epsilon(1e-12));
+    loop.apply(break_joint("spinner"));  // the loop joint takes its place
+    CHECK(loop.world().joint(JointId{loop.world().find_joint("cross")}).q[1] == doctest::Approx(second).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("loops at the world's origin, where all lengths are zero, stay closed") {
+  for (const auto& [method, variables] : every_way()) {
+    CAPTURE(method);
+    CAPTURE(name_of(variables));
+    BodySpec base = bar("m/base", ground, 0, 0.3, 0.4, 1);
+    base.joint.axis = {1.1, 2.0, 0.1}, base.com = {0.1, -0.01, -0.06};
+    Model model;
+    const BodyId b = model.add(base);
+    model.add(bar("m/arm", b, 0.35, 0.3, 0.3, -0.5));
+    Simulation sim(model, {.method = method, .variables = variables});
+    go(sim, 0.05);
+    sim.apply(weld("m/base", "ground"), "held");
+    go(sim, 0.1);
+    sim.apply(change_joint("m/base", Kind::weld));
+    go(sim, 0.15);
+    CHECK(sim.world().loop_status().residual < 1e-15);
+  }
 }
 
 TEST_CASE("a saved run with loops continues to the same bits") {

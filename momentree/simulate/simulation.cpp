@@ -191,8 +191,7 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   event.work = event.after.kinetic + event.after.potential - event.before.kinetic - event.before.potential;
   event.actions = {{what, body, {}, body, {}, {}}};
   for (std::size_t i = 0; i < joints.size(); ++i)
-    if (is_loop(joints[i]) ? world.tree().find_loop(joints[i].index - first_loop) == nullptr
-                           : world.tree().carrier(joints[i].index) < 0)
+    if (is_loop(joints[i]) ? world.tree().find_loop(joints[i]) == nullptr : world.tree().carrier(joints[i].index) < 0)
       event.topology.gone.push_back(std::move(names[i]));
   for (const int s : springs)
     if (!world.tree().spring_acts(s))

@@ -15,13 +15,8 @@ namespace {
 // After this many impacts at one instant without coming to rest, the next step continues from the resulting state.
 constexpr int most_impacts = 1000;
 
-int place_of(const Tree& tree, int joint) {
-  int place = 0;
-  while (tree.loops()[static_cast<std::size_t>(place)].id().index != joint) ++place;
-  return place;
-}
 const Joint& joint_of(const Tree& tree, int joint) {
-  return is_loop({joint}) ? tree.find_loop(joint - first_loop)->joint : tree.joint(tree.carrier(joint));
+  return is_loop({joint}) ? tree.find_loop({joint})->joint : tree.joint(tree.carrier(joint));
 }
 
 }  // namespace
@@ -70,7 +65,7 @@ double Stops::speed(const Side& s) const {
 double Stops::acceleration(const Side& s) const {
   if (is_loop({s.joint}))
     return s.sign * loop_acceleration(world_->tree_, world_->state_.q().data(), world_->workspace_,
-                                      place_of(world_->tree_, s.joint), s.dof);
+                                      world_->tree_.loop_place({s.joint}), s.dof);
   return s.sign * world_->workspace_.a[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.dof)];
 }
 bool Stops::locked(const Side& s) const { return (joint_of(world_->tree_, s.joint).locked >> s.dof & 1u) != 0; }
@@ -81,7 +76,7 @@ double Stops::pull(const Side& s) const {
   const Tree& tree = world_->tree_;
   if (is_loop({s.joint})) {
     double size = 0;
-    const int place = place_of(tree, s.joint);
+    const int place = tree.loop_place({s.joint});
     const double stop = loop_holding_force(tree, world_->time(), world_->workspace_, place, s.dof, size);
     return s.sign * stop - 1e-12 * size;
   }

@@ -22,7 +22,7 @@ struct Load : Quantity {
       if (!world.tree().spring_acts(strength.spring)) return std::nullopt;
       return std::fabs(world.spring({strength.spring}).tension);
     }
-    const bool exists = is_loop({strength.joint}) ? world.tree().find_loop(strength.joint - first_loop) != nullptr
+    const bool exists = is_loop({strength.joint}) ? world.tree().find_loop({strength.joint}) != nullptr
                                                   : world.tree().carrier(strength.joint) >= 0;
     if (!exists) return std::nullopt;
     const Wrench wrench = world.reaction({strength.joint});

@@ -225,7 +225,7 @@ void TopologyEditor::set(int joint, const JointParameters& parameters) {
   if (is_loop({joint})) {
     const Loop& loop = loop_of(joint);
     const bool begins = parameters.drive != nullptr && parameters.drive->moves();
-    return carry_out(SetLoop{{joint}, loop.joint, parameters, loop.held, turn_of(joint), begins}, Nature::outside);
+    return carry_out(SetLoop{{joint}, loop.joint, parameters, loop.held, turns_of_loop(joint), begins}, Nature::outside);
   }
   carry_out(SetParameters{{joint}, parameters}, Nature::outside);
 }

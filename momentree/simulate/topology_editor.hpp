@@ -115,7 +115,7 @@ class TopologyEditor {
   void break_loop(JointId loop);
   void lock_loop(int joint, unsigned locked);
   void change_loop(int joint, const JointPlan& plan, bool impact);
-  double turn_of(int joint) const;
+  Turns turns_of_loop(int joint) const;
   void end_couplings(int joint);
   void note_ended_couplings(const std::vector<unsigned char>& before);
   void book_coupling_impulses();

@@ -58,10 +58,10 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
 
   put_values(time, forest, joints, state);
   if (!forest.loops.empty()) {
-    std::vector<double> turns;
+    std::vector<Turns> turns;
     for (const Loop& loop : tree_.loops())
       for (const Forest::LoopJoint& each : forest.loops)
-        if (each.name == names_.joint(loop.id().index)) turns.push_back(each.turn);
+        if (each.name == names_.joint(loop.id().index)) turns.push_back(each.turns);
     state.set_turns(turns);
   }
   if (tree_.has_loops()) {
@@ -341,7 +341,7 @@ unsigned World::held(int joint) const {
 void World::forget_active_limits() {
   std::erase_if(active_limits_, [this](const ActiveLimit& h) {
     if (is_loop({h.joint})) {
-      const Loop* const loop = tree_.find_loop(h.joint - first_loop);
+      const Loop* const loop = tree_.find_loop({h.joint});
       return loop == nullptr || (loop->joint.locked >> h.dof & 1u) == 0 || !loop->parameters.limits.hard();
     }
     const int b = tree_.carrier(h.joint);

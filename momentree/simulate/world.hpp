@@ -110,7 +110,7 @@ struct Forest {
   struct LoopJoint {
     std::string name;
     Loop loop;
-    double turn = 0;
+    Turns turns{};
     std::vector<ActiveLimit> active_limits{};  ///< their joint is this one
   };
   std::vector<LoopJoint> loops;

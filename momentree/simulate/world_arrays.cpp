@@ -100,7 +100,7 @@ void World::set_values(double time, std::span<const double> q, std::span<const d
   normalise_quaternions(tree_, coordinates, name);
   std::erase_if(active_limits_, [&](const ActiveLimit& h) {
     if (stays_resting(h, coordinates, rates)) return false;
-    if (const Loop* const loop = is_loop({h.joint}) ? tree_.find_loop(h.joint - first_loop) : nullptr) {
+    if (const Loop* const loop = is_loop({h.joint}) ? tree_.find_loop({h.joint}) : nullptr) {
       const Loop held = *loop;
       Joint joint = held.joint;
       joint.locked &= ~(1u << h.dof);

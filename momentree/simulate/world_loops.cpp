@@ -9,17 +9,6 @@
 
 namespace momentree {
 
-namespace {
-
-std::size_t place_of(const Tree& tree, JointId joint) {
-  for (std::size_t i = 0; i < tree.loops().size(); ++i)
-    if (tree.loops()[i].id() == joint) return i;
-  MT_REQUIRE(false, "the joint is in this world");
-  return 0;
-}
-
-}  // namespace
-
 std::vector<JointId> World::loops() const {
   std::vector<JointId> all;
   for (const Loop& loop : tree_.loops()) all.push_back(loop.id());
@@ -29,13 +18,15 @@ std::vector<JointId> World::loops() const {
 LoopStatus World::loop_status() const { return momentree::loop_status(tree_, state_, workspace_); }
 
 JointView World::loop_view(JointId number) const {
-  const std::size_t i = place_of(tree_, number);
+  const int place = tree_.loop_place(number);
+  MT_REQUIRE(place >= 0, "the joint is in this world");
+  const auto i = static_cast<std::size_t>(place);
   evaluate();
   const Loop& loop = tree_.loops()[i];
   const KindInfo& kind = info(loop.joint.kind);
   if (loop_values_.size() < tree_.loops().size()) loop_values_.resize(tree_.loops().size());
   LoopValues& own = loop_values_[i];
-  held_loop_coordinates(tree_, workspace_, static_cast<int>(i), own.q, own.v);
+  held_loop_coordinates(tree_, workspace_, place, own.q, own.v);
   JointView view;
   view.name = joint_name(number);
   view.kind = loop.joint.kind;
@@ -52,7 +43,8 @@ JointView World::loop_view(JointId number) const {
 }
 
 JointForces World::loop_forces(JointId number) const {
-  const auto i = static_cast<int>(place_of(tree_, number));
+  const int i = tree_.loop_place(number);
+  MT_REQUIRE(i >= 0, "the joint is in this world");
   accelerate(tree_, state_, workspace_);
   const Loop& loop = tree_.loops()[static_cast<std::size_t>(i)];
   const LoopReaction found = loop_reaction(tree_, state_.time(), workspace_, i);

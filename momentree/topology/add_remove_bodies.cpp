@@ -29,7 +29,7 @@ Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>
   for (std::size_t i = tree.loops().size(); i-- > 0;) {  // they go with their bodies
     const Loop& loop = tree.loops()[i];
     const auto goes = [&](int x) { return x >= 0 && workspace.path[static_cast<std::size_t>(x)] != 0; };
-    if (goes(loop.body) || goes(loop.to)) state.remove_turn(i);
+    if (goes(loop.body) || goes(loop.to)) state.remove_turns(i);
   }
   tree.remove(b);
   const int gone_q = static_cast<int>(state.q().size()) - tree.nq(), gone_p = static_cast<int>(state.y().size()) - tree.nv();

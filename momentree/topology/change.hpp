@@ -93,11 +93,11 @@ struct SetParameters {
 };
 
 /// Adds a loop joint between two bodies, or a body and the ground, whose frames are closed in the present pose: a plastic impact
-/// in the directions that it blocks. `turn`: its present angle, if it has one. A state in momenta continues in velocities. May
+/// in the directions that it blocks. `turns`: its present angles. A state in momenta continues in velocities. May
 /// allocate.
 struct MakeLoop {
   Loop loop;
-  double turn = 0;
+  Turns turns{};
 };
 /// Removes a loop joint: no velocity changes. `keeps_energy`: its spring takes part in a joint that replaces it.
 struct BreakLoop {
@@ -105,13 +105,13 @@ struct BreakLoop {
   bool keeps_energy = false;
 };
 /// Replaces a loop joint, without changing the pose: kind, frames, locks (with the coordinates at which DoFs are `held`) and
-/// parameters. `impact`: the new joint blocks more directions; otherwise no velocity changes. `turn`: its present angle.
+/// parameters. `impact`: the new joint blocks more directions; otherwise no velocity changes. `turns`: its present angles.
 struct SetLoop {
   JointId joint;
   Joint to;
   JointParameters parameters;
   Values held{};
-  double turn = 0;
+  Turns turns{};
   bool impact = false;
   bool keeps_energy = true;  ///< the energy of its spring stays with the joint
 };

@@ -18,8 +18,8 @@ void scale_impulses(Workspace<double>& workspace, double impulse) noexcept {
 
 double strike(const Impact& change, const Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
-  int place = 0;
-  while (!(tree.loops()[static_cast<std::size_t>(place)].id() == change.joint)) ++place;
+  const int place = tree.loop_place(change.joint);
+  MT_REQUIRE(place >= 0, "the loop joint is in the tree");
   double q[7] = {}, u[6] = {};
   loop_coordinates(tree, workspace, place, q, u);
   double* const y = workspace.impulse.get();

@@ -16,10 +16,9 @@ namespace {
 void renew(const Tree& tree, State& state) { state.replace(0, 0, {}, 0, 0, {}, tree); }
 
 std::size_t place_of(const Tree& tree, JointId joint) {
-  std::size_t i = 0;
-  while (i < tree.loops().size() && !(tree.loops()[i].id() == joint)) ++i;
-  MT_REQUIRE(i < tree.loops().size(), "the loop joint is in the tree");
-  return i;
+  const int place = tree.loop_place(joint);
+  MT_REQUIRE(place >= 0, "the loop joint is in the tree");
+  return static_cast<std::size_t>(place);
 }
 
 double energy_of(const Tree& tree, const Workspace<double>& workspace, std::size_t place) {
@@ -48,7 +47,7 @@ JointId apply(const MakeLoop& change, Tree& tree, State& state, Workspace<double
   carry_momenta(tree, workspace);
   const int number = tree.add_loop(change.loop);
   renew(tree, state);
-  state.set_turn(tree.loops().size() - 1, change.turn);
+  state.set_turns(tree.loops().size() - 1, change.turns);
   settle_velocities(tree, state, workspace, change.loop.body);
   return {first_loop + number};
 }
@@ -59,7 +58,7 @@ Released apply(const BreakLoop& change, Tree& tree, State& state, Workspace<doub
   const Released released{change.keeps_energy ? 0 : energy_of(tree, workspace, place)};
   tree.remove_loop(change.joint.index - first_loop);
   renew(tree, state);
-  state.remove_turn(place);
+  state.remove_turns(place);
   return released;
 }
 
@@ -78,7 +77,7 @@ Released apply(const SetLoop& change, Tree& tree, State& state, Workspace<double
   if (change.keeps_energy) released.energy += stopped_armatures(tree, workspace, place, change.to.locked);
   tree.set_loop(change.joint.index - first_loop, change.to, change.parameters, change.held);
   renew(tree, state);
-  state.set_turn(place, change.turn);
+  state.set_turns(place, change.turns);
   if (change.impact) settle_velocities(tree, state, workspace, tree.loops()[place].body);
   if (tree.loops()[place].driven()) {  // it begins where the joint is, up to a tolerance
     double energy = 0;

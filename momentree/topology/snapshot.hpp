@@ -12,8 +12,8 @@ namespace momentree {
 struct Snapshot {
   Topology topology;
   double time = 0;
-  std::vector<double> q, y;   ///< packed, as in the state
-  std::vector<double> turns;  ///< of loops: State::turns()
+  std::vector<double> q, y;  ///< packed, as in the state
+  std::vector<Turns> turns;  ///< of loops: State::turns()
   Variables variables = Variables::momenta;
 };
 

@@ -32,7 +32,7 @@ int Tree::add_loop(Loop loop) {
              "a loop joint joins two different bodies, or a body and the ground");
   MT_REQUIRE(loop.joint.kind != Kind::free, "a loop joint constrains something");
   if (loop.number < 0) loop.number = next_loop_;
-  MT_REQUIRE(find_loop(loop.number) == nullptr, "a number that no loop joint has");
+  MT_REQUIRE(find_loop(loop.id()) == nullptr, "a number that no loop joint has");
   next_loop_ = std::max(next_loop_, loop.number + 1);
   loops_.push_back(std::move(loop));
   list_loops();
@@ -41,17 +41,17 @@ int Tree::add_loop(Loop loop) {
 }
 
 void Tree::remove_loop(int number) {
-  MT_REQUIRE(find_loop(number) != nullptr, "the loop joint is in the tree");
+  MT_REQUIRE(loop_place({first_loop + number}) >= 0, "the loop joint is in the tree");
   std::erase_if(loops_, [number](const Loop& loop) { return loop.number == number; });
   list_loops();
   revision_.renew();
 }
 
 void Tree::set_loop(int number, const Joint& joint, const JointParameters& parameters, const Values& held) {
-  const Loop* const found = find_loop(number);
-  MT_REQUIRE(found != nullptr, "the loop joint is in the tree");
+  const int place = loop_place({first_loop + number});
+  MT_REQUIRE(place >= 0, "the loop joint is in the tree");
   MT_REQUIRE(joint.locked == 0 || held.size() == info(joint.kind).nq, "coordinates at which the joint is held");
-  Loop& loop = loops_[static_cast<std::size_t>(found - loops_.data())];
+  Loop& loop = loops_[at(place)];
   loop.joint = joint, loop.parameters = parameters, loop.held = held;
   list_loops();
   revision_.renew();
@@ -86,10 +86,15 @@ void Tree::list_couplings() {
   }
 }
 
-const Loop* Tree::find_loop(int number) const {
-  for (const Loop& loop : loops_)
-    if (loop.number == number) return &loop;
-  return nullptr;
+int Tree::loop_place(JointId joint) const {
+  for (std::size_t i = 0; i < loops_.size(); ++i)
+    if (loops_[i].id() == joint) return static_cast<int>(i);
+  return -1;
+}
+
+const Loop* Tree::find_loop(JointId joint) const {
+  const int place = loop_place(joint);
+  return place < 0 ? nullptr : &loops_[at(place)];
 }
 
 // Rows, frames and stops. Called whenever the order or a kernel frame changes.

@@ -68,18 +68,18 @@ void State::assign(double time, std::span<const double> q, std::span<const doubl
   topology_ = tree.revision();
 }
 
-void State::set_turns(std::span<const double> turns) {
+void State::set_turns(std::span<const Turns> turns) {
   changed();
   turns_.assign(turns.begin(), turns.end());
 }
 
-void State::set_turn(std::size_t place, double turn) {
+void State::set_turns(std::size_t place, const Turns& turns) {
   changed();
-  if (place >= turns_.size()) turns_.resize(place + 1, 0.0);
-  turns_[place] = turn;
+  if (place >= turns_.size()) turns_.resize(place + 1);
+  turns_[place] = turns;
 }
 
-void State::remove_turn(std::size_t place) {
+void State::remove_turns(std::size_t place) {
   changed();
   if (place < turns_.size()) turns_.erase(turns_.begin() + static_cast<std::ptrdiff_t>(place));
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <momentree/base/numbers.hpp>
+#include <momentree/joint/turns.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
@@ -51,12 +52,12 @@ class State {
   }
   /// p or u, for code that treats both alike.
   Numbers y() const { return y_; }
-  /// By loop: the angle of its joint when it was last closed, which tells full turns apart. Empty: all zero.
-  const std::vector<double>& turns() const { return turns_; }
-  void set_turns(std::span<const double> turns);
-  /// Of one loop, by its place in Tree::loops(): sets its angle, or removes it with the loop.
-  void set_turn(std::size_t place, double turn);
-  void remove_turn(std::size_t place);
+  /// By loop: the angles of its joint when it was last closed, which tell full turns apart. Empty: all zero.
+  const std::vector<Turns>& turns() const { return turns_; }
+  void set_turns(std::span<const Turns> turns);
+  /// Of one loop, by its place in Tree::loops(): sets its angles, or removes them with the loop.
+  void set_turns(std::size_t place, const Turns& turns);
+  void remove_turns(std::size_t place);
   /// Tree::revision() of the tree to which the state belongs.
   std::uint64_t topology() const { return topology_; }
   /// While the state is being edited each call returns a new stamp, because anything may have been written in between.
@@ -93,7 +94,8 @@ class State {
   void require_no_edit() const;
 
   double time_ = 0;
-  std::vector<double> q_, y_, turns_;
+  std::vector<double> q_, y_;
+  std::vector<Turns> turns_;
   Variables variables_ = Variables::momenta;
   std::uint64_t number_, topology_ = 0;
   mutable std::uint64_t serial_ = 0;

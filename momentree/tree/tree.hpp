@@ -238,8 +238,9 @@ class Tree {
   bool coupling_acts(int coupling) const { return coupling_ended_[at(coupling)] == 0; }
   /// True if there are loops or driven joints: evaluations then do more than the passes over the tree.
   bool has_constraints() const { return has_constraints_; }
-  /// The loop joint of that number, or null.
-  const Loop* find_loop(int number) const;
+  /// A loop joint: its place in loops(), or −1; itself, or null.
+  int loop_place(JointId joint) const;
+  const Loop* find_loop(JointId joint) const;
   /// Bodies between the ends of loops and the ground, one entry per body and loop, inboard before outboard.
   std::span<const LoopStop> loop_stops() const { return loop_stops_; }
   /// Numbers of rows of all loops, and of columns at all stops.

@@ -64,7 +64,7 @@ void check_body_exists(const World& world, const BodyObject& body) {
 }
 
 bool is_present_loop(const World& world, const JointObject& joint) {
-  return world.tree().find_loop(joint.id.index - first_loop) != nullptr && world.joint_name(joint.id) == joint.body;
+  return world.tree().find_loop(joint.id) != nullptr && world.joint_name(joint.id) == joint.body;
 }
 
 // The joint of a handle at present: a loop joint that took the place of a broken joint has another number.

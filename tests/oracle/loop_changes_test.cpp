@@ -120,8 +120,10 @@ struct Tally {
 
 TEST_CASE("loops: every change leaves the velocities that a projection in maximal coordinates leaves") {
   Tally all;
-  for (std::uint64_t seed = 0; all.with_loops < 3000; ++seed) {
-    REQUIRE(seed < 1000);
+  for (std::uint64_t number = 0; all.with_loops < 3000; ++number) {
+    REQUIRE(number < 1000);
+    const std::uint64_t seed =
+        number == 0 ? 3771 : number - 1;  // 3771: what an ill-conditioned impact left is lost by a later break
     CAPTURE(seed);
     Prng random(seed * 31 + 7);
     RandomTreeOptions options;
@@ -172,11 +174,11 @@ TEST_CASE("loops: every change leaves the velocities that a projection in maxima
       const auto gain = static_cast<double>(T1 - T0) / scale;
       CHECK(gain < 1e-11);
       all.gain = std::max(all.gain, gain);
+      smallest = std::min(smallest, projection.smallest());
       if (projection.undecided()) {
         ++all.undecided;
         continue;
       }
-      smallest = std::min(smallest, projection.smallest());
       // The velocities are known to the round-off of the state, amplified by the small pivots of light bodies between heavy ones.
       const double bound = std::max(1e-9, 1e-13 / smallest);
       const auto difference = static_cast<double>((after - projection(before)).cwiseAbs().maxCoeff() / speed);

@@ -120,7 +120,7 @@ TEST_CASE("a checkpoint of a world with loops reads back to the same bytes, and 
   damaged([](Snapshot& engine) { engine.topology.loops[0].number = -1; });
   damaged([](Snapshot& engine) { engine.topology.loops[1].number = engine.topology.loops[0].number; });
   damaged([](Snapshot& engine) { engine.topology.loops[1].held = {}; });
-  damaged([](Snapshot& engine) { engine.turns.push_back(0), engine.turns.push_back(0), engine.turns.push_back(0); });
+  damaged([](Snapshot& engine) { engine.turns.resize(3); });
 }
 
 TEST_CASE("a changed, truncated or lengthened checkpoint is refused") {

@@ -127,8 +127,9 @@ class Fit {
       nq += at(kind.nq), nv += at(kind.nv);
     }
     require(engine.q.size() == nq && engine.y.size() == nv && std::isfinite(engine.time), whole);
-    for (const auto* numbers : {&engine.q, &engine.y, &engine.turns})
+    for (const auto* numbers : {&engine.q, &engine.y})
       require(std::all_of(numbers->begin(), numbers->end(), [](double x) { return std::isfinite(x); }), whole);
+    for (const Turns& turns : engine.turns) require(std::isfinite(turns.first) && std::isfinite(turns.second), whole);
     // A run whose events close a loop goes on in velocities.
     require(engine.variables == now_.world.engine.variables || engine.variables == Variables::velocities,
             "a run in other variables");

@@ -144,6 +144,10 @@ void fields(Archive& archive, Part<Archive, Topology>& t) {
   archive(t.places, t.changed, t.own, t.springs, t.loops, t.ended_couplings, t.model);
 }
 template <class Archive>
+void fields(Archive& archive, Part<Archive, Turns>& t) {
+  archive(t.first, t.second);
+}
+template <class Archive>
 void fields(Archive& archive, Part<Archive, Snapshot>& s) {
   bool velocities = s.variables == Variables::velocities;
   archive(s.topology, s.time, s.q, s.y, s.turns, velocities);

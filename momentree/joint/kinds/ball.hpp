@@ -55,7 +55,7 @@ struct BallKernels : GenericKernels<BallKernels, 4, 3> {
   static double spring(const double* q, const double* q0, const double* stiffness, double* force) {
     return rotational_spring(q, q0, stiffness, force);
   }
-  static bool coordinates(const JointSpec&, const Pose& motion, double, double* q) {
+  static bool coordinates(const JointSpec&, const Pose& motion, const Turns&, double* q) {
     q[0] = motion.rotation.w, q[1] = motion.rotation.x, q[2] = motion.rotation.y, q[3] = motion.rotation.z;
     return coordinates::negligible(motion.position);
   }

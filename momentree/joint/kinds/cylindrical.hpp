@@ -39,8 +39,8 @@ struct CylindricalKernels : ScrewKernels<CylindricalKernels, 2, 2> {
   MOMENTREE_INLINE static Columns<T, 2> columns(const auto&, const JointState<T>&) {
     return {{{{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}, {{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}}};
   }
-  static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
-    const bool turns = coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]);
+  static bool coordinates(const JointSpec& joint, const Pose& motion, const Turns& hint, double* q) {
+    const bool turns = coordinates::about_axis(joint.axis, motion.rotation, hint.first, q[0]);
     return coordinates::along_axis(joint.axis, motion.position, q[1]) && turns;
   }
   static void lock_part(const JointSpec& joint, unsigned locked, const double* held, LockedForm& form) {

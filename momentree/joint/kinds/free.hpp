@@ -72,7 +72,7 @@ struct SixDofs : GenericKernels<K, 7, 6> {
     force[0] = child.x, force[1] = child.y, force[2] = child.z;
     return -0.5 * dot(f, x) + rotational_spring(q + 3, q0 + 3, stiffness + 3, force + 3);
   }
-  static bool coordinates(const JointSpec&, const Pose& motion, double, double* q) {
+  static bool coordinates(const JointSpec&, const Pose& motion, const Turns&, double* q) {
     q[0] = motion.position.x, q[1] = motion.position.y, q[2] = motion.position.z;
     q[3] = motion.rotation.w, q[4] = motion.rotation.x, q[5] = motion.rotation.y, q[6] = motion.rotation.z;
     return true;

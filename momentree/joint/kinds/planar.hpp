@@ -47,9 +47,10 @@ struct PlanarKernels : GenericKernels<PlanarKernels, 3, 3> {
     const T w = u[2];
     return {{{{-(w * j.s[0]), -(w * j.c[0]), T(0)}, o}, {{w * j.c[0], -(w * j.s[0]), T(0)}, o}, {o, o}}};
   }
-  static bool coordinates(const JointSpec&, const Pose& motion, double hint, double* q) {
+  static bool coordinates(const JointSpec&, const Pose& motion, const Turns& hint, double* q) {
     q[0] = motion.position.x, q[1] = motion.position.y;
-    return coordinates::about_axis(z_axis, motion.rotation, hint, q[2]) && std::fabs(motion.position.z) <= coordinates::tolerance;
+    return coordinates::about_axis(z_axis, motion.rotation, hint.first, q[2]) &&
+           std::fabs(motion.position.z) <= coordinates::tolerance;
   }
   static void closure(const JointSpec&, Closure& rows) { rows.add_position({0, 0, 1}), rows.add_axis({0, 0, 1}); }
 };

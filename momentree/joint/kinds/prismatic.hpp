@@ -43,7 +43,7 @@ struct PrismaticKernelsBase : ScrewKernels<K, 1, 1> {
   MOMENTREE_INLINE static Columns<T, 1> columns(const auto&, const JointState<T>&) {
     return {{{{T(0), T(0), T(1)}, {T(0), T(0), T(0)}}}};
   }
-  static bool coordinates(const JointSpec& joint, const Pose& motion, double, double* q) {
+  static bool coordinates(const JointSpec& joint, const Pose& motion, const Turns&, double* q) {
     return coordinates::along_axis(joint.axis, motion.position, q[0]) && coordinates::negligible(motion.rotation);
   }
   static void closure(const JointSpec& joint, Closure& rows) { rows.add_line(joint.axis), rows.add_rotation(); }

@@ -47,8 +47,8 @@ struct RevoluteKernelsBase : ScrewKernels<K, 1, 1> {
   MOMENTREE_INLINE static Columns<T, 1> columns(const auto&, const JointState<T>&) {
     return {{{{T(0), T(0), T(0)}, {T(0), T(0), T(1)}}}};
   }
-  static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
-    return coordinates::about_axis(joint.axis, motion.rotation, hint, q[0]) && coordinates::negligible(motion.position);
+  static bool coordinates(const JointSpec& joint, const Pose& motion, const Turns& hint, double* q) {
+    return coordinates::about_axis(joint.axis, motion.rotation, hint.first, q[0]) && coordinates::negligible(motion.position);
   }
   static void closure(const JointSpec& joint, Closure& rows) { rows.add_point(), rows.add_axis(joint.axis); }
   template <class T>

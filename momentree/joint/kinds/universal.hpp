@@ -61,12 +61,12 @@ struct UniversalKernels : GenericKernels<UniversalKernels, 2, 2> {
     return {{{o, {-(u[1] * (j.s[1] * k.geometry[0])), -(u[1] * (j.c[1] * k.geometry[0])), T(0)}}, {o, o}}};
   }
   /// The first rotation takes axis2 to its direction after the motion; the remaining rotation is the second.
-  static bool coordinates(const JointSpec& joint, const Pose& motion, double hint, double* q) {
+  static bool coordinates(const JointSpec& joint, const Pose& motion, const Turns& hint, double* q) {
     const Vec3 from = joint.axis2, to = rotation_matrix(motion.rotation) * joint.axis2;
     const double along = dot(joint.axis, from);
-    q[0] = coordinates::unwrapped(std::atan2(dot(joint.axis, cross(from, to)), dot(from, to) - along * along), hint);
+    q[0] = coordinates::unwrapped(std::atan2(dot(joint.axis, cross(from, to)), dot(from, to) - along * along), hint.first);
     const Quat rest = conjugate(from_axis_angle(joint.axis, q[0])) * motion.rotation;
-    return coordinates::about_axis(joint.axis2, rest, 0, q[1]) && coordinates::negligible(motion.position) &&
+    return coordinates::about_axis(joint.axis2, rest, hint.second, q[1]) && coordinates::negligible(motion.position) &&
            std::fabs(dot(joint.axis, to) - along) <= coordinates::tolerance;
   }
   static void lock_part(const JointSpec& joint, unsigned locked, const double* held, LockedForm& form) {

@@ -53,7 +53,7 @@ struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
   }
   template <class T>
   MOMENTREE_INLINE static void joint_velocity(const Record<T>&, const Motion<T>&, T*) {}
-  static bool coordinates(const JointSpec&, const Pose& motion, double, double*) {
+  static bool coordinates(const JointSpec&, const Pose& motion, const Turns&, double*) {
     return coordinates::negligible(motion.position) && coordinates::negligible(motion.rotation);
   }
   static void closure(const JointSpec&, Closure& rows) { rows.add_point(), rows.add_rotation(); }

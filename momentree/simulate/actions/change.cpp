@@ -40,13 +40,6 @@ Vec3 axis_in_child(const Joint& joint, const Pose& motion) {
   return rotation_matrix(joint.child_at.rotation) * turned;
 }
 
-// The angle next to which new angles are unwrapped: the first coordinate that is an angle.
-double angle_hint(const KindInfo& kind, const Values& q) {
-  for (int i = 0; i < kind.nq; ++i)
-    if (kind.q_units[i] == 'r') return q[i];
-  return 0;
-}
-
 }  // namespace
 
 ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
@@ -86,7 +79,7 @@ ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
       return ActionResult::refused("its prescribed motion is suspended by a lock", "unlock it instead");
     plan.joint.parameters = old.parameters, plan.joint.function = old.function;
     plan.q = q, plan.keeps_parameters = true;
-  } else if (const auto kept = joint_coordinates(spec, motion, angle_hint(before, q))) {
+  } else if (const auto kept = joint_coordinates(spec, motion, turns_of(old.kind, q.begin()))) {
     plan.q = *kept;
   } else {
     plan.joint.at = old.at * motion;
@@ -117,7 +110,7 @@ ActionResult Change::prepare(TopologyEditor& editor) const {
   loose.joint.at = old.at, loose.joint.child_at = old.child_at;
   JointSpec six;
   six.kind = Kind::free;
-  loose.q = *joint_coordinates(six, joint_motion(spec_of(old), editor.coordinates(number).begin()), 0);
+  loose.q = *joint_coordinates(six, joint_motion(spec_of(old), editor.coordinates(number).begin()), {});
   editor.loosen(number, loose);
   return result;
 }

@@ -1,0 +1,204 @@
+// Closing loops at the start, from coordinates that may be far off.
+//
+// The first attempt makes the change that is least in the metric of the mass matrix. This metric prefers to move the light end of
+// a long chain and folds it up. The others use the metric of equal armatures, which spreads the change over all joints, and
+// damped steps (Levenberg-Marquardt), which make progress where rows become dependent. Where the residual is least but not zero,
+// as in bars that lie in one line, an attempt starts again from disturbed coordinates.
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/velocity.hpp>
+
+namespace momentree {
+
+namespace {
+
+using detail::LoopCorrection, detail::nearly_closed, detail::open_by;
+
+constexpr int most_steps = 200, disturbed_attempts = 8;
+constexpr double longest_step = 0.5;  // rad, and of the size of the loops
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+struct Start {
+  const Tree& tree;
+  const double* u;
+  double size;                         // of the loops (m)
+  std::vector<double> from{}, step{};  // scratch
+
+  // Moves q along `step`, but no joint by more than the longest step.
+  double bound() const {
+    double largest = 0;
+    for (const int b : tree.order())
+      for (int i = 0; i < info(tree.kind(b)).nv; ++i) {
+        const double change = std::fabs(step[at(tree.first_p(b) + i)]);
+        largest = std::max(largest, info(tree.kind(b)).v_units[i] == 'm' ? change / size : change);
+      }
+    return largest > longest_step ? longest_step / largest : 1;
+  }
+  void keep(const double* q, const Workspace<double>& workspace) {
+    from.assign(q, q + tree.nq());
+    step.assign(workspace.a.get(), workspace.a.get() + tree.nv());
+  }
+  void move(double scale, double* q) const {
+    std::copy(from.begin(), from.end(), q);
+    detail::displace(tree, step.data(), scale, q);
+  }
+};
+
+// Newton steps in the metric of the mass matrix; returns how far the loops are open.
+double close_by_mass(Start& start, double* q, Workspace<double>& workspace) {
+  constexpr double pivots = 1e-6;  // while coordinates are far off
+  LoopCorrection correction{start.tree, workspace};
+  const LoopWorkspace& loops = *workspace.loops;
+  correction.evaluate(q, start.u, pivots);
+  double open = open_by(start.tree, loops);
+  for (int k = 0; open > nearly_closed && k < most_steps; ++k) {
+    correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
+    start.keep(q, workspace);
+    bool better = false;
+    for (double scale = start.bound(); scale > 1e-6 && !better; scale /= 2) {
+      start.move(scale, q);
+      correction.evaluate(q, start.u, open < 1e-4 ? 0 : pivots);
+      const double now = open_by(start.tree, loops);
+      if (now < open * (1 - 1e-4 * scale)) open = now, better = true;
+    }
+    if (!better) {
+      std::copy(start.from.begin(), start.from.end(), q);
+      break;
+    }
+  }
+  return open;
+}
+
+// Σ (residual / size of the row)².
+double squares(const Tree& tree, const LoopWorkspace& loops) {
+  double sum = 0;
+  for (std::size_t link = 0; link < tree.loop_links().size(); ++link)
+    for (int i = 0; i < tree.loop_links()[link].rows; ++i) {
+      const double r = loops.rows[at(tree.loop_links()[link].first_row + i)].residual / detail::row_size(tree, loops, link, i);
+      sum += r * r;
+    }
+  return sum;
+}
+
+// Damped steps; returns how far the loops are open.
+double close_damped(Start& start, double* q, Workspace<double>& workspace) {
+  constexpr double least_damping = 1e-12, most_damping = 1e4, progress = 1e-6;
+  LoopCorrection correction{start.tree, workspace};
+  const LoopWorkspace& loops = *workspace.loops;
+  double damping = 1e-3;
+  int slow = 0;
+  for (int k = 0; k < most_steps; ++k) {
+    correction.evaluate_damped(q, start.u, damping);
+    const double open = open_by(start.tree, loops), now = squares(start.tree, loops);
+    if (!(open > 0.01 * nearly_closed)) return open;
+    correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
+    start.keep(q, workspace);
+    start.move(start.bound(), q);
+    correction.evaluate_damped(q, start.u, damping);
+    const double then = squares(start.tree, loops);
+    if (then < now) {
+      damping = std::max(damping / 5, least_damping);
+      slow = then > (1 - progress) * now ? slow + 1 : 0;
+      detail::note_turns(start.tree, workspace);
+    } else {
+      std::copy(start.from.begin(), start.from.end(), q);
+      damping *= 4;
+    }
+    if (slow > 3 || damping > most_damping) break;
+  }
+  correction.evaluate_damped(q, start.u, damping);
+  return open_by(start.tree, loops);
+}
+
+// The same tree, in whose mass matrix all DoFs weigh about the same.
+Tree with_equal_armatures(const Tree& tree, double size) {
+  double mass = 0;
+  for (const int b : tree.order()) mass += tree.link(b).body.m;
+  Tree equal = tree;
+  for (const int b : tree.order()) {
+    const KindInfo& kind = info(tree.kind(b));
+    if (kind.nv == 0 || kind.kind == Kind::free) continue;
+    JointParameters parameters = tree.parameters(b) != nullptr ? *tree.parameters(b) : JointParameters{};
+    parameters.armature = {};
+    for (int i = 0; i < kind.nv; ++i) parameters.armature.push_back(kind.v_units[i] == 'm' ? mass : mass * size * size);
+    equal.set_parameters(b, parameters);
+  }
+  return equal;
+}
+
+// Moves all DoFs that are not locked by at most `by`, without pattern: the multiples of the golden ratio modulo 1.
+void disturb(const Start& start, double by, int attempt, double* q) {
+  std::vector<double> change(at(start.tree.nv()));
+  for (const int b : start.tree.order())
+    for (int i = 0; i < info(start.tree.kind(b)).nv; ++i) {
+      const int place = start.tree.first_p(b) + i;
+      const double turns = 0.6180339887498949 * (start.tree.nv() * attempt + place);
+      const double size = info(start.tree.kind(b)).v_units[i] == 'm' ? start.size : 1;
+      if ((start.tree.link(b).locked >> i & 1u) == 0) change[at(place)] = by * size * (2 * (turns - std::floor(turns)) - 1);
+    }
+  detail::displace(start.tree, change.data(), 1, q);
+}
+
+bool flipped(const Tree& tree, const Workspace<double>& workspace) {
+  for (std::size_t i = 0; i < tree.loops().size(); ++i)
+    if (loop_flipped(tree, workspace, static_cast<int>(i))) return true;
+  return false;
+}
+
+}  // namespace
+
+bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double* residuals) noexcept {
+  LoopWorkspace& loops = detail::loop_memory(tree, workspace);
+  detail::set_loop_motions(tree, t, workspace);
+  const std::vector<Turns> turns = loops.turns;
+  const std::vector<double> given(q, q + tree.nq());
+  Start start{tree, u, 0};
+  double energy = 0;
+  const auto finish = [&] {
+    detail::note_turns(tree, workspace);
+    return close_loops(tree, t, q, u, workspace, energy);
+  };
+  const auto report = [&] {
+    for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = open_by(tree, loops, i);
+  };
+  sweep_velocities<double, true>(tree, q, u, workspace);
+  detail::place_loops(tree, q, workspace, true);
+  for (const LoopPlace& place : loops.places) start.size = std::max(start.size, place.size);
+  if (!(start.size > 0)) start.size = 1;
+
+  double least = close_by_mass(start, q, workspace);
+  report();
+  std::vector<double> best(q, q + tree.nq());
+  std::vector<Turns> best_turns = loops.turns;
+  bool closed = least <= nearly_closed;
+  if (closed && !flipped(tree, workspace)) return finish();
+
+  const Tree equal = with_equal_armatures(tree, start.size);
+  Workspace<double> other(equal);
+  for (int k = 0; k <= disturbed_attempts; ++k) {
+    detail::loop_memory(equal, other).turns = turns;
+    detail::set_loop_motions(equal, t, other);
+    std::copy(given.begin(), given.end(), q);
+    Start attempt{equal, u, start.size};
+    if (k > 0) disturb(attempt, 0.02 * std::exp2(0.5 * k), k, q);
+    const double open = close_damped(attempt, q, other);
+    if (!(open < least) && !(open <= nearly_closed)) continue;
+    const bool turned = open <= nearly_closed && flipped(equal, other);
+    if (closed && turned) continue;
+    least = open, closed = open <= nearly_closed;
+    best.assign(q, q + tree.nq()), best_turns = other.loops->turns;
+    for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = open_by(equal, *other.loops, i);
+    if (closed && !turned) break;
+  }
+  std::copy(best.begin(), best.end(), q);
+  loops.turns = best_turns;
+  if (!closed) return false;
+  sweep_velocities<double, true>(tree, q, u, workspace);
+  detail::place_loops(tree, q, workspace, true);
+  return finish();
+}
+
+}  // namespace momentree
