@@ -1,7 +1,7 @@
 // Lists what holds bodies together in addition to the joints of their trees: joints that close loops, springs, and couplings.
 import type { Topology } from "../../../wasm/host.mjs";
 import { h } from "../panels/dom";
-import { digits, count } from "../panels/numbers";
+import { digits } from "../panels/numbers";
 import type { Model, Phase, Spring } from "../recording";
 import { phaseAt } from "../viewer/frames";
 import { endsOf } from "../viewer/springs";
@@ -85,7 +85,7 @@ export function connections(app: App): HTMLElement {
       return;
     }
     shown = key;
-    legend.textContent = `Loops, springs and couplings: ${count(all.filter(({ over }) => !over).length, "acts", "act")}`;
+    legend.textContent = `Loops, springs and couplings (${all.filter(({ over }) => !over).length})`;
     list.replaceChildren(
       ...all.map(({ kind, name, text, joint, over }) =>
         h(

@@ -8,6 +8,7 @@ import { Floor, lengthText, Sun } from "./floor";
 import { aimAt, gathered, spheresOf } from "./follow";
 import { themeOf, type Theme } from "./colours";
 import { MechanismsView, type Hit } from "./mechanisms";
+import { Pace } from "./pace";
 import { ShapeLibrary } from "./shapes";
 
 /** Whether this browser can draw the picture. */
@@ -41,6 +42,8 @@ export class Stage {
   private readonly themeListeners: ((theme: Theme) => void)[] = [];
   private readonly followListeners: ((on: boolean) => void)[] = [];
   private follows = false;
+  private readonly pace = new Pace();
+  private shadows = true;
   private drawingListener: (began: number, ended: number) => void = () => undefined;
   /** Distance of the camera at the last view of everything (m). */
   private home = Infinity;
@@ -211,6 +214,14 @@ export class Stage {
     for (const listener of this.drawListeners) listener(this.camera, height);
     this.renderer.render(this.scene, this.camera);
     this.drawingListener(began / 1000, performance.now() / 1000);
+    if (this.shadows && this.pace.isSlow(began / 1000)) this.simplify();
+  }
+
+  /** This machine draws too slowly: motion matters more than shadows and fine pixels. */
+  private simplify() {
+    this.shadows = this.sun.light.castShadow = false;
+    this.renderer.setPixelRatio(1);
+    this.resize();
   }
 
   private resize() {
@@ -235,7 +246,7 @@ export class Stage {
   private layFloor(view: View) {
     this.floor.lay(view, this.theme);
     this.sun.stand(view);
-    this.sun.light.castShadow = this.floor.receivesShadows;
+    this.sun.light.castShadow = this.shadows && this.floor.receivesShadows;
     this.scale.textContent = `1 square: ${lengthText(this.floor.square)}`;
   }
 
