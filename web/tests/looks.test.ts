@@ -1,4 +1,5 @@
-// What the picture tells beyond the shapes: shadows and a scale, names and frames on hover, arrows, and where pieces are that left.
+// What the picture tells beyond the shapes: shadows and a scale, names and frames on hover, arrows, and where the pieces
+// are that left.
 import type { Browser, Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, expect, it } from "vitest";
 import { mechanismColour, themeOf } from "../src/viewer/colours";

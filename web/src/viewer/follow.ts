@@ -39,9 +39,9 @@ export function gathered(spheres: readonly (Sphere | null)[], home: THREE.Vector
 }
 
 /**
- * How the camera must look at spheres that it sees along `direction` (from the target to the camera): as it does if all are within
- * the share `margin` of the picture; otherwise at their middle, from where all are within. A camera that is farther away than
- * `home` comes back when they fill less than half of the picture.
+ * How the camera must look at spheres that it sees along `direction` (from the target to the camera): as it does if all are
+ * within the share `margin` of the picture; otherwise at their middle, from where all are within. A camera that is farther
+ * away than `home` comes back when they fill less than half of the picture.
  */
 export function aimAt(
   spheres: readonly Sphere[],
