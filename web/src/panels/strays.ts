@@ -44,7 +44,7 @@ export class Strays {
     private readonly present: () => { poses: ArrayLike<number>; phase: Phase; names: readonly string[] } | null,
   ) {
     for (let i = 0; i < most; i++) {
-      const button = h("button", { type: "button", class: "stray", hidden: true });
+      const button = h("button", { type: "button", class: "stray", title: "Outside the picture", hidden: true });
       button.addEventListener("click", () => {
         const stray = this.shown[i];
         if (stray) stage.lookTowards(stray.at);
