@@ -49,7 +49,7 @@ TEST_CASE("every kind recovers its coordinates from the relative pose that they 
     const JointSpec joint = example(kind.kind);
     const Values q = example_coordinates(kind);
     const Pose motion = joint_motion(joint, q.begin());
-    const auto back = joint_coordinates(joint, motion, turns_of(kind.kind, q.data()));
+    const auto back = joint_coordinates(joint, motion, turns_of(kind.kind, q.begin()));
     REQUIRE(back);
     CHECK(distance(joint_motion(joint, back->begin()), motion) < 1e-14);
     for (int i = 0; i < kind.nq; ++i)
