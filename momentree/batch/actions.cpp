@@ -119,8 +119,7 @@ std::optional<JointId> Batch::find_joint(int world, const std::string& name) con
 
 std::string Batch::joint_name(int world, JointId joint) const {
   const Tree& tree = impl().seat(world).group->tree();
-  if (is_loop(joint))
-    return tree.find_loop(joint) != nullptr ? impl_->names_of(world, tree).joint(joint.index) : std::string();
+  if (is_loop(joint)) return tree.find_loop(joint) != nullptr ? impl_->names_of(world, tree).joint(joint.index) : std::string();
   MT_REQUIRE(joint.index >= 0 && joint.index < tree.bodies(), "the world has or had a joint of that number");
   if (joint.index >= impl_->model.size() || tree.carrier(joint.index) < 0) return {};
   for (const auto& [number, name] : impl_->names_now(world).joints)

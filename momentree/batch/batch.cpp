@@ -31,6 +31,7 @@ Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
   const Tree& tree = impl_->declared;
   batch::check(tree, impl_->variables_of(tree));
   impl_->seats.resize(static_cast<std::size_t>(worlds));
+  impl_->tasks.reserve(impl_->seats.size());  // at most a block for each world
   impl_->efforts.resize(static_cast<std::size_t>(worlds));
   Group& group = impl_->group_of(tree);
   if (tree.has_loops()) impl_->scratch = std::make_unique<Simulation>(impl_->model, impl_->integration);  // closes them
