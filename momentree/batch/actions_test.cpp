@@ -9,6 +9,7 @@
 #include <momentree/batch/batch.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <tests/error_of.hpp>
 
 using namespace momentree;
 
@@ -54,15 +55,6 @@ double difference(std::span<const double> a, std::span<const double> b) {
   double worst = 0;
   for (std::size_t i = 0; i < a.size(); ++i) worst = std::fmax(worst, std::fabs(a[i] - b[i]));
   return worst;
-}
-
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.message();
-  }
-  return "";
 }
 
 bool near(const Totals& a, const Totals& b) {

@@ -108,10 +108,9 @@ void Batch::read_loop(std::span<const int> worlds, JointId joint, double* q, dou
   if (worlds.empty()) return;
   const Group& group = impl.common(worlds);
   const Tree& tree = group.tree();
-  const Loop* const loop = is_loop(joint) ? tree.find_loop(joint) : nullptr;
-  MT_REQUIRE(loop != nullptr, "a joint that closes a loop in these worlds");
-  const int at = static_cast<int>(loop - tree.loops().data());
-  const KindInfo& kind = info(loop->joint.kind);
+  const int at = is_loop(joint) ? tree.loop_place(joint) : -1;
+  MT_REQUIRE(at >= 0, "a joint that closes a loop in these worlds");
+  const KindInfo& kind = info(tree.loops()[static_cast<std::size_t>(at)].joint.kind);
   for (Impl::Scratch& each : impl.scratches) each.fit(tree);
   impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
     const auto row = static_cast<std::size_t>(i);

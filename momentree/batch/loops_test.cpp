@@ -11,6 +11,7 @@
 #include <momentree/batch/lockstep.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <tests/error_of.hpp>
 
 using namespace momentree;
 
@@ -115,15 +116,6 @@ double difference(std::span<const double> a, std::span<const double> b) {
   return worst;
 }
 
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.message();
-  }
-  return "";
-}
-
 void check_equal(const Batch& batch, int world, const Simulation& sim, double tolerance = 0) {
   const State state = batch.state(world), other = sim.world().state();
   REQUIRE(state.variables() == other.variables());
@@ -132,7 +124,7 @@ void check_equal(const Batch& batch, int world, const Simulation& sim, double to
   CHECK(difference(state.y(), other.y()) <= tolerance);
   REQUIRE(batch.tree(world).loops().size() == sim.world().loops().size());
   for (const Loop& loop : batch.tree(world).loops()) {  // the angles of a state that no step has reached yet are not kept
-    const JointId id{sim.world().loops()[static_cast<std::size_t>(&loop - batch.tree(world).loops().data())]};
+    const JointId id{sim.world().loops()[static_cast<std::size_t>(batch.tree(world).loop_place(loop.id()))]};
     const JointView view = sim.world().joint(id);
     CHECK(batch.joint_name(world, loop.id()) == view.name);
     std::vector<double> q(view.q.size()), v(view.v.size());

@@ -10,6 +10,7 @@
 #include <momentree/batch/batch.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
+#include <tests/error_of.hpp>
 #include <tests/misuse.hpp>
 
 using namespace momentree;
@@ -31,15 +32,6 @@ Model chain(double mass = 1) {
                       .at = {k == 0 ? 0 : 0.2, 0, 0},
                       .joint = Revolute{.axis = y_axis}});
   return model;
-}
-
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.message();
-  }
-  return "";
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <tests/error_of.hpp>
 
 using namespace momentree;
 
@@ -17,16 +18,6 @@ namespace {
 
 BodySpec ball(std::string name, double mass = 2) {
   return {.name = std::move(name), .mass = mass, .inertia = diagonal(0.3), .joint = Free{}};
-}
-
-template <class F>
-std::string error_of(F&& f) {
-  try {
-    f();
-  } catch (const Error& error) {
-    return error.message();
-  }
-  return "";
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/simulate/simulation.hpp>
+#include <tests/error_of.hpp>
 #include <tests/misuse.hpp>
 
 using namespace momentree;
@@ -30,15 +31,6 @@ Model model(double mass = 1) {
   return all;
 }
 
-// The message of the error that is thrown; empty: none.
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.message();
-  }
-  return "";
-}
 void check_error(const char* what, const std::function<void()>& act) {
   const std::string said = error_of(act);
   CAPTURE(std::string(what));

@@ -9,6 +9,7 @@
 #include <momentree/base/error.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <tests/error_of.hpp>
 
 using namespace momentree;
 
@@ -39,15 +40,6 @@ Model probe() {
   return model;
 }
 const std::vector<double> some_v = {0.1, -0.2, 0.3, 0.4, -0.5, 0.6, 0.7, 0.8, -0.9, 1.1};
-
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.message();
-  }
-  return "";
-}
 
 double largest_difference(std::span<const double> a, std::span<const double> b) {
   REQUIRE(a.size() == b.size());

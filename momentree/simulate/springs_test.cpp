@@ -10,6 +10,7 @@
 #include <momentree/integrate/stiffness.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <tests/error_of.hpp>
 
 using namespace momentree;
 
@@ -23,16 +24,6 @@ BodySpec slider(std::string name, double mass, double at, double speed = 0) {
 // A mass below the ceiling, along z.
 BodySpec hanging(double mass, double height, double speed = 0) {
   return {.name = "m/a", .mass = mass, .inertia = diagonal(1), .joint = Prismatic{.axis = {0, 0, 1}}, .q = height, .v = speed};
-}
-
-template <class F>
-std::string error_of(F&& f) {
-  try {
-    f();
-  } catch (const Error& error) {
-    return error.message();
-  }
-  return "";
 }
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

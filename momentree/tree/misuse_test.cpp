@@ -6,6 +6,7 @@
 
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/topology/snapshot.hpp>
+#include <tests/error_of.hpp>
 #include <tests/misuse.hpp>
 
 using namespace momentree;
@@ -28,15 +29,6 @@ Model arm(double mass = 1) {
                       .joint = last == ground ? JointSpec(Weld{}) : JointSpec(Revolute{})});
   model.add({.name = "float", .mass = mass, .inertia = diagonal(0.1), .joint = Free{}});
   return model;
-}
-
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.message();
-  }
-  return "";
 }
 
 const char* const no_body = "the tree has a body of that number, and it was not removed";

@@ -27,7 +27,7 @@ function download(blob: Blob, name: string) {
   setTimeout(() => URL.revokeObjectURL(address), 60_000);
 }
 
-/** What a page tells of its picture. */
+/** What a page states about its picture. */
 export interface Saved {
   readonly stage: () => Stage | null;
   readonly title: () => string;

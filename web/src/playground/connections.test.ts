@@ -44,7 +44,7 @@ describe("the list of loops, springs and couplings", () => {
     expect(list().find(({ over }) => over)).toMatchObject({ name: "west guy", text: "broken, mast/pole to the ground" });
   });
 
-  it("has couplings, as far as the engine tells of them", () => {
+  it("lists the couplings that the engine reports", () => {
     const { world: w } = world(scenario("four_bar"));
     const topology = {
       ...w.topology(),

@@ -53,7 +53,7 @@ describe("the ellipsoid of a body's inertia", () => {
         expect(m[r].reduce((s, x, c) => s + x * axes[c][k], 0)).toBeCloseTo(moments[k] * axes[r][k], 12);
   });
 
-  it("is none for point masses, and for equal moments of a body that is drawn by a line", () => {
+  it("does not exist for point masses, and for equal moments of a body that is drawn by a line", () => {
     const line: Body["extent"] = [
       [
         [0, 0, 0],
