@@ -46,6 +46,7 @@ struct Batch::Impl {
   std::vector<std::vector<batch::ExtraEffort>> efforts;                 // by world
   std::vector<std::unique_ptr<batch::Stepper>> steppers;                // by thread
   std::vector<batch::LoopStepper> loop_steppers;                        // by thread; none without closed loops
+  std::vector<std::unique_ptr<batch::Stepper>> loop_lanes;              // by thread, of worlds with loops in velocities
   std::vector<Task> tasks;                                              // of the current step
   int capacity = 0, lanes = 0, loop_capacity = 0;
   bool had_loops = false;  // a world had a loop joint
@@ -118,21 +119,36 @@ struct Batch::Impl {
   }
   std::unique_ptr<Group> new_group(Topology topology, const Tree& tree) {
     had_loops |= !tree.loops().empty();
-    if (!had_loops) return std::make_unique<Group>(std::move(topology), tree, lanes, variables_of(tree));
+    if (!had_loops) return std::make_unique<Group>(std::move(topology), tree, lanes_of_group(tree), variables_of(tree));
     Tree own = declared;  // later loop joints get numbers that do not depend on earlier ones
     own.restore(topology);
-    return std::make_unique<Group>(std::move(topology), own, lanes, variables_of(own));
+    return std::make_unique<Group>(std::move(topology), own, lanes_of_group(own), variables_of(own));
+  }
+  // Worlds with loops in momenta are stepped one by one.
+  static bool in_loop_lanes(const Group& group) { return group.tree().has_loops() && group.variables() == Variables::velocities; }
+  int lanes_of_group(const Tree& tree) {
+    if (!tree.has_loops()) return lanes;
+    if (variables_of(tree) == Variables::momenta) return 1;
+    if (loop_lanes.empty() || loop_capacity < tree.bodies()) {
+      loop_lanes.clear();
+      for (int i = 0; i < pool.threads(); ++i) loop_lanes.push_back(batch::make_loop_stepper(isa, tree));
+    }
+    return loop_lanes[0]->lanes();
   }
   // Memory of all threads, so that steps allocate nothing.
   void prepare_loops(const Tree& tree) {
     const bool grows = tree.bodies() > loop_capacity;
     loop_capacity = std::max(loop_capacity, tree.bodies());
     loop_steppers.resize(static_cast<std::size_t>(pool.threads()));
-    for (batch::LoopStepper& stepper : loop_steppers) {
-      stepper.fit(tree);
-      for (auto group = groups.begin(); grows && group != groups.end(); ++group)
-        if (group->second->tree().has_loops()) stepper.fit(group->second->tree());
-    }
+    const auto fit = [&](const Tree& each, Variables in) {
+      for (batch::LoopStepper& stepper : loop_steppers)
+        if (in == Variables::momenta) stepper.fit(each);
+      for (const auto& stepper : loop_lanes)
+        if (in == Variables::velocities) stepper->fit(each);
+    };
+    fit(tree, variables_of(tree));
+    for (auto group = groups.begin(); grows && group != groups.end(); ++group)
+      if (group->second->tree().has_loops()) fit(group->second->tree(), group->second->variables());
   }
 
   void sit(int world, Group& group) {
@@ -156,7 +172,9 @@ struct Batch::Impl {
     pool.run(static_cast<int>(tasks.size()), [this](int thread, int i) {
       Group& group = *tasks[static_cast<std::size_t>(i)].group;
       const batch::Block block = group.block(tasks[static_cast<std::size_t>(i)].block);
-      if (group.tree().has_loops())
+      if (in_loop_lanes(group))
+        loop_lanes[static_cast<std::size_t>(thread)]->step(group.tree(), group.plan(), block);
+      else if (group.tree().has_loops())
         loop_steppers[static_cast<std::size_t>(thread)].step(group.tree(), group.variables(), block);
       else
         steppers[static_cast<std::size_t>(thread)]->step(group.tree(), group.plan(), block);

@@ -104,7 +104,7 @@ Group::Group(Topology topology, const Tree& tree, int lanes, Variables variables
       key_(key_of(topology_)),
       tree_(tree),
       plan_(tree_),
-      lanes_(tree.has_loops() ? 1 : lanes),
+      lanes_(lanes),
       variables_(variables) {}
 
 void Group::resize(std::size_t slots) {

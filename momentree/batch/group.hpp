@@ -33,7 +33,6 @@ struct ExtraEffort {
 
 class Group {
  public:
-  /// Worlds with closed loops or exact couplings have blocks of one lane: they are stepped one by one.
   Group(Topology topology, const Tree& tree, int lanes, Variables variables);
 
   const Topology& topology() const { return topology_; }

@@ -72,6 +72,19 @@ std::unique_ptr<Stepper> make_stepper(Isa isa, [[maybe_unused]] Precision precis
   return nullptr;
 }
 
+std::unique_ptr<Stepper> make_loop_stepper(Isa isa, [[maybe_unused]] const Tree& tree) {
+#ifdef MOMENTREE_LANES_AVX512
+  if (isa == Isa::avx512 && available(isa)) return std::unique_ptr<Stepper>(make_avx512_loops(tree));
+#endif
+#ifdef MOMENTREE_LANES_AVX2
+  if (isa == Isa::avx2 && available(isa)) return std::unique_ptr<Stepper>(make_avx2_loops(tree));
+#endif
+#ifdef MOMENTREE_LANES_BASELINE
+  if (isa == Isa::baseline) return std::unique_ptr<Stepper>(make_baseline_loops(tree));
+#endif
+  return nullptr;
+}
+
 void add_element_forces(const Tree& tree, int b, double t, const double* q, const double* u, double* force) noexcept {
   const JointParameters& p = *tree.parameters(b);
   const int nv = info(tree.kind(b)).nv;

@@ -29,7 +29,7 @@ struct Block {
   double* time;               ///< s, by lane
   const double* h;            ///< s, by lane: the step of each world; 0: the world does not change, bit for bit
   unsigned char* ran_away{};  ///< by lane: set if a step diverged; that world is left as before
-  Turns* turns{};             ///< of a world with closed loops: State::turns()
+  Turns* turns{};             ///< State::turns() of worlds with closed loops, those of one world consecutive
 };
 
 class Stepper {
@@ -39,6 +39,8 @@ class Stepper {
   Stepper& operator=(const Stepper&) = delete;
   virtual ~Stepper();
   virtual int lanes() const = 0;
+  /// Prepares steps of worlds with this tree, if they have loops. Allocates if they have more than before.
+  virtual void fit(const Tree&) {}
   /// One step of the classical Runge–Kutta method in every lane. The tree must not have more bodies than that of the constructor.
   /// Neither allocates nor throws.
   virtual void step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept = 0;
@@ -53,7 +55,13 @@ Isa best_isa(Isa widest = Isa::avx512) noexcept;
 /// `variables`: what y is. Null if the set is not available.
 std::unique_ptr<Stepper> make_stepper(Isa isa, Precision precision, const Tree& tree, Variables variables = Variables::momenta);
 
+/// The same for worlds with closed loops or exact couplings, in velocities and doubles.
+std::unique_ptr<Stepper> make_loop_stepper(Isa isa, const Tree& tree);
+
 // Each in its own source file.
+Stepper* make_baseline_loops(const Tree& tree);
+Stepper* make_avx2_loops(const Tree& tree);
+Stepper* make_avx512_loops(const Tree& tree);
 Stepper* make_baseline_double(const Tree& tree);
 Stepper* make_baseline_float(const Tree& tree);
 Stepper* make_avx2_double(const Tree& tree);

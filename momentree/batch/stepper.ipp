@@ -33,6 +33,12 @@ class PackStepper : public Stepper {
   virtual void evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
                         const T* y) noexcept = 0;
   virtual const T* ydot() const noexcept = 0;
+  /// Before a step.
+  virtual void begin(const Tree&, const Block&) noexcept {}
+  /// Corrects q_ and y_ after a step that ended at t, by lane; clears the lanes in which that is impossible.
+  virtual void close(const Tree&, const Block&, const double* /*t*/, typename T::Mask& /*plausible*/) noexcept {}
+  /// Normalises the quaternions in some lanes.
+  void normalise(const Tree& tree, T* q, const bool* lanes) noexcept;
   /// Adds the joint forces to `force`, at the velocities in workspace_.v; the accelerations of prescribed motions in their
   /// places.
   void add_forces(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q, T* force) noexcept;
@@ -87,16 +93,24 @@ void PackStepper<T>::add_forces(const Tree& tree, const ForcePlan& plan, const d
 }
 
 template <class T>
-void PackStepper<T>::end_step(const Tree& tree, const double* t) noexcept {
+void PackStepper<T>::normalise(const Tree& tree, T* q, const bool* lanes) noexcept {
   for (const int b : tree.quaternion_joints()) {
     const int nq = coordinates_of(tree, b), at = tree.first_q(b);
     for (int lane = 0; lane < N; ++lane) {
+      if (!lanes[lane]) continue;
       double joint_q[7];
-      for (int i = 0; i < nq; ++i) joint_q[i] = q_[at + i][lane];
+      for (int i = 0; i < nq; ++i) joint_q[i] = q[at + i][lane];
       normalise_joint(tree, b, joint_q);
-      for (int i = 0; i < nq; ++i) q_[at + i].set(lane, joint_q[i]);
+      for (int i = 0; i < nq; ++i) q[at + i].set(lane, joint_q[i]);
     }
   }
+}
+
+template <class T>
+void PackStepper<T>::end_step(const Tree& tree, const double* t) noexcept {
+  bool all[N];
+  for (bool& lane : all) lane = true;
+  normalise(tree, q_.get(), all);
   for (const int b : tree.driven_joints())
     for (int lane = 0; lane < N; ++lane) {
       double point[3];
@@ -110,6 +124,7 @@ void PackStepper<T>::step(const Tree& tree, const ForcePlan& plan, const Block& 
   const int nq = tree.nq(), nv = tree.nv();
   load(tree, block.q, block.y, q0_.get(), y0_.get());
   double t[N];
+  begin(tree, block);
   rk4_stages<T>(T::load(block.h), {nq, q0_.get(), workspace_.qdot.get(), q_.get(), q_sum_.get()},
                 {nv, y0_.get(), ydot(), y_.get(), y_sum_.get()}, [&](double node, double, const T* q, const T* y) {
                   for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + node * block.h[lane];
@@ -124,6 +139,7 @@ void PackStepper<T>::step(const Tree& tree, const ForcePlan& plan, const Block& 
   T sum(0);  // 0·x is NaN if x is not finite
   for (int i = 0; i < nv; ++i) sum += 0.0 * y_[i];
   plausible &= within(sum, 0);
+  close(tree, block, t, plausible);
   for (int lane = 0; lane < N; ++lane) {
     if (block.h[lane] == 0)
       plausible[lane] = 0;

@@ -118,7 +118,30 @@ void choose_rows(const Tree& tree, LoopWorkspace& loops, double tolerance) noexc
   std::sort(c.taken.begin(), c.taken.end());
   loops.rank = choice.taken();
   lay_out(tree, c.taken, loops.kept);
+  std::fill(loops.least_pivots.begin(), loops.least_pivots.end(), 0.0);
 }
+
+void LaneChoice::fit(const Tree& tree) {
+  if (one_.topology == tree.revision()) return;
+  lay_out_loops<double>(tree, one_);
+  one_.choice.reserve(tree.loop_links().size(), one_.rows.size(), one_.all.elements);
+  chosen_.resize(one_.rows.size());
+  union_.reserve(one_.rows.size());
+}
+double* LaneChoice::A() noexcept { return one_.A.data(); }
+void LaneChoice::set_scale(std::size_t row, double scale) noexcept { one_.rows[row].scale = scale; }
+void LaneChoice::start() noexcept { std::fill(chosen_.begin(), chosen_.end(), 0u); }
+void LaneChoice::choose_lane(const Tree& tree, int lane) noexcept {
+  choose_rows(tree, one_, rank_tolerance);
+  for (const int row : one_.kept.rows) chosen_[at(row)] |= 1u << lane;
+}
+void LaneChoice::keep(const Tree& tree, LoopLayout& kept) noexcept {
+  union_.clear();
+  for (std::size_t i = 0; i < chosen_.size(); ++i)
+    if (chosen_[i] != 0) union_.push_back(static_cast<int>(i));
+  lay_out(tree, union_, kept);
+}
+bool LaneChoice::chosen(int row, int lane) const noexcept { return (chosen_[at(row)] >> lane & 1u) != 0; }
 
 void lay_out(const Tree& tree, const std::vector<int>& rows, LoopLayout& layout) {
   const auto links = tree.loop_links();

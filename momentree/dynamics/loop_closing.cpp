@@ -16,10 +16,7 @@ namespace {
 
 using detail::LoopCorrection;
 
-using detail::nearly_closed;
-
-constexpr double closed = 1e-14;  // |φ| relative to the size of the loop, and as a sine of angles
-constexpr int most_corrections = 8;
+using detail::closed, detail::most_corrections, detail::nearly_closed;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -79,24 +76,19 @@ void each_moving_root(const Tree& tree, const F& f) {
 
 }  // namespace
 
-double detail::row_size(const Tree& tree, const LoopWorkspace& loops, std::size_t link, int row) noexcept {
+bool detail::is_length(const Tree& tree, std::size_t link, int row) noexcept {
   const LoopLink& own = tree.loop_links()[link];
-  if (own.ends.coupling >= 0) return std::max(loops.sizes[link - tree.loops().size()], 1e-300);
   const int rows = own.closure.rows();
-  const bool length = row >= rows ? info(tree.loops()[link].joint.kind).q_units[own.dof_rows[at(row - rows)].dof] == 'm'
-                                  : row < own.closure.positions || row >= own.closure.positions + own.closure.directions;
-  return length ? std::max(loops.places[link].size, 1e-300) : 1.0;
+  return row >= rows ? info(tree.loops()[link].joint.kind).q_units[own.dof_rows[at(row - rows)].dof] == 'm'
+                     : row < own.closure.positions || row >= own.closure.positions + own.closure.directions;
+}
+
+double detail::row_size(const Tree& tree, const LoopWorkspace& loops, std::size_t link, int row) noexcept {
+  return row_size<double>(tree, loops, link, row, 0);
 }
 
 double detail::open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t link) noexcept {
-  double worst = 0;
-  for (int i = 0; i < tree.loop_links()[link].rows; ++i) {
-    const LoopRow& row = loops.rows[at(tree.loop_links()[link].first_row + i)];
-    const double size = row_size(tree, loops, link, i);
-    const double part = std::isfinite(size) ? std::fabs(row.residual) / size : HUGE_VAL;  // lengths beyond all bounds
-    if (!(part <= worst)) worst = part;                                                   // NaN is kept
-  }
-  return worst;
+  return open_by<double>(tree, loops, link, 0);
 }
 
 double detail::open_by(const Tree& tree, const LoopWorkspace& loops) noexcept {
@@ -107,11 +99,9 @@ double detail::open_by(const Tree& tree, const LoopWorkspace& loops) noexcept {
 }
 
 void detail::note_turns(const Tree& tree, Workspace<double>& workspace) noexcept {
-  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
-    double q[7] = {}, u[6] = {};
-    loop_coordinates(tree, workspace, static_cast<int>(i), q, u);
-    workspace.loops->turns[i] = turns_of(tree.loops()[i].joint.kind, q);
-  }
+  LoopWorkspace& loops = *workspace.loops;
+  for (std::size_t i = 0; i < tree.loops().size(); ++i)
+    loops.turns[i] = turns_at(tree, static_cast<int>(i), loops.places[i], loops.turns[i]);
 }
 
 void detail::displace(const Tree& tree, const double* delta, double scale, double* q) noexcept {

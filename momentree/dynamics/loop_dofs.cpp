@@ -75,11 +75,20 @@ Pose loop_pose(const LoopPlace& p, const LoopLink& link) noexcept {
 
 void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept {
   const LoopWorkspace& loops = *workspace.loops;
-  const LoopPlace& p = loops.places[at(place)];
+  detail::loop_coordinates_at(tree, place, loops.places[at(place)], loops.turns[at(place)], q, u);
+}
+void detail::loop_coordinates_at(const Tree& tree, int place, const LoopPlace& p, const Turns& turns, double* q,
+                                 double* u) noexcept {
   const LoopLink& link = tree.loop_links()[at(place)];
   const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
-  nearest_coordinates(spec, loop_pose(p, link), loops.turns[at(place)], q);
+  nearest_coordinates(spec, loop_pose(p, link), turns, q);
   Dofs(spec, q).velocities(relative_motion(p, loop_child_axes(p, link)), u);
+}
+Turns detail::turns_at(const Tree& tree, int place, const LoopPlace& p, const Turns& hint) noexcept {
+  const Joint& joint = tree.loops()[at(place)].joint;
+  double q[7] = {};
+  nearest_coordinates(spec_of(joint), loop_pose(p, tree.loop_links()[at(place)]), hint, q);
+  return turns_of(joint.kind, q);
 }
 
 void held_loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept {
@@ -104,12 +113,11 @@ void loop_joint_values(const Tree& tree, double t, const double* q, const double
   held_loop_coordinates(tree, workspace, place, loop_q, loop_u);
 }
 
-LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept {
-  const LoopPlace& p = workspace.loops->places[at(place)];
-  const LoopLink& link = tree.loop_links()[at(place)];
-  const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
+namespace {
+LoopRow velocity_row(const Loop& loop, const LoopLink& link, const LoopPlace& p, const Turns& turns, int dof) {
+  const JointSpec spec = spec_of(loop.joint);
   double q[7] = {}, u[6] = {};
-  nearest_coordinates(spec, loop_pose(p, link), workspace.loops->turns[at(place)], q);
+  nearest_coordinates(spec, loop_pose(p, link), turns, q);
   const Dofs dofs(spec, q);
   const Mat3 Rb = loop_child_axes(p, link);
   dofs.velocities(relative_motion(p, Rb), u);
@@ -124,6 +132,29 @@ LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int p
               product(w, joint_columns_drift(spec, q, u));
   return row;
 }
+}  // namespace
+
+LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept {
+  const LoopWorkspace& loops = *workspace.loops;
+  return velocity_row(tree.loops()[at(place)], tree.loop_links()[at(place)], loops.places[at(place)], loops.turns[at(place)], dof);
+}
+
+LoopRow detail::dof_row(const Tree& tree, int place, const DofRow& of, const LoopPlace& p, const Turns& turns,
+                        const Curve::Point& motion) noexcept {
+  const Loop& loop = tree.loops()[at(place)];
+  LoopRow row = velocity_row(loop, tree.loop_links()[at(place)], p, turns, of.dof);
+  if (of.use == DofRow::Use::motion) {
+    row.residual -= motion.value, row.velocity -= motion.rate, row.drift -= motion.acceleration;
+    row.jump_to = motion.rate;
+  } else if (of.use == DofRow::Use::armature) {
+    row.jump_to = row.velocity;
+    row.residual = row.velocity = 0;
+    row.softness = 1 / of.armature;
+  } else if (info(loop.joint.kind).nq == info(loop.joint.kind).nv) {
+    row.residual -= loop.held[of.dof];
+  }
+  return row;
+}
 
 void detail::add_extra_efforts(const Tree& tree, const LoopWorkspace& loops, double* force) noexcept {
   if (loops.efforts == nullptr) return;
@@ -133,43 +164,18 @@ void detail::add_extra_efforts(const Tree& tree, const LoopWorkspace& loops, dou
 }
 
 void detail::set_loop_motions(const Tree& tree, double t, Workspace<double>& workspace) noexcept {
-  if (tree.loop_motions() == 0) return;
-  LoopWorkspace& loops = loop_memory(tree, workspace);
+  if (tree.loop_motions() > 0) set_loop_motions(tree, &t, 1, loop_memory(tree, workspace));
+}
+void detail::set_loop_motions(const Tree& tree, const double* t, int lanes, LoopConstants& loops) noexcept {
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
     if (!loop.driven()) continue;
-    loops.motions[i] = loop.motion().at(t);
-    if (info(loop.joint.kind).q_units[0] == 'r') loops.turns[i].first = loops.motions[i].value;
-  }
-}
-
-void detail::place_dof_rows(const Tree& tree, Workspace<double>& workspace, int place) noexcept {
-  LoopWorkspace& loops = *workspace.loops;
-  const LoopLink& link = tree.loop_links()[at(place)];
-  for (int i = 0; i < link.dof_row_count; ++i) {
-    const DofRow& of = link.dof_rows[at(i)];
-    LoopRow row = loop_dof_row(tree, workspace, place, of.dof);
-    if (of.use == DofRow::Use::motion) {
-      const Curve::Point& s = loops.motions[at(place)];
-      row.residual -= s.value, row.velocity -= s.rate, row.drift -= s.acceleration;
-      row.jump_to = s.rate;
-    } else if (of.use == DofRow::Use::armature) {
-      row.jump_to = row.velocity;
-      row.residual = row.velocity = 0;
-      row.softness = 1 / of.armature;
-    } else {
-      const Loop& loop = tree.loops()[at(place)];
-      if (info(loop.joint.kind).nq == info(loop.joint.kind).nv) row.residual -= loop.held[of.dof];
+    for (int l = 0; l < lanes; ++l) {
+      const std::size_t entry = i * at(lanes) + at(l);
+      loops.motions[entry] = loop.motion().at(t[l]);
+      if (info(loop.joint.kind).q_units[0] == 'r') loops.turns[entry].first = loops.motions[entry].value;
     }
-    loops.rows[at(link.first_row + link.closure.rows() + i)] = row;
   }
-}
-
-void detail::soften(LoopWorkspace& loops) noexcept {
-  const LoopLayout& layout = loops.whole ? loops.all : loops.kept;
-  for (std::size_t i = 0; i < layout.rows.size(); ++i)
-    loops.A[static_cast<std::size_t>(layout.position[i] + static_cast<std::ptrdiff_t>(i))] +=
-        loops.rows[at(layout.rows[i])].softness;
 }
 
 void carry_armatures(const Tree& tree, Workspace<double>& workspace) noexcept {

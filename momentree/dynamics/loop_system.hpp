@@ -1,6 +1,7 @@
 #pragma once
 // The steps of loops.hpp: positions and rows, the system of the rows, its solution, and its effect on the tree.
 #include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/loop_kernels.hpp>
 #include <momentree/dynamics/loop_workspace.hpp>
 #include <momentree/dynamics/loops.hpp>
 
@@ -31,10 +32,6 @@ double loop_holding_force(const Tree& tree, double t, const Workspace<double>& w
 
 namespace momentree::detail {
 
-/// Loops that are open by this much are as good as closed where redundant rows contradict each other: axes of CAD files have such
-/// errors.
-inline constexpr double nearly_closed = 1e-7;
-
 /// By what residuals of a row are measured, given by its place among those of its link: the size of a loop (m), or 1 for
 /// directions.
 double row_size(const Tree& tree, const LoopWorkspace& loops, std::size_t link, int row) noexcept;
@@ -60,53 +57,14 @@ void add_extra_efforts(const Tree& tree, const LoopWorkspace& loops, double* for
 
 /// Sets prescribed motions of loop joints to time t (s); before place_loops.
 void set_loop_motions(const Tree& tree, double t, Workspace<double>& workspace) noexcept;
-/// Part of place_loops: the rows of single DoFs of a loop.
-void place_dof_rows(const Tree& tree, Workspace<double>& workspace, int place) noexcept;
-/// Adds to A, after gather_loops, what armatures do.
-void soften(LoopWorkspace& loops) noexcept;
 /// The armatures keep the velocities that carry_armatures stored, in an impact that follows; those of new loops have their
 /// present ones.
 void keep_armatures(const Tree& tree, Workspace<double>& workspace) noexcept;
-
-/// The rows of couplings, part of place_loops.
-void place_couplings(const Tree& tree, const double* q, Workspace<double>& workspace, bool moving) noexcept;
-
-/// The scales of the rows, which choosing them needs; after gather_loops with all rows.
-void scale_rows(const Tree& tree, Workspace<double>& workspace) noexcept;
-
-/// Gathers A and b of the chosen rows, or of all rows, from the records. Requires place_loops.
-void gather_loops(const Tree& tree, const double* q, Workspace<double>& workspace, const Motion<double>& base, bool all) noexcept;
 
 /// Chooses independent rows from A of all rows: those whose pivots are above `tolerance`, relative to the rows' scales.
 void choose_rows(const Tree& tree, LoopWorkspace& loops, double tolerance) noexcept;
 /// Where the elements of A are for some of the rows, given in ascending order.
 void lay_out(const Tree& tree, const std::vector<int>& rows, LoopLayout& layout);
-/// Cholesky factor of the chosen rows of A; solves A λ = right for them, in lambda.
-void factorise_loops(LoopWorkspace& loops) noexcept;
-template <class Right>
-void solve_chosen(LoopWorkspace& loops, Right right) noexcept {
-  const LoopLayout& kept = loops.kept;
-  const auto n = static_cast<std::ptrdiff_t>(kept.rows.size());
-  std::fill(loops.lambda.begin(), loops.lambda.end(), 0.0);
-  double* const x = loops.b.data() + loops.rows.size();  // scratch behind b
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const auto here = static_cast<std::size_t>(i);
-    const double* const L = loops.factor.data() + kept.position[here];
-    double s = right(static_cast<std::size_t>(kept.rows[here]));
-    for (std::ptrdiff_t j = kept.begin[here]; j < i; ++j) s -= L[j] * x[j];
-    x[i] = s / L[i];
-  }
-  for (std::ptrdiff_t i = n; i-- > 0;) {
-    const auto here = static_cast<std::size_t>(i);
-    const double* const L = loops.factor.data() + kept.position[here];
-    x[i] /= L[i];
-    for (std::ptrdiff_t j = kept.begin[here]; j < i; ++j) x[j] -= L[j] * x[i];
-    loops.lambda[static_cast<std::size_t>(kept.rows[here])] = x[i];
-  }
-}
-/// Adds the multipliers' part to u0 and to the reduced bias wrenches of the bodies at the stops.
-void apply_multipliers(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept;
-
 /// H⁻¹ Jᵀ λ to workspace.a, for A λ = right(row); rows are chosen with that tolerance if it is positive. Evaluates (q, u), so
 /// that places, rows and records are of these. `evaluate_damped`: with all rows, for (A + damping D²) λ = right(row), where D are
 /// the sizes of the rows; damping is relative to the largest element of D⁻¹ A D⁻¹.
@@ -117,7 +75,7 @@ struct LoopCorrection {
   void evaluate_damped(const double* q, const double* u, double damping) noexcept;
   template <class Right>
   void solve(const double* q, Right right) noexcept {
-    solve_chosen(*workspace.loops, right);
+    solve_chosen<double>(*workspace.loops, right);
     finish(q);
   }
 

@@ -10,29 +10,33 @@
 namespace momentree {
 
 /// A loop at present: its frames in the world and the motion of the child side.
-struct LoopPlace {
-  Mat3 Ra;      ///< axes of the parent-side frame in the world
-  Vec3 xa, xb;  ///< origins of the two frames
-  Mat3 R;       ///< pose of the child-side frame in the parent-side frame
-  Vec3 r;
-  Vec3 va, wa;      ///< velocity of the point at xa and angular velocity of the parent, world axes
-  Vec3 vb, wb;      ///< the same of xb and the child
-  double size = 0;  ///< for tolerances: distance of the loop's bodies from the world's origin, and their extent (m)
+template <class T>
+struct LoopPlaceOf {
+  Matrix3<T> Ra;      ///< axes of the parent-side frame in the world
+  Vector3<T> xa, xb;  ///< origins of the two frames
+  Matrix3<T> R;       ///< pose of the child-side frame in the parent-side frame
+  Vector3<T> r;
+  Vector3<T> va, wa;  ///< velocity of the point at xa and angular velocity of the parent, world axes
+  Vector3<T> vb, wb;  ///< the same of xb and the child
+  T size{};           ///< for tolerances: distance of the loop's bodies from the world's origin, and their extent (m)
 };
+using LoopPlace = LoopPlaceOf<double>;
 
 /// One row in the world: φ̇ = F·(v of x_b less that of the parent there) + T·(relative angular velocity); of a coupling
 /// φ̇ = u(joint) − slope·u(follows), and F and T are zero.
-struct LoopRow {
-  Vec3 F, T;
-  double slope = 0;     ///< f′ of a coupling
-  double residual = 0;  ///< φ
-  double velocity = 0;  ///< J u
-  double drift = 0;     ///< J̇ u
-  Vec3 rate;            ///< dT/dt, of an inertial observer; not of armatures and motions, whose columns may turn in the child
-  double scale = 1;     ///< bound of the row's element of A
-  double softness = 0;  ///< the inverse of an armature, added to the row's element of A
-  double jump_to = 0;   ///< J u after an impact, less what `velocity` leaves out
+template <class S>
+struct LoopRowOf {
+  Vector3<S> F, T;
+  S slope{};        ///< f′ of a coupling
+  S residual{};     ///< φ
+  S velocity{};     ///< J u
+  S drift{};        ///< J̇ u
+  Vector3<S> rate;  ///< dT/dt, of an inertial observer; not of armatures and motions, whose columns may turn in the child
+  S scale = S(1);   ///< bound of the row's element of A
+  S softness{};     ///< the inverse of an armature, added to the row's element of A
+  S jump_to{};      ///< J u after an impact, less what `velocity` leaves out
 };
+using LoopRow = LoopRowOf<double>;
 
 /// The velocity of a loop joint's DoF before a change.
 struct ArmatureSpeed {
@@ -41,11 +45,13 @@ struct ArmatureSpeed {
 };
 
 /// One row at one stop: the unit wrench K on the body, first articulated, then reduced; k = Eᵀ K + effort and y = Mj⁻¹ k.
-struct LoopColumn {
-  Force<double> K;
-  double effort = 0;  ///< of a coupling's row on the joint of the body
-  double k[6], y[6];
+template <class T>
+struct LoopColumnOf {
+  Force<T> K;
+  T effort{};  ///< of a coupling's row on the joint of the body
+  T k[6], y[6];
 };
+using LoopColumn = LoopColumnOf<double>;
 
 /// Rows of the system A, in the order of the loops, and where its elements are stored. Two loops without a common stop have none:
 /// of each row the elements from that of the first loop with which its own is coupled up to the diagonal are kept.
@@ -56,9 +62,11 @@ struct LoopLayout {
   std::vector<std::ptrdiff_t> position;  ///< by row here: element (i, j) is at position[i] + j
   std::size_t elements = 0;
 
-  double element(const std::vector<double>& A, std::size_t i, std::size_t j) const {
-    if (i < j) std::swap(i, j);
-    return static_cast<int>(j) < begin[i] ? 0 : A[static_cast<std::size_t>(position[i] + static_cast<std::ptrdiff_t>(j))];
+  template <class T>
+  MOMENTREE_INLINE T element(const std::vector<T>& A, std::size_t i, std::size_t j) const {
+    const std::size_t row = i < j ? j : i, column = i < j ? i : j;
+    if (static_cast<int>(column) < begin[row]) return T(0);
+    return A[static_cast<std::size_t>(position[row] + static_cast<std::ptrdiff_t>(column))];
   }
 };
 
@@ -97,19 +105,31 @@ struct LoopReactions {
   std::vector<Carried> joints;
 };
 
-struct LoopWorkspace {
-  std::uint64_t topology = 0;          ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
-  std::vector<LoopPlace> places;       ///< by loop
-  std::vector<Turns> turns;            ///< by loop: the angles to which its own are nearest
-  std::vector<Curve::Point> motions;   ///< by loop: its prescribed motion at the time of the evaluation
+/// The part of the rows' system that is not computed with its scalar. For packs, `turns` and `motions` have one entry per lane,
+/// those of one loop consecutive.
+struct LoopConstants {
+  std::uint64_t topology = 0;         ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
+  std::vector<Turns> turns;           ///< by loop: the angles to which its own are nearest
+  std::vector<Curve::Point> motions;  ///< by loop: its prescribed motion at the time of the evaluation
+  std::vector<double> extents;        ///< by loop: the least size for tolerances (m)
+  LoopLayout all, kept;               ///< of all rows, and of the chosen ones
+  bool whole = false;                 ///< A is that of all rows
+};
+
+/// The system of the rows, for any scalar.
+template <class T>
+struct LoopSystem : LoopConstants {
+  std::vector<LoopPlaceOf<T>> places;    ///< by loop
+  std::vector<LoopRowOf<T>> rows;        ///< by row
+  std::vector<LoopColumnOf<T>> columns;  ///< by stop and row
+  std::vector<T> A, factor;              ///< of all or of the chosen rows; Cholesky factor of the chosen ones
+  std::vector<T> least_pivots;           ///< by chosen row: smaller ones are zero at stages; infinite: not chosen in that lane
+  std::vector<T> b, lambda;              ///< by row; behind b as many for scratch
+  std::vector<T> sizes;                  ///< by coupling that acts: of its equation, for tolerances (rad or m)
+};
+
+struct LoopWorkspace : LoopSystem<double> {
   std::vector<ArmatureSpeed> carried;  ///< of loop joints with armature, before an impact
-  std::vector<LoopRow> rows;           ///< by row
-  std::vector<LoopColumn> columns;     ///< by stop and row
-  LoopLayout all, kept;                ///< of all rows, and of the chosen ones
-  bool whole = false;                  ///< A is that of all rows
-  std::vector<double> A, factor;       ///< of all or of the chosen rows; Cholesky factor of the chosen ones
-  std::vector<double> least_pivots;    ///< by chosen row: smaller ones are zero at stages
-  std::vector<double> b, lambda;       ///< by row; behind b as many for scratch
   RowChoice choice;
   const double* efforts = nullptr;               ///< extra joint forces of a world of a batch, packed as p; null: none
   LoopRows wanted{};                             ///< of the evaluation in momenta that is going on
@@ -123,8 +143,6 @@ struct LoopWorkspace {
   bool least = false;      ///< the multipliers are those of the least reactions
   LoopReactions reactions;
   std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by link: 1 if the loops leave the joint's reaction open
-  std::vector<double> extents;                         ///< by loop: the least size for tolerances (m)
-  std::vector<double> sizes;                           ///< by coupling that acts: of its equation, for tolerances (rad or m)
 };
 
 }  // namespace momentree
