@@ -8,6 +8,9 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <vector>
 
+#include <momentree/simulate/simulation.hpp>
+
+#include "loop_models.hpp"
 #include "models.hpp"
 
 namespace momentree::bench {
@@ -58,8 +61,9 @@ void lanes(benchmark::State& run, Model (*make)(int), Precision precision) {
 }
 
 void batch_step(benchmark::State& run, Model (*make)(int), Precision precision, Variables variables) {
-  const int bodies = static_cast<int>(run.range(0));
-  Batch batch(make(bodies), 64, {.precision = precision, .variables = variables});
+  const Model model = make(static_cast<int>(run.range(0)));
+  const int bodies = static_cast<int>(model.bodies().size());
+  Batch batch(model, 64, {.precision = precision, .variables = variables});
   for (auto _ : run) {
     batch.step(1e-5);
     benchmark::ClobberMemory();
@@ -81,6 +85,25 @@ MOMENTREE_LANES(planar_chain, 10, 100);
 MOMENTREE_LANES(spatial_chain, 10, 100);
 MOMENTREE_LANES(bushy_tree, 100);
 MOMENTREE_LANES(humanoid, 31);
+
+// With closed loops; compare with step_with_loops, of one simulation.
+void step_with_loops(benchmark::State& run, Model (*make)(int)) {
+  const Model model = make(static_cast<int>(run.range(0)));
+  Simulation simulation(model, {.method = "rk4", .variables = Variables::velocities, .step = 1e-5});
+  for (auto _ : run) {
+    if (simulation.step(1e-5) != Status::ok) return run.SkipWithError("the simulation stopped");
+    benchmark::ClobberMemory();
+  }
+  run.counters["per_body"] = benchmark::Counter(4.0 * static_cast<double>(model.bodies().size()),
+                                                benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+#define MOMENTREE_LOOPS(model, ...)                                               \
+  BENCHMARK_CAPTURE(step_with_loops, model, model)->ArgsProduct({{__VA_ARGS__}}); \
+  BENCHMARK_CAPTURE(batch_step, model##_loops, model, Precision::float64, Variables::velocities)->ArgsProduct({{__VA_ARGS__}})
+MOMENTREE_LOOPS(four_bar, 3);
+MOMENTREE_LOOPS(four_bars, 10, 40);
+MOMENTREE_LOOPS(two_arms, 15);
+MOMENTREE_LOOPS(standing_humanoid, 31);
 
 }  // namespace
 }  // namespace momentree::bench

@@ -34,8 +34,9 @@ struct BatchOptions {
 /// friction, soft stops, prescribed motions, and extra efforts per world. They do not support forces on bodies, functions, hard
 /// stops and strengths: the constructor and `edit` throw Error for a model that has any. There is no energy ledger.
 ///
-/// Worlds with closed loops or exact couplings are stepped one by one on the threads, in double: exactly as by a Simulation with
-/// the method rk4. Their start values, and states that are set, are brought to the nearest ones that close the loops.
+/// Worlds with closed loops or exact couplings are stepped in double, in lanes in velocities, and one by one in momenta: then
+/// exactly as by a Simulation with the method rk4. Their start values, and states that are set, are brought to the nearest ones
+/// that close the loops.
 ///
 /// Worlds are numbered from 0. Functions for several worlds take their numbers in any order, and arrays with one row per number,
 /// row-major. In those with coordinates, momenta or velocities the worlds must all be in one group, that is, have the same

@@ -31,6 +31,9 @@ namespace {
 // Trees of models with the same form, constants and parameters; the topologies are compared elsewhere.
 bool same_constants(const Tree& a, const Tree& b) {
   if (a.topology().model != b.topology().model || a.gravity() != b.gravity()) return false;
+  const auto same_coupling = [](const Coupling& x, const Coupling& y) { return x == y; };
+  if (!std::equal(a.couplings().begin(), a.couplings().end(), b.couplings().begin(), b.couplings().end(), same_coupling))
+    return false;
   return std::equal(a.order().begin(), a.order().end(), b.order().begin(), b.order().end(), [&](int x, int y) {
     const JointParameters *of_x = a.parameters(x), *of_y = b.parameters(y);
     return x == y && (of_x == of_y || (of_x != nullptr && of_y != nullptr && *of_x == *of_y));
@@ -45,7 +48,8 @@ Lockstep::~Lockstep() = default;
 bool Lockstep::fits(const Simulation& simulation) {
   Simulation::Impl& impl = simulation.impl();
   return impl.method->is_that_of_lanes() && !impl.generated && !impl.stops.any() && !impl.queue.watching(impl.world) &&
-         !impl.world.tree().has_loops() && !batch::unsupported(impl.world.tree(), impl.world.state().variables());
+         (!impl.world.tree().has_loops() || impl.world.state().variables() == Variables::velocities) &&
+         !batch::unsupported(impl.world.tree(), impl.world.state().variables());
 }
 
 Group& Lockstep::group_of(const Simulation::Impl& impl) {
@@ -55,9 +59,10 @@ Group& Lockstep::group_of(const Simulation::Impl& impl) {
   for (const auto& group : groups_)
     if (group->variables() == variables && batch::same(group->topology(), topology) && same_constants(group->tree(), tree))
       return *group;
-  Steps& steps = steps_of(variables);
+  const bool loops = tree.has_loops();
+  Steps& steps = steps_of(variables, loops);
   if (tree.bodies() > steps.capacity) {
-    steps.stepper = batch::make_stepper(isa_, Precision::float64, tree, variables);
+    steps.stepper = loops ? batch::make_loop_stepper(isa_, tree) : batch::make_stepper(isa_, Precision::float64, tree, variables);
     steps.capacity = tree.bodies();
   }
   return *groups_.emplace_back(std::make_unique<Group>(topology, tree, steps.stepper->lanes(), variables));
@@ -115,6 +120,7 @@ void Lockstep::take_state(Member& member) {
   const State::Edit edit = member.impl->edit_state();
   group.get_values(member.slot, edit.q.data(), edit.y.data());
   edit.time = group.time(member.slot);
+  if (group.tree().has_loops()) member.impl->set_turns(group.turns(member.slot));
 }
 
 void Lockstep::after_step(Member& member) {
@@ -163,7 +169,7 @@ void Lockstep::run(std::span<LockstepRun> runs) {
     for (const auto& group : groups_)
       for (int i = 0; i < group->blocks(); ++i) {
         any = true;
-        steps_of(group->variables()).stepper->step(group->tree(), group->plan(), group->block(i));
+        steps_of(group->variables(), group->tree().has_loops()).stepper->step(group->tree(), group->plan(), group->block(i));
       }
     if (!any) break;
     for (Member& member : members_)

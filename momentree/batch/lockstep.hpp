@@ -26,9 +26,10 @@ struct LockstepRun {
 /// topology. Its states equal those of run_until() to round-off, whatever simulations run beside it. They depend on the
 /// instruction set, since multiply-adds are contracted differently.
 ///
-/// What a step costs beside the integration is left out: the energies dissipated and put in by forces (`dissipated`, `work` and
-/// `error` of Simulation::energy()) are not booked, watchers are called at least every 256 steps instead of after each, and times
-/// of statistics() do not include the steps.
+/// What a step costs beside the integration is left out: the energies dissipated, put in by forces and brought in by closing
+/// loops
+/// (`dissipated`, `work`, `projection` and `error` of Simulation::energy()) are not booked, watchers are called at least every
+/// 256 steps instead of after each, and times of statistics() do not include the steps.
 class Lockstep {
  public:
   explicit Lockstep(Isa widest = Isa::avx512);
@@ -41,7 +42,7 @@ class Lockstep {
   int lanes() const { return isa_ == Isa::avx512 ? 8 : isa_ == Isa::avx2 ? 4 : 2; }
   /// Whether run() would compute the next steps in lanes: with the method rk4, without generated code, and without what has to be
   /// looked at after each step or is not computed in lanes: conditions, hard stops, strengths, functions, forces on bodies,
-  /// springs between them, closed loops and exact couplings.
+  /// springs between them, and closed loops in momenta.
   [[nodiscard]] static bool fits(const Simulation& simulation);
   /// Runs all of them. Simulations that do not fit, or no longer fit after an event, run alone. Exceptions of callbacks
   /// propagate; the results of the other simulations are then undefined.
@@ -62,13 +63,13 @@ class Lockstep {
   static void finish(Member& member);
 
   Isa isa_;
-  // For momenta and for velocities; made when a simulation needs it.
+  // For momenta, for velocities, and for loops; made when a simulation needs it.
   struct Steps {
     std::unique_ptr<batch::Stepper> stepper;
     int capacity = 0;
   };
-  Steps& steps_of(Variables variables) { return steps_[variables == Variables::momenta ? 0 : 1]; }
-  Steps steps_[2];
+  Steps& steps_of(Variables variables, bool loops) { return steps_[loops ? 2 : variables == Variables::momenta ? 0 : 1]; }
+  Steps steps_[3];
   std::vector<std::unique_ptr<batch::Group>> groups_;
   std::vector<Member> members_;
 };

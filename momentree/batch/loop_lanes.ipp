@@ -1,6 +1,6 @@
 #pragma once
-// Steps of worlds with closed loops or exact couplings, in lanes, in velocities; included only by instantiate/*.cpp. Each lane has
-// the rows that a Simulation of its world would choose, so that no world depends on those beside it.
+// Steps of worlds with closed loops or exact couplings, in lanes, in velocities; included only by instantiate/*.cpp. Each lane
+// has the rows that a Simulation of its world would choose, so that no world depends on those beside it.
 #include <momentree/batch/stepper.ipp>
 #include <momentree/dynamics/loop_place.ipp>
 #include <momentree/dynamics/velocity.ipp>

@@ -136,7 +136,8 @@ LoopRow velocity_row(const Loop& loop, const LoopLink& link, const LoopPlace& p,
 
 LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept {
   const LoopWorkspace& loops = *workspace.loops;
-  return velocity_row(tree.loops()[at(place)], tree.loop_links()[at(place)], loops.places[at(place)], loops.turns[at(place)], dof);
+  return velocity_row(tree.loops()[at(place)], tree.loop_links()[at(place)], loops.places[at(place)], loops.turns[at(place)],
+                      dof);
 }
 
 LoopRow detail::dof_row(const Tree& tree, int place, const DofRow& of, const LoopPlace& p, const Turns& turns,

@@ -1,6 +1,6 @@
 #pragma once
-// The steps of loops for any scalar; see loop_system.hpp for what they do. Packs compute several worlds of one topology, each with
-// the rows that were chosen for it.
+// The steps of loops for any scalar; see loop_system.hpp for what they do. Packs compute several worlds of one topology, each
+// with the rows that were chosen for it.
 #include <cmath>
 
 #include <momentree/dynamics/evaluate.hpp>
@@ -125,7 +125,7 @@ double open_by(const Tree& tree, const LoopSystem<T>& loops, std::size_t link, i
     const double residual = get_lane(loops.rows[static_cast<std::size_t>(own.first_row + i)].residual, lane);
     const double size = row_size(tree, loops, link, i, lane);
     const double part = size < HUGE_VAL ? std::fabs(residual) / size : HUGE_VAL;  // lengths beyond all bounds
-    if (!(part <= worst)) worst = part;                                            // NaN is kept
+    if (!(part <= worst)) worst = part;                                           // NaN is kept
   }
   return worst;
 }
@@ -157,8 +157,8 @@ class LaneChoice {
   void keep(const Tree& tree, LoopLayout& kept) noexcept;
   bool chosen(int row, int lane) const noexcept;
 
-  LoopWorkspace one_;               // of the lane at hand
-  std::vector<unsigned> chosen_;    // by row, a bit for each lane
+  LoopWorkspace one_;             // of the lane at hand
+  std::vector<unsigned> chosen_;  // by row, a bit for each lane
   std::vector<int> union_;
 };
 

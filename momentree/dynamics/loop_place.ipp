@@ -103,13 +103,13 @@ void place_closures(const Tree& tree, const T* q, Workspace<T>& workspace, LoopS
     }
     const auto put = [&](int k, const T& phi, const Vector3<T>& F, const Vector3<T>& moment, const Vector3<T>& rate)
                          MOMENTREE_INLINE_LAMBDA {
-      LoopRowOf<T>& to = loops.rows[at(link.first_row + k)];
-      to.residual = phi, to.softness = to.jump_to = T(0);
-      to.F = a.R * F, to.T = a.R * moment;
-      to.velocity = dot(to.F, v) + dot(to.T, relative);
-      to.rate = cross(p.wa, to.T) + a.R * rate;
-      to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(to.rate, relative);
-    };
+                           LoopRowOf<T>& to = loops.rows[at(link.first_row + k)];
+                           to.residual = phi, to.softness = to.jump_to = T(0);
+                           to.F = a.R * F, to.T = a.R * moment;
+                           to.velocity = dot(to.F, v) + dot(to.T, relative);
+                           to.rate = cross(p.wa, to.T) + a.R * rate;
+                           to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(to.rate, relative);
+                         };
     const auto angle = [&](const T& si, const T& co) MOMENTREE_INLINE_LAMBDA {
       T all_lanes(0);
       for (int l = 0; l < lanes_of<T>; ++l)
@@ -129,8 +129,9 @@ void place_other_rows(const Tree& tree, const T* q, const Workspace<T>& workspac
       LoopRowOf<T>& row = loops.rows[at(link.first_row + link.closure.rows() + k)];
       for (int l = 0; l < lanes_of<T>; ++l) {
         const std::size_t entry = i * lanes_of<T> + at(l);
-        set_lane_of(row, l, dof_row(tree, static_cast<int>(i), link.dof_rows[at(k)], lane_of(loops.places[i], l),
-                                    loops.turns[entry], loops.motions[entry]));
+        set_lane_of(row, l,
+                    dof_row(tree, static_cast<int>(i), link.dof_rows[at(k)], lane_of(loops.places[i], l), loops.turns[entry],
+                            loops.motions[entry]));
       }
     }
   }
@@ -171,8 +172,9 @@ void add_loop_forces(const Tree& tree, const double* t, Workspace<T>& workspace,
     if (!loop.parameters.any()) continue;
     Force<T> all;
     for (int l = 0; l < lanes_of<T>; ++l)
-      set_lane_of(all, l, loop_force(tree, t[l], static_cast<int>(i), lane_of(loops.places[i], l),
-                                     loops.turns[i * lanes_of<T> + at(l)], power[l]));
+      set_lane_of(all, l,
+                  loop_force(tree, t[l], static_cast<int>(i), lane_of(loops.places[i], l), loops.turns[i * lanes_of<T> + at(l)],
+                             power[l]));
     const auto on = [&](int body) MOMENTREE_INLINE_LAMBDA {
       return wrench_on_body(workspace.bodies[at(body)], all.l, all.h, loops.places[i].xb);
     };

@@ -1,6 +1,6 @@
 #pragma once
-// The system of the loops' rows for any scalar: A = J M⁻¹ Jᵀ and b from the records of the inward pass, its solution, and what this
-// adds to the records. Included only by instantiate/*.cpp.
+// The system of the loops' rows for any scalar: A = J M⁻¹ Jᵀ and b from the records of the inward pass, its solution, and what
+// this adds to the records. Included only by instantiate/*.cpp.
 #include <algorithm>
 #include <cmath>
 #include <tuple>

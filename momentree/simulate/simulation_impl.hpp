@@ -110,6 +110,7 @@ struct Simulation::Impl {
 
   // For steps made elsewhere.
   State::Edit edit_state() { return world.state_.edit(); }
+  void set_turns(std::span<const Turns> turns) { world.state_.set_turns(turns); }
 
   // Exact; if the clock is already right, evaluated results stay valid.
   void set_time(double time) {
