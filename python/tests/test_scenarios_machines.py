@@ -66,7 +66,7 @@ def test_hand_over_each_hand_bears_the_tube_in_turn() -> None:
 def test_climbing_robot_one_foot_bears_weight_and_moment() -> None:
     run = Run("climbing_robot", "--reactions")
     assert run.names() == ["B lets go", "B holds again", "A lets go"]
-    bodies = list(run.model["bodies"])
+    bodies = [name for name in run.model["bodies"] if name != "wall/wall"]
     weight, centre = G * run.mass(*bodies), run.centre(*bodies)
     assert weight == pytest.approx(9.2 * G)
     # While nothing moves, the foot bears the weight, and its moment about the foot: it peels the magnet off the wall.
