@@ -20,7 +20,7 @@ interface Picture {
 }
 
 const pictures: readonly Picture[] = [
-  { name: "debris_tug", time: 5.95, keys: "++" },
+  { name: "debris_tug", time: 5.95, keys: "++++" },
   { name: "solar_array_jam", time: 11, keys: "+" },
   { name: "blade_loss", time: 4.5, keys: "++++>>>>>" },
   { name: "line_cascade", time: 5, keys: ">>>>>>v++++++++++++++" },
@@ -28,7 +28,7 @@ const pictures: readonly Picture[] = [
   { name: "excavator_pin", time: 1.4, keys: "+++" },
   { name: "hexapod", time: 2.7, keys: "++" },
   { name: "hand_over", time: 2.9, keys: "+++" },
-  { name: "climbing_robot", time: 2.7, keys: "++" },
+  { name: "climbing_robot", time: 1.9, keys: "+++" },
   { name: "chain_to_ring", time: 1.1, keys: "+" },
   { name: "trapeze_catch", time: 2.1, keys: "+++" },
   { name: "knee_ligament", time: 1.202, keys: ">>>>>++++", joint: "leg/slide" },
