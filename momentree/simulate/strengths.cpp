@@ -32,7 +32,13 @@ struct Load : Quantity {
 
 }  // namespace
 
-bool has_strengths(const World& world) { return !world.tree().strength_joints().empty() || world.tree().has_spring_strengths(); }
+bool has_strengths(const World& world) {
+  const Tree& tree = world.tree();
+  if (!tree.strength_joints().empty() || tree.has_spring_strengths()) return true;
+  for (const Loop& loop : tree.loops())
+    if (loop.parameters.strength.any()) return true;
+  return false;
+}
 
 std::vector<Strength> strengths(const World& world) {
   std::vector<Strength> all;
@@ -61,7 +67,7 @@ std::string name_of(const World& world, const Strength& strength) {
 std::optional<Error> undetermined_strength(const World& world) {
   if (!world.tree().has_loops()) return std::nullopt;
   for (const Strength& strength : strengths(world))
-    if (!world.joint_forces({strength.joint}).determined)
+    if (strength.spring < 0 && !world.joint_forces({strength.joint}).determined)
       return Error(
           "strength: the closed loops do not determine its reaction",
           "joint '" + std::string(world.joint_name({strength.joint})) + "'",

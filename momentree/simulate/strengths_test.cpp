@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <limits>
+#include <string>
+#include <tuple>
 
 #include <doctest/doctest.h>
 
@@ -135,5 +138,46 @@ TEST_CASE("a joint that replaces a broken one has the same strength again") {
     CHECK(sim.events()[0].time == 0);
     CHECK(sim.events()[2].name == "strength of second");
     CHECK(sim.events()[2].time >= again);
+  }
+}
+
+TEST_CASE("strengths of loop joints and of springs are monitored in mechanisms with loops") {
+  // Two bars and the ground form a triangle, which bears its weight of 2 m g in its two feet.
+  const auto triangle = [](double of_loop, double of_spring) {
+    Model model({.gravity = {0, 0, -9.81}});
+    const BodyId bar = model.add(
+        {.name = "bar", .mass = 1, .com = {0.5, 0, 0}, .inertia = diagonal(0.1), .joint = Revolute{.axis = y_axis}, .q = -1.0});
+    const BodyId strut = model.add({.name = "strut",
+                                    .mass = 1,
+                                    .com = {0.5, 0, 0},
+                                    .inertia = diagonal(0.1),
+                                    .parent = bar,
+                                    .at = {1, 0, 0},
+                                    .joint = Universal{.axis = y_axis, .axis2 = z_axis},
+                                    .q = {2.0, 0}});
+    Ball foot;
+    foot.strength = {.force = of_loop};
+    model.add_loop({.name = "foot", .body = strut, .joint = foot, .at = {1.08, 0, 0}, .child_at = {1, 0, 0}});
+    model.add_spring({.name = "rope",
+                      .from = {ground, {0.5, 0, 3}},
+                      .to = {bar, {1, 0, 0}},
+                      .stiffness = 10,
+                      .rest = 1,
+                      .strength = of_spring});
+    return Simulation(model, {.method = "dopri5"});
+  };
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const auto& [of_loop, of_spring, broken] : {std::tuple{inf, inf, ""},
+                                                   {1.0, inf, "strength of foot"},
+                                                   {1e4, inf, ""},
+                                                   {inf, 1.0, "strength of rope"},
+                                                   {inf, 1e3, ""}}) {
+    CAPTURE(of_loop);
+    CAPTURE(of_spring);
+    Simulation sim = triangle(of_loop, of_spring);
+    REQUIRE(sim.run_until(0.01) == Status::ok);
+    REQUIRE(sim.events().size() == (*broken ? 1 : 0));
+    if (*broken) CHECK(sim.events()[0].name == broken);
+    CHECK(sim.world().loops().size() == (std::string(broken) == "strength of foot" ? 0 : 1));
   }
 }

@@ -25,6 +25,7 @@ std::vector<std::string> event_names(const io::Scenario& scenario, const Simulat
   const Model& model = world.model();
   for (int b = 0; b < model.size(); ++b) names.push_back("strength of " + model[BodyId{b}].joint_name);
   for (const LoopSpec& loop : model.loops()) names.push_back("strength of " + loop.name);
+  for (const Spring& spring : model.springs()) names.push_back("strength of " + spring.name);
   names.emplace_back("stop");
   return names;
 }

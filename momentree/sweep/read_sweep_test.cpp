@@ -100,6 +100,25 @@ TEST_CASE("measures of a thrown ball have their closed forms") {
   }
 }
 
+TEST_CASE("that a spring breaks by its strength can be measured") {
+  const Folder folder;
+  const std::string rope =
+      "[[spring]]\nname = \"rope\"\nfrom = \"m/ball\"\nto = \"ground\"\nstiffness = 10\nrest = 0.1\nstrength = 1\n";
+  momentree::io::write_text_file(folder / "ball.toml", ball + rope);
+  const ReadSweep read = read_sweep_text(sweep_text("\"spring.rope.strength\" = [1, 1e6]",
+                                                    "parts = { happened = \"strength of rope\" }\n"
+                                                    "released = { event = \"strength of rope\", value = \"released\" }\n",
+                                                    ""),
+                                         folder.sweep());
+  CAPTURE(said(read));
+  REQUIRE(read.sweep);
+  const ScenarioWorlds worlds(*read.sweep, std::nullopt);
+  const std::vector<double> weak = worlds.run(0).measures, strong = worlds.run(1).measures;
+  CHECK(weak[0] == 1);
+  CHECK(weak[1] == doctest::Approx(0.5 * 1 * 1 / 10.0).epsilon(1e-6));
+  CHECK((strong[0] == 0 && std::isnan(strong[1])));
+}
+
 TEST_CASE("a world ends after the event of [stop], and one with too many steps fails") {
   const Folder folder;
   const std::string text = sweep_text("\"mechanism.m.body.ball.mass\" = [1, 2]", "t = { final = \"time\" }", "");

@@ -6,6 +6,7 @@ import { pathToFileURL } from "node:url";
 import type { Page } from "playwright-core";
 import { launch, open, openReport, report, scenario, settled, temporary } from "../tests/browser";
 import { builtPage, pendulumSweep, sweepPage } from "../tests/pendulum_sweep";
+import { webp } from "./webp";
 
 const folder = new URL("../../docs/pictures/", import.meta.url).pathname;
 
@@ -22,20 +23,6 @@ const pictures: readonly Picture[] = [
   { name: "report_chain", scenario: "breaking_chain_accurate.toml", time: 2.05, width: 1280, height: 800 },
   { name: "report_crane", scenario: "crane.toml", time: 4.0, dark: true, width: 1280, height: 800 },
 ];
-
-/** The page as WebP, a quarter of a PNG's size: encoded by the browser itself, in a page without a content policy. */
-async function webp(page: Page, png: Buffer): Promise<Buffer> {
-  const text = await page.evaluate(async (data) => {
-    const image = new Image();
-    image.src = `data:image/png;base64,${data}`;
-    await image.decode();
-    const canvas = document.createElement("canvas");
-    [canvas.width, canvas.height] = [image.width, image.height];
-    canvas.getContext("2d")!.drawImage(image, 0, 0);
-    return canvas.toDataURL("image/webp", 0.86).split(",")[1];
-  }, png.toString("base64"));
-  return Buffer.from(text, "base64");
-}
 
 /** Just after a link of the swinging chain was cut by hand. */
 async function cutByHand(page: Page) {
