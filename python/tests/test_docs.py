@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = ["docs/python.md", "docs/python-sweeps.md", "README.md"]
+PAGES = ["docs/guide.md", "docs/python.md", "docs/python-sweeps.md", "README.md"]
 NEEDED = {"plot": "matplotlib", "to_pandas": "pandas"}
 
 

@@ -4,6 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import type { Page } from "playwright-core";
+import { drawGallery } from "./gallery";
 import { launch, open, openReport, report, scenario, settled, temporary } from "../tests/browser";
 import { builtPage, pendulumSweep, sweepPage } from "../tests/pendulum_sweep";
 
@@ -85,6 +86,7 @@ async function drawSweep() {
   await page.context().close();
 }
 await drawSweep();
+await drawGallery(browser, folder, (png) => webp(encoder, png));
 
 const { page } = await open(browser, new URL("../dist/playground.html", import.meta.url).href, { width: 1280, height: 800 });
 await cutByHand(page);
