@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from navigation import BELOW, NAVIGATION
+from sphinx import addnodes
 
 ROOT = Path(__file__).resolve().parents[2]
 TABS = {"toml": "Scenario", "cpp": "C++", "python": "Python"}
@@ -89,7 +90,10 @@ def on_source_read(app: Any, page: str, source: list[str]) -> None:
     def change(text: str) -> str:
         text = re.sub(r'^<a id="([\w-]+)"></a>', r"{#\1}\n", text, flags=re.M)
         text = re.sub(
-            r"<!-- playground: (\S+) -->", lambda match: playground_link(scenario_for_browser(match[1]), page), text
+            r"^<!-- playground: (\S+) -->$",
+            lambda match: playground_link(scenario_for_browser(match[1]), page),
+            text,
+            flags=re.M,
         )
         return without_folders(text, page)
 
@@ -102,6 +106,12 @@ def on_source_read(app: Any, page: str, source: list[str]) -> None:
     source[0] = text
 
 
+def on_doctree_read(app: Any, doctree: Any) -> None:
+    """Breathe adds objects to the tables of contents despite `toc_object_entries`; they would be copied for every page."""
+    for signature in doctree.findall(addnodes.desc_signature):
+        signature["_toc_name"] = ""
+
+
 def on_build_finished(app: Any, error: Exception | None) -> None:
     if error is None:
         shutil.copyfile(Path(app.outdir) / f"{app.config.root_doc}.html", Path(app.outdir) / "index.html")
@@ -109,5 +119,6 @@ def on_build_finished(app: Any, error: Exception | None) -> None:
 
 def setup(app: Any) -> dict[str, bool]:
     app.connect("source-read", on_source_read)
+    app.connect("doctree-read", on_doctree_read, priority=100)  # before Sphinx collects the contents
     app.connect("build-finished", on_build_finished)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
