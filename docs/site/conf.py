@@ -48,6 +48,7 @@ autodoc_default_options = {"members": True, "inherited-members": True, "undoc-me
 breathe_projects = {"momentree": os.environ.get("MOMENTREE_DOXYGEN", "")}
 breathe_default_project = "momentree"
 breathe_default_members = ("members",)
+breathe_show_include = False  # the pages give the whole path
 
 toc_object_entries = False  # thousands, which would be copied for every page
 
