@@ -17,7 +17,14 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = ["docs/python.md", "docs/python-sweeps.md", "README.md"]
+PAGES = [
+    "docs/coming-from/drake.md",
+    "docs/coming-from/mujoco.md",
+    "docs/guide.md",
+    "docs/python.md",
+    "docs/python-sweeps.md",
+    "README.md",
+]
 NEEDED = {"plot": "matplotlib", "to_pandas": "pandas"}
 
 
@@ -53,6 +60,8 @@ def test_blocks_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     for name, package in NEEDED.items():
         if any(f".{name}(" in block.code for block in blocks):
             pytest.importorskip(package)
+    if any("import mujoco" in block.code for block in blocks):
+        pytest.importorskip("mujoco")
     shutil.copytree(ROOT / "scenarios", tmp_path / "scenarios")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "agg")

@@ -4,6 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import type { Page } from "playwright-core";
+import { drawGallery } from "./gallery";
 import { launch, open, openReport, report, scenario, settled, temporary } from "../tests/browser";
 import { builtPage, pendulumSweep, sweepPage } from "../tests/pendulum_sweep";
 import { webp } from "./webp";
@@ -37,7 +38,7 @@ async function cutByHand(page: Page) {
   await page.getByRole("combobox", { name: "Joint" }).selectOption("chain/31");
   await page.getByRole("group", { name: "Joint" }).getByRole("button", { name: "Cut", exact: true }).click();
   await page.waitForFunction(() => window.playground.app.topology.mechanisms.length === 2);
-  await playTo(0.55);
+  await playTo((await page.evaluate(() => window.playground.app.run!.last.time)) + 0.3); // a slow machine cuts later
 }
 
 const browser = await launch();
@@ -72,6 +73,7 @@ async function drawSweep() {
   await page.context().close();
 }
 await drawSweep();
+await drawGallery(browser, folder, (png) => webp(encoder, png));
 
 const { page } = await open(browser, new URL("../dist/playground.html", import.meta.url).href, { width: 1280, height: 800 });
 await cutByHand(page);
