@@ -93,14 +93,15 @@ export class MechanismsView {
     return mixed(mechanismColour(theme, mechanism), theme.ground, this.style.faded);
   }
 
-  /** Material of shapes in a colour. */
-  private material(colour: string): THREE.MeshLambertMaterial {
-    let material = this.materials.get(colour);
+  /** Material of shapes in a colour; `open`: seen from both sides. */
+  private material(colour: string, open: boolean): THREE.MeshLambertMaterial {
+    const key = open ? `${colour} open` : colour;
+    let material = this.materials.get(key);
     if (material) return material;
-    material = new THREE.MeshLambertMaterial({ color: colour });
+    material = new THREE.MeshLambertMaterial({ color: colour, ...(open && { side: THREE.DoubleSide, forceSinglePass: true }) });
     this.setLayer(material);
     if (this.style.faded > 0) material.opacity = 0.35 * (1 - this.style.faded) + 0.1;
-    this.materials.set(colour, material);
+    this.materials.set(key, material);
     return material;
   }
 
@@ -136,9 +137,9 @@ export class MechanismsView {
         shapes.group.position.set(poses[i], poses[i + 1], poses[i + 2]);
         shapes.group.quaternion.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
         const common = this.colour(theme, mechanism);
-        for (const { mesh, own } of shapes.meshes) {
+        for (const { mesh, own, open } of shapes.meshes) {
           const colour = own && this.ownColours ? mixed(own, theme.ground, this.style.faded) : common;
-          mesh.material = this.material(colour);
+          mesh.material = this.material(colour, open);
           mesh.renderOrder = this.style.faded > 0 ? 0 : 5;
         }
         for (const mesh of shapes.outlines) {
