@@ -1,7 +1,7 @@
 // All bodies at one instant: shapes, rods for bodies without shapes, joints, and a small disk where a mechanism is
 // attached to the ground.
 import * as THREE from "three";
-import type { Model, Phase, Vec3 } from "../recording";
+import type { Body, Model, Phase, Vec3 } from "../recording";
 import { mechanismColour, mixed, type Theme } from "./colours";
 import { pointOf } from "./frames";
 import { shownJoint } from "./joints";
@@ -35,6 +35,19 @@ export function typicalLength(model: Model): number {
   return lengths.length > 0 ? lengths[lengths.length >> 1] : 0.2;
 }
 
+/** The lines of a body that neither its shapes nor, if there are `meshes`, those of its neighbours show. */
+function shownLines(model: Model, shapes: ShapeLibrary, body: Body, b: number, meshes: boolean) {
+  const reach = shapes.hasShapes(b) ? 1.2 * shapes.reach(b) : 0;
+  const lines = body.extent.filter((line) => reach === 0 || line.some((end) => Math.hypot(...end) > reach));
+  if (!meshes || (!shapes.hasMesh(b) && body.mass > 0)) return lines;
+  const isPlain = (other: number) => !shapes.hasMesh(other) && model.bodies[other].mass > 0;
+  return lines.filter(([, end]) =>
+    model.joints.some(
+      ({ parent, child, at }) => parent === b && isPlain(child) && Math.hypot(...at.map((x, k) => x - end[k])) < 1e-9,
+    ),
+  );
+}
+
 export class MechanismsView {
   readonly group = new THREE.Group();
   private readonly rods: Rods;
@@ -53,6 +66,8 @@ export class MechanismsView {
   private readonly radius: number;
   /** By body, the lines that its shapes do not show. */
   private readonly lines: (readonly (readonly [Vec3, Vec3])[])[];
+  /** By body, whether it is only a frame between bodies that have meshes: it is not drawn. */
+  private readonly frames: readonly boolean[];
   private drawnLines: { body: number; from: THREE.Vector3; to: THREE.Vector3 }[] = [];
   private readonly jointColours = new Map<string, string>();
   /** Body under the pointer or selected; −1: none. */
@@ -70,10 +85,9 @@ export class MechanismsView {
   ) {
     this.length = typicalLength(model);
     this.radius = 0.045 * this.length;
-    this.lines = model.bodies.map((body, b) => {
-      const reach = shapes.hasShapes(b) ? 1.2 * shapes.reach(b) : 0;
-      return body.extent.filter((line) => reach === 0 || line.some((end) => Math.hypot(...end) > reach));
-    });
+    const meshes = model.bodies.some((_body, b) => shapes.hasMesh(b));
+    this.lines = model.bodies.map((body, b) => shownLines(model, shapes, body, b, meshes));
+    this.frames = model.bodies.map(({ mass }, b) => meshes && mass === 0 && !shapes.has(b));
     this.setLayer(this.rodMaterial);
     this.rods = new Rods(this.rodMaterial, style.faded > 0 ? 0 : 5);
     this.springs = new SpringLines(model.springs ?? [], style.faded);
@@ -150,7 +164,7 @@ export class MechanismsView {
       }
       for (const [from, to] of this.lines[b])
         this.line(b, vector(pointOf(poses, b, from)), vector(pointOf(poses, b, to)), bright);
-      if (body.extent.length === 0 && !shapes) {
+      if (body.extent.length === 0 && !shapes && !this.frames[b]) {
         const at = vector(pointOf(poses, b, body.com));
         this.rods.ball(at, bright, 2.5);
         this.drawnLines.push({ body: b, from: at, to: at });

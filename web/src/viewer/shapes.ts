@@ -87,6 +87,10 @@ export class ShapeLibrary {
     return this.shaped[body];
   }
 
+  hasMesh(body: number): boolean {
+    return this.parts[body].some((part) => part.userData.open === true);
+  }
+
   /** Whether any shape has its own colour. */
   get coloured(): boolean {
     return this.parts.some((parts) => parts.some((part) => part.userData.colour !== undefined));
