@@ -15,7 +15,9 @@ namespace {
 
 constexpr std::size_t most_of_one_part = 20'000;  // triangles: indices of their corners fit into 16 bits
 constexpr std::size_t least_of_one_part = 60;
-constexpr std::size_t most_sources = 2000, most_parts = 200;
+constexpr std::size_t most_to_simplify = 100'000;  // triangles: more are merged on a grid first, which is faster
+constexpr std::size_t most_of_all = 8'000'000;     // triangles in all files together
+constexpr std::size_t most_sources = 1000, most_parts = 32;
 
 struct Packed {
   Mesh mesh;
@@ -48,7 +50,8 @@ Packed read_packed(const MeshSource& source) {
     if (part.colour.empty()) part.colour = source.colour;
   join_colours(packed.mesh);
   for (MeshPart& part : packed.mesh.parts) {
-    merge_points(part, part.triangles.size() > 4 * most_of_one_part ? 2000 : 65535);
+    merge_points(part, 65535);
+    for (double cells = 2048; part.triangles.size() > most_to_simplify && cells >= 1; cells /= 2) merge_points(part, cells);
     simplify(part, most_of_one_part);
   }
   std::erase_if(packed.mesh.parts, [](const MeshPart& part) { return part.triangles.empty(); });
@@ -107,11 +110,18 @@ PackedMeshes pack_meshes(const MeshSources& sources, std::size_t most) {
     result.warnings.push_back({Severity::warning, source.file, source.place.line, source.place.column, std::move(what),
                                hint.empty() ? "the motion does not depend on it" : std::move(hint), ""});
   };
+  std::size_t triangles = 0;
   for (std::size_t i = 0; i < sources.size() && i < most_sources; ++i) {
+    if (triangles > most_of_all) {
+      warn(*sources[i], "this mesh and those after it are not drawn: the others have more than 8 million triangles",
+           "simplify them");
+      break;
+    }
     const MeshSource& source = *sources[i];
     const std::string name = source.path.empty() ? "a mesh" : "the mesh " + in_quotes(source.path);
     try {
       all[i] = read_packed(source);
+      triangles += all[i].triangles;
     } catch (const Error& error) {
       const std::string line = error.where.empty() ? "" : error.where.substr(error.where.find_first_not_of(':')) + ": ";
       warn(source, name + " is not drawn: " + line + error.problem, error.hint);

@@ -99,7 +99,7 @@ class Simplifier {
   }
 
  private:
-  static constexpr std::uint64_t most_work = 1u << 30;
+  static constexpr std::uint64_t most_work = 30'000'000;
 
   struct Edge {
     double cost;
@@ -220,8 +220,7 @@ void merge_points(MeshPart& part, double cells) {
     const auto step = [&](double x) { return static_cast<std::uint64_t>(std::lround(x / cell)); };
     const std::uint64_t x = step(d.x), y = step(d.y), z = step(d.z);
     const auto [at, fresh] = found.emplace(x << 42 | y << 21 | z, static_cast<std::uint32_t>(kept.size()));
-    if (fresh)
-      kept.push_back(low + Vec3{static_cast<double>(x) * cell, static_cast<double>(y) * cell, static_cast<double>(z) * cell});
+    if (fresh) kept.push_back(part.points[i]);
     number[i] = at->second;
   }
   part.points = std::move(kept);

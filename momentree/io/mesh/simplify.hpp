@@ -4,8 +4,8 @@
 
 namespace momentree::io {
 
-/// Merges points that coincide on a grid of `cells` per longest edge of the part's bounding box, and removes triangles that lose
-/// their area or repeat others, and points that no triangle uses. The points left lie on the grid.
+/// Merges the points of each cell of a grid of `cells` per longest edge of the part's bounding box: the first of them stays.
+/// Removes triangles that lose their area or repeat others, and points that no triangle uses.
 void merge_points(MeshPart& part, double cells);
 
 /// Collapses edges, those that change the shape least first, until at most `most` triangles are left: M. Garland, P. Heckbert,
