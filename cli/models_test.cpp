@@ -137,7 +137,7 @@ TEST_CASE("iiwa_falls_to_its_stops: no joint passes the limits of its file") {
 
 }  // namespace momentree
 
-TEST_CASE("arm_loses_its_grinder: the mount breaks at its force, the machine flies, and the results have every mesh") {
+TEST_CASE("arm_loses_its_grinder: the mount breaks, and the machine leaves with its momentum and energy") {
   const Run run("arm_loses_its_grinder");
   const auto breaks = events_named(run, "the mount breaks");
   REQUIRE(breaks.size() == 1);
