@@ -135,4 +135,14 @@ TEST_CASE("iiwa_falls_to_its_stops: no joint passes the limits of its file") {
   CHECK(brake[brake.size() - 2] == brake.back());
 }
 
+TEST_CASE("arm_loses_its_grinder: the mount breaks, and the machine leaves with its momentum and energy") {
+  const Run run("arm_loses_its_grinder");
+  const auto breaks = events_named(run, "the mount breaks");
+  REQUIRE(breaks.size() == 1);
+  CHECK(breaks[0].at("mechanisms").at("after") == Json{"arm", "arm/grinder"});
+  const Json &before = breaks[0].at("before"), &after = breaks[0].at("after");
+  CHECK(after.at("kinetic").get<double>() == doctest::Approx(before.at("kinetic").get<double>()).epsilon(1e-12));
+  CHECK(norm(vec(after.at("linear")) - vec(before.at("linear"))) < 1e-12);
+}
+
 }  // namespace momentree

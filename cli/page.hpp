@@ -17,8 +17,12 @@ std::string_view sweep_html();
 /// web/dist/playground.html; io::playground_page and io::model_page insert a scenario into it.
 std::string_view playground_html();
 
-/// A text from which the playground's reader, which opens no files, makes the same world. Throws Error if there is none, because
-/// the scenario reads state documents.
-std::string playground_text(const io::Scenario& scenario, const std::vector<std::string>& overrides);
+/// What the playground's page is given.
+struct PlaygroundContent {
+  std::string text;    ///< the playground's reader, which opens no files, makes the same world from it
+  std::string meshes;  ///< JSON: the packed meshes, and their numbers by their names in `text`; empty: there are none
+};
+/// Throws Error if there is no such text, because the scenario reads state documents. Meshes that cannot be read are reported.
+PlaygroundContent playground_content(const io::Scenario& scenario, const std::vector<std::string>& overrides);
 
 }  // namespace momentree::cli

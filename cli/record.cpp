@@ -13,6 +13,7 @@
 #include <cli/interrupt.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
+#include <momentree/io/mesh/pack.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/system_file.hpp>
 
@@ -56,6 +57,9 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
   const InterruptGuard guard;
+  const io::PackedMeshes meshes =
+      purpose == Purpose::report ? io::meshes_json(io::mesh_sources(scenario.shapes)) : io::PackedMeshes{};
+  show(stderr, io::rendered(meshes.warnings));
   io::Recorder recorder(
       simulation, {scenario.name, scenario.title, scenario.path, scenario.hash, {}, start, scenario.until, scenario.integration},
       io::model_json(simulation.world(), scenario.title, scenario.shapes),
@@ -64,7 +68,8 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose
        .every = scenario.output_every,
        .reactions = purpose == Purpose::report,
        .energy = purpose == Purpose::report,
-       .lasting = false});
+       .lasting = false,
+       .meshes = meshes.json});
   Progress progress(start, scenario.until, errors_on_terminal());
   watch_run(simulation, recorder, scenario.output_every, progress);
   const RunResult ended = run_to_end ? run_to_end(simulation, scenario.until) : simulation.run_until(scenario.until);

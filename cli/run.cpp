@@ -15,6 +15,7 @@
 #include <momentree/base/characters.hpp>
 #include <momentree/generate/kernel_cache.hpp>
 #include <momentree/io/checkpoint/checkpoint.hpp>
+#include <momentree/io/mesh/pack.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
@@ -83,18 +84,21 @@ int run(const RunOptions& options) {
   const InterruptGuard guard;  // before there is a folder that would be left behind
   const io::RunOrigin origin{scenario->name, scenario->title, scenario->path,        scenario->hash,   overrides,
                              start,          scenario->until, scenario->integration, options.reactions};
-  const io::RecordOptions record{.directory = out,
-                                 .joints = session.joints(),
-                                 .every = scenario->output_every,
-                                 .reactions = options.reactions,
-                                 .report = options.report,
-                                 .hdf5 = options.format == "hdf5",
-                                 .input = input};
+  io::RecordOptions record{.directory = out,
+                           .joints = session.joints(),
+                           .every = scenario->output_every,
+                           .reactions = options.reactions,
+                           .report = options.report,
+                           .hdf5 = options.format == "hdf5",
+                           .input = input};
   std::unique_ptr<io::Recorder> begun;
   const double every = former && options.checkpoint == 0 ? former->checkpoint.every : options.checkpoint;
   if (former) {
     begun = std::make_unique<io::Recorder>(simulation, origin, record, *former);
   } else {
+    io::PackedMeshes meshes = io::meshes_json(io::mesh_sources(scenario->shapes));
+    if (!options.quiet) show(stderr, io::rendered(meshes.warnings));
+    record.meshes = std::move(meshes.json);
     begun = std::make_unique<io::Recorder>(simulation, origin,
                                            io::model_json(simulation.world(), scenario->title, scenario->shapes), record);
   }

@@ -77,7 +77,8 @@ std::optional<Page> page_of(const std::string& source, Notes notes, int& code) {
   if (!scenario) return std::nullopt;
   if (io::is_model(scenario->path, scenario->text)) {
     code = done;
-    return Page{io::model_page(playground_html(), playground_text(*scenario, {})), io::content_policy(playground_html())};
+    const PlaygroundContent content = playground_content(*scenario, {});
+    return Page{io::model_page(playground_html(), content.text, content.meshes), io::content_policy(playground_html())};
   }
   const TemporaryFolder folder;
   const Recorded recorded = record(*scenario, folder.result(), Purpose::report);

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include <unordered_map>
 #include <utility>
 
 #include <momentree/io/joint_json.hpp>
+#include <momentree/io/mesh/source.hpp>
 #include <momentree/simulate/topology_record.hpp>
 
 namespace momentree::io {
@@ -43,7 +45,19 @@ std::vector<std::vector<Edge3>> drawn_extents(const World& world, const std::vec
   return extents;
 }
 
-void write_shape(JsonWriter& json, const Shape& shape) {
+// By the key of their sources.
+using MeshNumbers = std::unordered_map<std::string, int>;
+
+template <class F>
+void each_source(const std::vector<Shape>& shapes, const F& f) {
+  for (const Shape& shape : shapes) {
+    if (shape.source) f(shape.source);
+    for (const Shape& each : shape.more)
+      if (each.source) f(each.source);
+  }
+}
+
+void write_shape(JsonWriter& json, const Shape& shape, const MeshNumbers& numbers) {
   using Kind = Shape::Kind;
   if (shape.kind == Kind::none) {
     json.null();
@@ -56,9 +70,11 @@ void write_shape(JsonWriter& json, const Shape& shape) {
     json.member("radius", shape.radius);
   if (shape.kind == Kind::cylinder || shape.kind == Kind::capsule) json.member("length", shape.length);
   if (shape.kind == Kind::mesh) json.member("file", shape.mesh);
+  if (shape.kind == Kind::mesh && shape.source) json.member("mesh", numbers.at(shape.source->key()));
   if (shape.kind == Kind::mesh && !(shape.scale == Vec3{1, 1, 1})) json.member("scale", shape.scale);
   write_pose(json, "at", shape.at);
-  if (!shape.colour.empty()) json.member("colour", shape.colour);
+  const bool in_mesh = shape.source && !shape.source->colour.empty();  // among those of the mesh
+  if (!shape.colour.empty() && !in_mesh) json.member("colour", shape.colour);
   json.end_object();
 }
 
@@ -102,6 +118,8 @@ std::string model_json(const World& world, const std::string& title, const std::
   json.begin_object().member("format", 1).member("title", title).member("gravity", model.gravity());
   write_mechanisms(json, world);
   const auto extents = drawn_extents(world, shapes);
+  MeshNumbers meshes;
+  each_source(shapes, [&](const auto& source) { meshes.emplace(source->key(), static_cast<int>(meshes.size())); });
   json.key("bodies").begin_object();
   for (int b = 0; b < model.size(); ++b) {
     if (!world.alive({b})) continue;  // removed
@@ -118,10 +136,10 @@ std::string model_json(const World& world, const std::string& title, const std::
     for (const auto& [from, to] : extents[n]) json.begin_array().value(from).value(to).end_array();
     json.end_array().key("shape");
     const Shape shape = n < shapes.size() ? shapes[n] : Shape{};
-    write_shape(json, shape);
+    write_shape(json, shape, meshes);
     if (!shape.more.empty()) {
       json.key("more_shapes").begin_array();
-      for (const Shape& each : shape.more) write_shape(json, each);
+      for (const Shape& each : shape.more) write_shape(json, each, meshes);
       json.end_array();
     }
     json.end_object();
@@ -138,6 +156,15 @@ std::string model_json(const World& world, const std::string& title, const std::
   json.end_object();
   text += '\n';
   return text;
+}
+
+std::vector<std::shared_ptr<const MeshSource>> mesh_sources(const std::vector<Shape>& shapes) {
+  MeshNumbers numbers;
+  std::vector<std::shared_ptr<const MeshSource>> sources;
+  each_source(shapes, [&](const auto& source) {
+    if (numbers.emplace(source->key(), static_cast<int>(numbers.size())).second) sources.push_back(source);
+  });
+  return sources;
 }
 
 }  // namespace momentree::io

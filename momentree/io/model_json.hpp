@@ -1,5 +1,6 @@
 #pragma once
 // model.json: what a viewer needs in addition to the poses of a run: the bodies, their shapes, and the joints between them.
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,5 +16,8 @@ namespace momentree::io {
 /// body without children, or whose children's joints are all at its own joint, to the centre of mass, extended to twice that
 /// distance if the body has no shape. A body whose mass is at its joint has no lines.
 std::string model_json(const World& world, const std::string& title, const std::vector<Shape>& shapes = {});
+
+/// The different meshes of the shapes, in the order of their numbers in the document's member `mesh` of shapes.
+std::vector<std::shared_ptr<const MeshSource>> mesh_sources(const std::vector<Shape>& shapes);
 
 }  // namespace momentree::io

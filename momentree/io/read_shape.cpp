@@ -4,6 +4,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/file_name.hpp>
+#include <momentree/io/mesh/source.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
@@ -79,6 +80,9 @@ void read_mesh(const Value& value, Shape& shape, Reading& reading) {
   }
   shape.kind = Shape::Kind::mesh;
   shape.mesh = *file;
+  if (!reading.looks_at_files) return;
+  const std::string path = (std::filesystem::path(reading.folder) / *file).lexically_normal().string();
+  shape.source = std::make_shared<MeshSource>(MeshSource{path, "", "", {}, reading.scenario.path, value.place});
 }
 
 // One factor, or one along each axis.

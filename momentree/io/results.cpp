@@ -18,6 +18,7 @@ std::vector<std::string> files_of(const Simulation& simulation, const RecordOpti
   std::vector<std::string> files = {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv", "final.json"};
   if (options.energy) files.emplace_back("energy.csv");
   if (simulation.world().springs() > 0) files.emplace_back("springs.csv");
+  if (!options.meshes.empty()) files.emplace_back("meshes.json");
   if (options.report) files.emplace_back("report.html");
   if (options.hdf5) files.insert(files.end(), {"results.h5", "results.h5.partial"});
   if (options.input) files.emplace_back(checkpoint_file);
@@ -72,6 +73,7 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_v
   try {
     write_running_summary();
     directory_->write("model.json", model_json);
+    if (!options_.meshes.empty()) directory_->write("meshes.json", options_.meshes);
     if (options_.input) {
       static_cast<void>(directory_->file(checkpoint_file));
       directory_->to_disk();

@@ -1,6 +1,6 @@
 #pragma once
 // Writes the files of a run: bodies.csv, joints.csv, energy.csv and, of a model with springs, springs.csv (or these as
-// results.h5), events.jsonl, final.json, summary.json, model.json, report.html.
+// results.h5), events.jsonl, final.json, summary.json, model.json, of a model with meshes meshes.json, report.html.
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -30,6 +30,7 @@ struct RecordOptions {
   bool report = false;                  ///< finish() will be given a report page
   bool lasting = true;                  ///< see ResultDirectory
   bool hdf5 = false;                    ///< a complete run gets results.h5 in place of the tables
+  std::string meshes = {};              ///< the content of meshes.json; empty: there are none
   std::optional<RunInput> input = {};   ///< given: checkpoints of this input can be written
 };
 

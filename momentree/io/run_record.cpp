@@ -263,14 +263,16 @@ std::vector<double> RunRecord::energies() const {
   return all;
 }
 
-std::string RunRecord::write(const std::string& folder, const ReportPage& report) const {
+std::string RunRecord::write(const std::string& folder, const ReportPage& report, const std::string& meshes) const {
   std::vector<std::string> files = {"summary.json", "model.json", "events.jsonl", "bodies.csv",
                                     "joints.csv",   "final.json", "energy.csv"};
   const bool with_springs = !model_.springs().empty();
   if (with_springs) files.emplace_back("springs.csv");
+  if (!meshes.empty()) files.emplace_back("meshes.json");
   if (report) files.emplace_back("report.html");
   ResultDirectory directory(folder, files);
   directory.write("model.json", model_json_);
+  if (!meshes.empty()) directory.write("meshes.json", meshes);
   {
     std::vector<JointKinds> kinds;
     for (const std::string& name : joints()) {

@@ -59,8 +59,9 @@ class RunRecord {
   /// The state of a row, which a simulation of the same model can be restored to.
   [[nodiscard]] WorldSnapshot state(std::size_t row) const;
 
-  /// Writes the files that `momentree run` writes. `report`: the content of report.html; empty: no report. Returns the folder.
-  std::string write(const std::string& folder, const ReportPage& report) const;
+  /// Writes the files that `momentree run` writes. `report`: the content of report.html; empty: no report. `meshes`: that of
+  /// meshes.json; empty: none. Returns the folder.
+  std::string write(const std::string& folder, const ReportPage& report, const std::string& meshes = {}) const;
 
  private:
   struct Layout {

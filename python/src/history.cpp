@@ -7,6 +7,7 @@
 #include <nanobind/stl/tuple.h>
 
 #include <cli/page.hpp>
+#include <momentree/io/mesh/pack.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
@@ -29,6 +30,7 @@ struct SnapshotObject {
 struct RecordObject {
   std::shared_ptr<io::RunRecord> record;
   SnapshotObject end;  ///< with events and functions at the end of the run
+  io::MeshSources meshes;
 };
 
 SnapshotObject snapshot(const SimulationPtr& self) {
@@ -106,8 +108,10 @@ nb::object run(const SimulationPtr& self, double until, double every, bool react
   RunResult result;
   std::exception_ptr thrown;
   SnapshotObject end;
+  io::MeshSources meshes;
   {
     const Use use(*self, Access::change);
+    meshes = io::mesh_sources(self->scenario().shapes);
     Simulation& sim = self->simulation();
     record =
         std::make_shared<io::RunRecord>(sim, origin_of(*self, sim.time(), until),
@@ -138,18 +142,18 @@ nb::object run(const SimulationPtr& self, double until, double every, bool react
     end = {sim.snapshot(), self->copy_inputs(), self->shared_scenario()};
   }
   static const char* const words[] = {"ok", "diverged", "interrupted", "refused", "stalled"};
-  finished(RecordObject{record, std::move(end)}, words[static_cast<int>(result.status)], result.reason);
+  finished(RecordObject{record, std::move(end), std::move(meshes)}, words[static_cast<int>(result.status)], result.reason);
   if (thrown) std::rethrow_exception(thrown);
   return nb::none();
 }
 
-std::string run_page(const io::RunRecord& record, const std::string& folder, bool report) {
+std::string run_page(const RecordObject& self, const std::string& folder, bool report) {
   io::ReportPage page;
   if (report)
     page = [](const std::filesystem::path& at, const std::string& summary) {
       return io::report_page(cli::report_html(), io::report_data(at, {.summary = summary}));
     };
-  return record.write(folder, page);
+  return self.record->write(folder, page, io::meshes_json(self.meshes).json);
 }
 
 nb::object matrix(const std::vector<double>& numbers, std::size_t rows, std::size_t columns) {
@@ -213,8 +217,7 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
            [](const RecordObject& r) {
              return matrix(r.record->energies(), r.record->rows(), io::RunRecord::energy_columns().size());
            })
-      .def("write",
-           [](const RecordObject& r, const std::string& folder, bool report) { return run_page(*r.record, folder, report); })
+      .def("write", [](const RecordObject& r, const std::string& folder, bool report) { return run_page(r, folder, report); })
       .def("state", [](const RecordObject& r, std::size_t row) {
         if (row >= r.record->rows()) throw nb::index_error("no such row");
         SnapshotObject snapshot = r.end;

@@ -16,8 +16,21 @@ export interface Shape {
   readonly radius?: number;
   readonly length?: number;
   readonly file?: string;
+  /** The number of a mesh in the page's meshes. */
+  readonly mesh?: number;
+  /** Of a mesh. */
+  readonly scale?: Vec3;
+  /** The triangles of a mesh, by colour; absent or empty: it could not be read. */
+  readonly parts?: readonly MeshPart[];
   readonly at: Pose;
   readonly colour?: string;
+}
+
+/** Triangles of one colour: points x, y, z (m, before the shape's scale), and three points per triangle. */
+export interface MeshPart {
+  readonly colour?: string;
+  readonly positions: Float32Array;
+  readonly triangles: Uint16Array;
 }
 
 export interface Body {

@@ -1,4 +1,5 @@
 // The documents of a result that pages read: model.json, and the topology records of events.jsonl (docs/results.md).
+import { partsFrom, type Meshes } from "./meshes";
 import { withHistory } from "./viewer/joints";
 import type { Joint, Model, Phase, Pose, RunEvent, Shape, Spring, Vec3 } from "./recording";
 
@@ -78,13 +79,15 @@ function springsOf(file: Record<string, SpringFile>, bodies: ReadonlyMap<string,
 
 const numbered = (names: readonly string[]) => new Map(names.map((name, b) => [name, b]));
 
-/** `names`: of the bodies, in the order in which they are numbered. */
-export function modelOf(file: ModelFile, names: readonly string[] = Object.keys(file.bodies)): Model {
+/** `names`: of the bodies, in the order in which they are numbered. `meshes`: those that shapes refer to. */
+export function modelOf(file: ModelFile, names: readonly string[] = Object.keys(file.bodies), meshes?: Meshes): Model {
+  const partsOf = partsFrom(meshes);
   const bodies = names.map((name) => {
     const body = file.bodies[name];
     const shapes = [body?.shape, ...(body?.more_shapes ?? [])].filter((shape): shape is Shape => Boolean(shape));
+    const drawn = shapes.map((shape) => (shape.kind === "mesh" ? { ...shape, parts: partsOf(shape) } : shape));
     const { mass, com, inertia, extent } = body ?? {};
-    return { name, mass: mass ?? 0, com: com ?? [0, 0, 0], ...(inertia && { inertia }), extent: extent ?? [], shapes };
+    return { name, mass: mass ?? 0, com: com ?? [0, 0, 0], ...(inertia && { inertia }), extent: extent ?? [], shapes: drawn };
   });
   const numbers = numbered(names);
   const [joints, springs] = [jointsOf(file.joints, numbers), springsOf(file.springs ?? {}, numbers)];

@@ -1,6 +1,7 @@
 #pragma once
 // `momentree convert`: writes scenarios and models, whatever file they came from, as the text of another file.
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <momentree/io/diagnostic.hpp>
@@ -17,6 +18,10 @@ struct Converted {
 /// everything else stays as the scenario writes it, with `--set` applied. `folder`: where the text will be stored; paths in it
 /// are relative to that folder. Throws Error if the text would not be a valid scenario.
 Converted to_toml(const Scenario& scenario, const std::string& folder);
+
+/// The same for a reader that has the meshes themselves: each gets its name in `meshes`, by the key of its source
+/// (mesh/source.hpp); the names in the scenario's own text stay as they are.
+Converted to_toml(const Scenario& scenario, const std::unordered_map<std::string, std::string>& meshes);
 
 /// A scenario without events for a model, with every body and joint written out.
 std::string to_toml(const Model& model, const std::vector<Shape>& shapes = {});

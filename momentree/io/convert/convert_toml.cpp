@@ -67,7 +67,8 @@ void explain_carriers(Value& mechanism) {
 
 class Converter {
  public:
-  Converter(const Scenario& scenario, std::string folder) : scenario_(scenario), folder_(std::move(folder)) {
+  Converter(const Scenario& scenario, std::string folder, const MeshNames* meshes = nullptr)
+      : scenario_(scenario), folder_(std::move(folder)), meshes_(meshes) {
     from_ = fs::path(scenario.path).parent_path().string();
     bodies_ = by_mechanism(scenario.model);
   }
@@ -184,7 +185,7 @@ class Converter {
     const std::string& name = *string_at(mechanism, "name");
     const std::string* state = string_at(mechanism, "state");
     const fs::path model = fs::path(from_.empty() ? "." : from_) / *string_at(mechanism, "model");
-    const MeshFolders folders{model.parent_path().string(), folder_.empty() ? "." : folder_};
+    const MeshFolders folders{model.parent_path().string(), folder_.empty() ? "." : folder_, meshes_};
     return describe_mechanism(name, scenario_.model, bodies_.at(name), scenario_.shapes, folders, state ? moved(*state) : "",
                               left_out_);
   }
@@ -209,7 +210,7 @@ class Converter {
   // False if the mesh is not among the files that the output may name.
   bool move_mesh(Value& shape) {
     Value::Entry* mesh = shape.find("mesh");
-    if (!mesh || !mesh->value.string()) return true;
+    if (!mesh || !mesh->value.string() || meshes_) return true;
     const std::string path = mesh_path(*mesh->value.string(), {from_.empty() ? "." : from_, folder_.empty() ? "." : folder_});
     if (!path.empty()) {
       mesh->value = text(path);
@@ -229,6 +230,7 @@ class Converter {
 
   const Scenario& scenario_;
   std::string folder_, from_;
+  const MeshNames* meshes_;
   std::unordered_map<std::string, std::vector<int>> bodies_;
   LeftOut left_out_;
   std::vector<Diagnostic> diagnostics_;
@@ -239,6 +241,11 @@ class Converter {
 Converted to_toml(const Scenario& scenario, const std::string& folder) {
   MT_REQUIRE(scenario.document != nullptr, "a scenario that was read");
   return Converter(scenario, folder).convert();
+}
+
+Converted to_toml(const Scenario& scenario, const MeshNames& meshes) {
+  MT_REQUIRE(scenario.document != nullptr, "a scenario that was read");
+  return Converter(scenario, "", &meshes).convert();
 }
 
 std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {

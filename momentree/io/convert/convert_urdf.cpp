@@ -9,6 +9,7 @@
 #include <momentree/io/convert/convert.hpp>
 #include <momentree/io/convert/describe.hpp>
 #include <momentree/io/convert/urdf_writer.hpp>
+#include <momentree/io/mesh/source.hpp>
 #include <momentree/io/model/imported.hpp>
 #include <momentree/io/number_text.hpp>
 
@@ -213,6 +214,7 @@ class UrdfWriter {
 
   void add_shape(WrittenLink& link, Shape shape, const Pose& back) {
     if (shape.kind == Shape::Kind::none) return;
+    if (shape.source && (shape.source->path.empty() || !shape.source->submesh.empty())) return;  // not a whole file
     if (shape.kind == Shape::Kind::mesh) {  // if it is not found, it keeps the name given in the source
       const std::string mesh = mesh_path(shape.mesh, {parent_folder(scenario_.path), folder_.empty() ? "." : folder_});
       if (!mesh.empty()) shape.mesh = mesh;

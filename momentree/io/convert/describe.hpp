@@ -2,6 +2,7 @@
 // Parts of a model as tables of a scenario document; default values are omitted. Internal to the writers.
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <momentree/io/convert/document_values.hpp>
@@ -22,10 +23,14 @@ struct LeftOut {
   int flat = 0;    ///< shapes with an edge, radius or length of zero
 };
 
+/// Names of meshes in a text whose reader has the meshes themselves, by the keys of their sources (mesh/source.hpp).
+using MeshNames = std::unordered_map<std::string, std::string>;
+
 /// The folders for mesh paths: they are given relative to `from` and written relative to `to`; if `to` is empty, they stay
-/// unchanged.
+/// unchanged. With `names`, meshes get these instead.
 struct MeshFolders {
   std::string from, to;
+  const MeshNames* names = nullptr;
 };
 /// Empty if the mesh is not a file in `to` or below it.
 std::string mesh_path(const std::string& mesh, const MeshFolders& folders);

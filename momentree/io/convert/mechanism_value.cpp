@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include <momentree/io/convert/describe.hpp>
+#include <momentree/io/mesh/source.hpp>
 
 namespace momentree::io {
 
@@ -28,6 +29,16 @@ Value round_shape(const Shape& shape) {
   return value(std::move(table));
 }
 
+// The name of a shape's mesh in the text; empty if the text cannot name it.
+std::string mesh_name(const Shape& shape, const MeshFolders& folders) {
+  if (folders.names) {
+    const auto named = shape.source ? folders.names->find(shape.source->key()) : folders.names->end();
+    return named == folders.names->end() ? std::string() : named->second;
+  }
+  if (shape.source && (shape.source->path.empty() || !shape.source->submesh.empty())) return {};
+  return mesh_path(shape.mesh, folders);
+}
+
 Value::Table one_shape(const Shape& shape, const MeshFolders& folders, LeftOut& left_out) {
   Value::Table table;
   const bool flat = (shape.kind == Shape::Kind::box && !(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0)) ||
@@ -49,7 +60,7 @@ Value::Table one_shape(const Shape& shape, const MeshFolders& folders, LeftOut& 
         add(table, "sphere", number(shape.radius));
       break;
     case Shape::Kind::mesh: {
-      const std::string mesh = mesh_path(shape.mesh, folders);
+      const std::string mesh = mesh_name(shape, folders);
       if (mesh.empty()) {
         ++left_out.meshes;
         return table;
@@ -61,7 +72,8 @@ Value::Table one_shape(const Shape& shape, const MeshFolders& folders, LeftOut& 
     }
   }
   if (Value::Table at = placement(shape.at); !at.empty()) add(table, "at", value(std::move(at)));
-  if (!shape.colour.empty()) add(table, "colour", text(shape.colour));
+  const bool in_mesh = folders.names && shape.source && !shape.source->colour.empty();  // the reader has it with the mesh
+  if (!shape.colour.empty() && !in_mesh) add(table, "colour", text(shape.colour));
   return table;
 }
 

@@ -207,8 +207,10 @@ void read_compiler(XmlElement compiler, Reading& reading) {
       file.error(fields.location("eulerseq"),
                  "eulerseq: expected three of the letters x, y, z, X, Y, Z, found " + in_quotes(*sequence));
   }
-  fields.known({"meshdir", "texturedir", "assetdir", "strippath", "fitaabb", "discardvisual", "usethread", "fusestatic",
-                "convexhull", "exactmeshinertia", "alignfree", "saveinertial"});
+  c.meshdir = fields.string("meshdir").value_or(fields.string("assetdir").value_or(c.meshdir));
+  c.strippath = fields.string("strippath").value_or(c.strippath ? "true" : "") == "true";
+  fields.known({"texturedir", "fitaabb", "discardvisual", "usethread", "fusestatic", "convexhull", "exactmeshinertia",
+                "alignfree", "saveinertial"});
   fields.known_children({"lengthrange"});
   fields.finish();
 }

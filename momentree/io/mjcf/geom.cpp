@@ -140,6 +140,7 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
   if (type == Type::plane || type == Type::hfield) return geom;  // they belong to the ground
   const Placed placed = read_placement(attributes, type);
   geom.shape = shape_of(type, placed);
+  if (type == Type::mesh) geom.shape = mesh_shape(attributes.string("mesh").value_or(""), placed.pose, reading);
   if (const auto rgba = attributes.numbers("rgba", 4))
     geom.shape.colour = colour_text(*rgba);
   else if (const auto material = attributes.string("material"); material && reading.colours.contains(*material))
@@ -147,6 +148,7 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
 
   const auto mass = attributes.not_negative("mass"), density = attributes.not_negative("density");
   const double group = attributes.number("group").value_or(0);
+  geom.hidden = group >= 3;
   if (attributes.string("shellinertia") == "true")
     attributes.error("shellinertia", "inertias of shells are not supported", "give the body an <inertial>");
   if (group < reading.compiler.first_group || group > reading.compiler.last_group) return geom;

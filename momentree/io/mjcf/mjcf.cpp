@@ -22,8 +22,9 @@ void read_option(XmlElement option, Reading& reading) {
   }
 }
 
-void read_materials(XmlElement asset, Reading& reading) {
+void read_assets(XmlElement asset, Reading& reading) {
   for (const XmlElement material : children_of(asset, reading)) {
+    if (material.name() == "mesh") read_mesh_asset(material, reading);
     const auto name = material.find("name"), rgba = material.find("rgba");
     if (material.name() != "material" || !name || !rgba) continue;
     const auto levels = read_numbers(material.attribute(*rgba), 4, 4, {material, *rgba}, "rgba", reading.file_of(material));
@@ -68,8 +69,9 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
     if (each.name() == "compiler") read_compiler(each, reading);
     if (each.name() == "default") read_defaults(each, "", reading);
     if (each.name() == "option") read_option(each, reading);
-    if (each.name() == "asset") read_materials(each, reading);
   }
+  for (const XmlElement each : sections)
+    if (each.name() == "asset") read_assets(each, reading);
   bool has_world = false;
   std::vector<XmlElement> tendons;
   std::vector<XmlElement> equalities;

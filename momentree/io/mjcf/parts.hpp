@@ -19,7 +19,14 @@ struct Compiler {
   double boundmass = 0, boundinertia = 0, settotalmass = -1;
   int first_group = 0, last_group = 5;  ///< groups of geoms that have mass
   std::string eulerseq = "xyz";
+  std::string meshdir{};             ///< of mesh files, relative to the model's folder
+  bool strippath = false;            ///< only the names of mesh files count, not their folders
   double angle(double given) const;  ///< rad
+};
+
+/// A mesh of <asset>.
+struct MeshAsset {
+  Shape shape{};  ///< of kind mesh, with its scale, at the origin of a geom; none if it is not drawn
 };
 
 /// State shared while one model is read.
@@ -35,6 +42,7 @@ struct Reading {
   std::string outermost = "main";
   std::unordered_map<std::string, Class> classes{};
   std::unordered_map<std::string, std::string> colours{};  ///< of materials
+  std::unordered_map<std::string, MeshAsset> meshes{};
   std::unordered_map<std::string, XmlElement> body_names{}, joint_names{};
   /// Named sites, which equalities and tendons connect.
   struct Site {
@@ -89,9 +97,15 @@ struct Geom {
   Mass mass{};
   Shape shape{};
   bool without_inertia = false;  ///< a mesh, whose inertia is not computed
+  bool hidden = false;           ///< in a group from 3 on, which is for collisions
 };
 Geom read_geom(XmlElement element, const std::string& childclass, Reading& reading);
 Mass sum_of(const std::vector<Mass>& parts);
+
+/// Reads a <mesh> of <asset>, for pictures.
+void read_mesh_asset(XmlElement element, Reading& reading);
+/// The shape of a geom with that mesh at `at`; none if there is no such mesh, or none that is drawn.
+Shape mesh_shape(const std::string& name, const Pose& at, const Reading& reading);
 
 /// Reads <worldbody> with everything in it, and adds its bodies to the model.
 void read_world(XmlElement worldbody, Reading& reading);

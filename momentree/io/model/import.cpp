@@ -5,6 +5,8 @@
 #include <utility>
 
 #include <momentree/io/file_name.hpp>
+#include <momentree/io/mesh/read_mesh.hpp>
+#include <momentree/io/mesh/source.hpp>
 #include <momentree/io/model/model_file.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
@@ -97,7 +99,29 @@ bool check_name(const std::string& name, const XmlLocation& at, std::string_view
   return !file.out().full() && check_bare_name(name, at.place(), what, file.out());
 }
 
-void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& shape, XmlFile& file) {
+namespace {
+
+std::shared_ptr<const MeshSource> mesh_source(const fs::path& path, const std::string& submesh, const XmlLocation& at,
+                                              const XmlFile& file) {
+  return std::make_shared<MeshSource>(MeshSource{path.lexically_normal().string(), submesh, "", {}, file.path(), at.place()});
+}
+
+// The folder of the package `name` that contains a folder: one of its parents of that name that is marked as a package. Empty if
+// there is none.
+fs::path package_of(const fs::path& folder, const std::string& name) {
+  std::error_code failed;
+  const fs::path real = fs::canonical(folder, failed);
+  if (failed || name.empty()) return {};
+  for (fs::path at = real; at.has_relative_path(); at = at.parent_path())
+    if (at.filename() == name &&
+        (fs::is_regular_file(at / "package.xml", failed) || fs::is_regular_file(at / "model.config", failed)))
+      return at;
+  return {};
+}
+
+}  // namespace
+
+void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& shape, XmlFile& file, const std::string& submesh) {
   bool in_package = false;
   const std::string rest = without_scheme(name, in_package);
   if (rest.empty()) {
@@ -125,9 +149,23 @@ void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& sh
     const auto reason = why_unreadable(file_path.string(), "mesh");
     if (!reason) {
       shape.mesh = each.generic_string();
+      shape.source = mesh_source(file_path, submesh, at, file);
       return;
     }
     if (!reason->missing) why = reason->what;
+  }
+  // A model in a package, whose meshes are next to its folder.
+  if (in_package && is_mesh_name(rest)) {
+    const fs::path package = package_of(folder_, path.begin()->string());
+    const fs::path file_path = package / path.lexically_relative(*path.begin());
+    if (!package.empty() && Enclosure((package / "package.xml").string()).holds(file_path) &&
+        !why_unreadable(file_path.string(), "mesh")) {
+      std::error_code failed;
+      const fs::path relative = fs::proximate(file_path, folder_, failed);
+      shape.mesh = failed ? rest : relative.generic_string();
+      shape.source = mesh_source(fs::path(folder_) / relative, submesh, at, file);
+      return;
+    }
   }
   file.once(
       Severity::note,

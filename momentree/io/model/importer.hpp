@@ -38,10 +38,11 @@ class Import {
   bool looks_at_files() const { return !folder_.empty(); }
   std::size_t errors() const;
 
-  /// Sets a shape's mesh to a path in the model's folder. `package://name/` and the like are searched there, too. A file that
-  /// is not found, or only through a symbolic link out of the folder, gives a warning; a path that leaves the folder is an
-  /// error.
-  void read_mesh(const std::string& name, const XmlLocation& at, Shape& shape, XmlFile& file);
+  /// Sets a shape's mesh to a path relative to the model's folder, and its source if the file exists. `package://name/` and
+  /// `model://name/` are searched there, too, then in the package of that name that contains the model: a folder above it with
+  /// package.xml or model.config. A file that is not found, or only through a symbolic link out of these folders, gives a note;
+  /// a path that leaves the folder is an error. `submesh`: the part of that name alone.
+  void read_mesh(const std::string& name, const XmlLocation& at, Shape& shape, XmlFile& file, const std::string& submesh = {});
 
  private:
   std::string folder_;

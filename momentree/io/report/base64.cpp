@@ -36,6 +36,33 @@ void append_base64(std::string& text, std::span<const unsigned char> bytes) {
   }
 }
 
+std::optional<std::string> from_base64(std::string_view text) {
+  std::string bytes;
+  bytes.reserve(text.size() / 4 * 3);
+  std::uint32_t group = 0, digits = 0;
+  while (!text.empty() && text.back() == '=') text.remove_suffix(1);
+  for (const char c : text) {
+    const int digit = c >= 'A' && c <= 'Z'   ? c - 'A'
+                      : c >= 'a' && c <= 'z' ? c - 'a' + 26
+                      : c >= '0' && c <= '9' ? c - '0' + 52
+                      : c == '+'             ? 62
+                      : c == '/'             ? 63
+                                             : -1;
+    if (digit < 0) {
+      if (c == ' ' || c == '\n' || c == '\r' || c == '\t') continue;
+      return {};
+    }
+    group = group << 6 | static_cast<std::uint32_t>(digit);
+    if (++digits % 4 != 0) continue;
+    for (const int shift : {16, 8, 0}) bytes += static_cast<char>(group >> shift & 255);
+    group = 0;
+  }
+  if (digits % 4 == 1) return {};
+  if (digits % 4 == 2) bytes += static_cast<char>(group >> 4 & 255);
+  if (digits % 4 == 3) bytes += static_cast<char>(group >> 10 & 255), bytes += static_cast<char>(group >> 2 & 255);
+  return bytes;
+}
+
 void append_doubles(std::string& text, std::span<const double> numbers) { append<std::uint64_t, double>(text, numbers); }
 void append_floats(std::string& text, std::span<const double> numbers) { append<std::uint32_t, float>(text, numbers); }
 

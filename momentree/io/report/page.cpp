@@ -40,16 +40,28 @@ std::string sweep_page(std::string_view page, std::string_view document) {
   return with_data(page, "sweep", json_for_page(document));
 }
 
-std::string playground_page(std::string_view page, std::string_view scenario) {
-  std::string text;
-  JsonWriter(text).value(scenario);
-  return with_data(page, "scenario", json_for_page(text));
+namespace {
+
+std::string with_meshes(std::string_view key, std::string_view text, std::string_view meshes) {
+  std::string json;
+  JsonWriter(json).begin_object().member(key, text).end_object();
+  if (!meshes.empty()) {
+    json.pop_back();
+    json += ", \"meshes\": " + std::string(meshes) + "}";
+  }
+  return json_for_page(json);
 }
 
-std::string model_page(std::string_view page, std::string_view model) {
+}  // namespace
+
+std::string playground_page(std::string_view page, std::string_view scenario, std::string_view meshes) {
   std::string text;
-  JsonWriter(text).begin_object().member("model", model).end_object();
-  return with_data(page, "scenario", json_for_page(text));
+  JsonWriter(text).value(scenario);
+  return with_data(page, "scenario", meshes.empty() ? json_for_page(text) : with_meshes("scenario", scenario, meshes));
+}
+
+std::string model_page(std::string_view page, std::string_view model, std::string_view meshes) {
+  return with_data(page, "scenario", with_meshes("model", model, meshes));
 }
 
 std::string content_policy(std::string_view page) {

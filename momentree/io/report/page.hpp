@@ -14,11 +14,11 @@ std::string report_page(std::string_view page, std::string_view data);
 /// The page of a sweep with its document, which is JSON (web/src/sweep/document.ts).
 std::string sweep_page(std::string_view page, std::string_view document);
 
-/// The playground's page, which begins with the text of a scenario.
-std::string playground_page(std::string_view page, std::string_view scenario);
+/// The playground's page, which begins with the text of a scenario. `meshes`: JSON (web/src/meshes.ts); empty: none.
+std::string playground_page(std::string_view page, std::string_view scenario, std::string_view meshes = {});
 
 /// The playground's page with sliders for the joints of a model, which is given as the text of a scenario.
-std::string model_page(std::string_view page, std::string_view model);
+std::string model_page(std::string_view page, std::string_view model, std::string_view meshes = {});
 
 /// The content security policy stated in the page itself, for a server that sends the same policy.
 std::string content_policy(std::string_view page);

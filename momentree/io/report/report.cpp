@@ -104,6 +104,10 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   write_kinds(json);
   json.key("model");
   raw(json, text, document(model));
+  if (const fs::path meshes = directory / "meshes.json"; is_there(meshes)) {
+    json.key("meshes");
+    raw(json, text, document(meshes));
+  }
   json.key("summary");
   raw(json, text, !options.summary.empty() ? options.summary : is_there(summary) ? document(summary) : "null");
   json.key("events").begin_array();

@@ -88,10 +88,18 @@ void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& f
     const XmlLocation location = texts.location();
     shape.scale = texts.vec3("scale").value_or(Vec3{1, 1, 1});
     texts.fields.known({"optimization"});
-    texts.fields.known_children({"submesh", "convex_decomposition"});
+    std::string submesh;
+    if (const XmlElement part = texts.fields.child("submesh")) {
+      Texts of(part, file);
+      submesh = of.string("name").value_or("");
+      if (of.boolean("center").value_or(false))
+        file.once(Severity::note, "<center> is ignored: pictures show the submesh where it is in the mesh", "", {part});
+      of.fields.finish();
+    }
+    texts.fields.known_children({"convex_decomposition"});
     texts.fields.finish();
     if (uri)
-      import.read_mesh(*uri, location, shape, file);
+      import.read_mesh(*uri, location, shape, file, submesh);
     else
       file.error({mesh}, "<mesh> has no <uri>");
   }

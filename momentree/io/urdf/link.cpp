@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include <momentree/io/mesh/source.hpp>
 #include <momentree/io/urdf/parts.hpp>
 
 namespace momentree::io::urdf {
@@ -134,6 +135,11 @@ void read_visual(XmlElement visual, const Materials& materials, ImportedBody& bo
     }
   }
   fields.finish();
+  if (shape.source && !shape.colour.empty()) {  // colours in the mesh itself take precedence, as in RViz
+    auto source = std::make_shared<MeshSource>(*shape.source);
+    source->colour = shape.colour;
+    shape.source = std::move(source);
+  }
   if (shape.kind != Shape::Kind::none) body.shapes.push_back(std::move(shape));
 }
 

@@ -2,6 +2,7 @@
 import type { Diagnostic, ScenarioInfo, Topology } from "../../../wasm/host.mjs";
 import { LiveRecording } from "../engine/live";
 import type { FromWorker, ToWorker, UserAction } from "../engine/messages";
+import type { Meshes } from "../meshes";
 import type { Clock } from "../panels/timeline";
 import type { Body } from "../recording";
 import { modelOf } from "../result_files";
@@ -31,6 +32,7 @@ export class App implements Clock {
   constructor(
     private readonly worker: Worker,
     module: ArrayBuffer,
+    private readonly meshes?: Meshes,
   ) {
     worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.handle(data);
     worker.onerror = (event) => this.showNotice(`The engine can't start: ${event.message || "its worker is blocked"}`);
@@ -129,7 +131,11 @@ export class App implements Clock {
         }
         this.scenario = message.world.scenario;
         this.text = this.requested ?? "";
-        this.run = new LiveRecording(modelOf(message.world.model), message.world.topology, message.world.frame);
+        this.run = new LiveRecording(
+          modelOf(message.world.model, undefined, this.meshes),
+          message.world.topology,
+          message.world.frame,
+        );
         this.shownFrame = null;
         this.notice = "";
         this.notify("world");

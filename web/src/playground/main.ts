@@ -10,6 +10,7 @@ import "../panels/across.css";
 import "./style.css";
 import "../panels/fingers.css";
 import { Engine } from "../../../wasm/host.mjs";
+import type { Meshes } from "../meshes";
 import { h } from "../panels/dom";
 import { showModel } from "../posing/page";
 import { App } from "./app";
@@ -17,16 +18,24 @@ import { gallery } from "./gallery";
 import { showPlayground } from "./page";
 import { bytesOf, inflated, linkOf } from "./share";
 
+/** What the page is given: a model, or a scenario, with the meshes that it names. */
+interface Content {
+  model?: string;
+  scenario?: string;
+  meshes?: Meshes;
+}
+
 async function begin(page: HTMLElement) {
   if (typeof WebAssembly === "undefined" || typeof DecompressionStream === "undefined")
     throw new Error("this browser has no WebAssembly, or can't inflate data");
   const module = (await inflated(bytesOf(packedModule))).buffer as ArrayBuffer;
-  const given = JSON.parse(document.getElementById("scenario")?.textContent || "null") as string | { model: string } | null;
-  if (given !== null && typeof given === "object") return showModel(page, await Engine.of(module), given.model);
-  const app = new App(new EngineWorker(), module);
+  const content = JSON.parse(document.getElementById("scenario")?.textContent || "null") as string | Content | null;
+  const { model, scenario, meshes }: Content = typeof content === "string" ? { scenario: content } : (content ?? {});
+  if (model !== undefined) return showModel(page, await Engine.of(module), model, meshes);
+  const app = new App(new EngineWorker(), module, meshes);
   const playground = showPlayground(page, app);
   Object.assign(window, { playground: { app, placeOf: playground.placeOf, frameRate: playground.frameRate } });
-  const own = given ?? gallery[0].text;
+  const own = scenario ?? gallery[0].text;
   /** Opens the scenario in the address, and nothing else in its place. */
   const follow = async (otherwise: string | null) => {
     const link = await linkOf(location.hash);

@@ -2,6 +2,7 @@
 import type { Engine } from "../../../wasm/host.mjs";
 import { LiveRecording } from "../engine/live";
 import { frameOf, posesOf } from "../engine/session";
+import type { Meshes } from "../meshes";
 import { h, table } from "../panels/dom";
 import { listenToKeys } from "../panels/keys";
 import { count } from "../panels/numbers";
@@ -13,13 +14,13 @@ import { Player } from "../viewer/player";
 import { jointSliders } from "./sliders";
 import "./style.css";
 
-/** `scenario`: the model as the text of a scenario. Throws if it has errors. */
-export function showModel(page: HTMLElement, engine: Engine, scenario: string) {
+/** `scenario`: the model as the text of a scenario; `meshes`: those that it names. Throws if it has errors. */
+export function showModel(page: HTMLElement, engine: Engine, scenario: string, meshes?: Meshes) {
   const world = engine.world();
   const { diagnostics, scenario: loaded } = world.load(scenario);
   if (!loaded) throw new Error(diagnostics.find(({ severity }) => severity === "error")?.what ?? "the model has errors");
   const kinds = world.kinds();
-  const model = modelOf(world.model() as ModelFile);
+  const model = modelOf(world.model() as ModelFile, undefined, meshes);
   const first = frameOf(world);
   const run = new LiveRecording(model, world.topology(), first);
   const joints = run.topology.joints.map((joint) => ({

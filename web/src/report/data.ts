@@ -1,4 +1,5 @@
 // Makes a Recording from the data of a report, as momentree writes them into the page.
+import type { Meshes } from "../meshes";
 import type { Column, JointQuantity, Recording, Summary, WorldQuantity } from "../recording";
 import { modelOf, phasesOf, type EventFile, type ModelFile } from "../result_files";
 import { column, doubles, floats } from "./tables";
@@ -12,6 +13,7 @@ export interface ReportData {
   /** By kind of joint, the units of its coordinates, velocities and momenta. */
   kinds: Record<string, Record<"q" | "v" | "p", string[]>>;
   model: ModelFile;
+  meshes?: Meshes;
   events: EventFile[];
   summary: Summary | null;
   frames: number;
@@ -38,7 +40,7 @@ const jointColumns: Record<JointQuantity, RegExp> = {
 };
 
 export function recordingOf(data: ReportData): Recording {
-  const model = modelOf(data.model, data.bodies);
+  const model = modelOf(data.model, data.bodies, data.meshes);
   const { phases, mechanisms } = phasesOf(data.model, model, data.events);
   const time = doubles(data.time);
   const poses = floats(data.poses);

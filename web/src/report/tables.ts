@@ -11,6 +11,7 @@ function bytesOf(base64: string, size: number): ArrayBuffer {
 }
 
 export const floats = (base64: string) => new Float32Array(bytesOf(base64, 4));
+export const shorts = (base64: string) => new Uint16Array(bytesOf(base64, 2));
 export const doubles = (base64: string) => new Float64Array(bytesOf(base64, 8));
 
 /** The column with that index, from rows of `width` numbers. */

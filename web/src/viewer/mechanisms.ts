@@ -1,7 +1,7 @@
 // All bodies at one instant: shapes, rods for bodies without shapes, joints, and a small disk where a mechanism is
 // attached to the ground.
 import * as THREE from "three";
-import type { Model, Phase, Vec3 } from "../recording";
+import type { Body, Model, Phase, Vec3 } from "../recording";
 import { mechanismColour, mixed, type Theme } from "./colours";
 import { pointOf } from "./frames";
 import { shownJoint } from "./joints";
@@ -35,6 +35,19 @@ export function typicalLength(model: Model): number {
   return lengths.length > 0 ? lengths[lengths.length >> 1] : 0.2;
 }
 
+/** The lines of a body that neither its shapes nor, if there are `meshes`, those of its neighbours show. */
+function shownLines(model: Model, shapes: ShapeLibrary, body: Body, b: number, meshes: boolean) {
+  const reach = shapes.hasShapes(b) ? 1.2 * shapes.reach(b) : 0;
+  const lines = body.extent.filter((line) => reach === 0 || line.some((end) => Math.hypot(...end) > reach));
+  if (!meshes || (!shapes.hasMesh(b) && body.mass > 0)) return lines;
+  const isPlain = (other: number) => !shapes.hasMesh(other) && model.bodies[other].mass > 0;
+  return lines.filter(([, end]) =>
+    model.joints.some(
+      ({ parent, child, at }) => parent === b && isPlain(child) && Math.hypot(...at.map((x, k) => x - end[k])) < 1e-9,
+    ),
+  );
+}
+
 export class MechanismsView {
   readonly group = new THREE.Group();
   private readonly rods: Rods;
@@ -53,6 +66,8 @@ export class MechanismsView {
   private readonly radius: number;
   /** By body, the lines that its shapes do not show. */
   private readonly lines: (readonly (readonly [Vec3, Vec3])[])[];
+  /** By body, whether it is only a frame between bodies that have meshes: it is not drawn. */
+  private readonly frames: readonly boolean[];
   private drawnLines: { body: number; from: THREE.Vector3; to: THREE.Vector3 }[] = [];
   private readonly jointColours = new Map<string, string>();
   /** Body under the pointer or selected; −1: none. */
@@ -70,10 +85,9 @@ export class MechanismsView {
   ) {
     this.length = typicalLength(model);
     this.radius = 0.045 * this.length;
-    this.lines = model.bodies.map((body, b) => {
-      const reach = shapes.hasShapes(b) ? 1.2 * shapes.reach(b) : 0;
-      return body.extent.filter((line) => reach === 0 || line.some((end) => Math.hypot(...end) > reach));
-    });
+    const meshes = model.bodies.some((_body, b) => shapes.hasMesh(b));
+    this.lines = model.bodies.map((body, b) => shownLines(model, shapes, body, b, meshes));
+    this.frames = model.bodies.map(({ mass }, b) => meshes && mass === 0 && !shapes.has(b));
     this.setLayer(this.rodMaterial);
     this.rods = new Rods(this.rodMaterial, style.faded > 0 ? 0 : 5);
     this.springs = new SpringLines(model.springs ?? [], style.faded);
@@ -93,14 +107,15 @@ export class MechanismsView {
     return mixed(mechanismColour(theme, mechanism), theme.ground, this.style.faded);
   }
 
-  /** Material of shapes in a colour. */
-  private material(colour: string): THREE.MeshLambertMaterial {
-    let material = this.materials.get(colour);
+  /** Material of shapes in a colour; `open`: seen from both sides. */
+  private material(colour: string, open: boolean): THREE.MeshLambertMaterial {
+    const key = open ? `${colour} open` : colour;
+    let material = this.materials.get(key);
     if (material) return material;
-    material = new THREE.MeshLambertMaterial({ color: colour });
+    material = new THREE.MeshLambertMaterial({ color: colour, ...(open && { side: THREE.DoubleSide, forceSinglePass: true }) });
     this.setLayer(material);
     if (this.style.faded > 0) material.opacity = 0.35 * (1 - this.style.faded) + 0.1;
-    this.materials.set(colour, material);
+    this.materials.set(key, material);
     return material;
   }
 
@@ -136,9 +151,9 @@ export class MechanismsView {
         shapes.group.position.set(poses[i], poses[i + 1], poses[i + 2]);
         shapes.group.quaternion.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
         const common = this.colour(theme, mechanism);
-        for (const { mesh, own } of shapes.meshes) {
+        for (const { mesh, own, open } of shapes.meshes) {
           const colour = own && this.ownColours ? mixed(own, theme.ground, this.style.faded) : common;
-          mesh.material = this.material(colour);
+          mesh.material = this.material(colour, open);
           mesh.renderOrder = this.style.faded > 0 ? 0 : 5;
         }
         for (const mesh of shapes.outlines) {
@@ -149,7 +164,7 @@ export class MechanismsView {
       }
       for (const [from, to] of this.lines[b])
         this.line(b, vector(pointOf(poses, b, from)), vector(pointOf(poses, b, to)), bright);
-      if (body.extent.length === 0 && !shapes) {
+      if (body.extent.length === 0 && !shapes && !this.frames[b]) {
         const at = vector(pointOf(poses, b, body.com));
         this.rods.ball(at, bright, 2.5);
         this.drawnLines.push({ body: b, from: at, to: at });

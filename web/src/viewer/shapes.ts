@@ -1,38 +1,47 @@
-// The shapes of bodies as three.js meshes; shapes in separate files are not loaded.
+// The shapes of bodies as three.js meshes.
 import * as THREE from "three";
 import type { Body, Model, Shape } from "../recording";
 import { hexOf } from "./colours";
 import { ellipsoidOf } from "./inertia";
+import { meshGeometry } from "./mesh_geometry";
 import { addOutward } from "./outline";
 
-/** A mesh in its body's frame, or null if there is nothing to draw. */
-function meshOf(shape: Shape, material: THREE.Material): THREE.Mesh | null {
+/** The geometry in the shape's own axes, or of a mesh those of its parts, with the colours that they have of their own. */
+function geometriesOf(shape: Shape): { geometry: THREE.BufferGeometry; colour?: string | undefined }[] {
   const radius = shape.radius ?? 0;
   const length = shape.length ?? 0;
-  let geometry: THREE.BufferGeometry;
   switch (shape.kind) {
     case "box":
-      geometry = new THREE.BoxGeometry(...(shape.size ?? [0, 0, 0]));
-      break;
+      return [{ geometry: new THREE.BoxGeometry(...(shape.size ?? [0, 0, 0])) }];
     case "sphere":
-      geometry = new THREE.SphereGeometry(radius, 28, 18);
-      break;
+      return [{ geometry: new THREE.SphereGeometry(radius, 28, 18) }];
     case "cylinder":
-      geometry = new THREE.CylinderGeometry(radius, radius, length, 28).rotateX(Math.PI / 2);
-      break;
+      return [{ geometry: new THREE.CylinderGeometry(radius, radius, length, 28).rotateX(Math.PI / 2) }];
     case "capsule":
-      geometry = new THREE.CapsuleGeometry(radius, length, 8, 24).rotateX(Math.PI / 2);
-      break;
+      return [{ geometry: new THREE.CapsuleGeometry(radius, length, 8, 24).rotateX(Math.PI / 2) }];
     case "mesh":
-      return null;
+      return (shape.parts ?? []).map((part) => ({
+        geometry: meshGeometry(part, shape.scale ?? [1, 1, 1]),
+        colour: part.colour,
+      }));
   }
+}
+
+/** Meshes in their body's frame. */
+function meshesOf(shape: Shape, material: THREE.Material): THREE.Mesh[] {
   const [w, x, y, z] = shape.at.quat;
-  geometry.applyQuaternion(new THREE.Quaternion(x, y, z, w)).translate(...shape.at.xyz);
-  const mesh = new THREE.Mesh(geometry, material);
-  const colour = hexOf(shape.colour ?? "");
-  if (colour) mesh.userData.colour = colour;
-  if (colour) addOutward(geometry);
-  return mesh;
+  const place = new THREE.Matrix4().makeRotationFromQuaternion(new THREE.Quaternion(x, y, z, w)).setPosition(...shape.at.xyz);
+  return geometriesOf(shape).map(({ geometry, colour: own }) => {
+    geometry.applyMatrix4(place);
+    const outward = geometry.getAttribute("outward");
+    if (outward) outward.applyNormalMatrix(new THREE.Matrix3().getNormalMatrix(place));
+    const mesh = new THREE.Mesh(geometry, material);
+    mesh.userData.open = shape.kind === "mesh";
+    const colour = hexOf(shape.colour ?? own ?? "");
+    if (colour) mesh.userData.colour = colour;
+    if (colour && !outward) addOutward(geometry);
+    return mesh;
+  });
 }
 
 /** A body without shapes, by its inertia; null if there is nothing to draw. */
@@ -44,10 +53,13 @@ function inertiaOf(body: Body, material: THREE.Material): THREE.Mesh | null {
   return new THREE.Mesh(geometry, material);
 }
 
-/** Data of a view of body shapes: `own`: their own colours, if any; `outlines`: of the shapes that have one. */
+/**
+ * Data of a view of body shapes: `own`: their own colours, if any; `open`: their triangles are seen from both sides;
+ * `outlines`: of the shapes that have one.
+ */
 export interface ShapeMeshes {
   readonly group: THREE.Group;
-  readonly meshes: readonly { readonly mesh: THREE.Mesh; readonly own: string | null }[];
+  readonly meshes: readonly { readonly mesh: THREE.Mesh; readonly own: string | null; readonly open: boolean }[];
   readonly outlines: readonly THREE.Mesh[];
 }
 
@@ -59,7 +71,7 @@ export class ShapeLibrary {
   constructor(model: Model) {
     const nothing = new THREE.MeshBasicMaterial();
     const drawn = (mesh: THREE.Mesh | null): mesh is THREE.Mesh => mesh !== null;
-    this.parts = model.bodies.map((body) => body.shapes.map((shape) => meshOf(shape, nothing)).filter(drawn));
+    this.parts = model.bodies.map((body) => body.shapes.flatMap((shape) => meshesOf(shape, nothing)));
     this.shaped = this.parts.map((parts) => parts.length > 0);
     this.parts.forEach((parts, b) => {
       if (parts.length === 0) parts.push(...[inertiaOf(model.bodies[b], nothing)].filter(drawn));
@@ -73,6 +85,10 @@ export class ShapeLibrary {
   /** Whether the body has shapes of its own, not only the ellipsoid of its inertia. */
   hasShapes(body: number): boolean {
     return this.shaped[body];
+  }
+
+  hasMesh(body: number): boolean {
+    return this.parts[body].some((part) => part.userData.open === true);
   }
 
   /** Whether any shape has its own colour. */
@@ -90,7 +106,7 @@ export class ShapeLibrary {
       mesh.userData.body = body;
       const own = (part.userData.colour as string | undefined) ?? null;
       if (own && outlined) outlines.push(new THREE.Mesh(part.geometry, material));
-      return { mesh, own };
+      return { mesh, own, open: part.userData.open === true };
     });
     for (const outline of outlines) outline.visible = false;
     group.add(...meshes.map(({ mesh }) => mesh), ...outlines);
