@@ -16,6 +16,7 @@ ForcePlan::ForcePlan(const Tree& tree)
 }
 
 Stepper::~Stepper() = default;
+void Stepper::fit(const Tree& /*tree*/) {}
 
 // Instruction sets of this build (MOMENTREE_LANES in CMakeLists.txt), with one definition each.
 bool available([[maybe_unused]] Isa isa) noexcept {

@@ -40,7 +40,7 @@ class Stepper {
   virtual ~Stepper();
   virtual int lanes() const = 0;
   /// Prepares steps of worlds with this tree, if they have loops. Allocates if they have more than before.
-  virtual void fit(const Tree&) {}
+  virtual void fit(const Tree& tree);
   /// One step of the classical Runge–Kutta method in every lane. The tree must not have more bodies than that of the constructor.
   /// Neither allocates nor throws.
   virtual void step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept = 0;

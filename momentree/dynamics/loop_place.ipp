@@ -1,5 +1,6 @@
 #pragma once
-// Where the loops' frames are, and what their rows are there, for any scalar. Included only by instantiate/*.cpp.
+// Where the loops' frames are, and what their rows are there, for any scalar. Included only by loop_kernels.cpp and by
+// instantiate/*.cpp of other scalars.
 #include <momentree/dynamics/loop_system.ipp>
 #include <momentree/joint/kernels.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 // The system of the loops' rows for any scalar: A = J M⁻¹ Jᵀ and b from the records of the inward pass, its solution, and what
-// this adds to the records. Included only by instantiate/*.cpp.
+// this adds to the records. Included only by loop_kernels.cpp and by instantiate/*.cpp of other scalars.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
