@@ -44,9 +44,9 @@ struct Batch::Impl {
   std::unordered_multimap<std::size_t, std::unique_ptr<Group>> groups;  // by the topology's key
   std::vector<Seat> seats;                                              // by world
   std::vector<std::vector<batch::ExtraEffort>> efforts;                 // by world
-  std::vector<std::unique_ptr<batch::Stepper>> steppers;                // by thread
-  std::vector<batch::LoopStepper> loop_steppers;                        // by thread; none without closed loops
-  std::vector<std::unique_ptr<batch::Stepper>> loop_lanes;              // by thread, of worlds with loops in velocities
+  std::vector<std::unique_ptr<batch::TreeStepper>> steppers;            // by thread
+  std::vector<batch::LoopStepper> loop_steppers;                        // by thread, of worlds with loops in momenta
+  std::vector<std::unique_ptr<batch::LoopLanes>> loop_lanes;            // by thread, of worlds with loops in velocities
   std::vector<Task> tasks;                                              // of the current step
   int capacity = 0, lanes = 0, loop_capacity = 0;
   bool had_loops = false;  // a world had a loop joint
@@ -131,7 +131,7 @@ struct Batch::Impl {
     if (variables_of(tree) == Variables::momenta) return 1;
     if (loop_lanes.empty() || loop_capacity < tree.bodies()) {
       loop_lanes.clear();
-      for (int i = 0; i < pool.threads(); ++i) loop_lanes.push_back(batch::make_loop_stepper(isa, tree));
+      for (int i = 0; i < pool.threads(); ++i) loop_lanes.push_back(batch::make_loop_lanes(isa, tree));
     }
     return loop_lanes[0]->lanes();
   }
@@ -175,7 +175,7 @@ struct Batch::Impl {
       if (in_loop_lanes(group))
         loop_lanes[static_cast<std::size_t>(thread)]->step(group.tree(), group.plan(), block);
       else if (group.tree().has_loops())
-        loop_steppers[static_cast<std::size_t>(thread)].step(group.tree(), group.variables(), block);
+        loop_steppers[static_cast<std::size_t>(thread)].step(group.tree(), block);
       else
         steppers[static_cast<std::size_t>(thread)]->step(group.tree(), group.plan(), block);
     });

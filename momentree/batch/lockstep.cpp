@@ -31,9 +31,7 @@ namespace {
 // Trees of models with the same form, constants and parameters; the topologies are compared elsewhere.
 bool same_constants(const Tree& a, const Tree& b) {
   if (a.topology().model != b.topology().model || a.gravity() != b.gravity()) return false;
-  const auto same_coupling = [](const Coupling& x, const Coupling& y) { return x == y; };
-  if (!std::equal(a.couplings().begin(), a.couplings().end(), b.couplings().begin(), b.couplings().end(), same_coupling))
-    return false;
+  if (!std::equal(a.couplings().begin(), a.couplings().end(), b.couplings().begin(), b.couplings().end())) return false;
   return std::equal(a.order().begin(), a.order().end(), b.order().begin(), b.order().end(), [&](int x, int y) {
     const JointParameters *of_x = a.parameters(x), *of_y = b.parameters(y);
     return x == y && (of_x == of_y || (of_x != nullptr && of_y != nullptr && *of_x == *of_y));
@@ -62,7 +60,10 @@ Group& Lockstep::group_of(const Simulation::Impl& impl) {
   const bool loops = tree.has_loops();
   Steps& steps = steps_of(variables, loops);
   if (tree.bodies() > steps.capacity) {
-    steps.stepper = loops ? batch::make_loop_stepper(isa_, tree) : batch::make_stepper(isa_, Precision::float64, tree, variables);
+    if (loops)
+      steps.stepper = batch::make_loop_lanes(isa_, tree);
+    else
+      steps.stepper = batch::make_stepper(isa_, Precision::float64, tree, variables);
     steps.capacity = tree.bodies();
   }
   return *groups_.emplace_back(std::make_unique<Group>(topology, tree, steps.stepper->lanes(), variables));

@@ -27,9 +27,8 @@ struct LockstepRun {
 /// instruction set, since multiply-adds are contracted differently.
 ///
 /// What a step costs beside the integration is left out: the energies dissipated, put in by forces and brought in by closing
-/// loops
-/// (`dissipated`, `work`, `projection` and `error` of Simulation::energy()) are not booked, watchers are called at least every
-/// 256 steps instead of after each, and times of statistics() do not include the steps.
+/// loops (`dissipated`, `work`, `projection` and `error` of Simulation::energy()) are not booked, watchers are called at least
+/// every 256 steps instead of after each, and times of statistics() do not include the steps.
 class Lockstep {
  public:
   explicit Lockstep(Isa widest = Isa::avx512);

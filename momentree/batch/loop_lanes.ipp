@@ -8,16 +8,15 @@
 namespace momentree::batch {
 
 template <class T>
-class PackLoopStepper final : public PackStepper<T> {
+class PackLoopLanes final : public PackStepper<T, LoopLanes> {
   static constexpr int N = T::lanes;
 
  public:
-  explicit PackLoopStepper(const Tree& tree) : PackStepper<T>(tree) {}
+  explicit PackLoopLanes(const Tree& tree) : PackStepper<T, LoopLanes>(tree) {}
   void fit(const Tree& tree) override {
     detail::lay_out_loops<T>(tree, loops_);
     choice_.fit(tree);
   }
-  void rates(const Tree&, const double*, const double*, double*, double*, double*) noexcept override {}
 
  private:
   using Mask = typename T::Mask;
@@ -60,13 +59,11 @@ class PackLoopStepper final : public PackStepper<T> {
     bool working[N];
     for (int l = 0; l < N; ++l) before[l] = HUGE_VAL, working[l] = plausible[l] != 0 && block.h[l] != 0;
     for (int k = 0;; ++k) {
-      evaluate_at_rest_forces(tree, q, u);
+      evaluate_without_forces(tree, q, u);
       bool any = false;
       for (int l = 0; l < N; ++l) {
         if (!working[l]) continue;
-        double open = 0;
-        for (std::size_t i = 0; i < tree.loop_links().size(); ++i)
-          if (const double part = detail::open_by(tree, loops_, i, l); !(part <= open)) open = part;
+        const double open = detail::most_open(tree, loops_, l);
         working[l] = open > detail::closed && open < 0.5 * before[l] && k < detail::most_corrections;
         if (!working[l] && !(open <= detail::nearly_closed)) plausible[l] = 0;
         before[l] = open;
@@ -107,7 +104,7 @@ class PackLoopStepper final : public PackStepper<T> {
     detail::factorise_loops<T>(loops_);
   }
   // As LoopCorrection::evaluate.
-  void evaluate_at_rest_forces(const Tree& tree, const T* q, const T* u) noexcept {
+  void evaluate_without_forces(const Tree& tree, const T* q, const T* u) noexcept {
     Workspace<T>& workspace = this->workspace_;
     sweep_velocities<T, true>(tree, q, u, workspace);
     for (const int b : tree.order()) workspace.biases[static_cast<std::size_t>(b)] = {};

@@ -1,5 +1,5 @@
 #pragma once
-// Steps of worlds with closed loops or exact couplings: one world after the other, in double.
+// Steps of worlds with closed loops in momenta: one world after the other, in double. In velocities: loop_lanes.ipp.
 #include <memory>
 
 #include <momentree/batch/stepper.hpp>
@@ -14,11 +14,11 @@ class LoopStepper {
   void fit(const Tree& tree);
   /// One step of the world in a block of one lane, as Stepper::step(); it runs away also if its loops cannot be closed. Requires
   /// fit(tree). Neither allocates nor throws.
-  void step(const Tree& tree, Variables variables, const Block& block) noexcept;
+  void step(const Tree& tree, const Block& block) noexcept;
 
  private:
   Workspace<double> workspace_;
-  State momenta_, velocities_;
+  State state_;
   std::unique_ptr<Integrator> rk4_;
 };
 

@@ -15,8 +15,10 @@ ForcePlan::ForcePlan(const Tree& tree)
       elements.push_back(b);
 }
 
+// Here, so that their tables are compiled for no wider instruction set.
 Stepper::~Stepper() = default;
-void Stepper::fit(const Tree& /*tree*/) {}
+TreeStepper::~TreeStepper() = default;
+LoopLanes::~LoopLanes() = default;
 
 // Instruction sets of this build (MOMENTREE_LANES in CMakeLists.txt), with one definition each.
 bool available([[maybe_unused]] Isa isa) noexcept {
@@ -45,17 +47,17 @@ Isa best_isa(Isa widest) noexcept {
 namespace {
 
 // One of the four steppers of an instruction set.
-using Maker = Stepper* (*)(const Tree&);
-[[maybe_unused]] std::unique_ptr<Stepper> made(const Tree& tree, Precision precision, Variables variables,
-                                               const Maker (&momenta)[2], const Maker (&velocities)[2]) {
+using Maker = TreeStepper* (*)(const Tree&);
+[[maybe_unused]] std::unique_ptr<TreeStepper> made(const Tree& tree, Precision precision, Variables variables,
+                                                   const Maker (&momenta)[2], const Maker (&velocities)[2]) {
   const int i = precision == Precision::float64 ? 0 : 1;
-  return std::unique_ptr<Stepper>((variables == Variables::momenta ? momenta : velocities)[i](tree));
+  return std::unique_ptr<TreeStepper>((variables == Variables::momenta ? momenta : velocities)[i](tree));
 }
 
 }  // namespace
 
-std::unique_ptr<Stepper> make_stepper(Isa isa, [[maybe_unused]] Precision precision, [[maybe_unused]] const Tree& tree,
-                                      [[maybe_unused]] Variables variables) {
+std::unique_ptr<TreeStepper> make_stepper(Isa isa, [[maybe_unused]] Precision precision, [[maybe_unused]] const Tree& tree,
+                                          [[maybe_unused]] Variables variables) {
   if (!available(isa)) return nullptr;
 #define MOMENTREE_STEPPERS(set)                                                      \
   return made(tree, precision, variables, {make_##set##_double, make_##set##_float}, \
@@ -73,15 +75,15 @@ std::unique_ptr<Stepper> make_stepper(Isa isa, [[maybe_unused]] Precision precis
   return nullptr;
 }
 
-std::unique_ptr<Stepper> make_loop_stepper(Isa isa, [[maybe_unused]] const Tree& tree) {
+std::unique_ptr<LoopLanes> make_loop_lanes(Isa isa, [[maybe_unused]] const Tree& tree) {
 #ifdef MOMENTREE_LANES_AVX512
-  if (isa == Isa::avx512 && available(isa)) return std::unique_ptr<Stepper>(make_avx512_loops(tree));
+  if (isa == Isa::avx512 && available(isa)) return std::unique_ptr<LoopLanes>(make_avx512_loops(tree));
 #endif
 #ifdef MOMENTREE_LANES_AVX2
-  if (isa == Isa::avx2 && available(isa)) return std::unique_ptr<Stepper>(make_avx2_loops(tree));
+  if (isa == Isa::avx2 && available(isa)) return std::unique_ptr<LoopLanes>(make_avx2_loops(tree));
 #endif
 #ifdef MOMENTREE_LANES_BASELINE
-  if (isa == Isa::baseline) return std::unique_ptr<Stepper>(make_baseline_loops(tree));
+  if (isa == Isa::baseline) return std::unique_ptr<LoopLanes>(make_baseline_loops(tree));
 #endif
   return nullptr;
 }

@@ -39,13 +39,25 @@ class Stepper {
   Stepper& operator=(const Stepper&) = delete;
   virtual ~Stepper();
   virtual int lanes() const = 0;
-  /// Prepares steps of worlds with this tree, if they have loops. Allocates if they have more than before.
-  virtual void fit(const Tree& tree);
   /// One step of the classical Runge–Kutta method in every lane. The tree must not have more bodies than that of the constructor.
   /// Neither allocates nor throws.
   virtual void step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept = 0;
+};
+
+/// Of worlds without loops.
+class TreeStepper : public Stepper {
+ public:
+  ~TreeStepper() override;
   /// One evaluation without joint forces: q̇, ẏ (ṗ or u̇) and v of all lanes.
   virtual void rates(const Tree& tree, const double* q, const double* y, double* qdot, double* ydot, double* v) noexcept = 0;
+};
+
+/// Of worlds with closed loops or exact couplings.
+class LoopLanes : public Stepper {
+ public:
+  ~LoopLanes() override;
+  /// Prepares steps of worlds with this tree. Allocates if they have more rows than before.
+  virtual void fit(const Tree& tree) = 0;
 };
 
 /// True if this library has kernels for the instruction set and this CPU can run them.
@@ -53,27 +65,28 @@ bool available(Isa isa) noexcept;
 /// The widest available set up to `widest`; if the build has none of these, the narrowest that it has.
 Isa best_isa(Isa widest = Isa::avx512) noexcept;
 /// `variables`: what y is. Null if the set is not available.
-std::unique_ptr<Stepper> make_stepper(Isa isa, Precision precision, const Tree& tree, Variables variables = Variables::momenta);
+std::unique_ptr<TreeStepper> make_stepper(Isa isa, Precision precision, const Tree& tree,
+                                          Variables variables = Variables::momenta);
 
-/// The same for worlds with closed loops or exact couplings, in velocities and doubles.
-std::unique_ptr<Stepper> make_loop_stepper(Isa isa, const Tree& tree);
+/// The same for worlds with loops, in velocities and doubles.
+std::unique_ptr<LoopLanes> make_loop_lanes(Isa isa, const Tree& tree);
 
 // Each in its own source file.
-Stepper* make_baseline_loops(const Tree& tree);
-Stepper* make_avx2_loops(const Tree& tree);
-Stepper* make_avx512_loops(const Tree& tree);
-Stepper* make_baseline_double(const Tree& tree);
-Stepper* make_baseline_float(const Tree& tree);
-Stepper* make_avx2_double(const Tree& tree);
-Stepper* make_avx2_float(const Tree& tree);
-Stepper* make_avx512_double(const Tree& tree);
-Stepper* make_avx512_float(const Tree& tree);
-Stepper* make_baseline_double_velocities(const Tree& tree);
-Stepper* make_baseline_float_velocities(const Tree& tree);
-Stepper* make_avx2_double_velocities(const Tree& tree);
-Stepper* make_avx2_float_velocities(const Tree& tree);
-Stepper* make_avx512_double_velocities(const Tree& tree);
-Stepper* make_avx512_float_velocities(const Tree& tree);
+LoopLanes* make_baseline_loops(const Tree& tree);
+LoopLanes* make_avx2_loops(const Tree& tree);
+LoopLanes* make_avx512_loops(const Tree& tree);
+TreeStepper* make_baseline_double(const Tree& tree);
+TreeStepper* make_baseline_float(const Tree& tree);
+TreeStepper* make_avx2_double(const Tree& tree);
+TreeStepper* make_avx2_float(const Tree& tree);
+TreeStepper* make_avx512_double(const Tree& tree);
+TreeStepper* make_avx512_float(const Tree& tree);
+TreeStepper* make_baseline_double_velocities(const Tree& tree);
+TreeStepper* make_baseline_float_velocities(const Tree& tree);
+TreeStepper* make_avx2_double_velocities(const Tree& tree);
+TreeStepper* make_avx2_float_velocities(const Tree& tree);
+TreeStepper* make_avx512_double_velocities(const Tree& tree);
+TreeStepper* make_avx512_float_velocities(const Tree& tree);
 
 // Computations done lane by lane, in double, the same for all instruction sets. q, u, force: those of b's joint alone.
 

@@ -8,9 +8,9 @@
 
 namespace momentree::batch {
 
-/// The rates of y, with all forces, are left to the classes for momenta and velocities.
-template <class T>
-class PackStepper : public Stepper {
+/// The rates of y, with all forces, are left to the classes for momenta, velocities and loops. Base: TreeStepper or LoopLanes.
+template <class T, class Base = TreeStepper>
+class PackStepper : public Base {
  public:
   int lanes() const final { return N; }
   void step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept final;
@@ -61,8 +61,8 @@ class PackStepper : public Stepper {
 };
 
 // Adds the other forces in one joint, lane by lane.
-template <class T>
-void PackStepper<T>::add_elements(const Tree& tree, int b, const double* t, const T* q, T* force) noexcept {
+template <class T, class Base>
+void PackStepper<T, Base>::add_elements(const Tree& tree, int b, const double* t, const T* q, T* force) noexcept {
   const int nq = coordinates_of(tree, b), nv = dofs_of(tree, b), at = tree.first_p(b);
   for (int lane = 0; lane < N; ++lane) {
     double joint_q[7], u[6], own[6] = {};
@@ -73,9 +73,9 @@ void PackStepper<T>::add_elements(const Tree& tree, int b, const double* t, cons
   }
 }
 
-template <class T>
-void PackStepper<T>::add_forces(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
-                                T* force) noexcept {
+template <class T, class Base>
+void PackStepper<T, Base>::add_forces(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
+                                      T* force) noexcept {
   const int nv = tree.nv();
   const T* const v = workspace_.v.get();
   if (tree.has_forces())
@@ -92,8 +92,8 @@ void PackStepper<T>::add_forces(const Tree& tree, const ForcePlan& plan, const d
     }
 }
 
-template <class T>
-void PackStepper<T>::normalise(const Tree& tree, T* q, const bool* lanes) noexcept {
+template <class T, class Base>
+void PackStepper<T, Base>::normalise(const Tree& tree, T* q, const bool* lanes) noexcept {
   for (const int b : tree.quaternion_joints()) {
     const int nq = coordinates_of(tree, b), at = tree.first_q(b);
     for (int lane = 0; lane < N; ++lane) {
@@ -106,8 +106,8 @@ void PackStepper<T>::normalise(const Tree& tree, T* q, const bool* lanes) noexce
   }
 }
 
-template <class T>
-void PackStepper<T>::end_step(const Tree& tree, const double* t) noexcept {
+template <class T, class Base>
+void PackStepper<T, Base>::end_step(const Tree& tree, const double* t) noexcept {
   bool all[N];
   for (bool& lane : all) lane = true;
   normalise(tree, q_.get(), all);
@@ -119,8 +119,8 @@ void PackStepper<T>::end_step(const Tree& tree, const double* t) noexcept {
     }
 }
 
-template <class T>
-void PackStepper<T>::step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept {
+template <class T, class Base>
+void PackStepper<T, Base>::step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept {
   const int nq = tree.nq(), nv = tree.nv();
   load(tree, block.q, block.y, q0_.get(), y0_.get());
   double t[N];

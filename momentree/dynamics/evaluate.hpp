@@ -76,7 +76,8 @@ Motion<double> felt_acceleration(const Tree& tree, const double* q, const Worksp
 Force<double> transmitted_wrench(const Tree& tree, const Workspace<double>& workspace, int b) noexcept;
 
 /// Coordinates and trigonometry of b's joint, from the last evaluation of the workspace.
-inline JointState<double> joint_state(UncheckedTree tree, const double* q, const Workspace<double>& workspace, int b) noexcept {
+template <class T>
+JointState<T> joint_state(UncheckedTree tree, const T* q, const Workspace<T>& workspace, int b) noexcept {
   return {q + tree.first_q(b), workspace.cos.get() + tree.first_angle(b), workspace.sin.get() + tree.first_angle(b)};
 }
 inline JointState<double> joint_state(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept {

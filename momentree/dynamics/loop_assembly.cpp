@@ -14,7 +14,7 @@ namespace momentree {
 
 namespace {
 
-using detail::LoopCorrection, detail::nearly_closed, detail::open_by;
+using detail::LoopCorrection, detail::nearly_closed, detail::most_open, detail::open_by;
 
 constexpr int most_steps = 200, disturbed_attempts = 8;
 constexpr double longest_step = 0.5;  // rad, and of the size of the loops
@@ -53,7 +53,7 @@ double close_by_mass(Start& start, double* q, Workspace<double>& workspace) {
   LoopCorrection correction{start.tree, workspace};
   const LoopWorkspace& loops = *workspace.loops;
   correction.evaluate(q, start.u, pivots);
-  double open = open_by(start.tree, loops);
+  double open = most_open(start.tree, loops);
   for (int k = 0; open > nearly_closed && k < most_steps; ++k) {
     correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
     start.keep(q, workspace);
@@ -61,7 +61,7 @@ double close_by_mass(Start& start, double* q, Workspace<double>& workspace) {
     for (double scale = start.bound(); scale > 1e-6 && !better; scale /= 2) {
       start.move(scale, q);
       correction.evaluate(q, start.u, open < 1e-4 ? 0 : pivots);
-      const double now = open_by(start.tree, loops);
+      const double now = most_open(start.tree, loops);
       if (now < open * (1 - 1e-4 * scale)) open = now, better = true;
     }
     if (!better) {
@@ -92,7 +92,7 @@ double close_damped(Start& start, double* q, Workspace<double>& workspace) {
   int slow = 0;
   for (int k = 0; k < most_steps; ++k) {
     correction.evaluate_damped(q, start.u, damping);
-    const double open = open_by(start.tree, loops), now = squares(start.tree, loops);
+    const double open = most_open(start.tree, loops), now = squares(start.tree, loops);
     if (!(open > 0.01 * nearly_closed)) return open;
     correction.solve(q, [&](std::size_t row) { return -loops.rows[row].residual; });
     start.keep(q, workspace);
@@ -110,7 +110,7 @@ double close_damped(Start& start, double* q, Workspace<double>& workspace) {
     if (slow > 3 || damping > most_damping) break;
   }
   correction.evaluate_damped(q, start.u, damping);
-  return open_by(start.tree, loops);
+  return most_open(start.tree, loops);
 }
 
 // The same tree, in whose mass matrix all DoFs weigh about the same.

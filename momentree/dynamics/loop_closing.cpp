@@ -55,7 +55,7 @@ bool close_coordinates(LoopCorrection& correction, double* q, const double* u, d
   for (int k = 0;; ++k) {
     correction.evaluate(q, u, 0);
     if (k == 0) energy = -energy_at(correction.tree, q, correction.workspace);
-    const double open = detail::open_by(correction.tree, loops);
+    const double open = detail::most_open(correction.tree, loops);
     if (open <= closed) return true;
     if (!(open < 0.5 * before) || k == most_corrections) return open <= nearly_closed;
     before = open;
@@ -81,21 +81,6 @@ bool detail::is_length(const Tree& tree, std::size_t link, int row) noexcept {
   const int rows = own.closure.rows();
   return row >= rows ? info(tree.loops()[link].joint.kind).q_units[own.dof_rows[at(row - rows)].dof] == 'm'
                      : row < own.closure.positions || row >= own.closure.positions + own.closure.directions;
-}
-
-double detail::row_size(const Tree& tree, const LoopWorkspace& loops, std::size_t link, int row) noexcept {
-  return row_size<double>(tree, loops, link, row, 0);
-}
-
-double detail::open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t link) noexcept {
-  return open_by<double>(tree, loops, link, 0);
-}
-
-double detail::open_by(const Tree& tree, const LoopWorkspace& loops) noexcept {
-  double worst = 0;
-  for (std::size_t i = 0; i < tree.loop_links().size(); ++i)
-    if (const double part = open_by(tree, loops, i); !(part <= worst)) worst = part;
-  return worst;
 }
 
 void detail::note_turns(const Tree& tree, Workspace<double>& workspace) noexcept {

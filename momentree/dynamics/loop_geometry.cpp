@@ -31,10 +31,6 @@ void find_extents(const Tree& tree, std::vector<double>& extents) {
 
 }  // namespace
 
-Force<double> on_body(const Kinematics<double>& body, const Vec3& F, const Vec3& T, const Vec3& x) noexcept {
-  return {transpose_times(body.R, F), transpose_times(body.R, T + cross(x - body.r, F))};
-}
-
 void detail::lay_out_constants(const Tree& tree, int lanes, LoopConstants& to) {
   const std::size_t entries = tree.loops().size() * at(lanes);
   to.topology = tree.revision();

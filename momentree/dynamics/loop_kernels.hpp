@@ -8,6 +8,17 @@
 #include <momentree/dynamics/loops.hpp>
 #include <momentree/math/lanes.hpp>
 
+namespace momentree {
+
+/// A force and a torque at the point x, world axes, as a wrench on a body in its kernel frame.
+template <class T>
+MOMENTREE_INLINE Force<T> on_body(const Kinematics<T>& body, const Vector3<T>& force, const Vector3<T>& torque,
+                                  const Vector3<T>& x) {
+  return {transpose_times(body.R, force), transpose_times(body.R, torque + cross(x - body.r, force))};
+}
+
+}  // namespace momentree
+
 namespace momentree::detail {
 
 /// Rows are independent if their pivots in the scaled A are larger; those of redundant rows are below 1e-15.
@@ -107,9 +118,10 @@ Force<double> joint_wrench_at(const Tree& tree, double t, int place, const LoopP
 /// The same wrench in world axes, about xb; adds its power.
 Force<double> loop_force(const Tree& tree, double t, int place, const LoopPlace& p, const Turns& turns, Power& power) noexcept;
 
-/// By what residuals of a row are measured, in a lane; see loop_system.hpp.
+/// By what residuals of a row are measured, given by its place among those of its link: the size of a loop (m), or 1 for
+/// directions.
 template <class T>
-double row_size(const Tree& tree, const LoopSystem<T>& loops, std::size_t link, int row, int lane) noexcept {
+double row_size(const Tree& tree, const LoopSystem<T>& loops, std::size_t link, int row, int lane = 0) noexcept {
   const LoopLink& own = tree.loop_links()[link];
   const std::size_t loop_count = tree.loops().size();
   if (own.ends.coupling < 0 && !is_length(tree, link, row)) return 1;
@@ -118,7 +130,7 @@ double row_size(const Tree& tree, const LoopSystem<T>& loops, std::size_t link, 
 }
 /// The largest residual of a link relative to these sizes, in a lane; NaN if one is.
 template <class T>
-double open_by(const Tree& tree, const LoopSystem<T>& loops, std::size_t link, int lane) noexcept {
+double open_by(const Tree& tree, const LoopSystem<T>& loops, std::size_t link, int lane = 0) noexcept {
   double worst = 0;
   const LoopLink& own = tree.loop_links()[link];
   for (int i = 0; i < own.rows; ++i) {
@@ -127,6 +139,15 @@ double open_by(const Tree& tree, const LoopSystem<T>& loops, std::size_t link, i
     const double part = size < HUGE_VAL ? std::fabs(residual) / size : HUGE_VAL;  // lengths beyond all bounds
     if (!(part <= worst)) worst = part;                                           // NaN is kept
   }
+  return worst;
+}
+
+/// That of all links.
+template <class T>
+double most_open(const Tree& tree, const LoopSystem<T>& loops, int lane = 0) noexcept {
+  double worst = 0;
+  for (std::size_t i = 0; i < tree.loop_links().size(); ++i)
+    if (const double part = open_by(tree, loops, i, lane); !(part <= worst)) worst = part;
   return worst;
 }
 

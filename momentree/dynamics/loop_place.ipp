@@ -71,7 +71,7 @@ void place_closures(const Tree& tree, const T* q, Workspace<T>& workspace, LoopS
     const int outer = all.parent(b);
     Kinematics<T>& own = workspace.bodies[at(b)];
     const DenseTransform<T> x = dispatch_kernels(all.kind(b), all.variant(b), [&](auto tag) {
-      return dense_transform<typename decltype(tag)::type, T>(all.link(b), loop_joint_state(all, q, workspace, b));
+      return dense_transform<typename decltype(tag)::type, T>(all.link(b), joint_state(all, q, workspace, b));
     });
     own.R = outer < 0 ? x.R : workspace.bodies[at(outer)].R * x.R;
     own.r = outer < 0 ? x.r : workspace.bodies[at(outer)].r + workspace.bodies[at(outer)].R * x.r;
@@ -176,9 +176,8 @@ void add_loop_forces(const Tree& tree, const double* t, Workspace<T>& workspace,
       set_lane_of(all, l,
                   loop_force(tree, t[l], static_cast<int>(i), lane_of(loops.places[i], l), loops.turns[i * lanes_of<T> + at(l)],
                              power[l]));
-    const auto on = [&](int body) MOMENTREE_INLINE_LAMBDA {
-      return wrench_on_body(workspace.bodies[at(body)], all.l, all.h, loops.places[i].xb);
-    };
+    const auto on = [&](int body)
+                        MOMENTREE_INLINE_LAMBDA { return on_body(workspace.bodies[at(body)], all.l, all.h, loops.places[i].xb); };
     Force<T>& child = workspace.biases[at(loop.body)].wrench;
     child = child - on(loop.body);
     if (loop.to >= 0) workspace.biases[at(loop.to)].wrench += on(loop.to);

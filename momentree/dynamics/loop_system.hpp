@@ -7,9 +7,6 @@
 
 namespace momentree {
 
-/// A force F and torque T at the point x, world axes, as a wrench on a body in its kernel frame.
-Force<double> on_body(const Kinematics<double>& body, const Vec3& F, const Vec3& T, const Vec3& x) noexcept;
-
 /// Axes of the joint's own child-side frame in the world; locks may turn that of the rows about its origin.
 Mat3 loop_child_axes(const LoopPlace& place, const LoopLink& link) noexcept;
 /// The joint's motion: the pose of its own child-side frame in its own parent-side frame.
@@ -32,12 +29,6 @@ double loop_holding_force(const Tree& tree, double t, const Workspace<double>& w
 
 namespace momentree::detail {
 
-/// By what residuals of a row are measured, given by its place among those of its link: the size of a loop (m), or 1 for
-/// directions.
-double row_size(const Tree& tree, const LoopWorkspace& loops, std::size_t link, int row) noexcept;
-/// The largest residual of a link, or of all, relative to these sizes; NaN if one is.
-double open_by(const Tree& tree, const LoopWorkspace& loops, std::size_t link) noexcept;
-double open_by(const Tree& tree, const LoopWorkspace& loops) noexcept;
 /// The present angles of the loops' joints become the hints for the next ones.
 void note_turns(const Tree& tree, Workspace<double>& workspace) noexcept;
 

@@ -15,18 +15,6 @@ namespace momentree::detail {
 
 MOMENTREE_INLINE std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-template <class T>
-MOMENTREE_INLINE JointState<T> loop_joint_state(UncheckedTree tree, const T* q, const Workspace<T>& workspace, int b) {
-  return {q + tree.first_q(b), workspace.cos.get() + tree.first_angle(b), workspace.sin.get() + tree.first_angle(b)};
-}
-
-/// A force F and torque T at the point x, world axes, as a wrench on a body in its kernel frame.
-template <class T>
-MOMENTREE_INLINE Force<T> wrench_on_body(const Kinematics<T>& body, const Vector3<T>& F, const Vector3<T>& moment,
-                                         const Vector3<T>& x) {
-  return {transpose_times(body.R, F), transpose_times(body.R, moment + cross(x - body.r, F))};
-}
-
 // Mj⁻¹ (τ − Eᵀ W), as the record holds it.
 template <class K, class T, class Record>
 MOMENTREE_INLINE void read_base_velocity(const Record& record, T* u0) {
@@ -89,7 +77,7 @@ void put_unit_wrenches(const Tree& tree, const Workspace<T>& workspace, LoopSyst
       const double sign = stop.body == loop.body ? 1 : -1;
       for (int r = rows.first; r < rows.last; ++r, ++column) {
         const LoopRowOf<T>& row = loops.rows[at(layout.rows[at(r)])];
-        column->K = sign * wrench_on_body(body, row.F, row.T, place.xb);
+        column->K = sign * on_body(body, row.F, row.T, place.xb);
       }
     } else {
       for (int r = rows.first; r < rows.last; ++r, ++column) column->K = {};
@@ -105,7 +93,7 @@ void reduce_columns(const Tree& tree, const T* q, Workspace<T>& workspace, LoopS
   const UncheckedTree all(tree);
   const int b = stops[first].body;
   const LinkConstants& link = all.link(b);
-  const JointState<T> joint = loop_joint_state(all, q, workspace, b);
+  const JointState<T> joint = joint_state(all, q, workspace, b);
   [[maybe_unused]] const auto& record = workspace.template record<K>(all, b);
   [[maybe_unused]] T u0[6] = {};
   [[maybe_unused]] const auto E = K::template columns<T>(link, joint);
@@ -265,7 +253,7 @@ void apply_multipliers(const Tree& tree, const T* q, Workspace<T>& workspace, Lo
       W = W - reduced;
       if constexpr (!K::rigid)
         add_base_velocity(workspace.template record<K>(all, b), du,
-                          K::template columns<T>(all.link(b), loop_joint_state(all, q, workspace, b)));
+                          K::template columns<T>(all.link(b), joint_state(all, q, workspace, b)));
     });
   });
 }
@@ -301,7 +289,7 @@ void scale_rows(const Tree& tree, const Workspace<T>& workspace, LoopSystem<T>& 
     for (int k = 0; k < link.rows; ++k) {
       LoopRowOf<T>& row = loops.rows[at(link.first_row + k)];
       const auto at_body = [&](int b) MOMENTREE_INLINE_LAMBDA {
-        return wrench_mobility(tree.link(b).body, wrench_on_body(workspace.bodies[at(b)], row.F, row.T, loops.places[i].xb));
+        return wrench_mobility(tree.link(b).body, on_body(workspace.bodies[at(b)], row.F, row.T, loops.places[i].xb));
       };
       row.scale = at_body(loop.body);
       if (loop.to >= 0) row.scale += at_body(loop.to);

@@ -260,6 +260,9 @@ class Run:
 
         Raises:
             Error: The folder can't be written, or the run was pickled.
+
+        Warns:
+            UserWarning: A mesh of a body can't be read, and is not drawn.
         """
         return self._recorded().write(os.fspath(folder), report)
 

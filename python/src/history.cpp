@@ -153,7 +153,10 @@ std::string run_page(const RecordObject& self, const std::string& folder, bool r
     page = [](const std::filesystem::path& at, const std::string& summary) {
       return io::report_page(cli::report_html(), io::report_data(at, {.summary = summary}));
     };
-  return self.record->write(folder, page, io::meshes_json(self.meshes).json);
+  const io::PackedMeshes meshes = io::meshes_json(self.meshes);
+  for (const io::Diagnostic& warning : meshes.warnings)
+    if (PyErr_WarnEx(PyExc_UserWarning, warning.message().c_str(), 1) < 0) throw nb::python_error();
+  return self.record->write(folder, page, meshes.json);
 }
 
 nb::object matrix(const std::vector<double>& numbers, std::size_t rows, std::size_t columns) {

@@ -134,7 +134,7 @@ TEST_CASE("lanes: rates and steps of every instruction set and precision") {
           }
           steps += can_step;
           const auto find = [&](Fill fill, Bits& found) {
-            std::unique_ptr<batch::Stepper> stepper;
+            std::unique_ptr<batch::TreeStepper> stepper;
             {
               const Filled filled(fill);
               stepper = batch::make_stepper(isa, precision, tree, variables);

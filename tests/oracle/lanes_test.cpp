@@ -36,7 +36,7 @@ double largest(const double* a, int n) {
 }
 
 // One tree at as many states as there are lanes.
-Worst compare(const Tree& tree, const State& middle, Prng& random, batch::Stepper& stepper, double epsilon) {
+Worst compare(const Tree& tree, const State& middle, Prng& random, batch::TreeStepper& stepper, double epsilon) {
   const int lanes = stepper.lanes(), nq = tree.nq(), nv = tree.nv();
   const auto numbers = [&](int n) { return std::vector<double>(static_cast<std::size_t>(n * lanes)); };
   auto q = numbers(nq), p = numbers(nv), qdot = numbers(nq), pdot = numbers(nv), v = numbers(nv);
@@ -77,7 +77,7 @@ Worst compare(const Tree& tree, const State& middle, Prng& random, batch::Steppe
 }
 
 // The same for velocities: the scalar evaluation without joint forces.
-Worst compare_velocities(const Tree& tree, const State& middle, Prng& random, batch::Stepper& stepper, double epsilon) {
+Worst compare_velocities(const Tree& tree, const State& middle, Prng& random, batch::TreeStepper& stepper, double epsilon) {
   const int lanes = stepper.lanes(), nq = tree.nq(), nv = tree.nv();
   const auto numbers = [&](int n) { return std::vector<double>(static_cast<std::size_t>(n * lanes)); };
   auto q = numbers(nq), u = numbers(nv), qdot = numbers(nq), udot = numbers(nv), v = numbers(nv);

@@ -1,5 +1,5 @@
 #include <momentree/batch/velocity_stepper.ipp>
 
 namespace momentree::batch {
-Stepper* make_avx2_float_velocities(const Tree& tree) { return new PackVelocityStepper<Pack<float, 8, Isa::avx2>>(tree); }
+TreeStepper* make_avx2_float_velocities(const Tree& tree) { return new PackVelocityStepper<Pack<float, 8, Isa::avx2>>(tree); }
 }  // namespace momentree::batch

@@ -1,5 +1,7 @@
 #include <momentree/batch/velocity_stepper.ipp>
 
 namespace momentree::batch {
-Stepper* make_avx512_double_velocities(const Tree& tree) { return new PackVelocityStepper<Pack<double, 8, Isa::avx512>>(tree); }
+TreeStepper* make_avx512_double_velocities(const Tree& tree) {
+  return new PackVelocityStepper<Pack<double, 8, Isa::avx512>>(tree);
+}
 }  // namespace momentree::batch

@@ -1,5 +1,5 @@
 #include <momentree/batch/loop_lanes.ipp>
 
 namespace momentree::batch {
-Stepper* make_avx512_loops(const Tree& tree) { return new PackLoopStepper<Pack<double, 8, Isa::avx512>>(tree); }
+LoopLanes* make_avx512_loops(const Tree& tree) { return new PackLoopLanes<Pack<double, 8, Isa::avx512>>(tree); }
 }  // namespace momentree::batch

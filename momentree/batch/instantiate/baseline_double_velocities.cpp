@@ -1,7 +1,7 @@
 #include <momentree/batch/velocity_stepper.ipp>
 
 namespace momentree::batch {
-Stepper* make_baseline_double_velocities(const Tree& tree) {
+TreeStepper* make_baseline_double_velocities(const Tree& tree) {
   return new PackVelocityStepper<Pack<double, 2, Isa::baseline>>(tree);
 }
 }  // namespace momentree::batch

@@ -1,5 +1,5 @@
 #include <momentree/batch/momenta_stepper.ipp>
 
 namespace momentree::batch {
-Stepper* make_baseline_float(const Tree& tree) { return new PackMomentaStepper<Pack<float, 4, Isa::baseline>>(tree); }
+TreeStepper* make_baseline_float(const Tree& tree) { return new PackMomentaStepper<Pack<float, 4, Isa::baseline>>(tree); }
 }  // namespace momentree::batch

@@ -1,5 +1,7 @@
 #include <momentree/batch/velocity_stepper.ipp>
 
 namespace momentree::batch {
-Stepper* make_baseline_float_velocities(const Tree& tree) { return new PackVelocityStepper<Pack<float, 4, Isa::baseline>>(tree); }
+TreeStepper* make_baseline_float_velocities(const Tree& tree) {
+  return new PackVelocityStepper<Pack<float, 4, Isa::baseline>>(tree);
+}
 }  // namespace momentree::batch
