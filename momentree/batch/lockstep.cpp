@@ -50,6 +50,12 @@ bool Lockstep::fits(const Simulation& simulation) {
          !batch::unsupported(impl.world.tree(), impl.world.state().variables());
 }
 
+bool Lockstep::share(const Simulation& a, const Simulation& b) {
+  const World &one = a.impl().world, &other = b.impl().world;
+  return one.state().variables() == other.state().variables() && batch::same(one.tree().topology(), other.tree().topology()) &&
+         same_constants(one.tree(), other.tree());
+}
+
 Group& Lockstep::group_of(const Simulation::Impl& impl) {
   const Tree& tree = impl.world.tree();
   const Topology topology = tree.topology();

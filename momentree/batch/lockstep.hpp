@@ -43,6 +43,9 @@ class Lockstep {
   /// looked at after each step or is not computed in lanes: conditions, hard stops, strengths, functions, forces on bodies,
   /// springs between them, and closed loops in momenta.
   [[nodiscard]] static bool fits(const Simulation& simulation);
+  /// Whether two simulations that fit would share lanes at present: they have the same topology, constants, parameters and
+  /// variables.
+  [[nodiscard]] static bool share(const Simulation& a, const Simulation& b);
   /// Runs all of them. Simulations that do not fit, or no longer fit after an event, run alone. Exceptions of callbacks
   /// propagate; the results of the other simulations are then undefined.
   void run(std::span<LockstepRun> runs);

@@ -26,6 +26,8 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
     const std::size_t count = tree.loops().size();
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t l = 0; l < N; ++l) loops_.turns[i * N + l] = block.turns[l * count + i];
+    loops_.lanes = 0;
+    for (int l = 0; l < N; ++l) loops_.lanes |= block.h[l] != 0 ? 1u << l : 0u;
     choosing_ = true;
   }
 

@@ -31,6 +31,13 @@ inline constexpr double nearly_closed = 1e-7;
 inline constexpr double closed = 1e-14;
 inline constexpr int most_corrections = 8;
 
+/// Calls f(lane) for the lanes in use.
+template <class T, class F>
+MOMENTREE_INLINE void each_lane(const LoopConstants& loops, const F& f) {
+  for (int l = 0; l < lanes_of<T>; ++l)
+    if (lanes_of<T> == 1 || (loops.lanes >> l & 1u) != 0) f(l);
+}
+
 /// Lays out the memory for the tree's present topology.
 void lay_out_constants(const Tree& tree, int lanes, LoopConstants& to);
 template <class T>
@@ -160,11 +167,11 @@ class LaneChoice {
   template <class T>
   void choose(const Tree& tree, LoopSystem<T>& loops) noexcept {
     start();
-    for (int l = 0; l < lanes_of<T>; ++l) {
+    each_lane<T>(loops, [&](int l) {
       for (std::size_t i = 0; i < loops.all.elements; ++i) A()[i] = get_lane(loops.A[i], l);
       for (std::size_t i = 0; i < loops.rows.size(); ++i) set_scale(i, get_lane(loops.rows[i].scale, l));
       choose_lane(tree, l);
-    }
+    });
     keep(tree, loops.kept);
     for (std::size_t i = 0; i < loops.kept.rows.size(); ++i)
       for (int l = 0; l < lanes_of<T>; ++l) set_lane(loops.least_pivots[i], l, chosen(loops.kept.rows[i], l) ? 0.0 : HUGE_VAL);

@@ -113,8 +113,9 @@ void place_closures(const Tree& tree, const T* q, Workspace<T>& workspace, LoopS
                          };
     const auto angle = [&](const T& si, const T& co) MOMENTREE_INLINE_LAMBDA {
       T all_lanes(0);
-      for (int l = 0; l < lanes_of<T>; ++l)
+      each_lane<T>(loops, [&](int l) MOMENTREE_INLINE_LAMBDA {
         set_lane(all_lanes, l, screw_angle(get_lane(si, l), get_lane(co, l), loops.turns[i * lanes_of<T> + at(l)].first));
+      });
       return all_lanes;
     };
     closure_rows(link.closure, wanted, p.R, p.r, wr, angle, put);
@@ -128,12 +129,12 @@ void place_other_rows(const Tree& tree, const T* q, const Workspace<T>& workspac
     const LoopLink& link = tree.loop_links()[i];
     for (int k = 0; k < link.dof_row_count; ++k) {
       LoopRowOf<T>& row = loops.rows[at(link.first_row + link.closure.rows() + k)];
-      for (int l = 0; l < lanes_of<T>; ++l) {
+      each_lane<T>(loops, [&](int l) MOMENTREE_INLINE_LAMBDA {
         const std::size_t entry = i * lanes_of<T> + at(l);
         set_lane_of(row, l,
                     dof_row(tree, static_cast<int>(i), link.dof_rows[at(k)], lane_of(loops.places[i], l), loops.turns[entry],
                             loops.motions[entry]));
-      }
+      });
     }
   }
   const UncheckedTree all(tree);
@@ -143,7 +144,7 @@ void place_other_rows(const Tree& tree, const T* q, const Workspace<T>& workspac
     const bool leads = ends.follows >= 0, length = is_length(tree, ends.joint);
     LoopRowOf<T>& row = loops.rows[at(link.first_row)];
     row.F = row.T = {};
-    for (int l = 0; l < lanes_of<T>; ++l) {
+    each_lane<T>(loops, [&](int l) MOMENTREE_INLINE_LAMBDA {
       const double x = leads ? get_lane(q[all.first_q(ends.follows)], l) : 0, own = get_lane(q[all.first_q(ends.joint)], l);
       const CouplingPoint f = coupling_point(tree, ends.coupling, x);
       set_lane(row.residual, l, own - f.value);
@@ -162,7 +163,7 @@ void place_other_rows(const Tree& tree, const T* q, const Workspace<T>& workspac
         }
       }
       set_lane(loops.sizes[i - first], l, std::fabs(own) + f.size + far);
-    }
+    });
   }
 }
 
@@ -172,10 +173,11 @@ void add_loop_forces(const Tree& tree, const double* t, Workspace<T>& workspace,
     const Loop& loop = tree.loops()[i];
     if (!loop.parameters.any()) continue;
     Force<T> all;
-    for (int l = 0; l < lanes_of<T>; ++l)
+    each_lane<T>(loops, [&](int l) MOMENTREE_INLINE_LAMBDA {
       set_lane_of(all, l,
                   loop_force(tree, t[l], static_cast<int>(i), lane_of(loops.places[i], l), loops.turns[i * lanes_of<T> + at(l)],
                              power[l]));
+    });
     const auto on = [&](int body)
                         MOMENTREE_INLINE_LAMBDA { return on_body(workspace.bodies[at(body)], all.l, all.h, loops.places[i].xb); };
     Force<T>& child = workspace.biases[at(loop.body)].wrench;

@@ -114,6 +114,7 @@ struct LoopConstants {
   std::vector<double> extents;        ///< by loop: the least size for tolerances (m)
   LoopLayout all, kept;               ///< of all rows, and of the chosen ones
   bool whole = false;                 ///< A is that of all rows
+  unsigned lanes = ~0u;               ///< those in use, a bit each; nothing is computed lane by lane for the others
 };
 
 /// The system of the rows, for any scalar.

@@ -26,7 +26,7 @@ Lanes lanes_of(std::string_view name) {
 }
 
 Lanes lanes_for(const Sweep& sweep, Lanes wanted) {
-  return wanted && ScenarioWorlds(sweep, wanted).fits(0) ? wanted : std::nullopt;
+  return wanted && ScenarioWorlds(sweep, wanted).gain_by_lanes() ? wanted : std::nullopt;
 }
 
 std::string program_text(Lanes lanes) {

@@ -16,7 +16,7 @@ using Lanes = std::optional<Isa>;
 /// The lanes of that name: "none", "baseline", "avx2", "avx512", or "auto" for the widest that this CPU has. Throws Error for an
 /// unknown name, and for a set that this CPU or this build does not have.
 Lanes lanes_of(std::string_view name);
-/// `wanted`, or none if the first world of the sweep does not fit into lanes.
+/// `wanted`, or none if lanes save no time: see ScenarioWorlds::gain_by_lanes().
 Lanes lanes_for(const Sweep& sweep, Lanes wanted);
 /// The version of momentree and the lanes, on which the last bits of results depend: "0.1.0 with avx2 lanes".
 std::string program_text(Lanes lanes);

@@ -146,6 +146,15 @@ bool ScenarioWorlds::fits(std::uint64_t world) const {
   }
 }
 
+bool ScenarioWorlds::gain_by_lanes() const {
+  if (!fits(0)) return false;
+  const std::unique_ptr<Running> first = start(0);
+  if (!first->simulation().world().tree().has_loops()) return true;
+  for (std::uint64_t world = 1; world < std::min(sweep_.worlds(), at_once()); ++world)
+    if (fits(world) && Lockstep::share(first->simulation(), start(world)->simulation())) return true;
+  return false;
+}
+
 bool ScenarioWorlds::run(std::span<const std::uint64_t> worlds, const Take& take) const {
   std::optional<Together> together;
   if (lanes_) together.emplace(*lanes_, take);

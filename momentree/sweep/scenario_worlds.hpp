@@ -25,6 +25,9 @@ class ScenarioWorlds {
   std::uint64_t at_once() const;
   /// Whether that world can run in lanes: see Lockstep::fits(); in addition, no measure may need the energy ledger.
   [[nodiscard]] bool fits(std::uint64_t world) const;
+  /// Whether lanes save time. The first world fits into them; if it has closed loops, whose steps cost more in one lane than
+  /// alone, another one of the first worlds shares its lanes.
+  [[nodiscard]] bool gain_by_lanes() const;
   /// Takes the result of the world at that place of a list. A world that cannot be run has `failure`.
   using Take = std::function<void(std::size_t, WorldResult)>;
   /// Runs these worlds and passes on their results, in any order. False: they were ended by `stop`.

@@ -131,6 +131,20 @@ TEST_CASE("worlds in lanes have the results of whole simulations") {
       CHECK(results[i].measures[m] == again.measures[m]);
     }
   }
+  // With a loop, lanes are used if worlds share them: not if each has a damper of its own.
+  io::write_text_file(folder / "robot.toml",
+                      std::string(scenario) +
+                          "[[loop]]\nname = \"pin\"\nkind = \"ball\"\nbody = \"p/b\"\nto = \"ground\"\n"
+                          "assemble = true\nat = { xyz = [0, 0, 0] }\n[[event]]\nname = \"off\"\nat = 0.2\nbreak = \"pin\"\n");
+  const auto lanes_of_loops = [&](const std::string& varied) {
+    const ReadSweep loops = sweep_in(folder, "worlds = 20\n[vary]\n" + varied, "x = { final = \"p/b.x\" }\n");
+    CAPTURE(io::rendered(loops.diagnostics));
+    REQUIRE(loops.sweep);
+    return lanes_for(*loops.sweep, lanes_of("auto"));
+  };
+  CHECK(lanes_of_loops("\"event.off.at\" = { uniform = [0.05, 0.6] }\n"));
+  CHECK_FALSE(lanes_of_loops("\"mechanism.p.joint.jb.damping\" = { uniform = [0, 1] }\n"));
+
   const ReadSweep ledger =
       sweep_in(folder, "worlds = 4\n[vary]\n\"event.off.at\" = { uniform = [0.05, 0.6] }\n", "w = { final = \"error\" }\n");
   REQUIRE(ledger.sweep);
