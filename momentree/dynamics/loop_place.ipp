@@ -60,9 +60,10 @@ MOMENTREE_INLINE void closure_rows(const Closure& c, unsigned wanted, const Matr
   put(c.positions + c.directions, dot(r, s.n) - s.h * angle(si, co), constant(s.n), -s.h * gradient, -s.h * rate);
 }
 
+// Flattened, because calls of small products take 5 % of a stage.
 template <class T>
-void place_closures(const Tree& tree, const T* q, Workspace<T>& workspace, LoopSystem<T>& loops, bool moving,
-                    LoopRows which) noexcept {
+[[gnu::flatten]] void place_closures(const Tree& tree, const T* q, Workspace<T>& workspace, LoopSystem<T>& loops, bool moving,
+                                     LoopRows which) noexcept {
   const UncheckedTree all(tree);
   const auto stops = tree.loop_stops();
   for (std::size_t s = 0, last = stops.size(); s < last; ++s) {

@@ -59,7 +59,8 @@ MOMENTREE_INLINE RowRange rows_of(const LoopLayout& layout, int loop) {
 
 // The unit wrenches of the rows on the bodies that their loops join.
 template <class T>
-void put_unit_wrenches(const Tree& tree, const Workspace<T>& workspace, LoopSystem<T>& loops, const LoopLayout& layout) {
+[[gnu::flatten]] void put_unit_wrenches(const Tree& tree, const Workspace<T>& workspace, LoopSystem<T>& loops,
+                                        const LoopLayout& layout) {
   for (const LoopStop& stop : tree.loop_stops()) {
     const LoopLink& link = tree.loop_links()[at(stop.loop)];
     LoopColumnOf<T>* column = loops.columns.data() + stop.first_column;

@@ -2,8 +2,6 @@
 // Small fixed-size algebra for any scalar: vectors, 3x3 matrices, symmetric 3x3 matrices.
 #include <cmath>
 
-#include <momentree/base/inline.hpp>
-
 namespace momentree {
 
 template <class T>
@@ -67,14 +65,13 @@ template <class T>
 constexpr Matrix3<T> identity3() {
   return {T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)};
 }
-// Inlined by force, because calls take 5 % of a stage with closed loops.
 template <class T, class S>
-MOMENTREE_INLINE constexpr auto operator*(const Matrix3<T>& m, const Vector3<S>& a) -> Vector3<decltype(m.xx * a.x)> {
+constexpr auto operator*(const Matrix3<T>& m, const Vector3<S>& a) -> Vector3<decltype(m.xx * a.x)> {
   return {m.xx * a.x + m.xy * a.y + m.xz * a.z, m.yx * a.x + m.yy * a.y + m.yz * a.z, m.zx * a.x + m.zy * a.y + m.zz * a.z};
 }
 /// mᵀ a
 template <class T, class S>
-MOMENTREE_INLINE constexpr auto transpose_times(const Matrix3<T>& m, const Vector3<S>& a) -> Vector3<decltype(m.xx * a.x)> {
+constexpr auto transpose_times(const Matrix3<T>& m, const Vector3<S>& a) -> Vector3<decltype(m.xx * a.x)> {
   return {m.xx * a.x + m.yx * a.y + m.zx * a.z, m.xy * a.x + m.yy * a.y + m.zy * a.z, m.xz * a.x + m.yz * a.y + m.zz * a.z};
 }
 template <class T>
@@ -82,7 +79,7 @@ constexpr Matrix3<T> transpose(const Matrix3<T>& m) {
   return {m.xx, m.yx, m.zx, m.xy, m.yy, m.zy, m.xz, m.yz, m.zz};
 }
 template <class T, class S>
-MOMENTREE_INLINE constexpr auto operator*(const Matrix3<T>& a, const Matrix3<S>& b) -> Matrix3<decltype(a.xx * b.xx)> {
+constexpr auto operator*(const Matrix3<T>& a, const Matrix3<S>& b) -> Matrix3<decltype(a.xx * b.xx)> {
   return {
       a.xx * b.xx + a.xy * b.yx + a.xz * b.zx, a.xx * b.xy + a.xy * b.yy + a.xz * b.zy, a.xx * b.xz + a.xy * b.yz + a.xz * b.zz,
       a.yx * b.xx + a.yy * b.yx + a.yz * b.zx, a.yx * b.xy + a.yy * b.yy + a.yz * b.zy, a.yx * b.xz + a.yy * b.yz + a.yz * b.zz,
