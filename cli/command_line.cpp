@@ -275,6 +275,10 @@ void CommandLine::add_pages() {
   view_command
       ->add_option("--layout", view_.layout, "overlay: all frames in one picture; multiples: side by side; default overlay")
       ->type_name("overlay|multiples");
+  view_command
+      ->add_option("--export", view_.exported,
+                   "Write the run into this file for other programs instead: .glb (animated glTF) or .mcap (Foxglove)")
+      ->type_name("FILE");
   served(view_command, view_.port, view_.no_browser);
   verbose(view_command, view_.verbose);
 

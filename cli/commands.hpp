@@ -84,6 +84,7 @@ int compile(const CompileOptions& options);
 
 struct ViewOptions {
   std::string source, svg;
+  std::string exported{};  ///< a file for other programs; empty: none
   double every = 0;
   std::string look;
   std::string layout = "overlay";  ///< or "multiples"

@@ -135,7 +135,8 @@ TEST_CASE("on a full disk a run fails, reports it everywhere, and keeps whole ro
   CHECK(small.code == 2);
   CHECK(small.errors.find("cannot write this file") != std::string::npos);
   CHECK_FALSE(here.has("t.partial"));
-  for (const char* command : {"convert s.toml -o o.toml", "compile s.toml -o o.cpp", "view s.toml --svg o.svg"}) {
+  for (const char* command :
+       {"convert s.toml -o o.toml", "compile s.toml -o o.cpp", "view s.toml --svg o.svg", "view s.toml --export o.glb"}) {
     const Outcome file = here.call(command, "ulimit -f 0");
     CHECK(file.code == 2);  // its message is in a file, too
   }

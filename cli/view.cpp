@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include <cli/commands.hpp>
@@ -10,6 +11,7 @@
 #include <cli/serve.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
+#include <momentree/io/export/export.hpp>
 #include <momentree/io/model/model_file.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
@@ -35,6 +37,29 @@ void require_svg(const std::string& file) {
                "name a file that ends in .svg, and convert it with another program"});
 }
 
+/// Writes a file from a result, or from that of a scenario, which is run for it.
+int write_from(const ViewOptions& options, Purpose purpose, const std::function<void(const std::string& folder)>& write) {
+  if (is_folder(options.source)) {
+    write(options.source);
+    return done;
+  }
+  const std::shared_ptr<const io::Scenario> scenario = load(options.source, {}, notes_of(options.verbose));
+  if (!scenario) return bad_input;
+  const TemporaryFolder folder;
+  const Recorded recorded = record(*scenario, folder.result(), purpose);
+  if (recorded.code == done) write(recorded.folder);
+  return recorded.code;
+}
+
+int export_run(const ViewOptions& options) {
+  if (!options.svg.empty()) throw_error({"--svg and --export cannot be used together", "", "call the command once for each"});
+  io::require_export_name(options.exported);
+  return write_from(options, Purpose::report, [&](const std::string& folder) {
+    io::export_result(folder, options.exported);
+    show(stdout, printable(options.exported) + '\n');
+  });
+}
+
 int draw(const ViewOptions& options) {
   require_svg(options.svg);
   io::PictureOptions picture;
@@ -44,24 +69,14 @@ int draw(const ViewOptions& options) {
     picture.layout = io::PictureOptions::Layout::multiples;
   else if (options.layout != "overlay")
     throw_error({"there is no layout '" + options.layout + "'", "--layout", "one of: overlay, multiples"});
-  const auto draw_result = [&](const std::string& folder) {
+  return write_from(options, Purpose::picture, [&](const std::string& folder) {
     if (options.svg == "-") {
       std::fputs(io::draw_svg(io::read_recording(folder, options.every), picture).c_str(), stdout);
     } else {
       io::write_svg(folder, options.svg, picture);
       show(stdout, printable(options.svg) + '\n');
     }
-  };
-  if (is_folder(options.source)) {
-    draw_result(options.source);
-    return done;
-  }
-  const std::shared_ptr<const io::Scenario> scenario = load(options.source, {}, notes_of(options.verbose));
-  if (!scenario) return bad_input;
-  const TemporaryFolder folder;
-  const Recorded recorded = record(*scenario, folder.result(), Purpose::picture);
-  if (recorded.code == done) draw_result(recorded.folder);
-  return recorded.code;
+  });
 }
 
 Page report_of(const std::string& folder) {
@@ -90,9 +105,10 @@ std::optional<Page> page_of(const std::string& source, Notes notes, int& code) {
 }  // namespace
 
 int view(const ViewOptions& options) {
-  if (!options.svg.empty()) return draw(options);
+  if (!options.svg.empty() && options.exported.empty()) return draw(options);
   if (options.every != 0 || !options.look.empty() || options.layout != "overlay")
     throw_error({"--every, --look and --layout apply only to pictures", "", "draw the run with --svg FILE, or leave them out"});
+  if (!options.exported.empty()) return export_run(options);
   Listener listener = listen_on(options.port);  // before a run that takes time
   int code = done;
   std::optional<Page> page = page_of(options.source, notes_of(options.verbose), code);

@@ -43,6 +43,7 @@ NAVIGATION = [
             "docs/howto/look-at-a-run",
             "docs/howto/play",
             "docs/howto/use-the-results",
+            "docs/howto/export",
             "docs/howto/long-runs",
             "docs/howto/generate-code",
             "docs/python",

@@ -273,6 +273,25 @@ class Run:
             file.write(text)
         return os.fspath(path)
 
+    def export(self, path: str | os.PathLike[str]) -> str:
+        """Write the run as one file for other programs.
+
+        Args:
+            path: A name that ends in ``.glb``, for an animated glTF 2.0 file (3D programs), or in ``.mcap`` (Foxglove).
+
+        Returns:
+            The path.
+
+        Raises:
+            Error: The name has another ending, the file can't be written, or the run was pickled.
+
+        Warns:
+            UserWarning: A mesh of a body can't be read, and is not drawn.
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            self._recorded().export(os.path.join(folder, "run"), os.fspath(path))
+        return os.fspath(path)
+
     def _report_text(self) -> str:
         with tempfile.TemporaryDirectory() as folder:
             written = self._recorded().write(os.path.join(folder, "run"), True)

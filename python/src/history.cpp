@@ -7,6 +7,7 @@
 #include <nanobind/stl/tuple.h>
 
 #include <cli/page.hpp>
+#include <momentree/io/export/export.hpp>
 #include <momentree/io/mesh/pack.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/report/page.hpp>
@@ -159,6 +160,12 @@ std::string run_page(const RecordObject& self, const std::string& folder, bool r
   return self.record->write(folder, page, meshes.json);
 }
 
+/// `folder`: for the result that the file is made from.
+void export_run(const RecordObject& self, const std::string& folder, const std::string& file) {
+  io::require_export_name(file);
+  io::export_result(run_page(self, folder, false), file);
+}
+
 nb::object matrix(const std::vector<double>& numbers, std::size_t rows, std::size_t columns) {
   NewArray array = new_array(rows, columns);
   std::copy(numbers.begin(), numbers.end(), array.data);
@@ -221,6 +228,7 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
              return matrix(r.record->energies(), r.record->rows(), io::RunRecord::energy_columns().size());
            })
       .def("write", [](const RecordObject& r, const std::string& folder, bool report) { return run_page(r, folder, report); })
+      .def("export", &export_run)
       .def("state", [](const RecordObject& r, std::size_t row) {
         if (row >= r.record->rows()) throw nb::index_error("no such row");
         SnapshotObject snapshot = r.end;

@@ -21,6 +21,7 @@ PAGES = [
     "docs/coming-from/drake.md",
     "docs/coming-from/mujoco.md",
     "docs/guide.md",
+    "docs/howto/export.md",
     "docs/python.md",
     "docs/python-sweeps.md",
     "README.md",
@@ -60,8 +61,9 @@ def test_blocks_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     for name, package in NEEDED.items():
         if any(f".{name}(" in block.code for block in blocks):
             pytest.importorskip(package)
-    if any("import mujoco" in block.code for block in blocks):
-        pytest.importorskip("mujoco")
+    for package in ("mujoco", "mcap"):
+        if any(re.search(rf"(import|from) {package}\b", block.code) for block in blocks):
+            pytest.importorskip(package)
     shutil.copytree(ROOT / "scenarios", tmp_path / "scenarios")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "agg")

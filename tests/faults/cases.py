@@ -109,5 +109,7 @@ def cases(program, shim, folder):
         Case("check --json", ["check", "s.toml", "m.urdf", "--json"], laws.text_law, scenario | urdf, kills=False),
         Case("explain", ["explain", "s.toml"], laws.text_law, scenario, kills=False),
         Case("view of a result", ["view", "r", "--svg", "out.svg"], laws.file_law, scenario | result),
+        Case("export as glTF", ["view", "r", "--export", "out.glb"], laws.file_law, scenario | result | {"out.glb": b"older"}),
+        Case("export as MCAP", ["view", "r", "--export", "out.mcap"], laws.file_law, scenario | result),
         Case("view of a scenario", ["view", "s.toml", "--svg", "out.svg"], laws.file_law, scenario, kills=False),
     ]

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include <momentree/io/colour.hpp>
 #include <momentree/io/number_text.hpp>
 
 namespace momentree::io::urdf {
@@ -25,19 +26,6 @@ void write_origin(std::string& text, const char* indent, const Pose& pose) {
   text += "/>\n";
 }
 
-// The named colours of scenarios as "#rrggbb"; empty for an unknown colour.
-std::string hexadecimal(const std::string& colour) {
-  static constexpr std::pair<std::string_view, const char*> names[] = {
-      {"black", "#000000"}, {"white", "#ffffff"},  {"gray", "#808080"},     {"grey", "#808080"},    {"silver", "#c0c0c0"},
-      {"red", "#ff0000"},   {"maroon", "#800000"}, {"orange", "#ffa500"},   {"gold", "#ffd700"},    {"yellow", "#ffff00"},
-      {"olive", "#808000"}, {"green", "#008000"},  {"lime", "#00ff00"},     {"teal", "#008080"},    {"cyan", "#00ffff"},
-      {"blue", "#0000ff"},  {"navy", "#000080"},   {"purple", "#800080"},   {"magenta", "#ff00ff"}, {"pink", "#ffc0cb"},
-      {"brown", "#a52a2a"}, {"tan", "#d2b48c"},    {"steelblue", "#4682b4"}};
-  for (const auto& [name, value] : names)
-    if (name == colour) return value;
-  return colour.size() == 7 && colour[0] == '#' ? colour : "";
-}
-
 // Three decimals resolve all 255 levels.
 std::string rgba(const std::string& colour) {
   std::string text;
@@ -53,7 +41,7 @@ void write_visual(std::string& text, const Pose& at, const std::string& geometry
   text += "    <visual>\n";
   write_origin(text, "      ", at);
   text += "      <geometry>" + geometry + "</geometry>\n";
-  if (const std::string value = hexadecimal(colour); !value.empty())
+  if (const std::string value = hex_colour(colour); !value.empty())
     text += "      <material name=\"" + escaped(colour) + "\"><color rgba=\"" + rgba(value) + "\"/></material>\n";
   text += "    </visual>\n";
 }

@@ -39,6 +39,7 @@ Shape read_shape(const Value& value, Diagnostics& out) {
   if (kind == "cylinder") shape.kind = Shape::Kind::cylinder;
   if (kind == "capsule") shape.kind = Shape::Kind::capsule;
   if (kind == "mesh") shape.kind = Shape::Kind::mesh, shape.mesh = text_or_none(value, "file");
+  if (record.find("scale")) shape.scale = record.vec("scale");
   if (record.find("radius")) shape.radius = record.number("radius");
   if (record.find("length")) shape.length = record.number("length");
   shape.colour = text_or_none(value, "colour");
@@ -48,6 +49,13 @@ Shape read_shape(const Value& value, Diagnostics& out) {
     shape.at = {pose.vec("xyz"), q.empty() ? Quat{} : Quat{q[0], q[1], q[2], q[3]}};
   }
   return shape;
+}
+
+/// The number of a shape's mesh in meshes.json; −1: none.
+int mesh_of(const Value& shape) {
+  const Value::Entry* found = shape.find("mesh");
+  const std::int64_t* number = found ? found->value.integer() : nullptr;
+  return number && *number >= 0 && *number < 1'000'000 ? static_cast<int>(*number) : -1;
 }
 
 using Numbers = std::map<std::string, int>;
@@ -109,9 +117,20 @@ void read_model(const Value& document, const Numbers& numbers, Recording& run, s
       else
         recorded.extent.emplace_back(body.vec(ends[0], "extent"), body.vec(ends[1], "extent"));
     }
-    if (const Value* shape = body.find("shape"); shape && !shape->is_null()) recorded.shape = read_shape(*shape, out);
-    if (body.find("more_shapes"))
-      for (const Value& shape : body.list("more_shapes")) recorded.shape.more.push_back(read_shape(shape, out));
+    if (const Value* shape = body.find("shape"); shape && !shape->is_null()) {
+      recorded.shape = read_shape(*shape, out);
+      recorded.meshes.push_back(mesh_of(*shape));
+      if (body.find("more_shapes"))
+        for (const Value& each : body.list("more_shapes")) {
+          recorded.shape.more.push_back(read_shape(each, out));
+          recorded.meshes.push_back(mesh_of(each));
+        }
+    }
+    if (body.find("mass")) recorded.mass = body.number("mass");
+    if (body.find("com")) recorded.com = body.vec("com");
+    if (const Value* inertia = body.find("inertia"))
+      if (const std::vector<double> I = read_reals(*inertia, 6, "inertia", out); !I.empty())
+        recorded.inertia = Sym3{I[0], I[1], I[2], I[3], I[4], I[5]};
   }
 }
 
@@ -187,10 +206,7 @@ void for_each_event(const std::filesystem::path& file,
   }
 }
 
-Recording read_recording(const std::filesystem::path& directory, double every) {
-  if (!std::filesystem::is_directory(directory))
-    throw_error({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
-  const BodyTable table(directory / "bodies.csv");
+Recording read_world(const std::filesystem::path& directory, const BodyTable& table) {
   Recording run;
   Numbers numbers;
   std::vector<std::string> mechanism_of;
@@ -210,6 +226,14 @@ Recording read_recording(const std::filesystem::path& directory, double every) {
   out.throw_first();
   if (run.title.empty()) run.title = std::filesystem::absolute(directory).lexically_normal().filename().string();
   read_events(directory / "events.jsonl", mechanism_of, run);
+  return run;
+}
+
+Recording read_recording(const std::filesystem::path& directory, double every) {
+  if (!std::filesystem::is_directory(directory))
+    throw_error({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
+  const BodyTable table(directory / "bodies.csv");
+  Recording run = read_world(directory, table);
   const std::vector<std::size_t> rows = choose_rows(table, every);
   run.every = every;
   run.frames = table.read(rows);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,10 @@ struct RecordedBody {
   Vec3 at{}, child_at{};          ///< origin of the joint's frame in the parent (or the world), and in the body (m)
   std::vector<Edge3> extent;      ///< its lines in the picture, body axes (m)
   Shape shape;
+  std::vector<int> meshes{};  ///< by shape, `shape` first: the number in meshes.json; −1: it is no mesh, or none that was read
+  double mass = 0;            ///< kg
+  Vec3 com{};                 ///< m
+  std::optional<Sym3> inertia{};  ///< about the centre of mass (kg m²); none: unknown
 };
 
 /// A spring between points of two bodies; body −1: the ground.
@@ -85,6 +90,12 @@ struct Recording {
 /// line that an interrupted run was still writing. Throws Error with the file and the line.
 void for_each_event(const std::filesystem::path& file,
                     const std::function<void(const Value& document, const std::string& line, const std::string& where)>& use);
+
+class BodyTable;
+
+/// Everything that a result directory says of a run but the poses: `frames` and the events' are empty. `table`: that of its
+/// bodies.csv. Throws Error with the file and the line.
+Recording read_world(const std::filesystem::path& directory, const BodyTable& table);
 
 /// Reads `bodies.csv` of a result directory and, if they exist, `model.json`, `events.jsonl` and `final.json`. One frame every
 /// `every` seconds; 0: every 0.2 s, or a round number that gives 4 to 60 frames if 0.2 s does not. Throws Error with the file
