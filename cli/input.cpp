@@ -65,7 +65,7 @@ void refuse_to_overwrite(const std::string& out, const io::Scenario& scenario) {
   const auto refuse = [&out](const fs::path& source) {
     std::error_code ignored;
     if (fs::equivalent(out, source, ignored))
-      throw_error({"this is an input file: it would be overwritten", out, "give another name after -o"});
+      throw_error({"this is an input file: it would be overwritten", out, "give the output another name"});
   };
   if (out == "-") return;
   refuse(scenario.path);

@@ -177,6 +177,11 @@ TEST_CASE("outputs that would replace an input, or be mistaken for something els
     CHECK(outcome.says("it would be overwritten"));
   }
   CHECK(here.text("s.toml") == scenario);
+  fs::create_symlink(here.path("s.toml"), here.path("link.glb"));
+  const Outcome through_link = here.call("view s.toml --export link.glb");
+  CHECK(through_link.code == 2);
+  CHECK(through_link.says("it would be overwritten"));
+  CHECK(here.text("s.toml") == scenario);
   for (const char* name : {"a.png", "a.PDF", "a.svgz"}) {
     const Outcome outcome = here.call(std::string("view s.toml --svg ") + name);
     CHECK(outcome.code == 2);

@@ -45,6 +45,7 @@ int write_from(const ViewOptions& options, Purpose purpose, const std::function<
   }
   const std::shared_ptr<const io::Scenario> scenario = load(options.source, {}, notes_of(options.verbose));
   if (!scenario) return bad_input;
+  refuse_to_overwrite(options.exported.empty() ? options.svg : options.exported, *scenario);
   const TemporaryFolder folder;
   const Recorded recorded = record(*scenario, folder.result(), purpose);
   if (recorded.code == done) write(recorded.folder);

@@ -34,7 +34,7 @@ if(TARGET momentree_generate)
 endif()
 if(TARGET momentree_io)
   list(APPEND public_headers momentree/io/session.hpp momentree/io/results.hpp momentree/io/model_json.hpp
-    momentree/io/part_reader.hpp momentree/io/run_record.hpp momentree/sweep/run.hpp)
+    momentree/io/part_reader.hpp momentree/io/run_record.hpp momentree/io/export/export.hpp momentree/sweep/run.hpp)
 endif()
 momentree_public_headers(public_headers ${public_headers})
 foreach(header IN LISTS public_headers)

@@ -97,7 +97,7 @@ void add_bars(Drawing& drawing, double radius) {
   const Recording& run = drawing.run;
   for (const RecordedSpring& spring : run.springs)
     if (spring.until > drawing.times.front())
-      drawing.bars.push_back({spring.name, spring.from, spring.to, spring.from_point, spring.to_point, 0.4 * radius,
+      drawing.bars.push_back({spring.name, spring.from, spring.to, spring.from_point, spring.to_point, 0.15 * radius,
                               spring_bar_colour, -1e300, std::min(spring.until, 1e300)});
   for (std::size_t i = 0; i < run.loops.size(); ++i) {
     const RecordedLoop& loop = run.loops[i];
