@@ -279,6 +279,8 @@ void CommandLine::add_pages() {
       ->add_option("--export", view_.exported,
                    "Write the run into this file for other programs instead: .glb (animated glTF) or .mcap (Foxglove)")
       ->type_name("FILE");
+  view_command->add_flag("--live", view_.live, "Run the scenario while its page is open: pause it, slow it down, change it");
+  overrides(view_command, view_.overrides);
   served(view_command, view_.port, view_.no_browser);
   verbose(view_command, view_.verbose);
 

@@ -87,9 +87,10 @@ struct ViewOptions {
   std::string exported{};  ///< a file for other programs; empty: none
   double every = 0;
   std::string look;
-  std::string layout = "overlay";  ///< or "multiples"
-  int port = 0;                    ///< 0: any free port
-  bool no_browser = false, verbose = false;
+  std::string layout = "overlay";      ///< or "multiples"
+  int port = 0;                        ///< 0: any free port
+  std::vector<std::string> overrides;  ///< of a live run
+  bool live = false, no_browser = false, verbose = false;
 };
 int view(const ViewOptions& options);
 

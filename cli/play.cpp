@@ -82,7 +82,7 @@ int play(const PlayOptions& options) {
     const PlaygroundContent content = playground_content(*scenario, options.overrides);
     page = io::playground_page(page, content.text, content.meshes);
   }
-  return serve({std::move(page), io::content_policy(playground_html())}, listen_on(options.port), !options.no_browser);
+  return serve({std::move(page), io::content_policy(playground_html())}, live::listen_on(options.port), !options.no_browser);
 }
 
 }  // namespace momentree::cli

@@ -2,7 +2,7 @@
 // Serves a page to its user's browser on this machine.
 #include <string>
 
-#include <cli/listener.hpp>
+#include <momentree/live/listener.hpp>
 
 namespace momentree::cli {
 
@@ -14,6 +14,6 @@ struct Page {
 /// Serves on 127.0.0.1 until Ctrl-C: prints the address, and opens it in a browser if `open_browser`. The address ends with a
 /// random key, so that other users of this machine cannot read the page. Requests for another host, or from a page of another
 /// origin, are refused, so that no other web page can read this one. Returns the exit code.
-int serve(Page page, Listener listener, bool open_browser);
+int serve(Page page, live::Listener listener, bool open_browser);
 
 }  // namespace momentree::cli

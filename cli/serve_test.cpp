@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include <cli/listener.hpp>
 #include <momentree/base/error.hpp>
+#include <momentree/live/listener.hpp>
 
 using namespace momentree::cli;
 
@@ -115,7 +115,7 @@ TEST_CASE("serve: an address is new each time, and its port is free again at onc
 }
 
 TEST_CASE("serve: a port in use is reported before a scenario is run") {
-  const Listener taken = listen_on(0);
+  const live::Listener taken = live::listen_on(0);
   Process view({"view", "no such file.toml", "--no-browser", "--port", std::to_string(taken.port)});
   CHECK(view.error_line().find("is in use") != std::string::npos);
   CHECK(view.end() == 2);

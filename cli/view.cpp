@@ -1,11 +1,17 @@
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include <cli/commands.hpp>
+#include <cli/exit_codes.hpp>
 #include <cli/input.hpp>
+#include <cli/interrupt.hpp>
 #include <cli/page.hpp>
 #include <cli/record.hpp>
 #include <cli/serve.hpp>
@@ -15,7 +21,9 @@
 #include <momentree/io/model/model_file.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/report/report.hpp>
+#include <momentree/io/session.hpp>
 #include <momentree/io/svg.hpp>
+#include <momentree/live/view.hpp>
 
 namespace momentree::cli {
 
@@ -103,14 +111,45 @@ std::optional<Page> page_of(const std::string& source, Notes notes, int& code) {
   return report_of(recorded.folder);
 }
 
+/// Runs the scenario in real time until Ctrl-C, or until the reader stops it.
+int show_live(const ViewOptions& options) {
+  for (const auto& [option, given] :
+       {std::pair{"--svg", !options.svg.empty()}, {"--export", !options.exported.empty()}, {"--every", options.every != 0}})
+    if (given) throw_error({std::string("--live and ") + option + " exclude each other", option, "leave one of them out"});
+  if (is_folder(options.source))
+    throw_error({"a result cannot be run", options.source, "name the scenario, or leave out --live to view the result"});
+  const std::shared_ptr<const io::Scenario> scenario = load(options.source, options.overrides, notes_of(options.verbose));
+  if (!scenario) return bad_input;
+  io::Session session(scenario);
+  show(stderr, io::rendered(session.schedule()));
+  live::View page(session.simulation(), *scenario, {.port = options.port, .open_browser = !options.no_browser});
+  for (const std::string& warning : page.warnings()) show(stderr, "warning: " + printable(warning) + '\n');
+  const InterruptGuard guard;
+  std::printf("%s\n", page.address().c_str());
+  if (std::fflush(stdout) != 0) return failed;  // nobody would find the page
+  std::fprintf(stderr, "Press Ctrl-C to stop.\n");
+  const auto goes_on = [] { return !InterruptGuard::interrupted(); };
+  const RunResult ended = page.run_until(HUGE_VAL, goes_on);
+  if (ended || ended == Status::interrupted) return done;
+  show(stderr, printable(scenario->path) + ": error: " + ended.reason + '\n');
+  while (goes_on() && !page.stopped()) {  // the page shows where it ended
+    page.exchange();
+    page.wait(std::chrono::milliseconds(100));
+  }
+  return failed;
+}
+
 }  // namespace
 
 int view(const ViewOptions& options) {
+  if (options.live) return show_live(options);
+  if (!options.overrides.empty())
+    throw_error({"--set applies only to live runs", "--set", "add --live, or change the scenario's text"});
   if (!options.svg.empty() && options.exported.empty()) return draw(options);
   if (options.every != 0 || !options.look.empty() || options.layout != "overlay")
     throw_error({"--every, --look and --layout apply only to pictures", "", "draw the run with --svg FILE, or leave them out"});
   if (!options.exported.empty()) return export_run(options);
-  Listener listener = listen_on(options.port);  // before a run that takes time
+  live::Listener listener = live::listen_on(options.port);  // before a run that takes time
   int code = done;
   std::optional<Page> page = page_of(options.source, notes_of(options.verbose), code);
   if (!page) return code;

@@ -62,7 +62,7 @@ EXPORT(mt_load) int mt_load(MtWorld* world, const char* text, size_t length) {
   if (!result.scenario || !refusal.empty()) return 0;
   world->scenario = std::move(result.scenario);
   world->simulation = wasm::start(*world->scenario);
-  world->thresholds = wasm::thresholds_of(*world->scenario, world->simulation->world());
+  world->thresholds = io::thresholds_of(*world->scenario, world->simulation->world());
   world->store = std::make_shared<wasm::Store>();
   world->grip = {};
   world->motions.clear(), world->posed.clear();
@@ -83,7 +83,7 @@ EXPORT(mt_kinds) void mt_kinds(MtWorld* world) {
   io::JsonWriter json(world->text);
   io::write_kinds(json);
 }
-EXPORT(mt_topology) void mt_topology(MtWorld* world) { world->text = wasm::topology_json(world->simulation->world()); }
+EXPORT(mt_topology) void mt_topology(MtWorld* world) { world->text = io::topology_json(world->simulation->world()); }
 EXPORT(mt_revision) int mt_revision(const MtWorld* world) { return world->revision; }
 
 EXPORT(mt_run) int mt_run(MtWorld* world, double time, double budget) {
@@ -101,7 +101,7 @@ EXPORT(mt_time) double mt_time(const MtWorld* world) { return world->simulation-
 
 EXPORT(mt_bodies) int mt_bodies(const MtWorld* world) { return world->simulation->world().model().size(); }
 EXPORT(mt_motions) const double* mt_motions(MtWorld* world) {
-  wasm::fill_motions(world->simulation->world(), world->motions);
+  io::fill_motions(world->simulation->world(), world->motions);
   return world->motions.data();
 }
 EXPORT(mt_motions_at) const double* mt_motions_at(MtWorld* world, const double* q) {
@@ -110,12 +110,12 @@ EXPORT(mt_motions_at) const double* mt_motions_at(MtWorld* world, const double* 
 }
 EXPORT(mt_posed) const double* mt_posed(const MtWorld* world) { return world->posed.data(); }
 EXPORT(mt_joints) const double* mt_joints(MtWorld* world, int with_reactions) {
-  wasm::fill_joints(*world->simulation, world->thresholds, with_reactions != 0, world->joints);
+  io::fill_joints(*world->simulation, world->thresholds, with_reactions != 0, world->joints);
   return world->joints.data();
 }
-EXPORT(mt_joint_rows) int mt_joint_rows(const MtWorld* world) { return wasm::joint_rows(world->simulation->world()); }
+EXPORT(mt_joint_rows) int mt_joint_rows(const MtWorld* world) { return io::joint_row_count(world->simulation->world()); }
 EXPORT(mt_totals) const double* mt_totals(MtWorld* world) {
-  wasm::fill_totals(*world->simulation, world->totals);
+  io::fill_totals(*world->simulation, world->totals);
   return world->totals;
 }
 EXPORT(mt_event_count) int mt_event_count(const MtWorld* world) { return static_cast<int>(world->simulation->events().size()); }
@@ -166,20 +166,7 @@ EXPORT(mt_set) int mt_set(MtWorld* world, int joint, double damping, double stif
 }
 
 EXPORT(mt_set_damping) int mt_set_damping(MtWorld* world, double factor, double offset) {
-  const World& now = world->simulation->world();
-  std::vector<Action> actions;
-  for (int j = 0; j < world->scenario->model.size(); ++j) {
-    if (now.tree().carrier(j) < 0) continue;
-    const JointView joint = now.joint({j});
-    const JointSpec& declared = world->scenario->model[{j}].joint;
-    const KindInfo& kind = info(joint.kind);
-    if (joint.kind != declared.kind || joint.kind == Kind::free || kind.nv == 0 || joint.driven) continue;
-    JointParameters all;
-    for (int i = 0; i < kind.nv; ++i)
-      all.damping.push_back(factor * declared.parameters.damping.of(i) + (kind.v_units[i] == 'r' ? offset : 0));
-    actions.push_back(set_parameters(std::string(joint.name), all));
-  }
-  return world->act(actions);
+  return world->act(io::scaled_damping(world->simulation->world(), world->scenario->model, factor, offset));
 }
 
 EXPORT(mt_set_gravity) int mt_set_gravity(MtWorld* world, double x, double y, double z) {
@@ -195,7 +182,7 @@ EXPORT(mt_set_gravity) int mt_set_gravity(MtWorld* world, double x, double y, do
 EXPORT(mt_grab) int mt_grab(MtWorld* world, int body, double x, double y, double z, double strength) {
   if (!world->body_name(body)) return mt_refused;
   mt_release_grip(world);
-  world->grip = wasm::grip_on(world->simulation->world(), body, {x, y, z}, strength);
+  world->grip = io::grip_on(world->simulation->world(), body, {x, y, z}, strength);
   world->apply_grip(body);
   return mt_ok;
 }

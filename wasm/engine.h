@@ -49,7 +49,7 @@ void mt_model(MtWorld* world);
  * "v": ["rad/s"], "p": ["N m s"]}, …}. The components of a quaternion (w, x, y, z) have the unit "". */
 void mt_kinds(MtWorld* world);
 /* Sets the text to the present topology: {"mechanisms": [{"name", "root", "grounded", "bodies": […]}], "joints": [{"number",
- * "row", "name", "kind", "parent", "child", "locked": bits, "at", "child_at", "axis", "damping", "force", "torque", "loop"}]}:
+ * "row", "name", "kind", "parent", "child", "locked": bits, "at", "child_at", "axis", "damping", "stiffness", "force", "torque", "loop"}]}:
  * bodies by number, -1: the ground; "row": the joint's place in mt_joints; "force" and "torque": the joint's strength, null:
  * unlimited; "loop": true for a joint that closes a loop, absent for others. "broken_springs": names, absent if the model has no springs;
  * "couplings": [{"joint", "follows", "ended"}], the exact couplings of joints by name, absent if the model has none. */

@@ -62,6 +62,8 @@ export interface TopologyJoint {
   readonly child_at: PlacedPose;
   readonly axis: Triple;
   readonly damping: number;
+  /** Of its first degree of freedom. */
+  readonly stiffness: number;
   readonly force: number | null;
   readonly torque: number | null;
   /** It closes a loop: it is not the inboard joint of its child. */
@@ -100,6 +102,9 @@ export interface WorldTotals {
     readonly projection: number;
   };
 }
+
+/** The totals of a world from the numbers in which the module writes them. */
+export function totalsOf(numbers: Iterable<number>): WorldTotals;
 
 /** Made by Engine.of. */
 export class Engine {

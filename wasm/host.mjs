@@ -95,6 +95,21 @@ export class Engine {
   }
 }
 
+/** The numbers of mt_totals by name. */
+export function totalsOf(numbers) {
+  const [time, kinetic, potential, ...rest] = numbers;
+  const [initial, final, dissipated, work, lost, released, error, projection] = rest.slice(6);
+  const balance = { initial, final, dissipated, work, lost, released, error, projection };
+  return {
+    time,
+    kinetic,
+    potential,
+    linear: rest.slice(0, 3),
+    angular: rest.slice(3, 6),
+    balance,
+  };
+}
+
 export class World {
   constructor(engine, handle) {
     this.engine = engine;
@@ -179,18 +194,7 @@ export class World {
     return this.engine.numbers(this.calls.mt_joints(this.handle, withReactions ? 1 : 0), this.jointRows * jointSize);
   }
   totals() {
-    const n = this.engine.numbers(this.calls.mt_totals(this.handle), 17);
-    const [time, kinetic, potential, ...rest] = n;
-    const [initial, final, dissipated, work, lost, released, error, projection] = rest.slice(6);
-    const balance = { initial, final, dissipated, work, lost, released, error, projection };
-    return {
-      time,
-      kinetic,
-      potential,
-      linear: rest.slice(0, 3),
-      angular: rest.slice(3, 6),
-      balance,
-    };
+    return totalsOf(this.engine.numbers(this.calls.mt_totals(this.handle), 17));
   }
 
   cut(joint) {

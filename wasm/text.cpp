@@ -15,20 +15,6 @@ void write_diagnostic(JsonWriter& json, const io::Diagnostic& d) {
   json.member("what", d.what).member("hint", d.hint).end_object();
 }
 
-void write_scenario(JsonWriter& json, const io::Scenario& scenario) {
-  json.key("scenario").begin_object().member("title", scenario.title);
-  json.member("until", scenario.until).member("every", scenario.output_every);
-  json.member("step", scenario.integration.step).member("method", scenario.integration.method);
-  json.member("gravity", scenario.model.gravity()).key("events").begin_array();
-  for (const io::ScenarioEvent& event : scenario.events) {
-    json.begin_object().member("name", event.name).member("time", event.time).member("line", event.place.line);
-    json.key("actions").begin_array();
-    for (const Action& action : event.actions) json.value(action.text());
-    json.end_array().end_object();
-  }
-  json.end_array().end_object();
-}
-
 }  // namespace
 
 std::string load_json(const io::ReadResult& result, const std::string& refusal) {
@@ -38,55 +24,7 @@ std::string load_json(const io::ReadResult& result, const std::string& refusal) 
   for (const io::Diagnostic& d : result.diagnostics) write_diagnostic(json, d);
   if (!refusal.empty()) write_diagnostic(json, {io::Severity::error, "", 0, 0, refusal, "", ""});
   json.end_array();
-  if (result.scenario && refusal.empty()) write_scenario(json, *result.scenario);
-  json.end_object();
-  return text;
-}
-
-std::string topology_json(const World& world) {
-  std::string text;
-  JsonWriter json(text);
-  json.begin_object().key("mechanisms").begin_array();
-  for (const Mechanism& mechanism : world.mechanisms()) {
-    json.begin_object().member("name", mechanism.name).member("root", mechanism.root.index);
-    json.member("grounded", mechanism.grounded).key("bodies").begin_array();
-    for (const BodyId body : mechanism.bodies) json.value(body.index);
-    json.end_array().end_object();
-  }
-  json.end_array().key("joints").begin_array();
-  for (const JointId number : present_joints(world)) {
-    const JointView joint = world.joint(number);
-    json.begin_object()
-        .member("number", number.index)
-        .member("row", row_of(world, number))
-        .member("name", joint.name)
-        .member("kind", info(joint.kind).name);
-    json.member("parent", joint.parent.index).member("child", joint.child.index);
-    json.member("locked", static_cast<int>(joint.locked));
-    io::write_pose(json, "at", joint.at);
-    io::write_pose(json, "child_at", joint.child_at);
-    json.member("axis", joint.axis);
-    const JointParameters none, &p = joint.parameters != nullptr ? *joint.parameters : none;
-    json.member("damping", p.damping.of(0)).member("force", p.strength.force).member("torque", p.strength.torque);
-    if (joint.loop) json.member("loop", true);
-    json.end_object();
-  }
-  json.end_array();
-  if (world.springs() > 0) {
-    json.key("broken_springs").begin_array();
-    for (int s = 0; s < world.springs(); ++s)
-      if (const SpringView spring = world.spring({s}); spring.broken) json.value(spring.name);
-    json.end_array();
-  }
-  if (world.couplings() > 0) {
-    json.key("couplings").begin_array();
-    for (int c = 0; c < world.couplings(); ++c) {
-      const auto [joint, follows] = world.coupling_names({c});
-      json.begin_object().member("joint", joint).member("follows", follows);
-      json.member("ended", world.coupling({c}).ended).end_object();
-    }
-    json.end_array();
-  }
+  if (result.scenario && refusal.empty()) json.key("scenario").raw(io::scenario_json(*result.scenario));
   json.end_object();
   return text;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <momentree/io/page_world/page_world.hpp>
 #include <momentree/io/scenario.hpp>
 #include <momentree/simulate/simulation.hpp>
 
@@ -15,19 +16,7 @@
 
 namespace momentree::wasm {
 
-/// The spring between the pointer and the grabbed body; the function that the simulation calls has its own copy.
-struct Grip {
-  int body = -1;
-  Vec3 point{};   ///< in the body's frame (m)
-  Vec3 target{};  ///< in the world (m)
-  double stiffness = 0, damping = 0;
-};
-
-/// A load at which a joint breaks, in addition to its own strength: the threshold of an event's condition.
-struct Threshold {
-  int joint;
-  Condition condition;
-};
+static_assert(io::motion_size == mt_motion_size && io::joint_size == mt_joint_size && io::totals_size == mt_totals_size);
 
 /// Snapshots of a world and of its branches, by number.
 struct Store {
@@ -46,11 +35,11 @@ struct MtWorld {
   std::string text;
   std::optional<momentree::io::Scenario> scenario;
   std::unique_ptr<momentree::Simulation> simulation;
-  std::vector<momentree::wasm::Threshold> thresholds;
+  std::vector<momentree::io::Threshold> thresholds;
   std::shared_ptr<momentree::wasm::Store> store = std::make_shared<momentree::wasm::Store>();
   int revision = 0;
   std::size_t events_seen = 0;
-  momentree::wasm::Grip grip;
+  momentree::io::Grip grip;
   std::vector<double> motions, joints, posed;
   double totals[mt_totals_size]{};
 
@@ -71,27 +60,14 @@ namespace momentree::wasm {
 
 /// The result of mt_load. `refusal`: why a scenario without errors still cannot be run here; empty: it can.
 std::string load_json(const io::ReadResult& result, const std::string& refusal);
-std::string topology_json(const World& world);
 std::string events_json(const std::vector<Event>& events, std::size_t first);
 
 /// A simulation of a scenario with its events scheduled.
 std::unique_ptr<Simulation> start(const io::Scenario& scenario);
-std::vector<Threshold> thresholds_of(const io::Scenario& scenario, const World& world);
 
-/// The row of a joint in mt_joints, which it keeps for as long as it exists, and the number of rows.
-int row_of(const World& world, JointId joint);
-int joint_rows(const World& world);
-
-void fill_motions(const World& world, std::vector<double>& all);
-/// The same for a model at these coordinates of the joints of its tree. Loops are closed by the least change of the joints whose
-/// coordinates are as in `posed`, the result of the last call, which becomes the present one. Nothing changes if that is
-/// impossible.
+/// The motions (io::fill_motions) of a model at these coordinates of the joints of its tree. Loops are closed by the least change
+/// of the joints whose coordinates are as in `posed`, the result of the last call, which becomes the present one. Nothing changes
+/// if that is impossible.
 void pose(const Model& model, const double* q, std::vector<double>& motions, std::vector<double>& posed);
-void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thresholds, bool reactions,
-                 std::vector<double>& all);
-void fill_totals(const Simulation& simulation, double* all);
-
-/// A spring and a damper that can carry the body's mechanism, scaled by `strength`.
-Grip grip_on(const World& world, int body, Vec3 point, double strength);
 
 }  // namespace momentree::wasm

@@ -11,21 +11,28 @@ function contents(html: string, tag: string): string[] {
   return found.filter((match) => !/type="(application|text)\/json"/.test(match[1])).map((match) => match[2]);
 }
 
-export function policyOf(html: string, extra = ""): string {
+/** Further sources that a page needs. */
+interface Extra {
+  readonly script?: string;
+  readonly connect?: string;
+}
+
+export function policyOf(html: string, { script = "", connect }: Extra = {}): string {
   const scripts = contents(html, "script").map(hash).join(" ");
   const styles = contents(html, "style").map(hash).join(" ");
   return [
     "default-src 'none'",
-    `script-src ${scripts || "'none'"}${extra}`,
+    `script-src ${scripts || "'none'"}${script}`,
     `style-src ${styles || "'none'"}`,
     "img-src data: blob:",
+    ...(connect ? [`connect-src ${connect}`] : []),
     "base-uri 'none'",
     "form-action 'none'",
   ].join("; ");
 }
 
-/** Replaces `<meta name="content-policy">` of the page by the policy. `extra`: further script sources. */
-export function contentPolicy(extra = ""): Plugin {
+/** Replaces `<meta name="content-policy">` of the page by the policy. */
+export function contentPolicy(extra: Extra = {}): Plugin {
   return {
     name: "content-policy",
     enforce: "post",

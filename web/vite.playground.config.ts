@@ -6,7 +6,11 @@ import { contentPolicy } from "./content_policy";
 import { packedModule } from "./packed_module";
 
 export default defineConfig({
-  plugins: [packedModule(), viteSingleFile({ removeViteModuleLoader: true }), contentPolicy(" 'wasm-unsafe-eval' blob:")],
+  plugins: [
+    packedModule(),
+    viteSingleFile({ removeViteModuleLoader: true }),
+    contentPolicy({ script: " 'wasm-unsafe-eval' blob:" }),
+  ],
   server: { fs: { allow: [".."] } },
   build: {
     target: "es2021",

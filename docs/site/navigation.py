@@ -42,6 +42,7 @@ NAVIGATION = [
             "docs/howto/choose-a-method",
             "docs/howto/look-at-a-run",
             "docs/howto/play",
+            "docs/howto/live-view",
             "docs/howto/use-the-results",
             "docs/howto/export",
             "docs/howto/long-runs",

@@ -81,6 +81,12 @@ JsonWriter& JsonWriter::value(bool truth) {
   return *this;
 }
 
+JsonWriter& JsonWriter::raw(std::string_view json) {
+  before_item();
+  text_ += json;
+  return *this;
+}
+
 JsonWriter& JsonWriter::null() {
   before_item();
   text_ += "null";

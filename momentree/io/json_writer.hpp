@@ -32,6 +32,8 @@ class JsonWriter {
   JsonWriter& value(const Quat& q);  ///< [w, x, y, z], with the sign that makes w >= 0
   JsonWriter& value(std::span<const double> numbers);
   JsonWriter& null();
+  /// A value that is JSON already.
+  JsonWriter& raw(std::string_view json);
 
   template <class Value>
   JsonWriter& member(std::string_view name, const Value& v) {

@@ -383,6 +383,7 @@ void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& me
   impl_->queue.restore(all, impl_->world.time());
 }
 
+const Integration& Simulation::integration() const { return impl().integration; }
 double Simulation::time() const { return impl().world.time(); }
 const World& Simulation::world() const { return impl().world; }
 const std::vector<Event>& Simulation::events() const { return impl().events; }

@@ -302,6 +302,7 @@ class Simulation {
   void resume(std::span<const EventStatus> armed, const StepMemory& memory = {});
 
   double time() const;
+  const Integration& integration() const;
   const World& world() const;
   const std::vector<Event>& events() const;
   /// Scheduled events that have not happened so far, in the order of scheduling.

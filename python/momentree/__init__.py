@@ -32,6 +32,7 @@ from momentree.distributions import *
 from momentree.events import *
 from momentree.function_sweep import sweep
 from momentree.joints import *
+from momentree.live import LiveView
 from momentree.model import Model
 from momentree.run import BodyRows, JointRows, Run, SpringRows
 from momentree.simulation import Scheduled, Simulation, load, loads
@@ -56,6 +57,7 @@ __all__: list[str] = [
     "JointColumns",
     "JointRows",
     "JointSpec",
+    "LiveView",
     "LoopStatus",
     "Mechanism",
     "MissedEvent",

@@ -9,7 +9,7 @@ from typing import Any, Union
 
 from numpy.typing import ArrayLike
 
-from momentree import _core
+from momentree import _core, live
 from momentree._arguments import called, number, overrides
 from momentree._core import Body, Context, Snapshot, World
 from momentree._errors import Error, RunError
@@ -397,6 +397,8 @@ class Simulation(_core.SimulationBase):
             error.run = found[0]
             raise error
         return found[0]
+
+    show = live.show
 
     # Branches and pickling
 

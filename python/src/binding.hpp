@@ -35,6 +35,7 @@ void register_world(nb::module_& m);
 void register_vocabulary(nb::module_& m);
 void register_batch(nb::module_& m);
 void register_sweep(nb::module_& m);
+void register_live(nb::module_& m);
 
 /// The Python class of that name in the package's module `momentree.<module>`, imported once.
 nb::object python_class(const char* module, const char* name);

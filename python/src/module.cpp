@@ -17,4 +17,5 @@ NB_MODULE(_core, m) {
   py::register_vocabulary(m);
   py::register_batch(m);
   py::register_sweep(m);
+  py::register_live(m);
 }

@@ -22,6 +22,7 @@ PAGES = [
     "docs/coming-from/mujoco.md",
     "docs/guide.md",
     "docs/howto/export.md",
+    "docs/howto/live-view.md",
     "docs/python.md",
     "docs/python-sweeps.md",
     "README.md",

@@ -55,6 +55,8 @@ declare global {
       placeOf(of: number | string): { x: number; y: number };
       frameRate(): { rate: number; duration: number } | null;
     };
+    /** The same of a live view. */
+    live: Window["playground"];
   }
 }
 
@@ -95,7 +97,8 @@ export async function open(browser: Browser, address: string, view: View = deskt
   page.on("pageerror", (error) => complaints.push(`thrown: ${error.message}`));
   page.on("dialog", (dialog) => complaints.push(`dialog: ${dialog.message()}`) && void dialog.dismiss());
   page.on("request", (request) => {
-    if (request.url().split("#")[0] !== address.split("#")[0] && !/^(data|blob):/.test(request.url()))
+    const own = address.split("#")[0];
+    if (![own, `${own}/stream`, `${own}/act`].includes(request.url().split("#")[0]) && !/^(data|blob):/.test(request.url()))
       complaints.push(`asked for ${request.url()}`);
   });
   await page.goto(address);

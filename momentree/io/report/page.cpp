@@ -64,6 +64,11 @@ std::string model_page(std::string_view page, std::string_view model, std::strin
   return with_data(page, "scenario", with_meshes("model", model, meshes));
 }
 
+std::string live_page(std::string_view page, std::string_view meshes) {
+  const std::string data = meshes.empty() ? "{}" : "{\"meshes\": {\"meshes\": " + std::string(meshes) + "}}";
+  return with_data(page, "live", json_for_page(data));
+}
+
 std::string content_policy(std::string_view page) {
   constexpr std::string_view begin = "<meta http-equiv=\"Content-Security-Policy\" content=\"";
   const std::size_t at = page.find(begin);

@@ -20,6 +20,9 @@ std::string playground_page(std::string_view page, std::string_view scenario, st
 /// The playground's page with sliders for the joints of a model, which is given as the text of a scenario.
 std::string model_page(std::string_view page, std::string_view model, std::string_view meshes = {});
 
+/// The page of a live view. `meshes`: a JSON list (PackedMeshes::json); empty: none.
+std::string live_page(std::string_view page, std::string_view meshes = {});
+
 /// The content security policy stated in the page itself, for a server that sends the same policy.
 std::string content_policy(std::string_view page);
 

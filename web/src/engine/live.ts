@@ -73,6 +73,14 @@ export class LiveRecording implements Motion {
     frames.push(frame);
   }
 
+  /** Removes the oldest frames. */
+  forget(frames: number) {
+    const { current } = this;
+    current.frames.splice(0, frames);
+    const from = current.frames[0].time;
+    while (current.phases.length > 1 && current.phases[1].from <= from) current.phases.shift();
+  }
+
   addTopology(time: number, topology: Topology) {
     this.topology = topology;
     const mechanism = new Int32Array(this.model.bodies.length).fill(-1);

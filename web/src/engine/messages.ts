@@ -1,4 +1,4 @@
-// Messages between the page and the worker that runs the engine.
+// Messages between the page and the engine: a worker of the page, or a program that shows its simulation in it.
 import type { Diagnostic, ScenarioInfo, Topology, Triple, WorldTotals } from "../../../wasm/host.mjs";
 import type { RunEvent } from "../recording";
 import type { ModelFile } from "../result_files";
@@ -8,6 +8,15 @@ export type UserAction =
   | { action: "cut" | "free" | "lock" | "unlock"; joint: number }
   | { action: "weld"; body: number; to: number };
 
+/** A number of the program, on the page of a live view. */
+export interface SliderInfo {
+  readonly name: string;
+  readonly least: number;
+  readonly most: number;
+  readonly value: number;
+  readonly unit: string;
+}
+
 export type ToWorker =
   | { type: "module"; bytes: ArrayBuffer }
   | { type: "load"; text: string }
@@ -16,6 +25,8 @@ export type ToWorker =
   | { type: "play"; on: boolean }
   | { type: "speed"; factor: number }
   | { type: "act"; action: UserAction }
+  /** Parameters of all degrees of freedom of a joint. */
+  | { type: "set"; joint: number; damping?: number; stiffness?: number }
   | { type: "gravity"; value: Triple }
   | { type: "damping"; factor: number; offset: number }
   | { type: "grab"; body: number; point: Triple; target: Triple }
@@ -26,7 +37,10 @@ export type ToWorker =
   /** Goes back to just before an event of this branch, which is not scheduled again. */
   | { type: "undo"; event: number }
   /** Continues a branch at its end. */
-  | { type: "branch"; branch: number };
+  | { type: "branch"; branch: number }
+  // Only to programs:
+  | { type: "slide"; name: string; value: number }
+  | { type: "stop" };
 
 /** Numbers per joint in `Frame.loads`. */
 export const loadSize = 6;
@@ -62,7 +76,14 @@ export type FromWorker =
   | { type: "rewound"; time: number; events: number; savedAs: number }
   /** That branch continues; `savedAs` is the number of the previous one. */
   | { type: "resumed"; branch: number; savedAs: number }
+  | { type: "sliders"; sliders: readonly SliderInfo[] }
   | { type: "playing"; on: boolean }
   | { type: "refused"; message: string }
   | { type: "stopped"; message: string }
   | { type: "failed"; message: string };
+
+/** Where the engine runs: a Worker is one. */
+export interface EnginePort {
+  postMessage(message: ToWorker): void;
+  onmessage: ((event: MessageEvent<FromWorker>) => void) | null;
+}

@@ -102,8 +102,17 @@ export class Session {
         return this.rewind(message.time);
       case "undo":
         return this.undo(message.event);
+      case "set": {
+        const { joint, damping, stiffness } = message;
+        return this.change(() =>
+          this.world.set(joint, { ...(damping !== undefined && { damping }), ...(stiffness !== undefined && { stiffness }) }),
+        );
+      }
       case "branch":
         return this.resume(message.branch);
+      case "slide":
+      case "stop":
+        return; // only programs have them
     }
   }
 

@@ -1,13 +1,13 @@
-// The playground: the engine's world in the worker, its recording here, and the reader's actions on it.
+// The world of an engine, its recording here, and the reader's actions on it.
 import type { Diagnostic, ScenarioInfo, Topology } from "../../../wasm/host.mjs";
 import { LiveRecording } from "../engine/live";
-import type { FromWorker, ToWorker, UserAction } from "../engine/messages";
+import type { EnginePort, FromWorker, SliderInfo, ToWorker, UserAction } from "../engine/messages";
 import type { Meshes } from "../meshes";
 import type { Clock } from "../panels/timeline";
 import type { Body } from "../recording";
 import { modelOf } from "../result_files";
 
-type Changed = "world" | "frame" | "branch" | "status";
+type Changed = "world" | "frame" | "branch" | "status" | "sliders";
 
 /** Maximum number of frames of a recording: five minutes at 60 per second. */
 const mostFrames = 18_000;
@@ -29,14 +29,16 @@ export class App implements Clock {
   onChecked: (diagnostics: readonly Diagnostic[]) => void = () => undefined;
   onDiagnostics: (diagnostics: readonly Diagnostic[]) => void = () => undefined;
 
+  /** Of the program, on the page of a live view. */
+  sliders: readonly SliderInfo[] = [];
+
+  /** `live`: the world is that of a program, which cannot go back. */
   constructor(
-    private readonly worker: Worker,
-    module: ArrayBuffer,
+    private readonly engine: EnginePort,
     private readonly meshes?: Meshes,
+    readonly live = false,
   ) {
-    worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.handle(data);
-    worker.onerror = (event) => this.showNotice(`The engine can't start: ${event.message || "its worker is blocked"}`);
-    worker.postMessage({ type: "module", bytes: module } satisfies ToWorker, [module]);
+    engine.onmessage = ({ data }: MessageEvent<FromWorker>) => this.handle(data);
   }
 
   listen(listener: (changed: Changed) => void) {
@@ -46,7 +48,7 @@ export class App implements Clock {
     for (const listener of this.listeners) listener(changed);
   }
   send(message: ToWorker) {
-    this.worker.postMessage(message);
+    this.engine.postMessage(message);
   }
 
   /** `play`: whether it starts to move as soon as it is loaded. */
@@ -97,9 +99,10 @@ export class App implements Clock {
     this.shownFrame = frame === run.frames - 1 ? null : frame;
     this.notify("frame");
   }
+  /** Goes on from a past instant; a program that cannot go back goes on from the present. */
   continueFrom(time: number) {
     this.shownFrame = null;
-    this.send({ type: "rewind", time });
+    if (!this.live) this.send({ type: "rewind", time });
   }
   undo(event: number) {
     this.shownFrame = null;
@@ -148,7 +151,10 @@ export class App implements Clock {
         if (!run) return;
         run.addFrame(message.frame);
         if (message.seconds > 0) this.engineSeconds = message.seconds;
-        if (run.frames >= mostFrames && this.playing) {
+        if (this.live && run.frames >= mostFrames) {
+          run.forget(mostFrames / 4);
+          if (this.shownFrame !== null) this.shownFrame = Math.max(0, this.shownFrame - mostFrames / 4);
+        } else if (run.frames >= mostFrames && this.playing) {
           this.play(false);
           this.showNotice("The recording is full after five minutes: go back, or restart");
         }
@@ -168,8 +174,12 @@ export class App implements Clock {
         run?.resume(message.branch, message.savedAs);
         this.shownFrame = null;
         return this.notify("branch");
+      case "sliders":
+        this.sliders = message.sliders;
+        return this.notify("sliders");
       case "playing":
         this.playing = message.on;
+        if (message.on && this.live) this.shownFrame = null;
         return this.notify("status");
       case "refused":
         return this.showNotice(message.message);

@@ -32,7 +32,10 @@ async function begin(page: HTMLElement) {
   const content = JSON.parse(document.getElementById("scenario")?.textContent || "null") as string | Content | null;
   const { model, scenario, meshes }: Content = typeof content === "string" ? { scenario: content } : (content ?? {});
   if (model !== undefined) return showModel(page, await Engine.of(module), model, meshes);
-  const app = new App(new EngineWorker(), module, meshes);
+  const worker = new EngineWorker();
+  const app = new App(worker, meshes);
+  worker.onerror = (event) => app.showNotice(`The engine can't start: ${event.message || "its worker is blocked"}`);
+  worker.postMessage({ type: "module", bytes: module }, [module]);
   const playground = showPlayground(page, app);
   Object.assign(window, { playground: { app, placeOf: playground.placeOf, frameRate: playground.frameRate } });
   const own = scenario ?? gallery[0].text;

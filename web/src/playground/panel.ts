@@ -13,10 +13,22 @@ export function jointControls(app: App): HTMLElement {
   const cut = button("Cut", "cut", "The bodies beyond it break off");
   const free = button("Free", "free", "It becomes a joint with six degrees of freedom in the same mechanism");
   const state = h("p", { class: "joint-state" });
+  const field = (parameter: "damping" | "stiffness", unit: string) => {
+    const input = h("input", { type: "number", min: 0, step: "any", "aria-label": `${parameter} of the joint (${unit})` });
+    input.addEventListener("change", () => {
+      const value = input.valueAsNumber;
+      if (Number.isFinite(value)) app.send({ type: "set", joint: Number(choice.value), [parameter]: value });
+    });
+    return { parameter, input, label: h("label", {}, parameter === "damping" ? "Damping" : "Stiffness", input, unit) };
+  };
+  const fields = [field("damping", "N m s, N s/m"), field("stiffness", "N m, N/m")];
   const update = () => {
     const joint = app.topology?.joints.find(({ number }) => number === Number(choice.value));
     for (const each of [lock, unlock, cut, free]) each.disabled = !joint;
+    for (const { input } of fields) input.disabled = !joint || joint.kind === "weld";
     if (!joint) return;
+    for (const { parameter, input } of fields)
+      if (input !== document.activeElement) input.value = String(joint[parameter] ?? 0);
     lock.disabled = joint.locked !== 0 || joint.kind === "weld";
     unlock.disabled = joint.locked === 0;
     state.textContent = [joint.kind, ...(joint.locked ? ["locked"] : []), ...(joint.loop ? ["closes a loop"] : [])].join(", ");
@@ -38,6 +50,7 @@ export function jointControls(app: App): HTMLElement {
     h("legend", {}, "Joint"),
     choice,
     h("div", { class: "buttons" }, cut, lock, unlock, free),
+    ...fields.map(({ label }) => label),
     state,
   );
 }
@@ -132,7 +145,8 @@ export function history(app: App): HTMLElement {
               h("span", { class: "time" }, `${event.time.toFixed(3)} s`),
               ` ${event.actions.join("; ")}`,
             ),
-            h("button", { type: "button", title: "Go back to just before it", onclick: () => app.undo(index) }, "Undo"),
+            !app.live &&
+              h("button", { type: "button", title: "Go back to just before it", onclick: () => app.undo(index) }, "Undo"),
           ),
         ),
     );

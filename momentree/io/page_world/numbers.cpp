@@ -1,12 +1,12 @@
-// Numerical data of a world, in the arrays of engine.h.
+// Numerical data of a world, in the arrays that wasm/engine.h documents.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include <momentree/io/page_world/page_world.hpp>
 #include <momentree/simulate/topology_record.hpp>
-#include <wasm/world.hpp>
 
-namespace momentree::wasm {
+namespace momentree::io {
 
 namespace {
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -19,24 +19,34 @@ double load_of(double force, double torque, const JointParameters* parameters) {
 
 void fill_motions(const World& world, std::vector<double>& all) {
   const std::vector<BodyMotion>& motions = world.motions();
-  all.assign(motions.size() * mt_motion_size, none);
+  all.assign(motions.size() * motion_size, none);
   for (std::size_t b = 0; b < motions.size(); ++b) {
     if (!world.alive({static_cast<int>(b)})) continue;
     const auto& [pose, linear, angular] = motions[b];
     const Vec3& x = pose.position;
     const Quat& r = pose.rotation;
-    const double numbers[mt_motion_size] = {x.x,      x.y,      x.z,      r.w,       r.x,       r.y,      r.z,
-                                            linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
-    std::copy(std::begin(numbers), std::end(numbers), all.begin() + static_cast<std::ptrdiff_t>(b * mt_motion_size));
+    const double numbers[motion_size] = {x.x,      x.y,      x.z,      r.w,       r.x,       r.y,      r.z,
+                                         linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
+    std::copy(std::begin(numbers), std::end(numbers), all.begin() + static_cast<std::ptrdiff_t>(b * motion_size));
   }
+}
+
+std::vector<Threshold> thresholds_of(const Scenario& scenario, const World& world) {
+  std::vector<Threshold> all;
+  for (const ScenarioEvent& event : scenario.events) {
+    if (!event.condition || !event.condition->what->is_load() || event.condition->threshold == 0) continue;
+    for (const std::string& joint : event.condition->what->joints())
+      if (const int number = world.find_joint(joint); number >= 0) all.push_back({number, *event.condition});
+  }
+  return all;
 }
 
 void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thresholds, bool reactions,
                  std::vector<double>& all) {
   const World& world = simulation.world();
-  const int rows = joint_rows(world);
-  all.assign(static_cast<std::size_t>(rows) * mt_joint_size, 0);
-  const auto row_at = [&all](int place) { return all.data() + static_cast<std::ptrdiff_t>(place) * mt_joint_size; };
+  const int rows = joint_row_count(world);
+  all.assign(static_cast<std::size_t>(rows) * joint_size, 0);
+  const auto row_at = [&all](int place) { return all.data() + static_cast<std::ptrdiff_t>(place) * joint_size; };
   for (int r = 0; r < rows; ++r) row_at(r)[0] = -1, row_at(r)[27] = none, row_at(r)[28] = 1;
   for (const JointId number : present_joints(world)) {
     double* const row = row_at(row_of(world, number));
@@ -67,27 +77,11 @@ void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thr
 void fill_totals(const Simulation& simulation, double* all) {
   const Totals t = simulation.world().totals();
   const EnergyBalance e = simulation.energy();
-  const double numbers[mt_totals_size] = {simulation.time(), t.kinetic,    t.potential, t.linear.x,        t.linear.y,
-                                          t.linear.z,        t.angular.x,  t.angular.y, t.angular.z,       e.initial,
-                                          e.final,           e.dissipated, e.work,      e.lost_in_impacts, e.released,
-                                          e.error,           e.projection};
+  const double numbers[totals_size] = {simulation.time(), t.kinetic,    t.potential, t.linear.x,        t.linear.y,
+                                       t.linear.z,        t.angular.x,  t.angular.y, t.angular.z,       e.initial,
+                                       e.final,           e.dissipated, e.work,      e.lost_in_impacts, e.released,
+                                       e.error,           e.projection};
   std::copy(std::begin(numbers), std::end(numbers), all);
 }
 
-Grip grip_on(const World& world, int body, Vec3 point, double strength) {
-  double whole = 0;
-  for (const Mechanism& mechanism : world.mechanisms()) {
-    if (std::find(mechanism.bodies.begin(), mechanism.bodies.end(), BodyId{body}) == mechanism.bodies.end()) continue;
-    for (const BodyId each : mechanism.bodies) whole += world.model()[each].mass;
-  }
-  // The spring oscillates the whole mechanism at three hertz; the damper is chosen for the body alone, so that a step can resolve
-  // it.
-  constexpr double swing = 2 * 3.14159265358979 * 3;
-  const double mass = world.model()[{body}].mass;
-  Grip grip{body, point, world.motions()[static_cast<std::size_t>(body)].pose * point, 0, 0};
-  grip.stiffness = strength * whole * swing * swing;
-  grip.damping = 2 * std::sqrt(grip.stiffness * (mass > 0 ? mass : whole));
-  return grip;
-}
-
-}  // namespace momentree::wasm
+}  // namespace momentree::io

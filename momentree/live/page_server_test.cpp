@@ -1,19 +1,17 @@
 // The server with clients that do not behave like browsers: each case opens its own sockets.
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <atomic>
 #include <thread>
 
 #include <doctest/doctest.h>
 
-#include <cli/page_server.hpp>
 #include <momentree/base/error.hpp>
+#include <momentree/live/page_server.hpp>
+#include <momentree/live/test_client.hpp>
 
 using namespace momentree;
-using namespace momentree::cli;
+using namespace momentree::live;
+using momentree::live::test::Client;
+using momentree::live::test::wait_until;
 using namespace std::chrono_literals;
 
 namespace {
@@ -49,33 +47,6 @@ class Served {
   std::thread thread_;
 };
 
-class Client {
- public:
-  explicit Client(int port, int buffer = 0) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    if (buffer != 0) ::setsockopt(socket_.get(), SOL_SOCKET, SO_RCVBUF, &buffer, sizeof buffer);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    REQUIRE(::connect(socket_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
-  }
-  bool send(const std::string& text) const {
-    return ::send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
-  }
-  /// Everything received until the server closes.
-  std::string receive() const {
-    std::string all;
-    char bytes[4096];
-    for (ssize_t count; (count = ::recv(socket_.get(), bytes, sizeof bytes, 0)) > 0;)
-      all.append(bytes, static_cast<std::size_t>(count));
-    return all;
-  }
-  int get() const { return socket_.get(); }
-
- private:
-  Socket socket_;
-};
-
 std::string answer(const Served& served, const std::string& text) {
   const Client client(served.port());
   client.send(text);
@@ -83,11 +54,6 @@ std::string answer(const Served& served, const std::string& text) {
 }
 std::string status(const std::string& answer) { return answer.size() > 12 ? answer.substr(9, 3) : "none"; }
 std::string body(const std::string& answer) { return answer.substr(answer.find("\r\n\r\n") + 4); }
-
-template <class Condition>
-void wait_until(const Condition& condition) {
-  while (!condition()) std::this_thread::sleep_for(5ms);  // ctest ends tests that hang
-}
 
 }  // namespace
 

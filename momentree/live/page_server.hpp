@@ -1,23 +1,27 @@
 #pragma once
 // Serves one page in a single thread over many connections. No client can block others from the page or exhaust memory: heads
-// are bounded, each stage has a deadline, and when all connections are in use, an old one is dropped for a new one.
+// are bounded, each stage has a deadline, and when all connections are in use, an old one is dropped for a new one. A live page
+// keeps one connection, on which it receives the messages of a feed.
 #include <chrono>
 #include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <cli/http.hpp>
-#include <cli/listener.hpp>
+#include <momentree/live/feed.hpp>
+#include <momentree/live/http.hpp>
+#include <momentree/live/listener.hpp>
 
-namespace momentree::cli {
+namespace momentree::live {
 
 struct Limits {
   std::size_t connections = 128;
+  std::size_t streams = 16;                 ///< of `connections`, those of live pages
   std::size_t head = 16 * 1024;             ///< largest request head (bytes)
   std::chrono::milliseconds request{5000};  ///< from connecting until the head is complete
   std::chrono::milliseconds stall{15000};   ///< while the client accepts none of the reply
   std::chrono::milliseconds goodbye{1000};  ///< until the client has closed the connection, too
+  std::chrono::milliseconds beat{10000};    ///< without a message to a live page until it gets an empty one
 };
 
 class PageServer {
@@ -32,15 +36,17 @@ class PageServer {
  private:
   using Clock = std::chrono::steady_clock;
   /// The stages of a connection, in order.
-  enum class Stage { reading, sending, leaving };
+  enum class Stage { reading, sending, leaving, streaming };
   struct Connection {
     Socket socket;
     Stage stage = Stage::reading;
     Clock::time_point deadline;
-    std::string head{};  ///< the request head while it is read, then that of the reply
+    std::string head{};  ///< the request while it is read, then the reply's head or, of a stream, what is to be sent
     std::string_view body{};
     std::size_t sent = 0;
-    bool over = false;
+    bool over = false, streams = false;
+    std::size_t request_head = std::string::npos;  ///< size of the request's head, once it is complete
+    Feed::Reader reader{};
   };
 
   void accept_all();
@@ -48,7 +54,10 @@ class PageServer {
   /// Returns false if the connection is finished.
   bool go_on(Connection& connection);
   bool read(Connection& connection);
-  void answer(Connection& connection, std::size_t head);
+  /// Returns false if the body of the request is not complete.
+  bool answer(Connection& connection);
+  bool send_rest(Connection& connection, bool& all);
+  bool stream(Connection& connection);
   bool send(Connection& connection);
   bool leave(Connection& connection);
 
@@ -58,4 +67,4 @@ class PageServer {
   std::vector<Connection> connections_;  ///< oldest first
 };
 
-}  // namespace momentree::cli
+}  // namespace momentree::live

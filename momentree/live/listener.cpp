@@ -1,4 +1,4 @@
-#include <cli/listener.hpp>
+#include <momentree/live/listener.hpp>
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -14,7 +14,7 @@
 
 #include <momentree/base/error.hpp>
 
-namespace momentree::cli {
+namespace momentree::live {
 
 namespace {
 
@@ -79,4 +79,4 @@ Listener listen_on(int port) {
   throw_error({"cannot listen on 127.0.0.1: " + std::string(std::strerror(reason)), port != 0 ? "--port" : "", ""});
 }
 
-}  // namespace momentree::cli
+}  // namespace momentree::live

@@ -1,8 +1,8 @@
-#include <cli/http.hpp>
+#include <momentree/live/http.hpp>
 
 #include <doctest/doctest.h>
 
-using namespace momentree::cli;
+using namespace momentree::live;
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include <cli/page_server.hpp>
+#include <momentree/live/page_server.hpp>
 
 #include <poll.h>
 #include <sys/socket.h>
@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-namespace momentree::cli {
+namespace momentree::live {
 
 using std::chrono::milliseconds;
 
@@ -33,16 +33,20 @@ PageServer::PageServer(Listener listener, Site site, const Limits& limits)
 void PageServer::run(const std::function<bool()>& stop) {
   std::vector<pollfd> polled;
   while (!stop()) {
-    polled.assign(1, {listener_.socket.get(), POLLIN, 0});
-    for (const Connection& connection : connections_) {
-      const bool sending = connection.stage == Stage::sending;
-      polled.push_back({connection.socket.get(), static_cast<short>(sending ? POLLOUT : POLLIN), 0});
+    polled.assign(2, {listener_.socket.get(), POLLIN, 0});
+    polled[1].fd = site_.feed != nullptr ? site_.feed->signal() : -1;  // poll() ignores -1
+    for (Connection& connection : connections_) {
+      const bool waits = connection.stage == Stage::streaming && connection.sent == connection.head.size();
+      const bool sends = connection.stage == Stage::sending || (connection.stage == Stage::streaming && !waits);
+      polled.push_back({connection.socket.get(), static_cast<short>(sends ? POLLOUT : POLLIN), 0});
     }
     if (::poll(polled.data(), polled.size(), patience) < 0 && errno != EINTR) std::this_thread::sleep_for(milliseconds(patience));
+    if (site_.feed != nullptr) site_.feed->quieten();
     const Clock::time_point now = Clock::now();
     for (std::size_t i = 0; i < connections_.size(); ++i) {
       Connection& connection = connections_[i];
-      connection.over = (polled[i + 1].revents != 0 && !go_on(connection)) || connection.deadline <= now;
+      const bool ready = polled[i + 2].revents != 0 || connection.stage == Stage::streaming;
+      connection.over = (ready && !go_on(connection)) || connection.deadline <= now;
     }
     std::erase_if(connections_, [](const Connection& connection) { return connection.over; });
     if (polled[0].revents != 0) accept_all();
@@ -90,6 +94,7 @@ bool PageServer::make_room() {
 bool PageServer::go_on(Connection& connection) {
   if (connection.stage == Stage::reading && !read(connection)) return false;
   if (connection.stage == Stage::sending && !send(connection)) return false;
+  if (connection.stage == Stage::streaming && !stream(connection)) return false;
   return connection.stage != Stage::leaving || leave(connection);
 }
 
@@ -101,28 +106,38 @@ bool PageServer::read(Connection& connection) {
     if (count == 0) return false;
     const std::size_t before = connection.head.size();
     connection.head.append(bytes.data(), static_cast<std::size_t>(count));
-    const std::size_t head = head_size(connection.head, before);
-    if (head != std::string::npos || connection.head.size() > limits_.head) answer(connection, head);
+    if (connection.request_head == std::string::npos) connection.request_head = head_size(connection.head, before);
+    if (connection.request_head != std::string::npos || connection.head.size() > limits_.head) answer(connection);
   }
   return true;
 }
 
-void PageServer::answer(Connection& connection, std::size_t head) {
+bool PageServer::answer(Connection& connection) {
   Reply reply;
-  if (head > limits_.head) {  // npos, too
+  if (connection.request_head > limits_.head) {  // npos, too
     reply = refusal(site_, 431);
   } else {
-    const std::optional<HttpRequest> request = parse_head(std::string_view(connection.head).substr(0, head));
-    reply = request ? reply_to(*request, site_) : refusal(site_, 400);
+    const std::string_view received = connection.head;
+    const std::optional<HttpRequest> request = parse_head(received.substr(0, connection.request_head));
+    const std::string_view rest = received.substr(connection.request_head);
+    const std::size_t body = request && takes_body(*request, site_) ? request->body_size : 0;
+    if (rest.size() < body) return false;
+    reply = request ? reply_to(*request, site_, rest.substr(0, body)) : refusal(site_, 400);
   }
+  if (reply.streams && static_cast<std::size_t>(std::ranges::count(connections_, true, &Connection::streams)) >= limits_.streams)
+    reply = refusal(site_, 503);
   connection.head = std::move(reply.head);
   connection.body = reply.body;
+  connection.streams = reply.streams;
   connection.stage = Stage::sending;
   connection.deadline = Clock::now() + limits_.stall;
+  return true;
 }
 
-bool PageServer::send(Connection& connection) {
+/// Sends what the client accepts; `all`: nothing is left.
+bool PageServer::send_rest(Connection& connection, bool& all) {
   const std::size_t size = connection.head.size() + connection.body.size();
+  all = false;
   while (connection.sent < size) {
     const bool in_head = connection.sent < connection.head.size();
     const std::string_view rest = in_head ? std::string_view(connection.head).substr(connection.sent)
@@ -132,9 +147,41 @@ bool PageServer::send(Connection& connection) {
     connection.sent += static_cast<std::size_t>(count);
     connection.deadline = Clock::now() + limits_.stall;
   }
+  all = true;
+  return true;
+}
+
+bool PageServer::send(Connection& connection) {
+  bool all = false;
+  if (!send_rest(connection, all)) return false;
+  if (!all) return true;
+  if (connection.streams) {
+    connection.stage = Stage::streaming;
+    connection.deadline = Clock::now() + limits_.beat;
+    return true;
+  }
   ::shutdown(connection.socket.get(), SHUT_WR);
   connection.stage = Stage::leaving;
   connection.deadline = Clock::now() + limits_.goodbye;
+  return true;
+}
+
+/// Sends the messages that the page lacks. A page that does not accept them gets only the newest frame once it does.
+bool PageServer::stream(Connection& connection) {
+  if (!leave(connection)) return false;  // the page has closed the connection
+  const Clock::time_point now = Clock::now();
+  for (bool all = true; all;) {
+    if (connection.sent == connection.head.size()) {
+      connection.head.clear(), connection.sent = 0;
+      site_.feed->append_new(connection.reader, connection.head);
+      const bool beats = connection.head.empty() && connection.deadline <= now + milliseconds(patience);
+      if (beats) connection.head = ":\n\n";
+      if (connection.head.empty()) return true;
+      connection.deadline = now + limits_.stall;
+    }
+    if (!send_rest(connection, all)) return false;
+    if (all) connection.deadline = now + limits_.beat;
+  }
   return true;
 }
 
@@ -149,4 +196,4 @@ bool PageServer::leave(Connection& connection) {
   return true;
 }
 
-}  // namespace momentree::cli
+}  // namespace momentree::live

@@ -2,7 +2,7 @@
 // A TCP socket that listens on 127.0.0.1.
 #include <utility>
 
-namespace momentree::cli {
+namespace momentree::live {
 
 /// Owns a file descriptor; −1: none.
 class Socket {
@@ -33,4 +33,4 @@ Listener listen_on(int port);
 /// Makes the socket non-blocking and closed on exec.
 void prepare(const Socket& socket);
 
-}  // namespace momentree::cli
+}  // namespace momentree::live

@@ -1,0 +1,297 @@
+#include <momentree/live/view.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <momentree/base/error.hpp>
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/io/json_writer.hpp>
+#include <momentree/io/mesh/pack.hpp>
+#include <momentree/io/model_json.hpp>
+#include <momentree/io/report/base64.hpp>
+#include <momentree/io/report/page.hpp>
+#include <momentree/io/scenario.hpp>
+#include <momentree/io/summary.hpp>
+#include <momentree/live/browser.hpp>
+#include <momentree/live/page.hpp>
+#include <momentree/live/page_server.hpp>
+#include <momentree/live/view_impl.hpp>
+
+namespace momentree::live {
+
+namespace {
+
+io::Scenario scenario_of(const Simulation& simulation, const std::string& title) {
+  io::Scenario scenario;
+  scenario.title = title;
+  scenario.until = HUGE_VAL;
+  scenario.integration = simulation.integration();
+  scenario.model.set_gravity(simulation.world().model().gravity());
+  return scenario;
+}
+
+std::string events_json(const std::vector<Event>& events, std::size_t first) {
+  std::string text = R"({"type": "events", "events": [)";
+  for (std::size_t i = first; i < events.size(); ++i) text += (i == first ? "" : ",") + io::event_json(events[i]);
+  return text + "]}";
+}
+
+std::string playing_json(bool on) { return std::string(R"({"type": "playing", "on": )") + (on ? "true}" : "false}"); }
+
+}  // namespace
+
+View::Impl::Impl(Simulation& simulation_, ViewOptions options_, const io::Scenario* scenario)
+    : simulation(simulation_), options(std::move(options_)), playing(!options.paused), speed(options.speed) {
+  if (!(speed > 0) || !std::isfinite(speed))
+    throw_error({"the speed of a view must be positive and finite", "speed", "1 is real time"});
+  const io::Scenario own = scenario == nullptr ? scenario_of(simulation, options.title) : io::Scenario{};
+  const io::Scenario& given = scenario == nullptr ? own : *scenario;
+  if (options.title.empty()) options.title = given.title;
+  if (options.shapes.empty()) options.shapes = given.shapes;
+  scenario_text = io::scenario_json(given);
+  thresholds = io::thresholds_of(given, simulation.world());
+  step = is_adaptive(simulation.integration().method) ? 0 : simulation.integration().step;
+  Listener listener = listen_on(options.port);
+  const io::PackedMeshes meshes = io::pack_meshes(io::mesh_sources(options.shapes));
+  for (const io::Diagnostic& each : meshes.warnings) warnings.push_back(each.what);
+  greet(false);
+  serve(std::move(listener), meshes.json);
+}
+
+void View::Impl::close() {
+  ending = true;
+  if (server.joinable()) server.join();
+  if (grip.body >= 0) release();
+}
+
+void View::Impl::serve(Listener listener, const std::string& meshes) {
+  const std::string port = std::to_string(listener.port), site_address = "http://127.0.0.1:" + port + "/";
+  Site site{io::live_page(live_html(), meshes), io::content_policy(live_html()), random_key(), "", port, &feed};
+  address = site_address + site.key;
+  const bool opens = options.open_browser && has_screen();
+  if (opens) site.once = random_key();
+  const std::string once = site_address + site.once;
+  server = std::thread([this, listener = std::move(listener), site = std::move(site)]() mutable {
+    PageServer(std::move(listener), std::move(site)).run([this] { return ending.load(); });
+  });
+  // Other users can see the arguments of the browser's process, so the browser gets an address that works once.
+  if (opens) open_in_browser(once);
+}
+
+std::string View::Impl::frame() const {
+  std::vector<double> numbers, poses, loads;
+  io::fill_motions(simulation.world(), numbers);
+  for (std::size_t b = 0; b < numbers.size(); b += io::motion_size)
+    poses.insert(poses.end(), numbers.begin() + static_cast<std::ptrdiff_t>(b),
+                 numbers.begin() + static_cast<std::ptrdiff_t>(b) + 7);
+  io::fill_joints(simulation, thresholds, true, numbers);
+  for (std::size_t j = 0; j < numbers.size(); j += io::joint_size) {
+    const double* const row = numbers.data() + j;
+    const double none = std::nan("");
+    if (row[0] < 0)
+      loads.insert(loads.end(), {none, none, 1, none, none, none});
+    else
+      loads.insert(loads.end(), {row[27], std::hypot(row[21], row[22], row[23]), row[28], row[21], row[22], row[23]});
+  }
+  double totals[io::totals_size];
+  io::fill_totals(simulation, totals);
+  std::string poses_text, loads_text, text;
+  io::append_floats(poses_text, poses);
+  io::append_floats(loads_text, loads);
+  io::JsonWriter(text)
+      .begin_object()
+      .member("time", simulation.time())
+      .member("poses", poses_text)
+      .member("loads", loads_text)
+      .member("totals", std::span<const double>(totals))
+      .end_object();
+  return text;
+}
+
+std::string View::Impl::frame_message() {
+  std::string text;
+  io::JsonWriter(text)
+      .begin_object()
+      .member("type", "frame")
+      .member("seconds", std::exchange(spent, 0))
+      .key("frame")
+      .raw(frame())
+      .end_object();
+  return text;
+}
+
+std::string View::Impl::sliders_json() const {
+  std::string text;
+  io::JsonWriter json(text);
+  json.begin_object().member("type", "sliders").key("sliders").begin_array();
+  for (const Slider& each : sliders)
+    json.begin_object()
+        .member("name", each.name)
+        .member("least", each.least)
+        .member("most", each.most)
+        .member("value", each.value)
+        .member("unit", each.unit)
+        .end_object();
+  json.end_array().end_object();
+  return text;
+}
+
+void View::Impl::greet(bool all) {
+  const World& world = simulation.world();
+  std::string loaded;
+  io::JsonWriter(loaded)
+      .begin_object()
+      .member("type", "loaded")
+      .key("diagnostics")
+      .begin_array()
+      .end_array()
+      .key("world")
+      .begin_object()
+      .key("scenario")
+      .raw(scenario_text)
+      .key("model")
+      .raw(io::model_json(world, options.title, options.shapes))
+      .key("topology")
+      .raw(io::topology_json(world))
+      .key("frame")
+      .raw(frame())
+      .end_object()
+      .end_object();
+  feed.greet({std::move(loaded), events_json(simulation.events(), 0), sliders_json(), playing_json(playing)}, all);
+  revision = world.tree().revision();
+  events = simulation.events().size();
+  bodies = world.model().size();
+  time = simulation.time();
+  changed = false;
+}
+
+void View::Impl::tell() {
+  const World& world = simulation.world();
+  told = Clock::now();
+  // Bodies that were added, and a run that went back, are a new world for the pages.
+  if (world.model().size() != bodies || simulation.events().size() < events || simulation.time() < time) return greet(true);
+  const bool happened = simulation.events().size() > events;
+  if (changed || happened || world.tree().revision() != revision) {
+    std::string topology;
+    io::JsonWriter(topology)
+        .begin_object()
+        .member("type", "topology")
+        .member("time", simulation.time())
+        .key("topology")
+        .raw(io::topology_json(world))
+        .end_object();
+    feed.post(std::move(topology));
+    if (happened) feed.post(events_json(simulation.events(), events));
+    feed.show(frame_message());
+    return greet(false);
+  }
+  if (simulation.time() == time) return;
+  feed.show(frame_message());
+  time = simulation.time();
+}
+
+View::View(Simulation& simulation, ViewOptions options)
+    : impl_(std::make_unique<Impl>(simulation, std::move(options), nullptr)) {}
+View::View(Simulation& simulation, const io::Scenario& scenario, ViewOptions options)
+    : impl_(std::make_unique<Impl>(simulation, std::move(options), &scenario)) {}
+View::~View() = default;
+
+const std::string& View::address() const { return impl_->address; }
+const std::vector<std::string>& View::warnings() const { return impl_->warnings; }
+bool View::playing() const { return impl_->playing; }
+bool View::stopped() const { return impl_->stopped; }
+void View::close() { impl_->close(); }
+int View::pages() const { return impl_->feed.pages(); }
+void View::wait(std::chrono::nanoseconds most) { impl_->feed.wait(most); }
+
+void View::slider(Slider slider) {
+  const auto same = [&slider](const Slider& each) { return each.name == slider.name; };
+  if (std::ranges::any_of(impl_->sliders, same))
+    throw_error({"there is a slider '" + slider.name + "' already", "slider", "give each slider a name of its own"});
+  const bool finite = std::isfinite(slider.least) && std::isfinite(slider.most);
+  if (!finite || !(slider.least < slider.most) || !(slider.least <= slider.value && slider.value <= slider.most))
+    throw_error(
+        {"the numbers of the slider '" + slider.name + "' are not in order", "slider", "least <= value <= most, all finite"});
+  impl_->sliders.push_back(std::move(slider));
+  impl_->feed.post(impl_->sliders_json());
+  impl_->greet(false);
+}
+
+double View::value(const std::string& slider) const {
+  const auto found = std::ranges::find(impl_->sliders, slider, &Slider::name);
+  if (found == impl_->sliders.end()) throw_error({"there is no slider '" + slider + "'", "slider", "add it with slider()"});
+  return found->value;
+}
+
+void View::exchange() {
+  for (const std::string& text : impl_->feed.take()) impl_->obey(text);
+  impl_->tell();
+}
+
+bool View::update() {
+  Impl& view = *impl_;
+  do {
+    const std::vector<std::string> texts = view.feed.take();
+    for (const std::string& text : texts) view.obey(text);
+    if (!texts.empty() || !view.playing || Impl::Clock::now() - view.told >= Impl::frame_time) view.tell();
+    if (!view.playing && !view.stopped) view.feed.wait(std::chrono::milliseconds(100));
+  } while (!view.playing && !view.stopped);
+  view.paced = Impl::Clock::now();
+  return !view.stopped;
+}
+
+double View::next(double until) {
+  Impl& view = *impl_;
+  const double now = view.simulation.time();
+  const Impl::Clock::time_point clock = Impl::Clock::now();
+  const double passed = std::chrono::duration<double>(clock - std::exchange(view.paced, clock)).count();
+  // Steps that took longer than they should are not caught up on: the simulation is slower then.
+  view.due = std::min(view.due + passed * view.speed, 2 * view.speed * Impl::frame_time.count());
+  if (view.due < 0.999 * std::min(1.0, view.speed) * Impl::frame_time.count()) return now;
+  double target = now + view.due;
+  if (view.step > 0) target = std::max(std::floor(target / view.step + 1e-6), std::floor(now / view.step + 1e-6) + 1) * view.step;
+  target = std::min(target, until);
+  view.due = std::max(0.0, view.due - (target - now));
+  return target;
+}
+
+void View::report(const RunResult& result) {
+  Impl& view = *impl_;
+  view.spent += std::chrono::duration<double>(Impl::Clock::now() - view.paced).count();  // next() has set it
+  if (result || result == Status::interrupted) return;
+  view.playing = false;
+  std::string text;
+  io::JsonWriter(text).begin_object().member("type", "stopped").member("message", result.reason).end_object();
+  view.feed.post(playing_json(false));
+  view.feed.post(std::move(text));
+  view.greet(false);
+}
+
+RunResult View::run_until(double time, const std::function<bool()>& goes_on) {
+  Impl& view = *impl_;
+  view.paced = Impl::Clock::now();
+  view.due = 0;
+  while (view.simulation.time() < time) {
+    exchange();
+    if (view.stopped || (goes_on && !goes_on())) return {Status::interrupted, ""};
+    if (!view.playing) {
+      wait(std::chrono::milliseconds(100));
+      view.paced = Impl::Clock::now();
+      continue;
+    }
+    const double target = next(time);
+    if (target <= view.simulation.time()) {
+      wait(std::chrono::milliseconds(4));
+      continue;
+    }
+    const RunResult result = view.simulation.run_until(target);
+    if (!result) exchange();
+    report(result);
+    if (!result) return result;
+  }
+  exchange();
+  return {};
+}
+
+}  // namespace momentree::live
