@@ -400,8 +400,6 @@ class Simulation(_core.SimulationBase):
 
     show = live.show
 
-    # Branches and pickling
-
     def branch(self) -> Simulation:
         """An independent simulation that goes on from here: world, event queue and energy ledger, without history.
 
