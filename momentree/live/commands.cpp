@@ -121,7 +121,7 @@ void View::Impl::release() {
   if (body >= 0 && simulation.world().alive({body})) simulation.force(simulation.world().model()[{body}].name, {});
 }
 
-void View::Impl::slide(const Value& message) {
+void View::Impl::move_slider(const Value& message) {
   const auto found = std::ranges::find(sliders, text_of(message, "name"), &Slider::name);
   const std::optional<double> value = number_of(message, "value");
   if (found == sliders.end() || !value) return;
@@ -165,8 +165,8 @@ void View::Impl::carry_out(const Value& message) {
     pull(message);
   } else if (type == "release") {
     release();
-  } else if (type == "slide") {
-    slide(message);
+  } else if (type == "slider") {
+    move_slider(message);
   } else if (type == "stop") {
     stopped = true;
     playing = false;

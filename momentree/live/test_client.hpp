@@ -59,7 +59,7 @@ class Client {
 
 template <class Condition>
 void wait_until(const Condition& condition) {
-  while (!condition()) std::this_thread::sleep_for(std::chrono::milliseconds(5));  // ctest ends tests that hang
+  while (!condition()) std::this_thread::sleep_for(std::chrono::milliseconds(5));  // ctest ends tests that take too long
 }
 
 }  // namespace momentree::live::test

@@ -45,7 +45,7 @@ struct View::Impl {
   void pull(const Value& message);
   void release();
   void apply_grip();
-  void slide(const Value& message);
+  void move_slider(const Value& message);
   void refuse(const std::string& why);
 
   Simulation& simulation;

@@ -145,14 +145,14 @@ TEST_CASE("live: parameters, damping and sliders") {
   const json sliders = page.next("sliders")["sliders"];
   REQUIRE(sliders.size() == 1);
   CHECK(sliders[0]["value"] == 3);
-  page.act(R"({"type": "slide", "name": "wind", "value": 12.5})");
+  page.act(R"({"type": "slider", "name": "wind", "value": 12.5})");
   page.act(R"({"type": "set", "joint": 0, "damping": 0.5, "stiffness": 4})");
   view.exchange();
   CHECK(view.value("wind") == 12.5);
   CHECK(told == 12.5);
   CHECK(sim.world().joint({0}).parameters->damping.of(0) == 0.5);
   CHECK(sim.world().joint({0}).parameters->stiffness.of(0) == 4);
-  page.act(R"({"type": "slide", "name": "wind", "value": 1e9})");
+  page.act(R"({"type": "slider", "name": "wind", "value": 1e9})");
   page.act(R"({"type": "set", "joint": 0, "damping": -1})");
   view.exchange();
   CHECK(view.value("wind") == 20);

@@ -76,8 +76,8 @@ def test_sliders_call_the_program() -> None:
         view.slider("gain", -1, 1, 0)
         page = Page(view)
         assert [each["name"] for each in page.next("sliders")["sliders"]] == ["wind", "gain"]
-        page.act(type="slide", name="wind", value=7.5)
-        page.act(type="slide", name="gain", value=-0.25)
+        page.act(type="slider", name="wind", value=7.5)
+        page.act(type="slider", name="gain", value=-0.25)
         view.run(sim.time + 0.02)
         assert told == [7.5]
         assert (view["wind"], view["gain"]) == (7.5, -0.25)

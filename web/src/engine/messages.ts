@@ -39,7 +39,7 @@ export type ToWorker =
   /** Continues a branch at its end. */
   | { type: "branch"; branch: number }
   // Only to programs:
-  | { type: "slide"; name: string; value: number }
+  | { type: "slider"; name: string; value: number }
   | { type: "stop" };
 
 /** Numbers per joint in `Frame.loads`. */

@@ -31,7 +31,7 @@ const isFrame = (text: string) => text.startsWith('{"type": "frame"');
 const replaces = (later: ToWorker, earlier: ToWorker) =>
   later.type === earlier.type &&
   (["pull", "gravity", "damping", "speed"].includes(later.type) ||
-    (later.type === "slide" && earlier.type === "slide" && later.name === earlier.name));
+    (later.type === "slider" && earlier.type === "slider" && later.name === earlier.name));
 
 export class RemoteEngine implements EnginePort {
   onmessage: ((event: MessageEvent<FromWorker>) => void) | null = null;

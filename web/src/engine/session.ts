@@ -110,7 +110,7 @@ export class Session {
       }
       case "branch":
         return this.resume(message.branch);
-      case "slide":
+      case "slider":
       case "stop":
         return; // only programs have them
     }

@@ -22,7 +22,7 @@ export function programSliders(app: App): HTMLElement {
           const show = () => (text.textContent = `${digits(Number(input.value), 3)}${unit ? ` ${unit}` : ""}`);
           input.addEventListener("input", () => {
             show();
-            app.send({ type: "slide", name, value: Number(input.value) });
+            app.send({ type: "slider", name, value: Number(input.value) });
           });
           show();
           shown.set(name, { input, show });
