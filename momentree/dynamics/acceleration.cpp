@@ -30,7 +30,7 @@ void accelerate(const Tree& tree, const State& state, Workspace<double>& workspa
   forward_dynamics(tree, state, workspace);
   if (tree.has_loops()) {
     if (!(workspace.accelerated == state.stamp())) accelerate_with_loops(tree, state, workspace);
-    if (!workspace.loops->least) find_least_reactions(tree, workspace);
+    if (!workspace.loops->least) find_least_reactions(tree, state.time(), workspace);
     return;
   }
   if (workspace.accelerated == state.stamp()) return;

@@ -179,6 +179,43 @@ WorldWrench coupling_load(const Tree& tree, std::size_t link, const double* lamb
   return info(tree.kind(ends.joint)).q_units[0] == 'm' ? WorldWrench{{effort, 0, 0}, {}} : WorldWrench{{}, {effort, 0, 0}};
 }
 
+// The whole wrench of a loop joint on its child at a time t (s), about the joint.
+WorldWrench loop_load(const Tree& tree, double t, const Workspace<double>& workspace, std::size_t loop) {
+  const LoopWorkspace& loops = *workspace.loops;
+  const LoopPlace& place = loops.places[loop];
+  WorldWrench load = about(loop_wrench(tree, loops, loop, loops.lambda.data()), place.xb);
+  double effort[6] = {};
+  const Force<double> own = loop_joint_wrench(tree, t, workspace, static_cast<int>(loop), effort);
+  const Mat3 R = loop_child_axes(place, tree.loop_links()[loop]);
+  add(load, 1, {R * own.l, R * own.h});
+  return load;
+}
+
+// The origin of the child-side frame of a body's inboard joint in the world: there the wrenches of joints are taken, whether they
+// close a loop or not.
+Vec3 joint_place(const Tree& tree, const Workspace<double>& workspace, int b) {
+  const int child = tree.reversed(b) ? tree.parent(b) : b;
+  const KernelFrame& frame = tree.frame(child);
+  const Kinematics<double>& body = workspace.bodies[at(child)];
+  return body.r + body.R * transpose_times(frame.R, tree.joint(b).child_at.position - frame.r);
+}
+
+// The size of the mechanism, by which torques are divided (m): the extent of its joints, whichever of them close loops.
+double extent(const Tree& tree, const std::vector<LoopReactions::Carried>& joints) {
+  const auto counts = [&](const LoopReactions::Carried& joint) {
+    if (joint.body >= 0) return tree.kind(joint.body) != Kind::free;
+    return at(joint.loop) < tree.loops().size() && tree.loops()[at(joint.loop)].joint.kind != Kind::free;
+  };
+  Vec3 centre{};
+  int count = 0;
+  for (const LoopReactions::Carried& joint : joints)
+    if (counts(joint)) centre += joint.at, ++count;
+  double size = 0;
+  for (const LoopReactions::Carried& joint : joints)
+    if (counts(joint)) size = std::max(size, norm(joint.at - (1.0 / count) * centre));
+  return size > 1e-9 ? size : 1;
+}
+
 // What multipliers add to the wrench of each joint on its child: of the inboard joints of bodies at stops, then of the loops. A
 // joint of the tree carries the opposite of what the loops exert on the bodies outboard.
 void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* lambda, LoopReactions& into) {
@@ -202,7 +239,7 @@ void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* 
 // Rows that were not chosen are combinations of the chosen ones: each gives a vector of multipliers that moves nothing, but
 // shifts reactions from joint to joint. Of all possible reactions the least ones are reported, in the norm Σ |force|² + |torque /
 // size|² over all joints, which depends neither on the tree nor on the chosen rows.
-void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
+void find_least_reactions(const Tree& tree, double t, Workspace<double>& workspace) {
   LoopWorkspace& loops = *workspace.loops;
   loops.open_bodies.assign(at(tree.bodies()), 0);
   loops.open_loops.assign(tree.loop_links().size(), 0);
@@ -219,24 +256,20 @@ void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
     work.null.insert(work.null.end(), loops.lambda.begin(), loops.lambda.end());
   }
   loops.lambda = work.lambda;
-  double size = 0;
-  for (const LoopPlace& place : loops.places) size = std::max(size, place.size);
-  if (!(size > 1e-9)) size = 1;  // everything is at the origin
-
   work.joints.clear();
   const auto stops = tree.loop_stops();
   for (std::size_t s = 0; s < stops.size(); ++s) {
     if (s > 0 && stops[s - 1].body == stops[s].body) continue;
     const Kinematics<double>& body = workspace.bodies[at(stops[s].body)];
     const Force<double> W = transmitted_wrench(tree, workspace, stops[s].body);
-    work.joints.push_back({stops[s].body, -1, body.r, {body.R * W.l, body.R * W.h}});
+    const Vec3 x = joint_place(tree, workspace, stops[s].body), F = body.R * W.l;
+    work.joints.push_back({stops[s].body, -1, x, {F, body.R * W.h - cross(x - body.r, F)}});
   }
-  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
-    const Vec3 x = loops.places[i].xb;
-    work.joints.push_back({-1, static_cast<int>(i), x, about(loop_wrench(tree, loops, i, work.lambda.data()), x)});
-  }
+  for (std::size_t i = 0; i < tree.loops().size(); ++i)
+    work.joints.push_back({-1, static_cast<int>(i), loops.places[i].xb, loop_load(tree, t, workspace, i)});
   for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i)
     work.joints.push_back({-1, static_cast<int>(i), {}, coupling_load(tree, i, work.lambda.data())});
+  const double size = extent(tree, work.joints);
   // What a unit of each null vector adds to a joint: six numbers, force and torque / size, in a row of d each.
   work.by_null.resize(6 * work.joints.size() * d);
   for (std::size_t i = 0; i < d; ++i) {
@@ -273,8 +306,10 @@ void find_least_reactions(const Tree& tree, Workspace<double>& workspace) {
     double more[6] = {};
     for (std::size_t part = 0; part < 6; ++part)
       for (std::size_t i = 0; i < d; ++i) more[part] += c[i] * work.by_null[(6 * joint + part) * d + i];
-    const Mat3& R = workspace.bodies[at(body)].R;
-    const Vec3 F{more[0], more[1], more[2]}, T = size * Vec3{more[3], more[4], more[5]};
+    const Kinematics<double>& own = workspace.bodies[at(body)];
+    const Mat3& R = own.R;
+    const Vec3 F{more[0], more[1], more[2]};  // back to the origin of the kernel frame
+    const Vec3 T = size * Vec3{more[3], more[4], more[5]} + cross(work.joints[joint].at - own.r, F);
     workspace.reduced_bias_wrenches[at(body)] += Force<double>{transpose_times(R, F), transpose_times(R, T)};
   }
 }

@@ -132,9 +132,9 @@ LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& 
 double loop_velocities_open(const Tree& tree, const Workspace<double>& workspace) noexcept;
 bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 
-/// Where the loops leave reactions open, chooses the least ones; part of `accelerate`. Allocates at the first call
+/// Where the loops leave reactions open at time t (s), chooses the least ones; part of `accelerate`. Allocates at the first call
 /// and where there are more redundant rows than before.
-void find_least_reactions(const Tree& tree, Workspace<double>& workspace);
+void find_least_reactions(const Tree& tree, double t, Workspace<double>& workspace);
 /// False if the loops leave the reaction of a joint open: of a loop or a coupling, by its place in
 /// Tree::loop_links(), or of the inboard joint of a body. Other
 /// reactions then cause the same motion. Requires `accelerate`.

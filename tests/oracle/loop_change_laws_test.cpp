@@ -179,8 +179,8 @@ void check_event(const Ring& ring, const Change& change, bool first, const Event
   if (change.frees && first) {
     double moved = 0;
     for (std::size_t b = 0; b < before.motions.size(); ++b)
-      moved = std::max(moved, norm(world.motions()[b].linear - before.motions[b].linear) +
-                                  norm(world.motions()[b].angular - before.motions[b].angular));
+      keep_larger(moved, norm(world.motions()[b].linear - before.motions[b].linear) +
+                             norm(world.motions()[b].angular - before.motions[b].angular));
     CHECK(moved < 1e-11);
     CHECK(std::fabs(event.lost) < 1e-11 * size);
     ++all.freed;

@@ -218,6 +218,11 @@ inline Ring random_ring(std::uint64_t seed, const RingOptions& options) {
 
 // Laws of one world.
 
+/// The larger one; NaN is the largest of all.
+inline void keep_larger(double& worst, double x) {
+  if (!(x <= worst) && !std::isnan(worst)) worst = x;
+}
+
 inline double size_of(const Wrench& w) { return norm(w.force) + norm(w.torque); }
 
 /// The bodies of a world with their velocities: momenta and their changes about centres of mass, world axes.
@@ -272,8 +277,8 @@ inline double unbalanced(const World& world, Momenta gains, const std::function<
     add(joint.child, 1), add(joint.parent, -1);
   }
   double left = 0;
-  for (const auto& gain : gains.linear) left = std::max(left, gain.norm());
-  for (const auto& gain : gains.angular) left = std::max(left, gain.norm());
+  for (const auto& gain : gains.linear) keep_larger(left, gain.norm());
+  for (const auto& gain : gains.angular) keep_larger(left, gain.norm());
   return left / scale;
 }
 
@@ -317,7 +322,8 @@ inline double effort_error(const World& world, JointId id, Numbers accelerations
     const double rotor = joint.parameters == nullptr ? 0.0 : joint.parameters->armature.of(i);
     const double taken = rotor == 0 ? 0.0 : rotor * accelerations[static_cast<std::size_t>(i)];
     scale = std::max({scale, std::fabs(forces.effort[i]), std::fabs(taken)});
-    worst = std::max({worst, std::fabs(total[i] - (forces.effort[i] - taken)), std::fabs(pure[i])});
+    keep_larger(worst, std::fabs(total[i] - (forces.effort[i] - taken)));
+    keep_larger(worst, std::fabs(pure[i]));
   }
   return worst / scale;
 }
@@ -377,10 +383,11 @@ inline Wrench in_world(const Ring& ring, const World& world, int number, const W
 inline double apart(const Wrench& a, const Wrench& b) { return norm(a.force - b.force) + norm(a.torque - b.torque); }
 
 /// Poses, velocities, accelerations, energies, and what all joints transmit, where redundant equations do not leave it open.
-/// Returns the largest disagreement, in units of each quantity's size.
-inline double disagreement(const Ring& ring, const World& one, const World& other) {
+/// `least`: also there; only for rings in which joints that have their bodies exchanged have their frames at one point. Returns
+/// the largest disagreement, in units of each quantity's size.
+inline double disagreement(const Ring& ring, const World& one, const World& other, bool least = false) {
   double worst = 0;
-  const auto differ = [&worst](double difference, double scale) { worst = std::max(worst, difference / (1 + scale)); };
+  const auto differ = [&worst](double difference, double scale) { keep_larger(worst, difference / (1 + scale)); };
   const Totals s = one.totals(), t = other.totals();
   differ(std::fabs(s.kinetic - t.kinetic), s.kinetic);
   differ(std::fabs(s.potential - t.potential), std::fabs(s.potential));
@@ -408,7 +415,7 @@ inline double disagreement(const Ring& ring, const World& one, const World& othe
     if (a.index < 0 || b.index < 0) continue;
     const JointForces f = one.joint_forces(a), g = other.joint_forces(b);
     CHECK(f.determined == g.determined);
-    if (!f.determined) continue;
+    if (!f.determined && !least) continue;
     differ(apart(in_world(ring, one, k, f.reaction), in_world(ring, other, k, g.reaction)), largest);
     differ(apart(in_world(ring, one, k, f.pure), in_world(ring, other, k, g.pure)), largest);
     if (k != ring.tested) continue;
