@@ -7,6 +7,8 @@
 #include <momentree/batch/stepper.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/velocity.hpp>
+#include <momentree/integrate/integrator.hpp>
 #include <momentree/topology/change.hpp>
 #include <string>
 #include <vector>
@@ -20,7 +22,31 @@ struct Named {
   const char* name;
   Model (*make)(int);
 };
+/// All kinds of joint, one after the other, on a free body.
+Model every_kind(int bodies) {
+  Model model;
+  BodySpec spec = spatial_chain(1).bodies()[0];
+  for (int b = 0; b < bodies; ++b) {
+    spec.name = "b/" + std::to_string(b);
+    spec.joint_name.clear();
+    spec.joint = {};
+    const KindInfo& kind = all_kinds()[static_cast<std::size_t>(b) % all_kinds().size()];
+    spec.joint.kind = b == 0 ? Kind::free : kind.kind;
+    spec.joint.axis = {0.6, 0, 0.8}, spec.joint.pitch = kind.pitch ? 0.1 : 0.0;
+    if (kind.axis2) spec.joint.axis2 = {0, 1, 0};
+    spec.q = spec.v = {};
+    for (int i = 0; i < info(spec.joint.kind).nv; ++i) spec.v.push_back(0.1 * (i + 1));
+    spec.parent = model.size() == 0 ? ground : BodyId{model.size() - 1};
+    spec.at = {{0.1, 0.2, 0.3}, normalized(Quat{0.9, 0.2, 0.1, 0.3})};
+    model.add(spec);
+  }
+  return model;
+}
 constexpr Named models[] = {{"planar_chain", planar_chain},
+                            {"floating_chain", floating_chain},
+                            {"twisted_chain", twisted_chain},
+                            {"arm", arm},
+                            {"every_kind", every_kind},
                             {"spatial_chain", spatial_chain},
                             {"bushy_tree", bushy_tree},
                             {"binary_tree", binary_tree},
@@ -35,6 +61,25 @@ struct World {
 
 void evaluate(World& w, long count) {
   for (long i = 0; i < count; ++i) evaluate_rates(w.tree, w.state.q().data(), w.state.p().data(), w.workspace);
+}
+void evaluate_velocities(World& w, long count) {
+  std::vector<double> u(static_cast<std::size_t>(w.tree.nv()));
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = 0.1 + 0.01 * static_cast<double>(i % 7);
+  for (long i = 0; i < count; ++i) evaluate_velocity_stage(w.tree, 0, w.state.q().data(), u.data(), w.workspace);
+}
+/// Steps of RK4, each from the evaluated start. Reads the clock, which valgrind counts, too.
+void step(World& w, long count, Variables variables) {
+  std::vector<double> y(static_cast<std::size_t>(w.tree.nv()), 0.1);
+  const State start = w.state;
+  State state(w.tree, variables);
+  state.assign(0, start.q(), y, w.tree);
+  const auto method = make_integrator("rk4", w.tree, {.step = 1e-4});
+  Evaluator evaluate(w.tree, w.workspace);
+  EnergyLedger ledger;
+  for (long i = 0; i < count; ++i) {
+    evaluate(state);
+    method->step(evaluate, state, ledger, 1e-4);
+  }
 }
 void accelerate(World& w, long count) {
   for (long i = 0; i < count; ++i) {
@@ -75,6 +120,9 @@ struct Kernel {
 };
 const Kernel kernels[] = {
     {"evaluate", evaluate},
+    {"evaluate_velocities", evaluate_velocities},
+    {"step", [](World& w, long count) { step(w, count, Variables::momenta); }},
+    {"step_velocities", [](World& w, long count) { step(w, count, Variables::velocities); }},
     {"accelerate", accelerate},
     {"anew", [](World& w, long count) { anew(w, count, [](World&) {}); }},
     {"anew_and_break",

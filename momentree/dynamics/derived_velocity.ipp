@@ -45,7 +45,6 @@ void VelocitySweep<T, Keep>::inboard_derived(const KernelRun& run) const {
   const auto node_flags = tree.node_flags();
   auto* const records = workspace.template records_of<K>(tree, run);
   Inboard<T> a;
-  begin_moments<false>(a);  // the steps write no first moments
   buffers.resume_inward(run, a);
   for (int i = run.end - 1; i >= run.begin; --i) {
     const int b = order[static_cast<std::size_t>(i)];
@@ -65,7 +64,6 @@ void VelocitySweep<T, Keep>::inboard_derived(const KernelRun& run) const {
         if (to.adds) return step(std::true_type{});
       step(std::false_type{});
     });
-    if (to.parent_sum && !to.adds) begin_moments<false>(sum);
     if (to.sibling) buffers.add_sibling(b, flags, a);
   }
   buffers.suspend_inward(run, a);

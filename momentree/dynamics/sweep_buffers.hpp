@@ -6,8 +6,8 @@
 namespace momentree {
 
 /// Transfer of sums between bodies along the order: `In` are the sums of the inward pass, `Out` the values that the outward pass
-/// hands to children.
-template <class In, class Out>
+/// hands to children. Without `Moments`, the first moments of sums are neither stored nor added.
+template <class In, class Out, bool Moments = true>
 struct SweepBuffers {
   UncheckedTree tree;
   In* child_sums;
@@ -17,11 +17,19 @@ struct SweepBuffers {
 
   /// Inward, after a kernel run: stores the sum for the parent of its first body, if that body is a first child …
   MOMENTREE_INLINE void suspend_inward(const KernelRun& run, const In& sum) const {
-    if ((flags_at(run.begin) & node::first_child) != 0) put(sum, child_sums[body_at(run.begin)]);
+    if ((flags_at(run.begin) & node::first_child) == 0) return;
+    if constexpr (Moments)
+      put(sum, child_sums[body_at(run.begin)]);
+    else
+      put_without_moments(sum, child_sums[body_at(run.begin)]);
   }
   /// … and loads it before the next run, whose last body is that parent.
   MOMENTREE_INLINE void resume_inward(const KernelRun& run, In& sum) const {
-    if ((flags_at(run.end - 1) & node::leaf) == 0) put(child_sums[body_at(run.end)], sum);
+    if ((flags_at(run.end - 1) & node::leaf) != 0) return;
+    if constexpr (Moments)
+      put(child_sums[body_at(run.end)], sum);
+    else
+      put_without_moments(child_sums[body_at(run.end)], sum);
   }
   /// The same for the outward pass.
   MOMENTREE_INLINE void suspend_outward(const KernelRun& run, const Out& value) const {
@@ -33,21 +41,36 @@ struct SweepBuffers {
 
   /// Inward, before a body: adds its other children to `sum`, which holds its first child's contribution (undefined for a leaf).
   MOMENTREE_INLINE void gather_children(int b, unsigned flags, In& sum) const {
-    if ((flags & node::branching) != 0) sum += child_sums[b];
+    if ((flags & node::branching) == 0) return;
+    if constexpr (Moments)
+      sum += child_sums[b];
+    else
+      add_without_moments(child_sums[b], sum);
   }
   /// Inward, after a body: adds its contribution to its parent, unless it is a first child, whose parent comes next.
   MOMENTREE_INLINE void add_to_parent(int b, unsigned flags, const In& sum) const {
     if ((flags & (node::first_child | node::root)) != 0) return;
     In& parent_sum = child_sums[tree.parent(b)];
-    if ((flags & node::last_child) != 0)
-      put(sum, parent_sum);
-    else
-      parent_sum += sum;
+    if constexpr (Moments) {
+      if ((flags & node::last_child) != 0)
+        put(sum, parent_sum);
+      else
+        parent_sum += sum;
+    } else {
+      if ((flags & node::last_child) != 0)
+        put_without_moments(sum, parent_sum);
+      else
+        add_without_moments(sum, parent_sum);
+    }
   }
   /// The same for steps that collect for themselves and write a last child's contribution directly: only middle children are
   /// left.
   MOMENTREE_INLINE void add_sibling(int b, unsigned flags, const In& sum) const {
-    if ((flags & (node::first_child | node::root | node::last_child)) == 0) child_sums[tree.parent(b)] += sum;
+    if ((flags & (node::first_child | node::root | node::last_child)) != 0) return;
+    if constexpr (Moments)
+      child_sums[tree.parent(b)] += sum;
+    else
+      add_without_moments(sum, child_sums[tree.parent(b)]);
   }
   /// Outward, before a body: loads its parent's output, unless the parent came directly before.
   MOMENTREE_INLINE void load_parent(int b, unsigned flags, const Out& base, Out& value) const {

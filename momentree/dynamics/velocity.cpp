@@ -14,9 +14,7 @@ namespace {
 Motion<double> accelerating_ground(const Tree& tree) { return {-tree.gravity(), {}}; }
 
 // Forces that read poses or motions, and the power of prescribed motions, need what a stage does not store.
-bool stage_keeps(const Tree& tree) {
-  return !tree.loaded_bodies().empty() || tree.has_functions() || !tree.driven_joints().empty() || tree.has_loops();
-}
+bool stage_keeps(const Tree& tree) { return tree.has_constraints() || tree.has_functions() || !tree.loaded_bodies().empty(); }
 
 // After sweep_velocities: all forces, as joint forces in workspace.a and wrenches in workspace.biases.
 template <bool Keep>
@@ -55,9 +53,13 @@ void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, co
                                  LoopRows rows) noexcept {
   sweep_velocities<double, true>(tree, q, u, workspace);
   apply_forces<true>(tree, t, q, workspace, rows);
-  reduce_accelerations<double, true>(tree, q, workspace);
-  if (tree.has_loops()) solve_loops(tree, q, workspace, accelerating_ground(tree), rows);
-  resolve_accelerations<double, true>(tree, q, workspace, accelerating_ground(tree));
+  if (tree.has_loops()) {
+    reduce_accelerations<double, true>(tree, q, workspace);
+    solve_loops(tree, q, workspace, accelerating_ground(tree), rows);
+    resolve_accelerations<double, true>(tree, q, workspace, accelerating_ground(tree));
+  } else {
+    solve_accelerations<double, true>(tree, q, workspace, accelerating_ground(tree));
+  }
   for (const int b : tree.driven_joints())
     workspace.power.work += motion_effort(tree, q, workspace, b) * workspace.v[static_cast<std::size_t>(tree.first_p(b))];
   for (std::size_t i = 0; tree.loop_motions() > 0 && i < tree.loops().size(); ++i) {

@@ -39,7 +39,7 @@ struct VelocitySweep {
   UncheckedTree tree;
   const T* q;
   Workspace<T>& workspace;
-  SweepBuffers<Inboard<T>, Motion<T>> buffers{tree, workspace.child_sums.get(), workspace.parent_accelerations.get()};
+  SweepBuffers<Inboard<T>, Motion<T>, false> buffers{tree, workspace.child_sums.get(), workspace.parent_accelerations.get()};
 
   MOMENTREE_INLINE JointState<T> joint_state(int b) const {
     return {q + tree.first_q(b), workspace.cos.get() + tree.first_angle(b), workspace.sin.get() + tree.first_angle(b)};
@@ -185,7 +185,6 @@ struct VelocitySweep {
     const auto node_flags = tree.node_flags();
     if (run.end == run.begin + 1 && (node_flags[static_cast<std::size_t>(run.begin)] & node::grounded) != 0) return;
     Inboard<T> a;
-    begin_moments<false>(a);
     buffers.resume_inward(run, a);
     for (int i = run.end - 1; i >= run.begin; --i) {
       const int b = tree.order()[static_cast<std::size_t>(i)];
@@ -274,9 +273,7 @@ struct VelocitySweep {
               workspace.a[at], a, buffers.child_sums[b], *record, out, workspace.biases[b]);
         };
         if constexpr (destination() == Destination::parent_sum) {
-          Inboard<T>& parent_sum = buffers.child_sums[tree.parent(b)];
-          to(parent_sum);
-          begin_moments<false>(parent_sum);
+          to(buffers.child_sums[tree.parent(b)]);
         } else {
           to(a);
         }
@@ -362,44 +359,58 @@ void sweep_velocities(const Tree& tree, const T* q, const T* u, Workspace<T>& wo
       });
 }
 
+/// The sweeps over a tree, set up once for both passes.
+template <class T, bool Keep>
+struct AccelerationSweeps {
+  const Tree& tree;
+  const VelocitySweep<T, Keep> general;
+  const InPlaneVelocitySweep<T> planar;
+  MOMENTREE_INLINE AccelerationSweeps(const Tree& of, const T* q, Workspace<T>& workspace)
+      : tree(of), general{of, q, workspace}, planar{of, workspace} {}
+
+  MOMENTREE_INLINE void reduce() const {
+    each_velocity_run<Keep, true>(
+        tree, [&](const KernelRun& run) { planar.inboard(run); },
+        [&](const KernelRun& run, auto tag) {
+          using K = typename decltype(tag)::type;
+          if constexpr (!Keep && is_velocity_derived<K>)
+            if (is_as_declared<K>(run.variant)) return general.template inboard_derived<K>(run);
+          if constexpr (!requires { typename K::Steps; })
+            general.template inboard<K>(run);
+          else if constexpr (Keep)
+            general.template inboard_by_steps<K>(run);
+        });
+  }
+  MOMENTREE_INLINE void resolve(const Motion<T>& base) const {
+    each_velocity_run<Keep, false>(
+        tree, [&](const KernelRun& run) { planar.outboard(run); },
+        [&](const KernelRun& run, auto tag) {
+          using K = typename decltype(tag)::type;
+          if constexpr (!Keep && is_velocity_derived<K>)
+            if (is_as_declared<K>(run.variant)) return general.template outboard_derived<K>(run, base);
+          if constexpr (!requires { typename K::Steps; })
+            general.template outboard<K>(run, base);
+          else if constexpr (Keep)
+            general.template outboard_by_steps<K>(run, base);
+        });
+  }
+};
+
 template <class T, bool Keep>
 void reduce_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace) noexcept {
-  const VelocitySweep<T, Keep> sweep{tree, q, workspace};
-  const InPlaneVelocitySweep<T> planar{tree, workspace};
-  each_velocity_run<Keep, true>(
-      tree, [&](const KernelRun& run) { planar.inboard(run); },
-      [&](const KernelRun& run, auto tag) {
-        using K = typename decltype(tag)::type;
-        if constexpr (!Keep && is_velocity_derived<K>)
-          if (is_as_declared<K>(run.variant)) return sweep.template inboard_derived<K>(run);
-        if constexpr (!requires { typename K::Steps; })
-          sweep.template inboard<K>(run);
-        else if constexpr (Keep)
-          sweep.template inboard_by_steps<K>(run);
-      });
+  AccelerationSweeps<T, Keep>(tree, q, workspace).reduce();
 }
 
 template <class T, bool Keep>
 void resolve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace, const Motion<T>& base) noexcept {
-  const VelocitySweep<T, Keep> sweep{tree, q, workspace};
-  const InPlaneVelocitySweep<T> planar{tree, workspace};
-  each_velocity_run<Keep, false>(
-      tree, [&](const KernelRun& run) { planar.outboard(run); },
-      [&](const KernelRun& run, auto tag) {
-        using K = typename decltype(tag)::type;
-        if constexpr (!Keep && is_velocity_derived<K>)
-          if (is_as_declared<K>(run.variant)) return sweep.template outboard_derived<K>(run, base);
-        if constexpr (!requires { typename K::Steps; })
-          sweep.template outboard<K>(run, base);
-        else if constexpr (Keep)
-          sweep.template outboard_by_steps<K>(run, base);
-      });
+  AccelerationSweeps<T, Keep>(tree, q, workspace).resolve(base);
 }
 
 template <class T, bool Keep>
 void solve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace, const Motion<T>& base) noexcept {
-  reduce_accelerations<T, Keep>(tree, q, workspace);
-  resolve_accelerations<T, Keep>(tree, q, workspace, base);
+  const AccelerationSweeps<T, Keep> sweeps(tree, q, workspace);
+  sweeps.reduce();
+  sweeps.resolve(base);
 }
 
 }  // namespace momentree

@@ -178,8 +178,7 @@ bool Integrator::sound(const Tree& tree, const double* q0, const double* q, cons
   return false;
 }
 
-bool Integrator::close(Evaluator& evaluate, double t, double* q, double* y) noexcept {
-  if (!evaluate.tree().has_loops()) return true;
+bool Integrator::close_loops_of(Evaluator& evaluate, double t, double* q, double* y) noexcept {
   runaway_.reset();
   loops_open_ = !evaluate.close(t, q, y, closing_energy_);
   return !loops_open_;
@@ -191,8 +190,7 @@ void Integrator::add_gauge(const Evaluator& evaluate, const double* q, double* r
   add_gauge_rates(evaluate.tree(), q, workspace, workspace.loops->gauge.data(), rates);
 }
 
-void Integrator::book_closing(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept {
-  if (!evaluate.tree().has_loops()) return;
+void Integrator::book_loops(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept {
   state.set_turns(evaluate.workspace().loops->turns);
   ledger.projection += closing_energy_;
 }

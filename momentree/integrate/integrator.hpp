@@ -133,11 +133,15 @@ class Integrator {
 
   /// Completes a step with loops: closes them at its end t (s), at the result (q, y), in the evaluator's workspace. False if
   /// they cannot be closed.
-  bool close(Evaluator& evaluate, double t, double* q, double* y) noexcept;
+  bool close(Evaluator& evaluate, double t, double* q, double* y) noexcept {
+    return !evaluate.tree().has_loops() || close_loops_of(evaluate, t, q, y);
+  }
   /// Adds ṗ* − ṗ, which the closing made, to rates ṗ of the state that it led to: see add_gauge_rates.
   static void add_gauge(const Evaluator& evaluate, const double* q, double* rates) noexcept;
   /// Books the closing with the step that was accepted.
-  void book_closing(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept;
+  void book_closing(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept {
+    if (evaluate.tree().has_loops()) book_loops(evaluate, state, ledger);
+  }
 
   /// Calls `plausible` and, if it returns false, records the coordinate that diverged.
   bool sound(const Tree& tree, const double* q0, const double* q, const double* y) noexcept;
@@ -150,6 +154,9 @@ class Integrator {
   std::optional<Runaway> runaway_;
 
  private:
+  bool close_loops_of(Evaluator& evaluate, double t, double* q, double* y) noexcept;
+  void book_loops(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept;
+
   int bodies_;
   double closing_energy_ = 0;
   bool loops_open_ = false;
