@@ -1,5 +1,6 @@
-// Stages and states of mechanisms with closed loops; `stage` keeps its rows, `generated` is the same by generated code, `state` chooses them and has all reactions, `close`
-// corrects a state as after each step; `change` makes, breaks and locks in a loop, without the evaluations before and after.
+// Stages and states of mechanisms with closed loops; `stage` keeps its rows, `generated` is the same by generated code, `state`
+// chooses them and has all reactions, `close` corrects a state as after each step; `change` makes, breaks and locks in a loop,
+// without the evaluations before and after.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -150,10 +151,10 @@ MakeLoop make_of(const Closed& world) {
   return made;
 }
 
-#define MOMENTREE_LOOP_BENCHMARK(model, bodies)        \
-  BENCHMARK_CAPTURE(stage, model, model)->Arg(bodies); \
+#define MOMENTREE_LOOP_BENCHMARK(model, bodies)            \
+  BENCHMARK_CAPTURE(stage, model, model)->Arg(bodies);     \
   BENCHMARK_CAPTURE(generated, model, model)->Arg(bodies); \
-  BENCHMARK_CAPTURE(state, model, model)->Arg(bodies); \
+  BENCHMARK_CAPTURE(state, model, model)->Arg(bodies);     \
   BENCHMARK_CAPTURE(close, model, model)->Arg(bodies)
 MOMENTREE_LOOP_BENCHMARK(four_bar, 3);
 MOMENTREE_LOOP_BENCHMARK(four_bars, 40);

@@ -68,14 +68,16 @@ void require_plain_loops(const World& world, bool without_joint_forces, const st
   bool only_forces = true;
   for (const LoopObstacle& obstacle : loop_obstacles(world.tree(), without_joint_forces)) {
     const JointId joint = world.tree().loops()[static_cast<std::size_t>(obstacle.loop)].id();
-    all += (all.empty() ? "" : "; ") + std::string("loop joint '") + std::string(world.joint_name(joint)) + "' has " + obstacle.what;
+    all +=
+        (all.empty() ? "" : "; ") + std::string("loop joint '") + std::string(world.joint_name(joint)) + "' has " + obstacle.what;
     only_forces = only_forces && obstacle.forces;
   }
   if (all.empty()) return;
   throw_error({all + ": generated code cannot include that", path,
-               only_forces ? "with --without-joint-forces the code is without the forces of all joints; or let another joint of the "
-                             "loop be the one that closes it"
-                           : "let another joint of the loop be the one that closes it"});
+               only_forces
+                   ? "with --without-joint-forces the code is without the forces of all joints; or let another joint of the "
+                     "loop be the one that closes it"
+                   : "let another joint of the loop be the one that closes it"});
 }
 
 /// The prescribed motions of loop joints, whose accelerations are behind tau.

@@ -20,10 +20,10 @@ using VelocityRatesFunction = void (*)(const double* q, const double* u, const d
 struct LoopCalls {
   const double* least_pivots;  ///< by chosen row: a row whose pivot is not larger is left out
   double* lambda;              ///< written: the multipliers, by chosen row
-  double* effort;              ///< written: along the joints of Tree::driven_joints(), in their order, all that is not a constraint
-  /// Forces in a loop joint, and the rows of its single DoFs that are not expressions. `loop`: its place in Tree::loops(); `place`:
-  /// the numbers of its LoopPlace. Writes `answers` numbers: force and torque on the child about its frame, world axes; then of
-  /// each row F, T, drift and softness.
+  double* effort;  ///< written: along the joints of Tree::driven_joints(), in their order, all that is not a constraint
+  /// Forces in a loop joint, and the rows of its single DoFs that are not expressions. `loop`: its place in Tree::loops();
+  /// `place`: the numbers of its LoopPlace. Writes `answers` numbers: force and torque on the child about its frame, world axes;
+  /// then of each row F, T, drift and softness.
   void (*joint)(const LoopCalls* calls, int loop, const double* place, int answers, double* answer) noexcept;
 };
 
@@ -48,8 +48,8 @@ struct GeneratedRates {
 };
 
 /// Returns the code for the tree's present topology and for states in these variables, or null to run the kernels. `rows`: with
-/// closed loops, the rows that are chosen as independent at the present state, in ascending order; otherwise empty. Called between
-/// steps, after every change, and where other rows are chosen; may allocate and take time, must not throw.
+/// closed loops, the rows that are chosen as independent at the present state, in ascending order; otherwise empty. Called
+/// between steps, after every change, and where other rows are chosen; may allocate and take time, must not throw.
 using RatesProvider = std::function<GeneratedRates(const Tree&, Variables, std::span<const int> rows)>;
 
 /// True if stages of steps use evaluate_rates. With forces on bodies, user functions or prescribed motions they need more results

@@ -94,6 +94,10 @@ int Expressions::call_of(int answer) const {
   return static_cast<int>(next - calls_.begin()) - 1;
 }
 
+bool Expressions::is_square_of(int i, Operation operation) const {
+  return is(i, Operation::product) && at(i).a == at(i).b && is(at(i).a, operation);
+}
+
 int Expressions::sum(int a, int b) {
   if (is(a, Operation::constant) && is(b, Operation::constant)) return constant(at(a).value + at(b).value);
   if (a == zero) return b;
@@ -101,6 +105,12 @@ int Expressions::sum(int a, int b) {
   if (is(a, Operation::negative) && is(b, Operation::negative)) return negative(sum(at(a).a, at(b).a));
   if (is(b, Operation::negative)) return difference(a, at(b).a);
   if (is(a, Operation::negative)) return difference(b, at(a).a);
+  if (is_square_of(a, Operation::sine) && is_square_of(b, Operation::cosine) && at(at(a).a).a == at(at(b).a).a)
+    return constant(1);
+  if (is_square_of(b, Operation::sine) && is_square_of(a, Operation::cosine) && at(at(a).a).a == at(at(b).a).a)
+    return constant(1);
+  if (is(a, Operation::difference) && at(a).b == b) return at(a).a;
+  if (is(b, Operation::difference) && at(b).b == a) return at(b).a;
   if (is(a, Operation::constant)) std::swap(a, b);
   if (is(b, Operation::constant) && at(b).value < 0) return difference(a, constant(-at(b).value));
   if (a > b) std::swap(a, b);
@@ -115,6 +125,12 @@ int Expressions::difference(int a, int b) {
   if (is(a, Operation::negative) && is(b, Operation::negative)) return difference(at(b).a, at(a).a);
   if (is(b, Operation::negative)) return sum(a, at(b).a);
   if (is(a, Operation::negative)) return negative(sum(at(a).a, b));
+  if (is(b, Operation::sum) && at(b).a == a) return negative(at(b).b);
+  if (is(b, Operation::sum) && at(b).b == a) return negative(at(b).a);
+  if (is(a, Operation::sum) && at(a).a == b) return at(a).b;
+  if (is(a, Operation::sum) && at(a).b == b) return at(a).a;
+  if (is(b, Operation::difference) && at(b).a == a) return at(b).b;
+  if (is(a, Operation::difference) && at(a).a == b) return negative(at(a).b);
   if (is(b, Operation::constant) && at(b).value < 0) return sum(a, constant(-at(b).value));
   if (is(a, Operation::constant) && at(a).value < 0) return negative(sum(constant(-at(a).value), b));
   if (a > b) return negative(make(Operation::difference, b, a));  // a − b and b − a are one node

@@ -29,7 +29,7 @@ enum class Operation : unsigned char {
 };
 
 /// Nodes in the order in which they were first created: every operand comes before the nodes that use it. Constants are folded,
-/// zeros and ones omitted, signs moved outward, and equal expressions are one node. Every rule is exact in real numbers and none
+/// zeros and ones omitted, signs moved outward, terms that cancel left out, and equal expressions are one node. Every rule is exact in real numbers and none
 /// adds a rounding: results equal those of the kernels up to the rounding of products and sums of constants, and of
 /// multiply-adds.
 class Expressions {
@@ -87,6 +87,7 @@ class Expressions {
     return nodes_[static_cast<std::size_t>(i)];
   }
   bool is(int i, Operation operation) const { return at(i).operation == operation; }
+  bool is_square_of(int i, Operation operation) const;
   int make(Operation operation, int a, int b, double value = 0);
 
   std::vector<Node> nodes_;

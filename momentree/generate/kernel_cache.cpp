@@ -37,7 +37,8 @@ struct KernelCache::Impl {
     if (statistics.compiled + statistics.failed >= options.most_topologies)
       return without("more than " + std::to_string(options.most_topologies) + " topologies are not compiled");
     // Every DoF takes more than ten operations: models that are far too large are not even written as expressions.
-    const bool huge = tree.nv() > options.most_operations / 10;
+    const long most = options.most_operations * (tree.has_loops() ? 2 : 1);
+    const bool huge = tree.nv() > most / 10;
     const bool momenta = variables == Variables::momenta;
     if (tree.has_loops() && ++choices[tree.revision()] > options.most_choices)
       return without("more than " + std::to_string(options.most_choices) +
@@ -46,8 +47,8 @@ struct KernelCache::Impl {
                                      : tree.has_loops() ? loop_expressions(tree, rows)
                                      : momenta          ? kernel_expressions(tree)
                                                         : velocity_expressions(tree);
-    if (const long operations = kernel.operations().total(); huge || operations > options.most_operations)
-      return without("an evaluation of more than " + std::to_string(options.most_operations) + " operations is not compiled");
+    if (const long operations = kernel.operations().total(); huge || operations > most)
+      return without("an evaluation of more than " + std::to_string(most) + " operations is not compiled");
     std::string why;
     Code code{compile_library(compiler, kernel_source(kernel), why), {}, {}};
     const char* const name = momenta ? "kernel_rates" : "kernel_accelerations";
@@ -89,7 +90,7 @@ struct KernelCache::Impl {
   const KernelCacheOptions options;
   const std::vector<std::string> compiler;
   std::mutex mutex;
-  std::unordered_map<std::string, Code> codes;     // by fingerprint
+  std::unordered_map<std::string, Code> codes;      // by fingerprint
   std::unordered_map<std::uint64_t, long> choices;  // of rows, by the revision of the tree
   KernelCacheStatistics statistics;
   std::string message;

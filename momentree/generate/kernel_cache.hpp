@@ -14,7 +14,8 @@ struct KernelCacheOptions {
   /// The C++ compiler, with arguments if it needs any: a name in PATH or a path. Empty: the environment variable MOMENTREE_CXX,
   /// else CXX, else the first of c++, g++, clang++ in PATH.
   std::string compiler;
-  /// Evaluations with more operations run the kernels themselves, which are then as fast; and compiling would take long.
+  /// Evaluations with more operations, with closed loops twice as many, run the kernels themselves, which are then as fast; and
+  /// compiling would take long.
   long most_operations = 8000;
   /// Largest number of topologies to compile: a world with a new topology after every event would spend its time compiling.
   long most_topologies = 100;
@@ -26,10 +27,10 @@ struct KernelCacheOptions {
 struct KernelCacheStatistics {
   long compiled = 0;     ///< topologies
   long found_again = 0;  ///< requests for a topology compiled before
-  long left = 0;       ///< topologies too large or too many for code, and requests for which stages_take_rates and
-                       ///< stages_take_loop_rates are false: they run the kernels themselves
-  long failed = 0;     ///< topologies for which the compiler failed, likewise
-  double seconds = 0;  ///< time to write, compile and load (s)
+  long left = 0;         ///< topologies too large or too many for code, and requests for which stages_take_rates and
+                         ///< stages_take_loop_rates are false: they run the kernels themselves
+  long failed = 0;       ///< topologies for which the compiler failed, likewise
+  double seconds = 0;    ///< time to write, compile and load (s)
 };
 
 /// Code for every requested topology: written, compiled, loaded, and kept while the cache or a provider exists. Topologies are

@@ -14,14 +14,14 @@
 namespace momentree {
 
 // In instantiate/.
-#define MOMENTREE_LOOPS_OF(T)                                                                                                   \
-  extern template void sweep_velocities<T, true>(const Tree&, const T*, const T*, Workspace<T>&) noexcept;                      \
-  extern template void reduce_accelerations<T, true>(const Tree&, const T*, Workspace<T>&) noexcept;                            \
-  extern template void resolve_accelerations<T, true>(const Tree&, const T*, Workspace<T>&, const Motion<T>&) noexcept;         \
+#define MOMENTREE_LOOPS_OF(T)                                                                                                    \
+  extern template void sweep_velocities<T, true>(const Tree&, const T*, const T*, Workspace<T>&) noexcept;                       \
+  extern template void reduce_accelerations<T, true>(const Tree&, const T*, Workspace<T>&) noexcept;                             \
+  extern template void resolve_accelerations<T, true>(const Tree&, const T*, Workspace<T>&, const Motion<T>&) noexcept;          \
   extern template void detail::place_closures<T>(const Tree&, const T*, Workspace<T>&, LoopSystem<T>&, bool, LoopRows) noexcept; \
-  extern template void detail::soften<T>(LoopSystem<T>&) noexcept;                                                              \
-  extern template void detail::gather_loops<T>(const Tree&, const T*, Workspace<T>&, LoopSystem<T>&, const Motion<T>&,          \
-                                               bool) noexcept;                                                                  \
+  extern template void detail::soften<T>(LoopSystem<T>&) noexcept;                                                               \
+  extern template void detail::gather_loops<T>(const Tree&, const T*, Workspace<T>&, LoopSystem<T>&, const Motion<T>&,           \
+                                               bool) noexcept;                                                                   \
   extern template void detail::apply_multipliers<T>(const Tree&, const T*, Workspace<T>&, LoopSystem<T>&) noexcept;
 MOMENTREE_LOOPS_OF(Symbolic<false>)
 MOMENTREE_LOOPS_OF(Symbolic<true>)
@@ -33,12 +33,22 @@ using detail::in_order, detail::resting, detail::take;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Systems of rows that need more multiplications are solved by a call, in loops.
-constexpr long most_in_place = 2000;
+/// Systems of n rows that need more multiplications are solved by a call, in loops: dense ones with more than 15 rows.
+constexpr long most_in_place(std::size_t n) { return 400 + 20 * static_cast<long>(n); }
 
-// Kinds whose columns do not depend on their coordinates, so that the row of a DoF is constant in the child's frame. All kinds
-// that can have a prescribed motion are among them.
-bool has_constant_columns(Kind kind) { return kind != Kind::universal && kind != Kind::planar; }
+// True if the columns of a joint do not depend on its coordinates, so that the row of a DoF is constant in the child's frame. So
+// it is for all kinds that can have a prescribed motion.
+bool has_constant_columns(const JointSpec& joint) {
+  const Values zero = joint_zero(joint.kind);
+  double q[7] = {};
+  for (int i = 0; i < zero.size(); ++i) q[i] = zero[i] + 0.5;
+  Motion<double> one[6], other[6];
+  const int n = joint_columns(joint, zero.begin(), one);
+  joint_columns(joint, q, other);
+  double change = 0;
+  for (int i = 0; i < n; ++i) change += norm(one[i].v - other[i].v) + norm(one[i].w - other[i].w);
+  return change < 1e-12;
+}
 
 // One recording of the passes with loops.
 template <bool RotatesFirst>
@@ -95,7 +105,7 @@ class LoopRecording {
   void complete_loop(std::size_t place) {
     const LoopLink& link = tree_.loop_links()[place];
     const bool forces = code_ == LoopCode::stages && detail::has_forces(tree_.loops()[place]);
-    const bool known = has_constant_columns(tree_.loops()[place].joint.kind);
+    const bool known = has_constant_columns(spec_of(tree_.loops()[place].joint));
     if (known)
       for (int k = 0; k < link.dof_row_count; ++k) place_constant_row(place, k);
     const int rows = known ? 0 : link.dof_row_count;
@@ -159,15 +169,14 @@ class LoopRecording {
     const LoopLayout& kept = loops_.kept;
     const std::size_t n = kept.rows.size();
     std::vector<T> right(n);
-    for (std::size_t i = 0; i < n; ++i)
-      right[i] = -(loops_.b[at(kept.rows[i])] + loops_.rows[at(kept.rows[i])].drift);
+    for (std::size_t i = 0; i < n; ++i) right[i] = -(loops_.b[at(kept.rows[i])] + loops_.rows[at(kept.rows[i])].drift);
     for (T& lambda : loops_.lambda) lambda = T(0);
     long products = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const long width = static_cast<long>(i) - kept.begin[i] + 1;
       products += width * (width + 1) / 2;
     }
-    const std::vector<T> lambda = products <= most_in_place ? solved_in_place(right) : solved_by_call(right);
+    const std::vector<T> lambda = products <= most_in_place(n) ? solved_in_place(right) : solved_by_call(right);
     for (std::size_t i = 0; i < n; ++i) loops_.lambda[at(kept.rows[i])] = lambda[i];
   }
   std::vector<T> solved_in_place(std::vector<T> x) {
@@ -189,11 +198,14 @@ class LoopRecording {
         pivot -= s * element(L, i, j);
       }
       inverse[static_cast<std::size_t>(i)] = T::of_node(all_.inverse_pivot(pivot.node(), static_cast<int>(i)));
-      for (std::ptrdiff_t j = begin(i); j < i; ++j) x[static_cast<std::size_t>(i)] -= element(L, i, j) * x[static_cast<std::size_t>(j)];
+      for (std::ptrdiff_t j = begin(i); j < i; ++j)
+        x[static_cast<std::size_t>(i)] -= element(L, i, j) * x[static_cast<std::size_t>(j)];
     }
-    for (std::ptrdiff_t i = 0; i < n; ++i) x[static_cast<std::size_t>(i)] = x[static_cast<std::size_t>(i)] * inverse[static_cast<std::size_t>(i)];
+    for (std::ptrdiff_t i = 0; i < n; ++i)
+      x[static_cast<std::size_t>(i)] = x[static_cast<std::size_t>(i)] * inverse[static_cast<std::size_t>(i)];
     for (std::ptrdiff_t i = n; i-- > 0;)
-      for (std::ptrdiff_t j = begin(i); j < i; ++j) x[static_cast<std::size_t>(j)] -= element(L, i, j) * x[static_cast<std::size_t>(i)];
+      for (std::ptrdiff_t j = begin(i); j < i; ++j)
+        x[static_cast<std::size_t>(j)] -= element(L, i, j) * x[static_cast<std::size_t>(i)];
     return x;
   }
   // The elements of A in their order in memory, then the right side.
@@ -268,8 +280,9 @@ std::vector<LoopObstacle> loop_obstacles(const Tree& tree, bool without_joint_fo
   std::vector<LoopObstacle> found;
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
-    if (tree.loop_links()[i].dof_row_count > 0 && !has_constant_columns(loop.joint.kind))
-      found.push_back({static_cast<int>(i), std::string("an armature or a lock of single DoFs of a ") + info(loop.joint.kind).name + " joint", false});
+    if (tree.loop_links()[i].dof_row_count > 0 && !has_constant_columns(spec_of(loop.joint)))
+      found.push_back({static_cast<int>(i),
+                       std::string("an armature or a lock of single DoFs of a ") + info(loop.joint.kind).name + " joint", false});
     if (!without_joint_forces && detail::has_forces(loop)) found.push_back({static_cast<int>(i), "a force along its DoFs", true});
   }
   return found;

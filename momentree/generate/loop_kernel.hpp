@@ -10,14 +10,15 @@ namespace momentree {
 
 /// What the expressions of closed loops are for.
 enum class LoopCode : unsigned char {
-  stages,  ///< steps of a simulation: joint forces of loops and rows of single DoFs come from calls (LoopCalls)
+  stages,  ///< steps of a simulation: forces in loop joints, and rows that are not expressions, come from LoopCalls
   file     ///< a function by itself, without joint forces of loops
 };
 
 /// Runs the passes in velocities and the kernels of loops on symbols, with these rows in ascending order (those that
 /// chosen_loop_rows returns): from q, u and further joint forces tau (packed as u; behind them, the accelerations of prescribed
-/// motions of loop joints) to q̇, u̇ and the multipliers of the rows. u must be velocities that the loops allow. `plain_forces`: as for velocity_expressions. Small systems of rows are solved in
-/// place, larger ones by a call. Requires a tree with loops, and for a file that loop_obstacles is empty.
+/// motions of loop joints) to q̇, u̇ and the multipliers of the rows. u must be velocities that the loops allow. `plain_forces`: as
+/// for velocity_expressions. Small systems of rows are solved in place, larger ones by a call. Requires a tree with loops, and
+/// for a file that loop_obstacles is empty.
 KernelExpressions loop_expressions(const Tree& tree, std::span<const int> rows, LoopCode code = LoopCode::stages,
                                    bool plain_forces = false, RevoluteOrder order = RevoluteOrder::fewest);
 

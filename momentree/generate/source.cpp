@@ -28,7 +28,10 @@ std::string number(double value) {
 class Writer {
  public:
   Writer(const KernelExpressions& kernel, std::string& text)
-      : expressions_(kernel.expressions), nodes_(kernel.expressions.nodes()), text_(text), y_(kernel.variables == Variables::momenta ? "p" : "u") {
+      : expressions_(kernel.expressions),
+        nodes_(kernel.expressions.nodes()),
+        text_(text),
+        y_(kernel.variables == Variables::momenta ? "p" : "u") {
     needed_.assign(nodes_.size(), false);
     angle_of_.assign(nodes_.size(), -1);
     results_.resize(nodes_.size());
@@ -142,7 +145,7 @@ class Writer {
   const Expressions& expressions_;
   const std::vector<Node>& nodes_;
   std::string& text_;
-  int called_ = 0;         // calls written so far
+  int called_ = 0;       // calls written so far
   const char* const y_;  // the array of momenta or velocities
   std::vector<bool> needed_;
   std::vector<int> angle_of_;         // by node: its number among the angles, −1: none
