@@ -29,9 +29,9 @@ enum class Operation : unsigned char {
 };
 
 /// Nodes in the order in which they were first created: every operand comes before the nodes that use it. Constants are folded,
-/// zeros and ones omitted, signs moved outward, terms that cancel left out, and equal expressions are one node. Every rule is exact in real numbers and none
-/// adds a rounding: results equal those of the kernels up to the rounding of products and sums of constants, and of
-/// multiply-adds.
+/// zeros and ones omitted, signs moved outward, terms that cancel left out, and equal expressions are one node. Every rule is
+/// exact in real numbers and none adds a rounding: results equal those of the kernels up to the rounding of products and sums of
+/// constants, and of multiply-adds.
 class Expressions {
  public:
   struct Node {
