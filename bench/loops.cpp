@@ -1,5 +1,6 @@
-// Stages and states of mechanisms with closed loops; `stage` keeps its rows, `state` chooses them and has all reactions, `close`
-// corrects a state as after each step; `change` makes, breaks and locks in a loop, without the evaluations before and after.
+// Stages and states of mechanisms with closed loops; `stage` keeps its rows, `generated` is the same by generated code, `state`
+// chooses them and has all reactions, `close` corrects a state as after each step; `change` makes, breaks and locks in a loop,
+// without the evaluations before and after.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -11,6 +12,10 @@
 #include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/simulate/simulation.hpp>
+#ifdef MOMENTREE_HAS_GENERATE
+#include <momentree/generate/kernel_cache.hpp>
+#include <momentree/generate/loop_kernel.hpp>
+#endif
 #include <momentree/topology/change.hpp>
 
 #include "loop_models.hpp"
@@ -67,6 +72,27 @@ void stage(benchmark::State& run, Model (*make)(int)) {
   report(run, world);
   if (world.wrong()) run.SkipWithError("the accelerations open the loops");
 }
+#ifdef MOMENTREE_HAS_GENERATE
+void generated(benchmark::State& run, Model (*make)(int)) {
+  Closed world(make(static_cast<int>(run.range(0))));
+  const KernelCache kernels;
+  const std::span<const int> rows = chosen_rows(world.tree, world.workspace);
+  GeneratedRates code;
+  code.rows = rows, code.loops = kernels.find_loops(world.tree, rows);
+  if (code.loops == nullptr) return run.SkipWithError(kernels.message().c_str());
+  run.counters["operations"] = static_cast<double>(loop_expressions(world.tree, rows).operations().total());
+  std::vector<double> q(world.state.q().begin(), world.state.q().end()), u(world.state.u().begin(), world.state.u().end());
+  for (auto _ : run) {
+    benchmark::DoNotOptimize(evaluate_loop_stage(world.tree, 0, q.data(), u.data(), world.workspace, code));
+    benchmark::DoNotOptimize(world.workspace.a.get());
+    benchmark::ClobberMemory();
+  }
+  report(run, world);
+  if (world.wrong()) run.SkipWithError("the accelerations open the loops");
+}
+#else
+void generated(benchmark::State& run, Model (*)(int)) { run.SkipWithError("built without MOMENTREE_GENERATE"); }
+#endif
 void state(benchmark::State& run, Model (*make)(int)) {
   Closed world(make(static_cast<int>(run.range(0))));
   for (auto _ : run) {
@@ -125,9 +151,10 @@ MakeLoop make_of(const Closed& world) {
   return made;
 }
 
-#define MOMENTREE_LOOP_BENCHMARK(model, bodies)        \
-  BENCHMARK_CAPTURE(stage, model, model)->Arg(bodies); \
-  BENCHMARK_CAPTURE(state, model, model)->Arg(bodies); \
+#define MOMENTREE_LOOP_BENCHMARK(model, bodies)            \
+  BENCHMARK_CAPTURE(stage, model, model)->Arg(bodies);     \
+  BENCHMARK_CAPTURE(generated, model, model)->Arg(bodies); \
+  BENCHMARK_CAPTURE(state, model, model)->Arg(bodies);     \
   BENCHMARK_CAPTURE(close, model, model)->Arg(bodies)
 MOMENTREE_LOOP_BENCHMARK(four_bar, 3);
 MOMENTREE_LOOP_BENCHMARK(four_bars, 40);

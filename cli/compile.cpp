@@ -7,6 +7,7 @@
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/count.hpp>
 #include <momentree/generate/comment.hpp>
+#include <momentree/generate/loop_kernel.hpp>
 #include <momentree/generate/source.hpp>
 #include <momentree/io/text_file.hpp>
 
@@ -61,6 +62,34 @@ void require_plain_forces(const World& world, const std::string& path) {
          "with --without-joint-forces the code is the recursion alone; add all joint forces and forces on bodies yourself"});
 }
 
+/// Throws Error if a file cannot contain these closed loops; the message lists all reasons.
+void require_plain_loops(const World& world, bool without_joint_forces, const std::string& path) {
+  std::string all;
+  bool only_forces = true;
+  for (const LoopObstacle& obstacle : loop_obstacles(world.tree(), without_joint_forces)) {
+    const JointId joint = world.tree().loops()[static_cast<std::size_t>(obstacle.loop)].id();
+    all +=
+        (all.empty() ? "" : "; ") + std::string("loop joint '") + std::string(world.joint_name(joint)) + "' has " + obstacle.what;
+    only_forces = only_forces && obstacle.forces;
+  }
+  if (all.empty()) return;
+  throw_error({all + ": generated code cannot include that", path,
+               only_forces
+                   ? "with --without-joint-forces the code is without the forces of all joints; or let another joint of the "
+                     "loop be the one that closes it"
+                   : "let another joint of the loop be the one that closes it"});
+}
+
+/// The prescribed motions of loop joints, whose accelerations are behind tau.
+std::string loop_motions(const World& world) {
+  std::string all;
+  int next = world.tree().nv();
+  for (const Loop& loop : world.tree().loops())
+    if (loop.driven())
+      all += format("tau[%d]: acceleration of the motion of %s\n", next++, comment_text(world.joint_name(loop.id())).c_str());
+  return all;
+}
+
 }  // namespace
 
 int compile(const CompileOptions& options) {
@@ -71,19 +100,27 @@ int compile(const CompileOptions& options) {
   const World& world = session.simulation().world();
   const Tree& tree = world.tree();
   if (tree.nv() == 0) throw_error({"nothing in it moves: there is no kernel to write", scenario->path, ""});
-  if (tree.has_loops())
-    throw_error({"it has closed loops or exact couplings, which generated code does not support yet", scenario->path,
-                 "run it without generated code"});
+  if (tree.has_loops() && options.variables == Variables::momenta)
+    throw_error({"it has closed loops or exact couplings, which generated code supports only in velocities", scenario->path,
+                 "use --variables velocities"});
+  if (tree.has_loops()) require_plain_loops(world, options.without_joint_forces, scenario->path);
   if (!options.without_joint_forces) require_plain_forces(world, scenario->path);
   if (!options.name.empty() && options.name != identifier(options.name))
     throw_error(
         {"'" + options.name + "' is not a valid function name", "", "use letters, digits and _, beginning with a letter"});
 
   const bool momenta = options.variables == Variables::momenta, forces = !options.without_joint_forces;
-  KernelExpressions kernel = momenta ? kernel_expressions(tree) : velocity_expressions(tree);
+  const ChosenRows chosen = tree.has_loops() ? chosen_loop_rows(tree, world.state()) : ChosenRows();
+  const auto accelerations = [&](bool with_forces) {
+    if (!tree.has_loops()) return velocity_expressions(tree, with_forces);
+    KernelExpressions all = loop_expressions(tree, chosen.rows, LoopCode::file, with_forces);
+    all.least_pivots = chosen.least_pivots;
+    return all;
+  };
+  KernelExpressions kernel = momenta ? kernel_expressions(tree) : accelerations(false);
   const long recursion = kernel.operations().total();
   if (forces && momenta) add_plain_forces(tree, kernel);
-  if (forces && !momenta) kernel = velocity_expressions(tree, true);
+  if (forces && !momenta) kernel = accelerations(true);
   SourceText text;
   text.name = options.name.empty() ? identifier(scenario->name) : options.name;
   const Vec3& g = tree.gravity();
@@ -96,7 +133,11 @@ int compile(const CompileOptions& options) {
                (tree.driven_joints().empty() ? ""
                 : momenta                    ? "For a joint whose motion is prescribed, p is the rate and pdot is zero.\n"
                                              : "For a joint whose motion is prescribed, tau and udot are the acceleration.\n") +
-               packing(world, options.variables);
+               packing(world, options.variables) + loop_motions(world) +
+               (tree.has_loops() ? format("Closed loops: %zu independent equations of %d, as at the start of the scenario.\n"
+                                          "q and u must close the loops: correct them after each step.\n",
+                                          chosen.rows.size(), tree.loop_rows())
+                                 : "");
   const std::string source = kernel_source(kernel, text);
   const bool to_output = options.out == "-";
   if (to_output)

@@ -158,6 +158,60 @@ TEST_CASE("compile: titles and names become comments of plain ASCII, whatever th
   for (std::string line; std::getline(head, line);) CHECK_MESSAGE(line.starts_with("//"), line);
 }
 
+TEST_CASE("compile: closed loops in velocities, for the equations that are independent at the start") {
+  const Place here(R"(format = 1
+[[mechanism]]
+name = "linkage"
+roots = 2
+[[mechanism.body]]
+name = "crank"
+mass = 2
+inertia = 0.02
+joint = { kind = "revolute", axis = [0, 1, 0], angle = "-60 deg", damping = 0.1 }
+[[mechanism.body]]
+name = "coupler"
+mass = 1
+com = [0.2, 0, 0]
+inertia = [1e-4, 0.015, 0.015]
+joint = { kind = "revolute", parent = "crank", axis = [0, 1, 0], at = { xyz = [0.12, 0, 0] }, angle = "40 deg" }
+[[mechanism.body]]
+name = "rocker"
+mass = 1
+com = [0.125, 0, 0]
+inertia = [1e-4, 0.006, 0.006]
+joint = { kind = "revolute", axis = [0, 1, 0], at = { xyz = [0.4, 0, 0] }, angle = "-90 deg" }
+[[loop]]
+name = "pin"
+kind = "revolute"
+axis = [0, 1, 0]
+body = "linkage/coupler"
+to = "linkage/rocker"
+at = { xyz = [0.25, 0, 0] }
+child_at = { xyz = [0.38, 0, 0] }
+[integrate]
+step = 1e-3
+until = 0.1
+)");
+  const Outcome momenta = here.call("compile 'two pendulums.toml' -o k.cpp --variables momenta");
+  CHECK(momenta.code == 2);
+  CHECK(contains(momenta.errors, "only in velocities"));
+  const std::string compile = "compile 'two pendulums.toml' -o k.cpp --variables velocities";
+  const Outcome done = here.call(compile);
+  CHECK(done.errors == "");
+  REQUIRE(done.code == 0);
+  CHECK(contains(here.text("k.cpp"), "// Closed loops: 2 independent equations of 5,"));
+  CHECK(here.run("'" MOMENTREE_COMPILER "' -std=c++20 -O1 -Wall -Wextra -Wpedantic -Wconversion -Werror -c k.cpp").code == 0);
+  const Outcome damped = here.call(compile + " --set loop.pin.damping=0.1");
+  CHECK(damped.code == 2);
+  CHECK(contains(damped.errors, "loop joint 'pin' has a force along its DoFs"));
+  CHECK(here.call(compile + " --set loop.pin.damping=0.1 --without-joint-forces").code == 0);
+
+  const Outcome generated = here.call("run 'two pendulums.toml' --out generated --generate");
+  CHECK(generated.code == 0);
+  CHECK(generated.errors == "");
+  CHECK(contains(generated.output, "Generated code: 1 topology compiled"));
+}
+
 TEST_CASE("compile refuses models that it cannot write, with names and an alternative") {
   const Place rough(with("damping = 0.1", "friction = { coulomb = 0.1, speed = 0.01 }"));
   const Outcome refused = rough.call("compile 'two pendulums.toml' -o kernel.cpp");

@@ -81,6 +81,10 @@ bool stages_take_rates(const Tree& tree) noexcept {
   return tree.loaded_bodies().empty() && !tree.has_functions() && !tree.has_constraints();
 }
 
+bool stages_take_loop_rates(const Tree& tree, Variables variables) noexcept {
+  return tree.has_loops() && variables == Variables::velocities && tree.loaded_bodies().empty() && !tree.has_functions();
+}
+
 void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace) noexcept {
   if (tree.loaded_bodies().empty() && !tree.has_functions())
     evaluate_rates<double>(tree, q, p, workspace);

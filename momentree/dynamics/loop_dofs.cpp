@@ -157,6 +157,10 @@ LoopRow detail::dof_row(const Tree& tree, int place, const DofRow& of, const Loo
   return row;
 }
 
+Motion<double> detail::dof_direction(const JointSpec& joint, const double* q, int dof) noexcept {
+  return Dofs(joint, q).row(dof);
+}
+
 void detail::add_extra_efforts(const Tree& tree, const LoopWorkspace& loops, double* force) noexcept {
   if (loops.efforts == nullptr) return;
   for (const int b : tree.order())

@@ -50,6 +50,8 @@ LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspac
   detail::lay_out_loops<double>(tree, loops);
   loops.gauge.assign(rows, 0.0);
   loops.u.resize(at(tree.nv()));
+  loops.forces.resize(at(tree.nv() + tree.loop_motions()));
+  loops.answers.resize(rows + tree.driven_joints().size());
   loops.momenta.resize(at(tree.bodies())), loops.wrenches.resize(at(tree.bodies()));
   loops.choice.reserve(tree.loop_links().size(), rows, loops.all.elements);
   loops.carried.reserve(6 * n);
@@ -139,6 +141,12 @@ void joint_force(const Loop& loop, double t, const double* q, const double* u, d
 }
 
 }  // namespace
+
+bool detail::has_forces(const Loop& loop) noexcept {
+  const JointParameters& p = loop.parameters;
+  return p.damping.any() || p.stiffness.any() || p.effort.any() || p.friction.any() || p.limits.soft() ||
+         (p.drive != nullptr && (!p.drive->effort.empty() || p.drive->pd.any()));
+}
 
 void load_turns(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
   LoopWorkspace& loops = detail::loop_memory(tree, workspace);

@@ -105,6 +105,10 @@ double screw_angle(double si, double co, double turn) noexcept;
 /// The row of a single DoF at a place with velocities. `motion`: its prescribed motion at present, if it has one.
 LoopRow dof_row(const Tree& tree, int loop, const DofRow& of, const LoopPlace& place, const Turns& turns,
                 const Curve::Point& motion) noexcept;
+/// The row of a DoF on the relative motion of a loop joint's frames, in the axes of its own child-side frame, at coordinates q.
+Motion<double> dof_direction(const JointSpec& joint, const double* q, int dof) noexcept;
+/// True if a loop joint exerts forces along its DoFs, other than those of a prescribed motion.
+bool has_forces(const Loop& loop) noexcept;
 /// A coupling's value at x and its derivatives there, and the size of its terms, for tolerances.
 struct CouplingPoint {
   double value, slope, curvature, size;

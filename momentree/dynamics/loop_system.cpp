@@ -89,6 +89,11 @@ void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& work
   std::copy_n(workspace.a.get(), tree.nv(), u);
 }
 
+std::span<const int> chosen_rows(const Tree& tree, const Workspace<double>& workspace) noexcept {
+  if (!tree.has_loops() || workspace.loops == nullptr || workspace.loops->topology != tree.revision()) return {};
+  return workspace.loops->kept.rows;
+}
+
 void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace<double>& to) noexcept {
   if (!tree.has_loops()) return;
   LoopWorkspace& loops = detail::loop_memory(tree, to);

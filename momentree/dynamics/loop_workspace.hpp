@@ -136,6 +136,7 @@ struct LoopWorkspace : LoopSystem<double> {
   LoopRows wanted{};                             ///< of the evaluation in momenta that is going on
   std::vector<double> gauge;                     ///< by row: impulses that the last closing in momenta added to the momenta
   std::vector<double> u;                         ///< velocities, scratch of that closing
+  std::vector<double> forces, answers;           ///< scratch of stages by generated code
   std::vector<Force<double>> momenta, wrenches;  ///< by body, scratch of rates of momenta
   int rank = 0;
   int struck = -1;         ///< the loop whose DoF a stop struck in the last change, −1: none

@@ -69,6 +69,8 @@ struct LoopImpulse {
 };
 LoopImpulse loop_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 
+/// The rows that were chosen last, in ascending order; empty without loops. After an evaluation of a state.
+std::span<const int> chosen_rows(const Tree& tree, const Workspace<double>& workspace) noexcept;
 /// The chosen rows, for evaluations in another workspace. Does nothing without loops.
 void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace<double>& to) noexcept;
 

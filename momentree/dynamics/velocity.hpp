@@ -29,6 +29,10 @@ void resolve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace
 void evaluate_velocity_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                              VelocityRatesFunction generated = nullptr) noexcept;
 
+/// The same with closed loops by generated code, if its rows are those that were chosen in the workspace; returns false, and does
+/// nothing, if they are not. Requires stages_take_loop_rates and set-up of the loops in the workspace for this topology.
+[[nodiscard]] bool evaluate_loop_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
+                                       const GeneratedRates& generated) noexcept;
 /// The same, and it keeps what readers of accelerations need. Loops with chosen, or with kept rows.
 void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                                  LoopRows rows) noexcept;

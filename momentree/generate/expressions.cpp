@@ -1,5 +1,6 @@
 #include <momentree/generate/expressions.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <new>
@@ -66,6 +67,37 @@ int Expressions::negative(int a) {
   return make(Operation::negative, a, 0);
 }
 
+int Expressions::inverse_pivot(int a, int index) {
+  MT_REQUIRE(index >= 0, "an index into the least pivots");
+  return make(Operation::inverse_pivot, a, index);
+}
+
+int Expressions::call(int loop, std::vector<int> arguments, int answers) {
+  MT_REQUIRE(answers > 0, "a call has an answer");
+  const int first = calls_.empty() ? 0 : calls_.back().first_answer + calls_.back().answers;
+  if (exhausted_) return zero;
+  try {
+    calls_.push_back({loop, std::move(arguments), first, answers});
+  } catch (const std::bad_alloc&) {
+    exhausted_ = true;
+    return zero;
+  }
+  const int node = make(Operation::answer, first, 0);
+  for (int i = 1; i < answers; ++i) make(Operation::answer, first + i, 0);
+  return exhausted_ ? zero : node;
+}
+
+int Expressions::call_of(int answer) const {
+  const auto next =
+      std::upper_bound(calls_.begin(), calls_.end(), answer, [](int a, const Call& call) { return a < call.first_answer; });
+  MT_REQUIRE(next != calls_.begin(), "an answer of these calls");
+  return static_cast<int>(next - calls_.begin()) - 1;
+}
+
+bool Expressions::is_square_of(int i, Operation operation) const {
+  return is(i, Operation::product) && at(i).a == at(i).b && is(at(i).a, operation);
+}
+
 int Expressions::sum(int a, int b) {
   if (is(a, Operation::constant) && is(b, Operation::constant)) return constant(at(a).value + at(b).value);
   if (a == zero) return b;
@@ -73,6 +105,12 @@ int Expressions::sum(int a, int b) {
   if (is(a, Operation::negative) && is(b, Operation::negative)) return negative(sum(at(a).a, at(b).a));
   if (is(b, Operation::negative)) return difference(a, at(b).a);
   if (is(a, Operation::negative)) return difference(b, at(a).a);
+  if (is_square_of(a, Operation::sine) && is_square_of(b, Operation::cosine) && at(at(a).a).a == at(at(b).a).a)
+    return constant(1);
+  if (is_square_of(b, Operation::sine) && is_square_of(a, Operation::cosine) && at(at(a).a).a == at(at(b).a).a)
+    return constant(1);
+  if (is(a, Operation::difference) && at(a).b == b) return at(a).a;
+  if (is(b, Operation::difference) && at(b).b == a) return at(b).a;
   if (is(a, Operation::constant)) std::swap(a, b);
   if (is(b, Operation::constant) && at(b).value < 0) return difference(a, constant(-at(b).value));
   if (a > b) std::swap(a, b);
@@ -87,6 +125,12 @@ int Expressions::difference(int a, int b) {
   if (is(a, Operation::negative) && is(b, Operation::negative)) return difference(at(b).a, at(a).a);
   if (is(b, Operation::negative)) return sum(a, at(b).a);
   if (is(a, Operation::negative)) return negative(sum(at(a).a, b));
+  if (is(b, Operation::sum) && at(b).a == a) return negative(at(b).b);
+  if (is(b, Operation::sum) && at(b).b == a) return negative(at(b).a);
+  if (is(a, Operation::sum) && at(a).a == b) return at(a).b;
+  if (is(a, Operation::sum) && at(a).b == b) return at(a).a;
+  if (is(b, Operation::difference) && at(b).a == a) return at(b).b;
+  if (is(a, Operation::difference) && at(a).a == b) return negative(at(a).b);
   if (is(b, Operation::constant) && at(b).value < 0) return sum(a, constant(-at(b).value));
   if (is(a, Operation::constant) && at(a).value < 0) return negative(sum(constant(-at(a).value), b));
   if (a > b) return negative(make(Operation::difference, b, a));  // a − b and b − a are one node
@@ -120,7 +164,7 @@ int Expressions::quotient(int a, int b) {
   return make(Operation::quotient, a, b);
 }
 
-// For each node, whether a result depends on it. Operands come before the nodes that use them.
+// Operands come before the nodes that use them, and arguments before answers.
 std::vector<bool> Expressions::needed(std::span<const int> results) const {
   std::vector<bool> needed(nodes_.size(), false);
   for (const int r : results) {
@@ -132,6 +176,9 @@ std::vector<bool> Expressions::needed(std::span<const int> results) const {
     const Node& node = nodes_[i];
     if (unary(node.operation) || binary(node.operation)) needed[static_cast<std::size_t>(node.a)] = true;
     if (binary(node.operation)) needed[static_cast<std::size_t>(node.b)] = true;
+    if (node.operation == Operation::answer)
+      for (const int argument : calls_[static_cast<std::size_t>(call_of(node.a))].arguments)
+        needed[static_cast<std::size_t>(argument)] = true;
   }
   return needed;
 }
@@ -146,7 +193,8 @@ Operations Expressions::operations(std::span<const int> results) const {
       case Operation::sum:
       case Operation::difference: ++all.additions; break;
       case Operation::product: ++all.multiplications; break;
-      case Operation::quotient: ++all.divisions; break;
+      case Operation::quotient:
+      case Operation::inverse_pivot: ++all.divisions; break;
       case Operation::sine:
       case Operation::cosine: {
         const auto angle = static_cast<std::size_t>(nodes_[i].a);

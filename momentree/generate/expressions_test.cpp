@@ -28,6 +28,19 @@ TEST_CASE("constants are folded, zeros and ones are left out") {
   CHECK(e.product(e.c(3), e.product(e.x, e.c(2))) == e.product(e.c(6), e.x));
   CHECK(e.quotient(e.x, e.c(1)) == e.x);
   CHECK(e.quotient(e.zero, e.x) == e.zero);
+  const int x_and_y = e.sum(e.x, e.y), x_less_y = e.difference(e.x, e.y);
+  CHECK(e.difference(x_and_y, e.x) == e.y);
+  CHECK(e.difference(x_and_y, e.y) == e.x);
+  CHECK(e.difference(e.x, x_and_y) == e.negative(e.y));
+  CHECK(e.difference(e.y, x_and_y) == e.negative(e.x));
+  CHECK(e.sum(x_less_y, e.y) == e.x);
+  CHECK(e.sum(e.y, x_less_y) == e.x);
+  CHECK(e.difference(e.x, x_less_y) == e.y);
+  CHECK(e.difference(x_less_y, e.x) == e.negative(e.y));
+  const auto square = [&](int a) { return e.product(a, a); };
+  CHECK(e.sum(square(e.sine(e.x)), square(e.cosine(e.x))) == e.c(1));
+  CHECK(e.sum(square(e.cosine(e.x)), square(e.sine(e.x))) == e.c(1));
+  CHECK(e.sum(square(e.cosine(e.x)), square(e.sine(e.y))) != e.c(1));
   CHECK(e.sine(e.zero) == e.zero);
   CHECK(e.cosine(e.zero) == e.c(1));
 }

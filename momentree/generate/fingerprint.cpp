@@ -2,6 +2,7 @@
 
 #include <type_traits>
 
+#include <momentree/dynamics/loop_kernels.hpp>
 #include <momentree/tree/kernel_run.hpp>
 
 namespace momentree {
@@ -27,15 +28,50 @@ class Bytes {
     add(k.r), add(k.body.mc);
     add(static_cast<unsigned char>(k.shape)), add(k.locked), add(k.driven);
   }
+  void add(const KernelFrame& frame) { add(frame.R), add(frame.r); }
+  void add(const Mat3& R) {
+    for (const double x : {R.xx, R.xy, R.xz, R.yx, R.yy, R.yz, R.zx, R.zy, R.zz}) add(x);
+  }
+  void add(const Closure& c) {
+    add(c.positions), add(c.directions), add(c.screws);
+    for (const Vec3& n : c.position) add(n);
+    for (const Closure::Direction& d : c.direction) add(d.a), add(d.b), add(d.c);
+    add(c.screw.n), add(c.screw.e1), add(c.screw.e2), add(c.screw.h);
+  }
   std::string take() { return std::move(all_); }
 
  private:
   std::string all_;
 };
 
+// Loops and couplings. Forces in loop joints are not part of the code, but whether it asks for them is.
+void add_loops(const Tree& tree, std::span<const int> rows, Bytes& bytes) {
+  for (const Loop& loop : tree.loops()) {
+    const JointSpec spec = spec_of(loop.joint);
+    bytes.add(loop.body), bytes.add(loop.to), bytes.add(detail::has_forces(loop));
+    bytes.add(static_cast<unsigned char>(spec.kind)), bytes.add(spec.axis), bytes.add(spec.axis2), bytes.add(spec.pitch);
+  }
+  for (const LoopLink& link : tree.loop_links()) {
+    bytes.add(link.closure), bytes.add(link.child), bytes.add(link.parent);
+    bytes.add(rotation_matrix(link.child_offset.rotation));
+    bytes.add(link.first_row), bytes.add(link.rows), bytes.add(link.dof_row_count);
+    for (int k = 0; k < link.dof_row_count; ++k) {
+      const DofRow& row = link.dof_rows[static_cast<std::size_t>(k)];
+      bytes.add(row.dof), bytes.add(static_cast<unsigned char>(row.use)), bytes.add(row.armature);
+    }
+    bytes.add(link.ends.joint), bytes.add(link.ends.follows);
+    if (link.ends.coupling < 0) continue;
+    const Coupling& coupling = tree.couplings()[static_cast<std::size_t>(link.ends.coupling)];
+    bytes.add(coupling.multiplier);
+    for (const double x : coupling.higher) bytes.add(x);
+  }
+  for (const int b : tree.driven_joints()) bytes.add(b);
+  for (const int row : rows) bytes.add(row);
+}
+
 }  // namespace
 
-std::string fingerprint(const Tree& tree, Variables variables) {
+std::string fingerprint(const Tree& tree, Variables variables, std::span<const int> rows) {
   Bytes bytes;
   bytes.add(static_cast<unsigned char>(variables));
   bytes.add(tree.gravity());
@@ -51,6 +87,7 @@ std::string fingerprint(const Tree& tree, Variables variables) {
   for (const int q : tree.angle_coordinates()) bytes.add(q);
   for (const double offset : tree.angle_offsets()) bytes.add(offset);
   for (int i = 0; i < tree.nv(); ++i) bytes.add(tree.armature()[i]);
+  if (tree.has_loops()) add_loops(tree, rows, bytes);
   return bytes.take();
 }
 

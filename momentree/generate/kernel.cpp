@@ -1,13 +1,11 @@
 #include <momentree/generate/kernel.hpp>
 
 #include <new>
-#include <type_traits>
-#include <utility>
 
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/linear_spring.hpp>
 #include <momentree/dynamics/velocity.hpp>
-#include <momentree/generate/symbolic.hpp>
+#include <momentree/generate/recording.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
@@ -28,9 +26,7 @@ extern template void solve_accelerations<Symbolic<true>, false>(const Tree&, con
 
 namespace {
 
-void take(const auto& results, int n, std::vector<int>& nodes) {
-  for (int i = 0; i < n; ++i) nodes.push_back(results[static_cast<std::size_t>(i)].node());
-}
+using detail::in_order, detail::resting, detail::take;
 
 template <bool RotatesFirst>
 KernelExpressions expressions_of(const Tree& tree) {
@@ -49,15 +45,6 @@ KernelExpressions expressions_of(const Tree& tree) {
   T::graph() = nullptr;
   if (all.exhausted()) throw std::bad_alloc();
   return kernel;
-}
-
-// By DoF, whether it is locked without a prescribed motion.
-std::vector<bool> resting(const Tree& tree) {
-  std::vector<bool> all(static_cast<std::size_t>(tree.nv()));
-  for (const int b : tree.order())
-    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
-      all[static_cast<std::size_t>(tree.first_p(b) + i)] = ((tree.link(b).locked & ~tree.link(b).driven) >> i & 1u) != 0;
-  return all;
 }
 
 template <bool RotatesFirst>
@@ -92,16 +79,6 @@ KernelExpressions velocity_expressions_of(const Tree& tree, bool plain_forces) {
   return kernel;
 }
 
-// What f(std::bool_constant<RotatesFirst>) returns for the order.
-template <class F>
-KernelExpressions in_order(RevoluteOrder order, const F& f) {
-  if (order == RevoluteOrder::rotate_first) return f(std::true_type{});
-  KernelExpressions one = f(std::false_type{});
-  if (order == RevoluteOrder::reduce_first) return one;
-  KernelExpressions other = f(std::true_type{});
-  return other.operations().total() < one.operations().total() ? std::move(other) : std::move(one);
-}
-
 }  // namespace
 
 std::vector<int> KernelExpressions::results() const {
@@ -109,6 +86,8 @@ std::vector<int> KernelExpressions::results() const {
   all.insert(all.end(), qdot.begin(), qdot.end());
   all.insert(all.end(), pdot.begin(), pdot.end());
   all.insert(all.end(), udot.begin(), udot.end());
+  all.insert(all.end(), lambda.begin(), lambda.end());
+  all.insert(all.end(), effort.begin(), effort.end());
   return all;
 }
 

@@ -14,6 +14,13 @@ struct KernelExpressions {
   Expressions expressions;
   Variables variables = Variables::momenta;
   std::vector<int> v, qdot, pdot, udot;
+  /// With closed loops also the multipliers, by chosen row, and the efforts of prescribed motions, in the order of
+  /// Tree::driven_joints().
+  std::vector<int> lambda, effort;
+  bool loops = false;                  ///< for steps, with LoopCalls
+  int motions = 0;                     ///< prescribed motions of loop joints, whose accelerations are behind tau
+  std::vector<double> least_pivots{};  ///< by chosen row, for code without LoopCalls
+  std::vector<int> begin{};            ///< by chosen row: the first one with which it shares an element of A
 
   /// All results, in that order.
   std::vector<int> results() const;

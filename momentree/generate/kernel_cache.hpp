@@ -1,6 +1,7 @@
 #pragma once
 // Kernels compiled while a simulation runs, one for each topology that it reaches (paper, section 2).
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,25 +14,29 @@ struct KernelCacheOptions {
   /// The C++ compiler, with arguments if it needs any: a name in PATH or a path. Empty: the environment variable MOMENTREE_CXX,
   /// else CXX, else the first of c++, g++, clang++ in PATH.
   std::string compiler;
-  /// Evaluations with more operations run the kernels themselves, which are then as fast; and compiling would take long.
+  /// Evaluations with more operations, with closed loops twice as many, run the kernels themselves, which are then as fast; and
+  /// compiling would take long.
   long most_operations = 8000;
   /// Largest number of topologies to compile: a world with a new topology after every event would spend its time compiling.
   long most_topologies = 100;
+  /// Largest number of choices of independent rows to compile for one topology with closed loops.
+  long most_choices = 8;
 };
 
-/// Statistics of the topologies requested from a cache.
+/// Statistics of the topologies requested from a cache; with closed loops, of topologies with one choice of rows each.
 struct KernelCacheStatistics {
   long compiled = 0;     ///< topologies
   long found_again = 0;  ///< requests for a topology compiled before
-  long left = 0;  ///< topologies too large or too many for code, and requests with stages_take_rates false: they run the kernels
-                  ///< themselves
-  long failed = 0;     ///< topologies for which the compiler failed, likewise
-  double seconds = 0;  ///< time to write, compile and load (s)
+  long left = 0;         ///< topologies too large or too many for code, and requests for which stages_take_rates and
+                         ///< stages_take_loop_rates are false: they run the kernels themselves
+  long failed = 0;       ///< topologies for which the compiler failed, likewise
+  double seconds = 0;    ///< time to write, compile and load (s)
 };
 
 /// Code for every requested topology: written, compiled, loaded, and kept while the cache or a provider exists. Topologies are
 /// distinguished by what the kernels read: forest, kinds, constants, gravity, armatures and locks, but not dampers or springs.
-/// Code for momenta and code for velocities are made when they are asked for, and count as separate topologies. POSIX only; the
+/// Code for momenta and code for velocities are made when they are asked for, and count as separate topologies. Code for closed
+/// loops is in velocities, and for one choice of independent rows: each choice counts as a topology. POSIX only; the
 /// compiler runs as a child process without a shell, in a separate directory under TMPDIR that no other user can write to and
 /// that is removed once the code is loaded. Compilation is synchronous, inside the call, so the same run gives the same bits
 /// every time. Copies share their contents; thread-safe.
@@ -45,6 +50,8 @@ class KernelCache {
   RatesFunction find(const Tree& tree) const;
   /// The same for states in velocities.
   VelocityRatesFunction find_velocities(const Tree& tree) const;
+  /// The same with closed loops, for these chosen rows, in ascending order.
+  LoopRatesFunction find_loops(const Tree& tree, std::span<const int> rows) const;
 
   KernelCacheStatistics statistics() const;
   /// The first reason for which a topology has no code although it should; empty if there was none.

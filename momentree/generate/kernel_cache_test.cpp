@@ -128,7 +128,7 @@ TEST_CASE("stages use the provider's function until the tree changes") {
   long asked = 0;
   const KernelCache kernels = cache();
   static RatesFunction inner = nullptr;
-  sim.use_generated([&](const Tree& tree, Variables) -> RatesFunction {
+  sim.use_generated([&](const Tree& tree, Variables, std::span<const int>) -> RatesFunction {
     ++asked;
     inner = kernels.find(tree);
     return [](const double* q, const double* p, double* v, double* qdot, double* pdot) noexcept {

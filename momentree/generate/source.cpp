@@ -28,13 +28,17 @@ std::string number(double value) {
 class Writer {
  public:
   Writer(const KernelExpressions& kernel, std::string& text)
-      : nodes_(kernel.expressions.nodes()), text_(text), y_(kernel.variables == Variables::momenta ? "p" : "u") {
+      : expressions_(kernel.expressions),
+        nodes_(kernel.expressions.nodes()),
+        text_(text),
+        y_(kernel.variables == Variables::momenta ? "p" : "u") {
     needed_.assign(nodes_.size(), false);
     angle_of_.assign(nodes_.size(), -1);
     results_.resize(nodes_.size());
     for (const int result : kernel.results()) needed_[at(result)] = true;
     for (std::size_t i = nodes_.size(); i-- > 0;) need_operands(nodes_[i], needed_[i]);
     collect("v", kernel.v), collect("qdot", kernel.qdot), collect("pdot", kernel.pdot), collect("udot", kernel.udot);
+    collect("calls->lambda", kernel.lambda), collect("calls->effort", kernel.effort);
   }
 
   void write() {
@@ -42,6 +46,10 @@ class Writer {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       if (!needed_[i]) continue;
       const Node& node = nodes_[i];
+      if (node.operation == Operation::answer) write_call(expressions_.call_of(node.a));
+      if (node.operation == Operation::inverse_pivot)
+        text_ += "  const double " + operand(static_cast<int>(i)) + " = inverse_pivot(" + operand(node.a) + ", least_pivots[" +
+                 std::to_string(node.b) + "]);\n";
       if (binary(node.operation))
         text_ += "  const double " + operand(static_cast<int>(i)) + " = " + operand(node.a) + symbol(node.operation) +
                  operand(node.b) + ";\n";
@@ -66,6 +74,25 @@ class Writer {
     if (!needed || trigonometric(node.operation)) return;  // angles are written separately
     if (unary(node.operation) || binary(node.operation)) needed_[at(node.a)] = true;
     if (binary(node.operation)) needed_[at(node.b)] = true;
+    if (node.operation == Operation::answer)
+      for (const int argument : expressions_.calls()[at(expressions_.call_of(node.a))].arguments) needed_[at(argument)] = true;
+  }
+
+  void write_call(int number) {
+    if (number < called_) return;  // for another of its answers
+    called_ = number + 1;
+    const Expressions::Call& call = expressions_.calls()[at(number)];
+    const std::string n = std::to_string(number);
+    text_ += "  double y" + n + "[" + std::to_string(call.answers) + "];\n  {\n    ";
+    text_ += call.loop < 0 ? "double A[] = {" : "const double place[] = {";
+    for (std::size_t i = 0; i < call.arguments.size(); ++i)
+      text_ += (i == 0 ? "" : i % 10 == 0 ? ",\n        " : ", ") + operand(call.arguments[i]);
+    text_ += "};\n    ";
+    if (call.loop < 0)
+      text_ += "solve_rows(" + std::to_string(call.answers) + ", A, least_pivots, y" + n + ");\n  }\n";
+    else
+      text_ += "calls->joint(calls, " + std::to_string(call.loop) + ", place, " + std::to_string(call.answers) + ", y" + n +
+               ");\n  }\n";
   }
 
   std::string operand(int i) const {
@@ -75,6 +102,10 @@ class Writer {
       case Operation::q: return element("q", node.a);
       case Operation::p: return element(y_, node.a);
       case Operation::tau: return element("tau", node.a);
+      case Operation::answer: {
+        const int call = expressions_.call_of(node.a);
+        return element(("y" + std::to_string(call)).c_str(), node.a - expressions_.calls()[at(call)].first_answer);
+      }
       case Operation::sine: return element("s", angle_of_[at(node.a)]);
       case Operation::cosine: return element("c", angle_of_[at(node.a)]);
       case Operation::negative: return "-" + operand(node.a);
@@ -111,13 +142,47 @@ class Writer {
     for (std::size_t i = 0; i < nodes.size(); ++i) results_[at(nodes[i])] += element(array, static_cast<int>(i)) + " = ";
   }
 
+  const Expressions& expressions_;
   const std::vector<Node>& nodes_;
   std::string& text_;
+  int called_ = 0;       // calls written so far
   const char* const y_;  // the array of momenta or velocities
   std::vector<bool> needed_;
   std::vector<int> angle_of_;         // by node: its number among the angles, −1: none
   std::vector<std::string> results_;  // by node: the results that it is assigned to, "v[0] = qdot[0] = "
 };
+
+template <class T, class F>
+std::string list(const std::vector<T>& all, const F& as_text) {
+  std::string text;
+  for (std::size_t i = 0; i < all.size(); ++i) text += (i == 0 ? "" : i % 20 == 0 ? ",\n    " : ", ") + as_text(all[i]);
+  return text;
+}
+
+const char* const solver = R"(void solve_rows(int n, double* A, const double* least, double* x) noexcept {
+  constexpr int rows = sizeof begin / sizeof *begin;
+  double* row[rows];  // element j of row i is at row[i][j]
+  double inverse[rows];
+  for (int i = 0; i < n; ++i) row[i] = A - begin[i], A += i + 1 - begin[i];
+  for (int i = 0; i < n; ++i) {
+    double* const w = row[i];
+    for (int j = begin[i]; j < i; ++j)
+      for (int k = begin[i] > begin[j] ? begin[i] : begin[j]; k < j; ++k) w[j] -= w[k] * row[j][k];
+    double pivot = w[i], sum = A[i];
+    for (int j = begin[i]; j < i; ++j) {
+      const double l = w[j] * inverse[j];
+      pivot -= w[j] * l;
+      w[j] = l;
+      sum -= l * x[j];
+    }
+    inverse[i] = inverse_pivot(pivot, least[i]);
+    x[i] = sum;
+  }
+  for (int i = 0; i < n; ++i) x[i] *= inverse[i];
+  for (int i = n; i-- > 0;)
+    for (int j = begin[i]; j < i; ++j) x[j] -= row[i][j] * x[i];
+}
+)";
 
 // The engine's sincos, without the parts that belong to a header.
 std::string sincos_source() {
@@ -135,6 +200,31 @@ std::string sincos_source() {
   return all;
 }
 
+// What the code of closed loops uses.
+std::string loops_source(const KernelExpressions& kernel) {
+  std::string text;
+  if (kernel.loops) {
+    text += comment("What the caller of code with closed loops gives it: see momentree/dynamics/rates_function.hpp.");
+    text +=
+        "struct LoopCalls {\n  const double* least_pivots;\n  double *lambda, *effort;\n"
+        "  void (*joint)(const LoopCalls*, int loop, const double* place, int answers, double* answer) noexcept;\n};\n\n";
+  }
+  text += "namespace {\n\n" + comment("A row whose pivot is too small depends on the others: it is left out.");
+  text +=
+      "[[maybe_unused]] inline double inverse_pivot(double pivot, double least) { return pivot > least ? 1 / pivot : 0.0; }\n";
+  if (!kernel.loops) text += "const double least_pivots[] = {" + list(kernel.least_pivots, number) + "};\n";
+  bool called = false;
+  for (const Expressions::Call& call : kernel.expressions.calls()) called = called || call.loop < 0;
+  if (called) {
+    text += "const int begin[] = {" + list(kernel.begin, [](int i) { return std::to_string(i); }) + "};\n\n";
+    text += comment(
+        "Solves A x = b for n rows; A has of each row the elements from column begin[row] to the diagonal, and then b.\n"
+        "By a factorisation L D L^T in place.");
+    text += solver;
+  }
+  return text + "\n}  // namespace\n\n";
+}
+
 }  // namespace
 
 std::string kernel_source(const KernelExpressions& kernel, const SourceText& how) {
@@ -147,6 +237,8 @@ std::string kernel_source(const KernelExpressions& kernel, const SourceText& how
                   " additions, " + std::to_string(o.multiplications) + " multiplications,\n" + std::to_string(o.divisions) +
                   " divisions, and " + std::to_string(o.sincos) + " times a sine and a cosine. Fast with -O3 -march=native.\n");
   text += "#include <bit>\n#include <cmath>\n#include <cstdint>\n\n" + sincos_source() + '\n';
+  const bool rows = kernel.loops || !kernel.begin.empty();
+  if (rows) text += loops_source(kernel);
   text += "extern \"C\" {\n\nextern const int " + how.name + "_nq, " + how.name + "_nv;\n";
   text += "const int " + how.name + "_nq = " + nq + ";  // numbers of q and qdot\n";
   text += "const int " + how.name + "_nv = " + nv +
@@ -164,7 +256,10 @@ std::string kernel_source(const KernelExpressions& kernel, const SourceText& how
         "tau (nv). Out: the rates of q (nq) and of u (nv). SI units. Arrays must not overlap.\n");
     text += "void " + how.name +
             "_accelerations([[maybe_unused]] const double* q, [[maybe_unused]] const double* u, [[maybe_unused]] const double* "
-            "tau,\n    [[maybe_unused]] double* qdot, [[maybe_unused]] double* udot) noexcept {\n";
+            "tau,\n    " +
+            (kernel.loops ? "[[maybe_unused]] const LoopCalls* calls, " : "") +
+            "[[maybe_unused]] double* qdot, [[maybe_unused]] double* udot) noexcept {\n";
+    if (kernel.loops) text += "  [[maybe_unused]] const double* const least_pivots = calls->least_pivots;\n";
   }
   Writer(kernel, text).write();
   return text + "}\n\n}  // extern \"C\"\n";

@@ -5,6 +5,7 @@
 #include <momentree/base/check.hpp>
 #include <momentree/generate/expressions.hpp>
 #include <momentree/joint/revolute_steps.hpp>
+#include <momentree/math/lanes.hpp>
 
 namespace momentree {
 
@@ -47,5 +48,15 @@ class Symbolic {
 
 template <>
 inline constexpr bool one_world_at_a_time<Symbolic<true>> = true;
+
+/// It has no lanes: what the kernels of loops compute in double, lane by lane, is left out of the expressions.
+template <bool RotatesFirst>
+inline constexpr int lanes_of<Symbolic<RotatesFirst>> = 0;
+template <bool RotatesFirst>
+double get_lane(const Symbolic<RotatesFirst>&, int) {
+  return 0;
+}
+template <bool RotatesFirst>
+void set_lane(Symbolic<RotatesFirst>&, int, double) {}
 
 }  // namespace momentree

@@ -34,11 +34,11 @@ class Stopwatch {
 void Evaluator::operator()(double t, const double* q, const double* y) noexcept {
   const Stopwatch watch(seconds);
   ++count;
-  const GeneratedRates generated = generated_of_ == tree_->revision() ? generated_ : GeneratedRates();
+  const bool current = generated_of_ == tree_->revision();
   if (variables_ == Variables::momenta)
-    evaluate_stage(*tree_, t, q, y, *workspace_, generated.momenta);
-  else
-    evaluate_velocity_stage(*tree_, t, q, y, *workspace_, generated.velocities);
+    evaluate_stage(*tree_, t, q, y, *workspace_, current ? generated_.momenta : nullptr);
+  else if (!(current && generated_.loops != nullptr && evaluate_loop_stage(*tree_, t, q, y, *workspace_, generated_)))
+    evaluate_velocity_stage(*tree_, t, q, y, *workspace_, current ? generated_.velocities : nullptr);
 }
 
 void Evaluator::without_resistance(const Tree& other, double t, const double* q, const double* p) noexcept {

@@ -59,7 +59,7 @@ const std::vector<Callback> within = {
      }},
     {"use_generated",
      [](Simulation& sim, Act act) {
-       sim.use_generated([&sim, act](const Tree&, Variables) -> RatesFunction {
+       sim.use_generated([&sim, act](const Tree&, Variables, std::span<const int>) -> RatesFunction {
          act(sim, sim.world());
          return nullptr;
        });

@@ -122,9 +122,13 @@ struct Simulation::Impl {
   static double just_before(double bend) { return bend - 4 * (bend - std::nextafter(bend, -HUGE_VAL)); }
 
   void ask_for_generated() {
-    if (!generated || asked_for == world.tree_.revision()) return;
-    evaluate.use(generated(world.tree_, world.state_.variables()));  // may throw: the provider is then asked again
-    asked_for = world.tree_.revision();
+    if (!generated) return;
+    const bool loops = stages_take_loop_rates(world.tree_, world.state_.variables());
+    if (loops) evaluate_state();  // chooses rows
+    const std::span<const int> rows = loops ? chosen_rows(world.tree_, evaluate.workspace()) : std::span<const int>();
+    if (asked_for == world.tree_.revision() && std::ranges::equal(rows, asked_for_rows)) return;
+    evaluate.use(generated(world.tree_, world.state_.variables(), rows));  // may throw: the provider is then asked again
+    asked_for = world.tree_.revision(), asked_for_rows.assign(rows.begin(), rows.end());
   }
 
   // Where the steps up to `end` or to the next bend really end.
@@ -465,6 +469,7 @@ struct Simulation::Impl {
   std::function<bool(double)> watcher;
   RatesProvider generated;
   std::optional<std::uint64_t> asked_for;  // the revision of the tree for which the provider was last called
+  std::vector<int> asked_for_rows;         // and the chosen rows of its loops
   Clock::time_point lap = Clock::now();
 };
 

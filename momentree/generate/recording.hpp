@@ -1,0 +1,37 @@
+#pragma once
+// What the recordings of kernels on symbols have in common.
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <momentree/generate/kernel.hpp>
+#include <momentree/generate/symbolic.hpp>
+#include <momentree/tree/tree.hpp>
+
+namespace momentree::detail {
+
+/// Appends the nodes of n results.
+inline void take(const auto& results, int n, std::vector<int>& nodes) {
+  for (int i = 0; i < n; ++i) nodes.push_back(results[static_cast<std::size_t>(i)].node());
+}
+
+/// By DoF, whether it is locked without a prescribed motion.
+inline std::vector<bool> resting(const Tree& tree) {
+  std::vector<bool> all(static_cast<std::size_t>(tree.nv()));
+  for (const int b : tree.order())
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
+      all[static_cast<std::size_t>(tree.first_p(b) + i)] = ((tree.link(b).locked & ~tree.link(b).driven) >> i & 1u) != 0;
+  return all;
+}
+
+/// What f(std::bool_constant<RotatesFirst>) returns for the order.
+template <class F>
+KernelExpressions in_order(RevoluteOrder order, const F& f) {
+  if (order == RevoluteOrder::rotate_first) return f(std::true_type{});
+  KernelExpressions one = f(std::false_type{});
+  if (order == RevoluteOrder::reduce_first) return one;
+  KernelExpressions other = f(std::true_type{});
+  return other.operations().total() < one.operations().total() ? std::move(other) : std::move(one);
+}
+
+}  // namespace momentree::detail
