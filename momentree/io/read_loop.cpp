@@ -61,6 +61,19 @@ std::optional<BodyId> body_named(const Value& value, const char* key, const std:
   return model.has_body(*name) ? std::optional(model.body(*name)) : std::nullopt;  // else of a mechanism with errors
 }
 
+bool names_ground(const Value& value) { return value.string() != nullptr && *value.string() == "ground"; }
+
+/// The ground as the child of a loop joint: what to write instead.
+void report_child(const Value& body, const Value* to, const std::string& loop, Reading& reading) {
+  const bool both = to == nullptr || names_ground(*to);
+  const std::string other = !both && to->string() != nullptr ? in_quotes(*to->string()) : "the other body";
+  reading.out.error(
+      body.place,
+      "loop " + in_quotes(loop) + ": body: " + (both ? "both ends are the ground" : "the ground can't be the child of a joint"),
+      both ? "name a body here; leave 'to' out for a joint to the ground"
+           : "write body = " + other + ", leave 'to' out, and exchange 'at' and 'child_at'");
+}
+
 }  // namespace
 
 constinit const KeyTable loop_table{"[[loop]]", "loop", "A joint that closes a loop", loop_entries, {}, {&loop_geometry}, true};
@@ -74,9 +87,11 @@ void read_loop(const Value& table, Reading& reading) {
   spec.name = fields.string("name").value_or("");
   if (!spec.name.empty()) reading.note(reading.joints, spec.name, fields.place_of("name"), "joint");
   const Value* body = fields.require("body");
-  const std::optional<BodyId> child = body ? body_named(*body, "body", spec.name, false, reading) : std::nullopt;
+  const bool may_be_child = body != nullptr && !names_ground(*body);
+  const std::optional<BodyId> child = may_be_child ? body_named(*body, "body", spec.name, false, reading) : std::nullopt;
   const Value* to = fields.find("to");
   const std::optional<BodyId> parent = to ? body_named(*to, "to", spec.name, true, reading) : std::optional(ground);
+  if (body != nullptr && names_ground(*body)) report_child(*body, to, spec.name, reading);
   spec.at = fields.pose("at").value_or(Pose{});
   spec.child_at = fields.pose("child_at").value_or(Pose{});
   spec.assemble = fields.boolean("assemble").value_or(true);
@@ -155,22 +170,7 @@ void check_loops(Reading& reading) {
   const Model& model = reading.scenario.model;
   if (!model.has_equations()) return;
   Integration& how = reading.scenario.integration;
-  if (!model.couplings().empty()) {
-    if (how.variables == Variables::momenta)
-      report_coupling(0, "exact couplings are integrated in velocities", "leave 'variables' out of [integrate]", reading);
-    else if (!takes_velocities(how.method))
-      report_coupling(0, "the method '" + how.method + "' can't integrate exact couplings", "use rk4, midpoint, dopri5 or dop853",
-                      reading);
-  }
   how.variables = how.loop_variables();
-  bool supported = true;
-  for (const LoopSpec& loop : model.loops()) {
-    if (how.variables != Variables::momenta) break;
-    const std::optional<Error> error = needs_velocities(loop.joint.parameters);
-    if (error) report_loop(loop.name, "loop " + in_quotes(loop.name) + ": " + error->problem, error->hint, reading);
-    supported = supported && !error;
-  }
-  if (!supported) return;
   const std::optional<Error> error = check_assembly(model);
   if (!error) {
     const World world(model, Variables::velocities);

@@ -263,7 +263,11 @@ std::vector<BodyProblem> check_loop(const LoopSpec& spec, int bodies) {
   Checks<BodyProblem> checks;
   checks.name("name", spec.name);
   const auto known = [bodies](BodyId body) { return body.index >= 0 && body.index < bodies; };
-  if (!known(spec.body)) checks.add("body", "is not a body of this model", "give what add() returned for the body");
+  if (spec.body == ground)
+    checks.add("body", "the ground can't be the child of a joint",
+               spec.to == ground ? "name a body" : "give the other body, leave 'to' out, and exchange 'at' and 'child_at'");
+  else if (!known(spec.body))
+    checks.add("body", "is not a body of this model", "give what add() returned for the body");
   if (!(spec.to == ground) && !known(spec.to)) checks.add("to", "is not a body of this model", "leave it out for the ground");
   if (known(spec.body) && spec.body == spec.to)
     checks.add("to", "a loop can't join a body to itself", "name another body, or leave 'to' out for the ground");
