@@ -29,7 +29,7 @@ Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
     : impl_(std::make_unique<Impl>(with_bodies(model), options, threads_of(options))) {
   if (worlds < 1) throw_error({"a batch has at least one world", "", "give the number of worlds"});
   const Tree& tree = impl_->declared;
-  batch::check(tree, impl_->variables_of(tree));
+  batch::check(tree);
   impl_->seats.resize(static_cast<std::size_t>(worlds));
   impl_->tasks.reserve(impl_->seats.size());  // at most a block for each world
   impl_->efforts.resize(static_cast<std::size_t>(worlds));
@@ -188,7 +188,7 @@ void Batch::put_back(int world) {
   Out& out = impl_->out;
   MT_REQUIRE(!out.state.being_edited(), edited_state);
   const bool changed = out.tree.revision() != from.group->tree().revision();
-  if (changed) batch::check(out.tree, impl_->variables_of(out.tree));  // throws Error for features that batches do not support
+  if (changed) batch::check(out.tree);  // throws Error for features that batches do not support
   MT_REQUIRE(out.state.topology() == out.tree.revision(), "after the edit, the state still belongs to the tree");
   impl_->close(world, out.tree, out.state);  // may throw
   if (changed) {

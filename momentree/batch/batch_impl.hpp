@@ -86,7 +86,7 @@ struct Batch::Impl {
         precision(options.precision),
         integration{.method = "rk4", .variables = options.variables},
         variables(integration.state_variables(model)),
-        loop_variables(model.couplings().empty() ? integration.loop_variables() : Variables::velocities),
+        loop_variables(integration.loop_variables()),
         pool(threads) {
     out.state = State(declared, variables);
   }

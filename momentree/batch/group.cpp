@@ -71,7 +71,7 @@ std::size_t key_of(const Topology& topology) noexcept {
   return static_cast<std::size_t>(key);
 }
 
-std::optional<Unsupported> unsupported(const Tree& tree, Variables variables) noexcept {
+std::optional<Unsupported> unsupported(const Tree& tree) noexcept {
   if (!tree.body_forces().empty() || !tree.body_functions().empty())
     return Unsupported{"batches do not support forces on bodies", "use efforts in joints, or a Simulation for each world"};
   if (tree.spring_count() > 0)
@@ -89,14 +89,11 @@ std::optional<Unsupported> unsupported(const Tree& tree, Variables variables) no
       std::any_of(order.begin(), order.end(),
                   [&](int b) { return tree.parameters(b) != nullptr && tree.parameters(b)->limits.hard(); }))
     return Unsupported{"batches do not support hard stops", "give the limits a stiffness, or use a Simulation for each world"};
-  if (variables == Variables::momenta && tree.loop_motions() + tree.loop_armatures() > 0)
-    return Unsupported{"prescribed motions and armatures of joints that close a loop are not supported in momenta",
-                       "leave 'variables' out, or give them to a joint of the tree"};
   return std::nullopt;
 }
 
-void check(const Tree& tree, Variables variables) {
-  if (const std::optional<Unsupported> why = unsupported(tree, variables)) throw_error({why->problem, "", why->hint});
+void check(const Tree& tree) {
+  if (const std::optional<Unsupported> why = unsupported(tree)) throw_error({why->problem, "", why->hint});
 }
 
 Group::Group(Topology topology, const Tree& tree, int lanes, Variables variables)

@@ -20,10 +20,9 @@ void simplify(Topology& topology, const Tree& declared);
 struct Unsupported {
   const char *problem, *hint;
 };
-/// `variables`: of the states.
-std::optional<Unsupported> unsupported(const Tree& tree, Variables variables = Variables::velocities) noexcept;
+std::optional<Unsupported> unsupported(const Tree& tree) noexcept;
 /// Throws Error if there is one.
-void check(const Tree& tree, Variables variables);
+void check(const Tree& tree);
 
 /// An extra effort of one world: on one DoF of a joint, by the joint's number (N m, N).
 struct ExtraEffort {

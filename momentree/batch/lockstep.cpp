@@ -47,7 +47,7 @@ bool Lockstep::fits(const Simulation& simulation) {
   Simulation::Impl& impl = simulation.impl();
   return impl.method->is_that_of_lanes() && !impl.generated && !impl.stops.any() && !impl.queue.watching(impl.world) &&
          (!impl.world.tree().has_loops() || impl.world.state().variables() == Variables::velocities) &&
-         !batch::unsupported(impl.world.tree(), impl.world.state().variables());
+         !batch::unsupported(impl.world.tree());
 }
 
 bool Lockstep::share(const Simulation& a, const Simulation& b) {

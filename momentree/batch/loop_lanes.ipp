@@ -22,7 +22,7 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
   using Mask = typename T::Mask;
 
   void begin(const Tree& tree, const Block& block) noexcept override {
-    if (loops_.topology != tree.revision()) fit(tree);
+    if (loops_.topology != tree.loop_revision()) fit(tree);
     const std::size_t count = tree.loops().size();
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t l = 0; l < N; ++l) loops_.turns[i * N + l] = block.turns[l * count + i];

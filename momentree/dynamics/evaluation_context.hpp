@@ -7,6 +7,8 @@
 
 namespace momentree {
 
+struct LoopValues;
+
 /// The part of the world that a user function may read. The function is called at every stage of a step, with coordinates that
 /// belong to no stored state: do not keep the context after the call, and read nothing else of the world during it. A call to the
 /// world or its simulation from the function stops the program. Bodies are located at the first query; nothing allocates.
@@ -21,7 +23,8 @@ class EvaluationContext {
   EvaluationContext& operator=(const EvaluationContext&) = delete;
 
   double time() const { return time_; }
-  /// Coordinates (rad, m) and velocities (rad/s, m/s) of a joint, in its declared direction; empty if it has left the world.
+  /// Coordinates (rad, m) and velocities (rad/s, m/s) of a joint, in its declared direction, also of a joint that
+  /// closes a loop; empty if it has left the world.
   Numbers q(JointId joint) const noexcept;
   Numbers v(JointId joint) const noexcept;
   /// True if a function drives the joint; false once it broke or was replaced.
@@ -30,6 +33,8 @@ class EvaluationContext {
   BodyMotion motion(BodyId body) const noexcept;
 
  private:
+  const LoopValues* loop_values(JointId joint) const noexcept;
+
   const Tree* tree_;
   Workspace<double>* workspace_;
   const double* q_;

@@ -118,11 +118,12 @@ void choose_rows(const Tree& tree, LoopWorkspace& loops, double tolerance) noexc
   std::sort(c.taken.begin(), c.taken.end());
   loops.rank = choice.taken();
   lay_out(tree, c.taken, loops.kept);
+  for (std::size_t i = 0; i < c.taken.size(); ++i) c.mobility[i] = loops.all.element(loops.A, at(c.taken[i]), at(c.taken[i]));
   std::fill(loops.least_pivots.begin(), loops.least_pivots.end(), 0.0);
 }
 
 void LaneChoice::fit(const Tree& tree) {
-  if (one_.topology == tree.revision()) return;
+  if (one_.topology == tree.loop_revision()) return;
   lay_out_loops<double>(tree, one_);
   one_.choice.reserve(tree.loop_links().size(), one_.rows.size(), one_.all.elements);
   chosen_.resize(one_.rows.size());

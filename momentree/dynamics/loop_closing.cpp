@@ -117,7 +117,9 @@ bool close_loops(const Tree& tree, double t, double* q, double* u, Workspace<dou
   return true;
 }
 
-bool close_loops_in_momenta(const Tree& tree, double* q, double* p, Workspace<double>& workspace, double& energy) noexcept {
+bool close_loops_in_momenta(const Tree& tree, double t, double* q, double* p, Workspace<double>& workspace,
+                            double& energy) noexcept {
+  detail::set_loop_motions(tree, t, workspace);
   find_velocities_with_loops(tree, q, p, workspace);
   LoopWorkspace& loops = *workspace.loops;
   std::copy_n(workspace.v.get(), tree.nv(), loops.u.begin());
@@ -143,6 +145,7 @@ bool close_loops_in_momenta(const Tree& tree, double* q, double* p, Workspace<do
   for (std::size_t s = 0; s < stops.size(); ++s)
     if (const int b = stops[s].body; s == 0 || stops[s - 1].body != b)
       absorb(tree, b, joint_state(tree, q, workspace, b), loops.momenta[at(b)], +1, p);
+  add_coupling_efforts(tree, workspace, loops.gauge.data(), p);
   energy += energy_at(tree, q, workspace);
   detail::note_turns(tree, workspace);
   return true;

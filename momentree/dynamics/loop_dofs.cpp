@@ -140,6 +140,32 @@ LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int p
                       dof);
 }
 
+// With E⁺ᵀ = E S, S = (Eᵀ E)⁻¹: its derivative is Ė S − E S (Ėᵀ E + Eᵀ Ė) S.
+LoopWrenchRate loop_dof_rate(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept {
+  const LoopPlace& p = workspace.loops->places[at(place)];
+  const LoopLink& link = tree.loop_links()[at(place)];
+  const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
+  double q[7] = {}, u[6] = {}, s[6] = {}, turned[6] = {};
+  nearest_coordinates(spec, loop_pose(p, link), workspace.loops->turns[at(place)], q);
+  const Dofs dofs(spec, q);
+  const Mat3 Rb = loop_child_axes(p, link);
+  dofs.velocities(relative_motion(p, Rb), u);
+  Motion<double> rates[6], w{}, rate{};
+  joint_columns_rate(spec, q, u, rates);
+  s[dof] = 1;
+  dofs.squares.solve(s);
+  const auto combined = [&](const Motion<double>* columns, const double* x) {
+    Motion<double> sum{};
+    for (int i = 0; i < dofs.count; ++i) sum = sum + Motion<double>{x[i] * columns[i].v, x[i] * columns[i].w};
+    return sum;
+  };
+  w = combined(dofs.E, s), rate = combined(rates, s);
+  for (int i = 0; i < dofs.count; ++i) turned[i] = -product(rates[i], w) - product(dofs.E[i], rate);
+  dofs.squares.solve(turned);
+  rate = rate + combined(dofs.E, turned);
+  return {cross(p.wb, Rb * w.v) + Rb * rate.v, cross(p.wb, Rb * w.w) + Rb * rate.w};
+}
+
 LoopRow detail::dof_row(const Tree& tree, int place, const DofRow& of, const LoopPlace& p, const Turns& turns,
                         const Curve::Point& motion) noexcept {
   const Loop& loop = tree.loops()[at(place)];

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <numeric>
 
+#include <momentree/dynamics/evaluation_context.hpp>
 #include <momentree/dynamics/forces/elements.hpp>
 #include <momentree/dynamics/loop_system.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -33,7 +34,7 @@ void find_extents(const Tree& tree, std::vector<double>& extents) {
 
 void detail::lay_out_constants(const Tree& tree, int lanes, LoopConstants& to) {
   const std::size_t entries = tree.loops().size() * at(lanes);
-  to.topology = tree.revision();
+  to.topology = tree.loop_revision();
   to.turns.resize(entries), to.motions.resize(entries);
   find_extents(tree, to.extents);
   to.all.rows.resize(at(tree.loop_rows()));
@@ -45,16 +46,17 @@ void detail::lay_out_constants(const Tree& tree, int lanes, LoopConstants& to) {
 LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspace) {
   if (workspace.loops == nullptr) workspace.loops = {new LoopWorkspace, [](LoopWorkspace* all) { delete all; }};
   LoopWorkspace& loops = *workspace.loops;
-  if (loops.topology == tree.revision()) return loops;
+  if (loops.topology == tree.loop_revision()) return loops;
   const std::size_t n = tree.loops().size(), rows = at(tree.loop_rows());
   detail::lay_out_loops<double>(tree, loops);
-  loops.gauge.assign(rows, 0.0);
+  loops.gauge.assign(rows, 0.0), loops.speeds.assign(rows, 0.0);
   loops.u.resize(at(tree.nv()));
   loops.forces.resize(at(tree.nv() + tree.loop_motions()));
   loops.answers.resize(rows + tree.driven_joints().size());
   loops.momenta.resize(at(tree.bodies())), loops.wrenches.resize(at(tree.bodies()));
   loops.choice.reserve(tree.loop_links().size(), rows, loops.all.elements);
   loops.carried.reserve(6 * n);
+  loops.given.assign(6 * n, 0.0), loops.values.resize(n);
   loops.rank = -1;
   return loops;
 }
@@ -86,6 +88,19 @@ double coupling_effort(const Tree& tree, const Workspace<double>& workspace, int
     if (link.ends.follows == body) effort -= workspace.loops->rows[row].slope * workspace.loops->lambda[row];
   }
   return effort;
+}
+
+void add_coupling_efforts(const Tree& tree, const Workspace<double>& workspace, const double* multipliers,
+                          double* force) noexcept {
+  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i) {
+    const LoopLink& link = tree.loop_links()[i];
+    const auto row = at(link.first_row);
+    const auto add = [&](int b, double effort) {
+      if (b >= 0 && (tree.link(b).locked & 1u) == 0) force[tree.first_p(b)] += effort;
+    };
+    add(link.ends.joint, multipliers[row]);
+    add(link.ends.follows, -workspace.loops->rows[row].slope * multipliers[row]);
+  }
 }
 
 int coupling_place(const Tree& tree, int coupling) noexcept {
@@ -122,13 +137,17 @@ double spring_of(const Loop& loop, const double* q, double* force) noexcept {
   });
 }
 
-// The force of springs, dampers, friction, efforts and drives along the DoFs; adds their power.
-void joint_force(const Loop& loop, double t, const double* q, const double* u, double* force, Power& power) noexcept {
+// The force of springs, dampers, friction, efforts and drives along the DoFs, and what a function gave (or null); adds their
+// power.
+void joint_force(const Loop& loop, double t, const double* q, const double* u, const double* given, double* force,
+                 Power& power) noexcept {
   const JointParameters& p = loop.parameters;
   const KindInfo& kind = info(loop.joint.kind);
   spring_of(loop, q, force);
   for (int i = 0; i < kind.nv; ++i) {
-    const double friction = p.damping.of(i) * u[i], effort = p.effort.of(i);
+    const double friction = p.damping.of(i) * u[i];
+    const bool free = (loop.joint.locked >> i & 1u) == 0;
+    const double effort = p.effort.of(i) + (given != nullptr && free ? given[i] : 0.0);
     force[i] += effort - friction;
     power.dissipated += friction * u[i], power.work += effort * u[i];
   }
@@ -158,24 +177,24 @@ Force<double> loop_joint_wrench(const Tree& tree, double t, const Workspace<doub
                                 Power* power) noexcept {
   const LoopWorkspace& loops = *workspace.loops;
   Power unused;
-  return detail::joint_wrench_at(tree, t, place, loops.places[at(place)], loops.turns[at(place)], effort,
-                                 power != nullptr ? *power : unused);
+  return detail::joint_wrench_at(tree, t, place, loops.places[at(place)], loops.turns[at(place)], loops.given.data() + 6 * place,
+                                 effort, power != nullptr ? *power : unused);
 }
 
 Force<double> detail::joint_wrench_at(const Tree& tree, double t, int place, const LoopPlace& p, const Turns& turns,
-                                      double* effort, Power& power) noexcept {
+                                      const double* given, double* effort, Power& power) noexcept {
   const Loop& loop = tree.loops()[at(place)];
-  if (!loop.parameters.any()) return {};
+  if (!loop.forced()) return {};
   double q[7] = {}, u[6] = {};
   loop_coordinates_at(tree, place, p, turns, q, u);
-  joint_force(loop, t, q, u, effort, power);
+  joint_force(loop, t, q, u, given, effort, power);
   return joint_wrench(spec_of(loop.joint), q, loop.joint.locked, effort);
 }
 
 Force<double> detail::loop_force(const Tree& tree, double t, int place, const LoopPlace& p, const Turns& turns,
-                                 Power& power) noexcept {
+                                 const double* given, Power& power) noexcept {
   double effort[6] = {};
-  const Force<double> W = joint_wrench_at(tree, t, place, p, turns, effort, power);
+  const Force<double> W = joint_wrench_at(tree, t, place, p, turns, given, effort, power);
   const Mat3 Rb = loop_child_axes(p, tree.loop_links()[at(place)]);
   return {Rb * W.l, Rb * W.h};
 }
@@ -202,14 +221,26 @@ double loop_holding_force(const Tree& tree, double t, const Workspace<double>& w
   Power unused;
   Loop free = loop;
   free.joint.locked = 0;
-  joint_force(free, t, q, u, passive, unused);
+  joint_force(free, t, q, u, workspace.loops->given.data() + 6 * place, passive, unused);
   const double through = dot(E[dof], W);
   size = std::fabs(through) + std::fabs(passive[dof]);
   return through - passive[dof];
 }
 
-void add_loop_forces(const Tree& tree, double t, Workspace<double>& workspace) noexcept {
-  detail::add_loop_forces<double>(tree, &t, workspace, *workspace.loops, &workspace.power);
+void add_loop_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
+  LoopWorkspace& loops = *workspace.loops;
+  if (tree.has_functions()) {
+    const EvaluationContext context(tree, t, q, workspace);
+    for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+      double* const given = loops.given.data() + 6 * i;
+      std::fill_n(given, 6, 0.0);
+      if (const JointFunction* function = tree.loop_function(static_cast<int>(i)))
+        (*function)(context, {given, static_cast<std::size_t>(info(tree.loops()[i].joint.kind).nv)});
+    }
+  } else {
+    std::fill(loops.given.begin(), loops.given.end(), 0.0);  // those of functions that are no more
+  }
+  detail::add_loop_forces<double>(tree, &t, workspace, loops, &workspace.power, loops.given.data());
 }
 
 double loop_energy(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {

@@ -10,5 +10,6 @@ template void gather_loops<double>(const Tree&, const double*, Workspace<double>
                                    bool) noexcept;
 template void factorise_loops<double>(LoopSystem<double>&) noexcept;
 template void apply_multipliers<double>(const Tree&, const double*, Workspace<double>&, LoopSystem<double>&) noexcept;
-template void add_loop_forces<double>(const Tree&, const double*, Workspace<double>&, LoopSystem<double>&, Power*) noexcept;
+template void add_loop_forces<double>(const Tree&, const double*, Workspace<double>&, LoopSystem<double>&, Power*,
+                                      const double*) noexcept;
 }  // namespace momentree::detail

@@ -96,7 +96,8 @@ void solve_chosen(LoopSystem<T>& loops, Right right) noexcept {
 
 /// Forces in loop joints at times t, by lane; adds their power, by lane.
 template <class T>
-void add_loop_forces(const Tree& tree, const double* t, Workspace<T>& workspace, LoopSystem<T>& loops, Power* power) noexcept;
+void add_loop_forces(const Tree& tree, const double* t, Workspace<T>& workspace, LoopSystem<T>& loops, Power* power,
+                     const double* given = nullptr) noexcept;
 
 // Computed in double, lane by lane, the same for all instruction sets.
 
@@ -123,11 +124,12 @@ void set_loop_motions(const Tree& tree, const double* t, int lanes, LoopConstant
 /// Coordinates and velocities of a loop joint whose frames are at `p`; its angle is nearest to `turns`.
 void loop_coordinates_at(const Tree& tree, int place, const LoopPlace& p, const Turns& turns, double* q, double* u) noexcept;
 Turns turns_at(const Tree& tree, int place, const LoopPlace& p, const Turns& hint) noexcept;
-/// loop_joint_wrench at a place.
-Force<double> joint_wrench_at(const Tree& tree, double t, int place, const LoopPlace& p, const Turns& turns, double* effort,
-                              Power& power) noexcept;
+/// loop_joint_wrench at a place. `given`: efforts of the joint's function by DoF; null: none.
+Force<double> joint_wrench_at(const Tree& tree, double t, int place, const LoopPlace& p, const Turns& turns, const double* given,
+                              double* effort, Power& power) noexcept;
 /// The same wrench in world axes, about xb; adds its power.
-Force<double> loop_force(const Tree& tree, double t, int place, const LoopPlace& p, const Turns& turns, Power& power) noexcept;
+Force<double> loop_force(const Tree& tree, double t, int place, const LoopPlace& p, const Turns& turns, const double* given,
+                         Power& power) noexcept;
 
 /// By what residuals of a row are measured, given by its place among those of its link: the size of a loop (m), or 1 for
 /// directions.

@@ -26,26 +26,35 @@ void inward(const Tree& tree, const F& f) {
   }
 }
 
+bool has_motions(const Tree& tree) { return !tree.driven_joints().empty() || tree.loop_motions() > 0; }
+
 void clear(const Tree& tree, std::vector<Force<double>>& by_body) {
   for (const LoopStop& stop : tree.loop_stops()) by_body[at(stop.body)] = {};
 }
 
-// loops.wrenches: −σ times the inertial derivative of the rows' unit wrenches. F of a row is fixed in the parent, also that of a
-// locked DoF: of a ball it is zero.
+// loops.wrenches: −σ times the inertial derivative of the rows' unit wrenches. F of a closure's row is fixed in the parent.
 void add_turning_wrenches(const Tree& tree, const Workspace<double>& workspace, const double* impulses) {
   LoopWorkspace& loops = *workspace.loops;
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
     const LoopLink& link = tree.loop_links()[i];
     const LoopPlace& place = loops.places[i];
-    Vec3 F{}, T{};
+    Vec3 F{}, T{}, turned{};
     for (int k = 0; k < link.rows; ++k) {
       const auto row = at(link.first_row + k);
       F += impulses[row] * loops.rows[row].F;
-      T += impulses[row] * loops.rows[row].rate;
+      if (k < link.closure.rows()) {
+        turned += impulses[row] * cross(place.wa, loops.rows[row].F);
+        T += impulses[row] * loops.rows[row].rate;
+      } else if (impulses[row] != 0) {
+        const LoopWrenchRate rate =
+            loop_dof_rate(tree, workspace, static_cast<int>(i), link.dof_rows[at(k - link.closure.rows())].dof);
+        turned += impulses[row] * rate.F;
+        T += impulses[row] * rate.T;
+      }
     }
     T += cross(place.vb, F);
-    F = cross(place.wa, F);
+    F = turned;
     Force<double>& child = loops.wrenches[at(loop.body)];
     child = child - on_body(workspace.bodies[at(loop.body)], F, T, place.xb);
     if (loop.to >= 0) loops.wrenches[at(loop.to)] += on_body(workspace.bodies[at(loop.to)], F, T, place.xb);
@@ -101,6 +110,18 @@ void add_rates(const Tree& tree, const double* q, Workspace<double>& workspace, 
   });
 }
 
+// −J̇ᵀ σ of the couplings: their rows change with f′.
+void add_coupling_rates(const Tree& tree, const double* q, const Workspace<double>& workspace, const double* impulses,
+                        double* rates) noexcept {
+  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i) {
+    const LoopLink& link = tree.loop_links()[i];
+    const int b = link.ends.follows;
+    if (b < 0 || (tree.link(b).locked & 1u) != 0) continue;
+    const double curvature = detail::coupling_point(tree, link.ends.coupling, q[tree.first_q(b)]).curvature;
+    rates[tree.first_p(b)] += curvature * workspace.v[at(tree.first_p(b))] * impulses[link.first_row];
+  }
+}
+
 }  // namespace
 
 void detail::sum_loop_momenta(const Tree& tree, const double* q, const Workspace<double>& workspace,
@@ -138,15 +159,20 @@ void detail::solve_momenta_of_loops(const Tree& tree, const double* q, Workspace
     workspace.reduced_bias_wrenches[at(stop.body)] = {};  // afterwards −(K − G k) σ
   }
   place_loops(tree, q, workspace, false);
-  solve_loops(tree, q, workspace, {}, workspace.loops->wanted, true);
-  workspace.loops->impulsive = false;  // of a step, not of a change
+  LoopWorkspace& loops = *workspace.loops;
+  if (loops.armatures == ArmatureSpeeds::none)
+    for (LoopRow& row : loops.rows) row.jump_to = 0;
+  loops.in_momenta = true;
+  solve_loops(tree, q, workspace, {}, loops.wanted, true);
+  loops.in_momenta = loops.impulsive = false;  // impulses of a step, not of a change
 }
 
 // Pb = M̂ Ω_in + D̂ of the outward pass lacks what the impulses add to D̂.
 void detail::find_motions_with_loops(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace,
-                                     LoopRows rows) noexcept {
+                                     LoopRows rows, ArmatureSpeeds armatures) noexcept {
   LoopWorkspace& loops = loop_memory(tree, workspace);
-  loops.wanted = rows;
+  const bool unknown = loops.rank < 0 && armatures == ArmatureSpeeds::kept;  // no rows were chosen
+  loops.wanted = rows, loops.armatures = unknown ? ArmatureSpeeds::taken : armatures;
   sweep_momenta(tree, q, p, workspace);
   const auto stops = tree.loop_stops();
   for (std::size_t s = 0; s < stops.size(); ++s) {
@@ -158,24 +184,30 @@ void detail::find_motions_with_loops(const Tree& tree, const double* q, const do
   }
 }
 
-void find_velocities_with_loops(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace) noexcept {
-  detail::find_motions_with_loops(tree, q, p, workspace, LoopRows::kept);
+void find_velocities_with_loops(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace,
+                                ArmatureSpeeds armatures) noexcept {
+  detail::find_motions_with_loops(tree, q, p, workspace, LoopRows::kept, armatures);
 }
 
 void evaluate_with_loops(const Tree& tree, double t, const double* q, const double* p, Workspace<double>& workspace,
                          LoopRows rows, bool resistance) noexcept {
-  detail::find_motions_with_loops(tree, q, p, workspace, rows);
+  detail::set_loop_motions(tree, t, workspace);
+  detail::loop_memory(tree, workspace).heavier = !resistance;
+  detail::find_motions_with_loops(tree, q, p, workspace, rows,
+                                  rows == LoopRows::choose ? ArmatureSpeeds::taken : ArmatureSpeeds::kept);
   LoopWorkspace& loops = *workspace.loops;
+  loops.heavier = false;
   detail::place_loops(tree, q, workspace, true);
   add_joint_forces(tree, t, q, workspace, resistance);
-  add_loop_forces(tree, t, workspace);
+  add_loop_forces(tree, t, q, workspace);
   detail::add_extra_efforts(tree, loops, workspace.pdot.get());
   for (const LoopStop& stop : tree.loop_stops()) loops.wrenches[at(stop.body)] = -1.0 * workspace.biases[at(stop.body)].wrench;
   add_turning_wrenches(tree, workspace, loops.lambda.data());
   add_rates(tree, q, workspace, workspace.pdot.get());
+  add_coupling_rates(tree, q, workspace, loops.lambda.data(), workspace.pdot.get());
   complete_gyroscopic_wrenches(tree, q, workspace);
   add_body_forces(tree, t, q, workspace);
-  if (resistance && !tree.driven_joints().empty())  // for the power of the drives
+  if (resistance && has_motions(tree))  // for the power of the drives
     evaluate_velocities_keeping(tree, t, q, workspace.v.get(), workspace, rows);
 }
 
@@ -183,7 +215,7 @@ void evaluate_state_with_loops(const Tree& tree, const State& state, Workspace<d
   load_turns(tree, state, workspace);
   evaluate_with_loops(tree, state.time(), state.q().data(), state.p().data(), workspace, LoopRows::choose);
   workspace.evaluated = state.stamp();
-  if (!tree.driven_joints().empty()) workspace.accelerated = state.stamp();
+  if (has_motions(tree)) workspace.accelerated = state.stamp();
 }
 
 void accelerate_with_loops(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
@@ -199,6 +231,7 @@ void add_gauge_rates(const Tree& tree, const double* q, Workspace<double>& works
   clear(tree, workspace.loops->wrenches);
   add_turning_wrenches(tree, workspace, impulses);
   add_rates(tree, q, workspace, rates);
+  add_coupling_rates(tree, q, workspace, impulses, rates);
 }
 
 }  // namespace momentree

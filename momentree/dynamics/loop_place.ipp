@@ -169,15 +169,16 @@ void place_other_rows(const Tree& tree, const T* q, const Workspace<T>& workspac
 }
 
 template <class T>
-void add_loop_forces(const Tree& tree, const double* t, Workspace<T>& workspace, LoopSystem<T>& loops, Power* power) noexcept {
+void add_loop_forces(const Tree& tree, const double* t, Workspace<T>& workspace, LoopSystem<T>& loops, Power* power,
+                     const double* given) noexcept {
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
-    if (!loop.parameters.any()) continue;
+    if (!loop.forced()) continue;
     Force<T> all;
     each_lane<T>(loops, [&](int l) MOMENTREE_INLINE_LAMBDA {
       set_lane_of(all, l,
                   loop_force(tree, t[l], static_cast<int>(i), lane_of(loops.places[i], l), loops.turns[i * lanes_of<T> + at(l)],
-                             power[l]));
+                             given != nullptr ? given + 6 * i : nullptr, power[l]));
     });
     const auto on = [&](int body)
                         MOMENTREE_INLINE_LAMBDA { return on_body(workspace.bodies[at(body)], all.l, all.h, loops.places[i].xb); };

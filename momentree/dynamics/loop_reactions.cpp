@@ -16,7 +16,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 LoopImpulse loop_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
   LoopImpulse found;
   const LoopWorkspace& loops = *workspace.loops;
-  if (!loops.impulsive || loops.topology != tree.revision()) return found;
+  if (!loops.impulsive || loops.solved != tree.revision()) return found;
   const LoopLink& link = tree.loop_links()[at(place)];
   for (int i = 0; i < link.rows; ++i) {
     const auto row = at(link.first_row + i);
@@ -34,7 +34,7 @@ CouplingImpulse coupling_impulse(const Tree& tree, const Workspace<double>& work
   const LoopLink& link = tree.loop_links()[at(place)];
   const LoopWorkspace& loops = *workspace.loops;
   CouplingImpulse found{link.ends.coupling, 0, 0};
-  if (!loops.impulsive || loops.topology != tree.revision()) return found;
+  if (!loops.impulsive || loops.solved != tree.revision()) return found;
   const auto row = at(link.first_row);
   found.joint = loops.lambda[row], found.follows = -loops.rows[row].slope * loops.lambda[row];
   return found;

@@ -12,9 +12,32 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+// With larger armatures A is smaller, and some pivots more than others: rows are left out only where pivots are smaller still.
+void factorise(LoopWorkspace& loops) noexcept {
+  constexpr double unevenly = 1e-3;
+  if (!loops.heavier || loops.whole) return detail::factorise_loops<double>(loops);
+  const std::size_t n = loops.kept.rows.size();
+  double *const mobility = loops.choice.mobility.data(), *const least = loops.least_pivots.data();
+  std::copy_n(least, n, mobility + n);
+  for (std::size_t i = 0; i < n; ++i)
+    if (const double now = loops.kept.element(loops.A, i, i); now < mobility[i]) least[i] *= unevenly * now / mobility[i];
+  detail::factorise_loops<double>(loops);
+  std::copy_n(mobility + n, n, least);
+}
+
 }  // namespace
 
 namespace detail {
+
+void soften(LoopWorkspace& loops) noexcept {
+  soften<double>(loops);
+  if (!loops.in_momenta) return;
+  for (std::size_t row = 0; row < loops.rows.size(); ++row) {
+    if (!(loops.rows[row].softness > 0)) continue;
+    if (loops.armatures == ArmatureSpeeds::taken) loops.speeds[row] = loops.b[row];
+    loops.rows[row].jump_to = loops.armatures == ArmatureSpeeds::none ? 0 : loops.speeds[row];
+  }
+}
 
 void LoopCorrection::gather(const double* q, const double* u) noexcept {
   sweep_velocities<double, true>(tree, q, u, workspace);
@@ -65,16 +88,17 @@ void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace
   LoopWorkspace& loops = *workspace.loops;  // placed with the forces
   const bool choose = rows == LoopRows::choose || loops.rank < 0;
   detail::gather_loops<double>(tree, q, workspace, loops, base, choose);
-  if (tree.loop_armatures() > 0) detail::soften<double>(loops);
+  if (tree.loop_armatures() > 0) detail::soften(loops);
   if (choose) {
     detail::scale_rows<double>(tree, workspace, loops);
     detail::choose_rows(tree, loops, detail::rank_tolerance);
   }
-  detail::factorise_loops<double>(loops);
+  factorise(loops);
   detail::solve_chosen<double>(
       loops, [&](std::size_t row) { return -loops.b[row] + (velocities ? loops.rows[row].jump_to : -loops.rows[row].drift); });
   detail::apply_multipliers<double>(tree, q, workspace, loops);
   loops.impulsive = velocities;
+  loops.solved = tree.revision();
   loops.struck = -1;
   loops.least = false;
 }
@@ -98,7 +122,7 @@ void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace
   if (!tree.has_loops()) return;
   LoopWorkspace& loops = detail::loop_memory(tree, to);
   loops.kept = from.loops->kept, loops.least_pivots = from.loops->least_pivots, loops.turns = from.loops->turns;
-  loops.rank = from.loops->rank;
+  loops.rank = from.loops->rank, loops.speeds = from.loops->speeds;
 }
 
 }  // namespace momentree

@@ -15,6 +15,12 @@ Pose loop_pose(const LoopPlace& place, const LoopLink& link) noexcept;
 /// The velocity of one DoF of a loop joint as a row; its residual is the coordinate, if the DoF has one.
 LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept;
 
+/// The inertial derivative of F and T of a row of a single DoF, at the places and velocities of the workspace.
+struct LoopWrenchRate {
+  Vec3 F{}, T{};
+};
+LoopWrenchRate loop_dof_rate(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept;
+
 /// The wrench of springs, dampers, friction, efforts and drives of a loop joint on its child, in the joint's child-side frame,
 /// and their effort along the DoFs; adds their power. At the places and velocities of the workspace.
 Force<double> loop_joint_wrench(const Tree& tree, double t, const Workspace<double>& workspace, int place, double* effort,
@@ -51,6 +57,9 @@ void set_loop_motions(const Tree& tree, double t, Workspace<double>& workspace) 
 /// The armatures keep the velocities that carry_armatures stored, in an impact that follows; those of new loops have their
 /// present ones.
 void keep_armatures(const Tree& tree, Workspace<double>& workspace) noexcept;
+
+/// Adds the softness of armatures to A. In momenta it also finds their speeds before the evaluation.
+void soften(LoopWorkspace& loops) noexcept;
 
 /// Chooses independent rows from A of all rows: those whose pivots are above `tolerance`, relative to the rows' scales.
 void choose_rows(const Tree& tree, LoopWorkspace& loops, double tolerance) noexcept;

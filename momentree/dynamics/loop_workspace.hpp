@@ -31,7 +31,7 @@ struct LoopRowOf {
   S residual{};     ///< φ
   S velocity{};     ///< J u
   S drift{};        ///< J̇ u
-  Vector3<S> rate;  ///< dT/dt, of an inertial observer; not of armatures and motions, whose columns may turn in the child
+  Vector3<S> rate;  ///< dT/dt, of an inertial observer; of rows of single DoFs see loop_dof_rate
   S scale = S(1);   ///< bound of the row's element of A
   S softness{};     ///< the inverse of an armature, added to the row's element of A
   S jump_to{};      ///< J u after an impact, less what `velocity` leaves out
@@ -77,12 +77,13 @@ struct RowChoice {
   std::vector<int> taken_before;  ///< by loop: how many rows were taken when its own came first
   std::vector<std::size_t> start;
   std::vector<double> F, trial, remainder, scale;
+  std::vector<double> mobility;  ///< by chosen row: its element of A when it was chosen; behind these as many for scratch
 
   /// `elements`: of the layout of all rows. Rows that are taken late have longer rows of the factor.
   void reserve(std::size_t loops, std::size_t rows, std::size_t elements) {
     taken.reserve(rows), begin.reserve(rows), postponed.reserve(rows), start.reserve(rows), taken_before.resize(loops);
     F.reserve(std::min(rows * (rows + 1) / 2, 2 * elements + 64 * rows));
-    trial.resize(6 * rows), remainder.resize(6), scale.resize(rows);
+    trial.resize(6 * rows), remainder.resize(6), scale.resize(rows), mobility.resize(2 * rows);
   }
 };
 
@@ -108,7 +109,7 @@ struct LoopReactions {
 /// The part of the rows' system that is not computed with its scalar. For packs, `turns` and `motions` have one entry per lane,
 /// those of one loop consecutive.
 struct LoopConstants {
-  std::uint64_t topology = 0;         ///< Tree::revision() for which everything is laid out and rows were chosen; 0: none
+  std::uint64_t topology = 0;         ///< Tree::loop_revision() for which everything is laid out and rows were chosen; 0: none
   std::vector<Turns> turns;           ///< by loop: the angles to which its own are nearest
   std::vector<Curve::Point> motions;  ///< by loop: its prescribed motion at the time of the evaluation
   std::vector<double> extents;        ///< by loop: the least size for tolerances (m)
@@ -129,20 +130,32 @@ struct LoopSystem : LoopConstants {
   std::vector<T> sizes;                  ///< by coupling that acts: of its equation, for tolerances (rad or m)
 };
 
+/// Coordinates and velocities of a loop joint.
+struct LoopValues {
+  double q[7] = {}, v[6] = {};
+};
+
 struct LoopWorkspace : LoopSystem<double> {
   std::vector<ArmatureSpeed> carried;  ///< of loop joints with armature, before an impact
   RowChoice choice;
+  std::vector<double> given;                     ///< by loop and DoF, 6 of each: efforts of functions in the last evaluation
+  std::vector<LoopValues> values;                ///< by loop, for functions
   const double* efforts = nullptr;               ///< extra joint forces of a world of a batch, packed as p; null: none
   LoopRows wanted{};                             ///< of the evaluation in momenta that is going on
+  ArmatureSpeeds armatures{};                    ///< of the same evaluation
+  std::vector<double> speeds;                    ///< by row: of an armature at the start of the step, J H⁻¹ p
   std::vector<double> gauge;                     ///< by row: impulses that the last closing in momenta added to the momenta
   std::vector<double> u;                         ///< velocities, scratch of that closing
   std::vector<double> forces, answers;           ///< scratch of stages by generated code
   std::vector<Force<double>> momenta, wrenches;  ///< by body, scratch of rates of momenta
   int rank = 0;
-  int struck = -1;         ///< the loop whose DoF a stop struck in the last change, −1: none
-  Force<double> strike{};  ///< and the stop's impulse on its child, world axes
-  bool impulsive = false;  ///< the multipliers are impulses
-  bool least = false;      ///< the multipliers are those of the least reactions
+  int struck = -1;           ///< the loop whose DoF a stop struck in the last change, −1: none
+  Force<double> strike{};    ///< and the stop's impulse on its child, world axes
+  bool impulsive = false;    ///< the multipliers are impulses
+  std::uint64_t solved = 0;  ///< Tree::revision() of the tree whose multipliers they are
+  bool heavier = false;      ///< the evaluation is that of a tree with larger armatures than the rows were chosen for
+  bool in_momenta = false;   ///< the present solution is that of an evaluation in momenta
+  bool least = false;        ///< the multipliers are those of the least reactions
   LoopReactions reactions;
   std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by link: 1 if the loops leave the joint's reaction open
 };

@@ -29,9 +29,17 @@ enum class LoopRows : unsigned char {
   kept     ///< those that were chosen last, if that was for this topology
 };
 
-/// Forces of springs, dampers, friction, efforts and drives in loop joints at time t (s): adds them to workspace.biases of both
-/// bodies, and their power to workspace.power. Requires place_loops.
-void add_loop_forces(const Tree& tree, double t, Workspace<double>& workspace) noexcept;
+/// The speeds that the armatures of loop joints have before an evaluation in momenta, whose impulses change them. The momenta of
+/// a state are those of the bodies and of the tree's armatures, H u.
+enum class ArmatureSpeeds : unsigned char {
+  taken,  ///< those of the momenta p, which are those of a state; they are noted
+  kept,   ///< those noted last
+  none    ///< zero, also of prescribed motions: p are differences of momenta
+};
+
+/// Forces of springs, dampers, friction, efforts, drives and functions in loop joints at time t (s): adds them to
+/// workspace.biases of both bodies, and their power to workspace.power. Requires place_loops.
+void add_loop_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept;
 
 /// Sets the angles to which those of loop joints are nearest to the state's.
 void load_turns(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
@@ -126,6 +134,10 @@ LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& 
 
 /// The effort of the couplings on the joint that a body carries, from the last multipliers (N m or N, or their impulses).
 [[nodiscard]] double coupling_effort(const Tree& tree, const Workspace<double>& workspace, int body) noexcept;
+/// Adds the efforts of all couplings for multipliers given by row, or their impulses, to joint forces packed as p; not along
+/// locked and driven DoFs.
+void add_coupling_efforts(const Tree& tree, const Workspace<double>& workspace, const double* multipliers,
+                          double* force) noexcept;
 /// The place of a coupling in Tree::loop_links(); −1: it does not act.
 [[nodiscard]] int coupling_place(const Tree& tree, int coupling) noexcept;
 

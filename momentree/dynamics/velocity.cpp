@@ -21,6 +21,12 @@ template <bool Keep>
 void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace,
                   LoopRows rows = LoopRows::kept) noexcept {
   double* const tau = workspace.a.get();
+  if constexpr (Keep) {
+    if (tree.has_loops()) {  // first, because functions may read the coordinates of loop joints
+      detail::set_loop_motions(tree, t, workspace);
+      detail::place_loops(tree, q, workspace, true, rows);
+    }
+  }
   workspace.power = joint_forces(tree, t, q, workspace, tau, workspace.passive.get());
   if constexpr (Keep) {
     find_loads(tree, t, q, workspace);
@@ -29,9 +35,7 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
       wrench = wrench - workspace.loads[static_cast<std::size_t>(b)];
     }
     if (tree.has_loops()) {
-      detail::set_loop_motions(tree, t, workspace);
-      detail::place_loops(tree, q, workspace, true, rows);
-      add_loop_forces(tree, t, workspace);
+      add_loop_forces(tree, t, q, workspace);
       detail::add_extra_efforts(tree, *workspace.loops, tau);
     }
   }
@@ -140,6 +144,7 @@ void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>
     Tb[loop.to] =
         Tb[loop.to] - on_body(workspace.bodies[static_cast<std::size_t>(loop.to)], child.R * W.l, child.R * W.h, child.r);
   }
+  if (tree.has_loops()) add_coupling_efforts(tree, workspace, workspace.loops->lambda.data(), pdot);
   inward(tree, [&](int b, unsigned flags, auto tag) {
     using K = typename decltype(tag)::type;
     const LinkConstants& link = all.link(b);

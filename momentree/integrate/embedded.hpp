@@ -119,9 +119,8 @@ class Embedded : public Integrator {
       normalise(evaluate.tree(), q);
       centres_.place(q);
       if (!evaluate.tree().has_loops() || evaluate.variables() != Variables::momenta) return true;
-      double energy =
-          0;  // momenta are those of a state only where the loops are closed; in momenta, this does not depend on time
-      return evaluate.in(solver_).close(0, q, y, energy);
+      double energy = 0;  // momenta are those of a state only where the loops are closed
+      return evaluate.in(solver_).close(start_ + theta * last_, q, y, energy);
     } else {
       return false;
     }

@@ -60,7 +60,7 @@ void Evaluator::operator()(const State& state) noexcept {
 
 bool Evaluator::close(double t, double* q, double* y, double& energy) noexcept {
   const Stopwatch watch(seconds);
-  if (variables_ == Variables::momenta) return close_loops_in_momenta(*tree_, q, y, *workspace_, energy);
+  if (variables_ == Variables::momenta) return close_loops_in_momenta(*tree_, t, q, y, *workspace_, energy);
   return close_loops(*tree_, t, q, y, *workspace_, energy);
 }
 
@@ -68,7 +68,7 @@ void Evaluator::solve(const double* q, const double* p, Workspace<double>& other
   const Stopwatch watch(seconds);
   ++count;
   if (tree_->has_loops())
-    find_velocities_with_loops(*tree_, q, p, other);
+    find_velocities_with_loops(*tree_, q, p, other, ArmatureSpeeds::none);
   else
     evaluate_rates<double>(*tree_, q, p, other);
 }

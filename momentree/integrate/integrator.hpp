@@ -42,7 +42,8 @@ class Evaluator {
   }
   /// Closes the loops at (q, y) and time t (s): see close_loops and close_loops_in_momenta.
   [[nodiscard]] bool close(double t, double* q, double* y, double& energy) noexcept;
-  /// Writes the velocities H⁻¹ p at q, with loops those that keep them closed, to other.v; the rates there are meaningless.
+  /// Writes the changes of velocities H⁻¹ p that belong to changes of momenta p at q, with loops those that keep them closed, to
+  /// other.v; the rates there are meaningless.
   /// Counts as an evaluation.
   void solve(const double* q, const double* p, Workspace<double>& other) noexcept;
 

@@ -177,7 +177,7 @@ std::optional<StiffJoint> too_stiff(const Tree& tree, std::span<const double> q,
       return std::sqrt(stiffness / (1 / mobility + (implicit ? Damped::implicit_share * step * damping : 0)));
     };
     const Limits damped = limits_of("damped");
-    const bool helps = f.loop < 0 && tree.couplings().empty() && swing(true) * step <= damped.spring;
+    const bool helps = f.loop < 0 && swing(true) * step <= damped.spring;
     const auto consider = [&](bool damper, double rate, double limit) {
       const double excess = rate * step / limit;
       if (!(excess > worst_excess)) return;

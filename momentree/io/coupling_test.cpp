@@ -218,9 +218,6 @@ TEST_CASE("errors in a coupling are reported at its place") {
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\npolynomial = [1, 2]\noffset = 1\n",
           "give either these or the polynomial");
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\npolynomial = [1, 2]\nstiffness = 1\n", "a spring follows by");
-  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\n[integrate]\nvariables = \"momenta\"\n",
-          "exact couplings are integrated in velocities");
-  refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\n[integrate]\nmethod = \"damped\"\n", "can't integrate exact couplings");
   refused(coupling + "joint = \"m/b\"\nfollows = \"m/a\"\n[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\noffset = 1\n",
           "error: coupling of 'm/b' with 'm/a': it can't hold from these start values");
   refused(

@@ -101,16 +101,22 @@ int joint_columns(const JointSpec& joint, const double* q, Motion<double>* colum
   });
 }
 
-Motion<double> joint_columns_drift(const JointSpec& joint, const double* q, const double* u) noexcept {
-  return with_kernels(joint, q, [u](auto tag, const Mat3& C, const LinkConstants& link, const JointState<double>& state) {
+void joint_columns_rate(const JointSpec& joint, const double* q, const double* u, Motion<double>* rates) noexcept {
+  std::fill_n(rates, info(joint.kind).nv, Motion<double>{});
+  with_kernels(joint, q, [&](auto tag, const Mat3& C, const LinkConstants& link, const JointState<double>& state) {
     using K = typename decltype(tag)::type;
-    Motion<double> sum{};
     if constexpr (requires { K::template columns_rate<double>(link, state, u); }) {
-      const auto rates = K::template columns_rate<double>(link, state, u);
-      for (std::size_t i = 0; i < rates.size(); ++i) sum = sum + Motion<double>{u[i] * (C * rates[i].v), u[i] * (C * rates[i].w)};
+      const auto own = K::template columns_rate<double>(link, state, u);
+      for (std::size_t i = 0; i < own.size(); ++i) rates[i] = {C * own[i].v, C * own[i].w};
     }
-    return sum;
   });
+}
+
+Motion<double> joint_columns_drift(const JointSpec& joint, const double* q, const double* u) noexcept {
+  Motion<double> rates[6], sum{};
+  joint_columns_rate(joint, q, u, rates);
+  for (int i = 0; i < info(joint.kind).nv; ++i) sum = sum + Motion<double>{u[i] * rates[i].v, u[i] * rates[i].w};
+  return sum;
 }
 
 Force<double> joint_wrench(const JointSpec& joint, const double* q, unsigned locked, const double* force) noexcept {

@@ -41,6 +41,8 @@ std::optional<LockedForm> locked_form(const JointSpec& joint, unsigned locked, c
 
 /// joint_dofs without allocation: writes at most 6 columns and returns their number.
 int joint_columns(const JointSpec& joint, const double* q, Motion<double>* columns) noexcept;
+/// Their rates Ė at velocities u, one per column.
+void joint_columns_rate(const JointSpec& joint, const double* q, const double* u, Motion<double>* rates) noexcept;
 /// Ė u of these columns at velocities u.
 Motion<double> joint_columns_drift(const JointSpec& joint, const double* q, const double* u) noexcept;
 

@@ -36,14 +36,7 @@ const Integration& checked(const Integration& how) {
 Variables Integration::state_variables() const { return variables.value_or(default_variables(method)); }
 
 Variables Integration::state_variables(const Model& model) const {
-  if (!model.has_equations()) return state_variables();
-  if (loop_variables() == Variables::momenta && !model.couplings().empty()) {
-    if (variables == Variables::momenta)
-      throw_error({"couplings of joints are integrated in velocities", "variables", "leave 'variables' out"});
-    throw_error(
-        {"the method '" + method + "' can't integrate couplings of joints", "method", "use rk4, midpoint, dopri5 or dop853"});
-  }
-  return loop_variables();
+  return model.has_equations() ? loop_variables() : state_variables();
 }
 
 Variables Integration::loop_variables() const {

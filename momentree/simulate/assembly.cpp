@@ -136,25 +136,6 @@ std::optional<Error> beyond_stops(const Tree& tree, const Names& names, const St
   return std::nullopt;
 }
 
-std::optional<Error> needs_velocities(const JointParameters& parameters) {
-  const bool moves = parameters.drive != nullptr && parameters.drive->moves();
-  if (!moves && !parameters.armature.any()) return std::nullopt;
-  return Error(std::string(moves ? "drive: a prescribed motion" : "armature: it") +
-                   " is not supported in momenta for joints that close a loop",
-               "",
-               "leave 'variables' out and use rk4, midpoint, dopri5 or dop853; or give it to a joint of the tree: any joint of a "
-               "loop can be the one that closes it");
-}
-
-std::optional<Error> needs_velocities(const Tree& tree, const Names& names) {
-  for (const Loop& loop : tree.loops())
-    if (std::optional<Error> error = needs_velocities(loop.parameters)) {
-      error->where = "loop '" + names.joint(loop.id().index) + "'";
-      return error;
-    }
-  return std::nullopt;
-}
-
 std::optional<Error> check_assembly(const Model& model) {
   if (!model.has_equations()) return std::nullopt;
   const Tree tree(model);

@@ -20,12 +20,6 @@ namespace momentree {
 /// The mistake if a loop joint starts beyond its hard stops.
 [[nodiscard]] std::optional<Error> beyond_stops(const Tree& tree, const Names& names, const State& state);
 
-/// The mistake if a loop joint has parameters that are supported in velocities only: an armature or a prescribed motion.
-/// `problem` names the parameter.
-[[nodiscard]] std::optional<Error> needs_velocities(const JointParameters& parameters);
-/// The same for the loop joints of a tree; `where` is "loop 'name'".
-[[nodiscard]] std::optional<Error> needs_velocities(const Tree& tree, const Names& names);
-
 /// The mistake that keeps a model's loops from being closed at the start.
 [[nodiscard]] std::optional<Error> check_assembly(const Model& model);
 

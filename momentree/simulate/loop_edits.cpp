@@ -18,7 +18,6 @@ const JointParameters* TopologyEditor::parameters(int joint) const {
 
 ActionResult TopologyEditor::supports(int joint, const JointParameters& parameters) const {
   if (!is_loop({joint})) return ActionResult::done();
-  if (std::optional<ActionResult> refused = refused_in_momenta(parameters)) return *refused;
   const Loop& now = loop_of(joint);
   LoopSpec spec;
   spec.name = joint_name(joint), spec.body = {now.body}, spec.to = {now.to};
@@ -36,12 +35,6 @@ ActionResult TopologyEditor::can_move() const {
   return error ? ActionResult::refused(error->where + ": " + error->problem, error->hint) : ActionResult::done();
 }
 
-std::optional<ActionResult> TopologyEditor::refused_in_momenta(const JointParameters& parameters) const {
-  if (world_.loop_variables_ != Variables::momenta) return std::nullopt;
-  const std::optional<Error> error = needs_velocities(parameters);
-  return error ? std::optional(ActionResult::refused(error->problem, error->hint)) : std::nullopt;
-}
-
 Turns TopologyEditor::turns_of_loop(int joint) const {
   const auto place = static_cast<std::size_t>(tree().loop_place({joint}));
   const std::vector<Turns>& turns = world_.state_.turns();
@@ -50,7 +43,6 @@ Turns TopologyEditor::turns_of_loop(int joint) const {
 
 ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {
   if (std::optional<ActionResult> taken = name_taken(body, to)) return *taken;
-  if (std::optional<ActionResult> refused = refused_in_momenta(spec.parameters)) return *refused;
   if (spec.kind == Kind::free) return ActionResult::skipped("a free joint between them constrains nothing");
   const Pose present = inverse(pose(to)) * pose(body);
   LoopSpec whole;

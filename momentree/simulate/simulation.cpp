@@ -288,9 +288,6 @@ int Simulation::Impl::to_drive(std::string_view joint, bool function) const {
     world.model().joint(joint);  // throws if it never existed
     throw_error({"the joint '" + std::string(joint) + "' no longer exists", "", ""});
   }
-  if (is_loop({number}))
-    throw_error({"the joint '" + std::string(joint) + "' closes a loop, where functions can't drive it", "",
-                 "let another joint of the loop be the one that closes it"});
   const JointView view = world.joint({number});
   if (view.v.empty()) throw_error({"the joint '" + std::string(joint) + "' has no degree of freedom to drive", "", ""});
   const JointDrive* drive = view.parameters != nullptr ? view.parameters->drive.get() : nullptr;

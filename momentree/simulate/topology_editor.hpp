@@ -57,8 +57,6 @@ class TopologyEditor {
   const Loop& loop_of(int joint) const;
   /// Whether a joint, which may close a loop, supports these parameters; otherwise the result of the action.
   ActionResult supports(int joint, const JointParameters& parameters) const;
-  /// The refusal of parameters that a loop joint can't have in this run, because it is in momenta.
-  std::optional<ActionResult> refused_in_momenta(const JointParameters& parameters) const;
   /// Whether the prescribed motions of joints in loops are independent now.
   ActionResult can_move() const;
   Values coordinates(int joint) const;

@@ -13,10 +13,8 @@ namespace momentree {
 
 World::World(const Model& model, Variables variables, Variables with_loops)
     : model_(model),
-      variables_(!model.couplings().empty() ? Variables::velocities
-                 : model.loops().empty()    ? variables
-                                            : with_loops),
-      loop_variables_(model.couplings().empty() ? with_loops : Variables::velocities),
+      variables_(model.has_equations() ? with_loops : variables),
+      loop_variables_(with_loops),
       first_bodies_(model.size()) {
   const std::vector<SingularJoint> singular = singular_joints(model_);
   if (!singular.empty()) {
@@ -32,6 +30,10 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   for (const int b : tree_.forced_joints())
     if (const JointFunction* f = tree_.function(b))
       functions.emplace_back(tree_.joint_of(b), std::make_shared<const JointFunction>(*f));
+  std::vector<std::pair<int, std::shared_ptr<const JointFunction>>> loop_functions;
+  for (std::size_t i = 0; i < tree_.loops().size(); ++i)
+    if (const JointFunction* f = tree_.loop_function(static_cast<int>(i)))
+      loop_functions.emplace_back(tree_.loops()[i].number, std::make_shared<const JointFunction>(*f));
   const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
   tree_ = Tree(model_);
   first_bodies_ = model_.size();
@@ -49,6 +51,12 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
     if (b >= 0 && !tree_.joint(b).created_by_event && tree_.joint(b).kind == model_[{joint}].joint.kind)
       tree_.set_function(b, std::move(f));
   }
+  for (auto& [number, f] : loop_functions) {
+    const Loop* const loop = tree_.find_loop({first_loop + number});
+    const auto declared = static_cast<std::size_t>(number);
+    if (loop != nullptr && declared < model_.loops().size() && loop->joint.kind == model_.loops()[declared].joint.kind)
+      tree_.set_loop_function(number, std::move(f));
+  }
   for (const Topology::Loaded& load : loads)
     if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
   State state(tree_, own_variables());
@@ -65,9 +73,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
     state.set_turns(turns);
   }
   if (tree_.has_loops()) {
-    std::optional<Error> error;
-    if (state.variables() == Variables::momenta) error = needs_velocities(tree_, names_);
-    if (!error) error = assemble(tree_, model_, names_, state);
+    std::optional<Error> error = assemble(tree_, model_, names_, state);
     if (!error) error = conflicting_motions(tree_, names_, state);
     if (!error) error = beyond_stops(tree_, names_, state);
     if (error) throw_error(std::move(*error));
@@ -301,8 +307,11 @@ void World::restore(const WorldSnapshot& snapshot) {
 }
 
 void World::drive(int joint, JointFunction function) {
-  const int b = carrier({joint});
-  tree_.set_function(b, function ? std::make_shared<const JointFunction>(std::move(function)) : nullptr);
+  auto shared = function ? std::make_shared<const JointFunction>(std::move(function)) : nullptr;
+  if (is_loop({joint}))
+    tree_.set_loop_function(joint - first_loop, std::move(shared));
+  else
+    tree_.set_function(carrier({joint}), std::move(shared));
   state_.replace(0, 0, {}, 0, 0, {}, tree_);
 }
 

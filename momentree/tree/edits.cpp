@@ -146,16 +146,20 @@ void Tree::set_parameters(int b, const JointParameters& parameters) {
   revision_.renew();
 }
 
+// The number of a joint's function, which had the number given, or −1.
+int Tree::renewed_function(int number, std::shared_ptr<const JointFunction> function) {
+  if (function == nullptr) return -1;
+  if (number >= 0) {  // a stored topology has its own list
+    functions_[at(number)] = std::move(function);
+    return number;
+  }
+  functions_.push_back(std::move(function));
+  return static_cast<int>(functions_.size()) - 1;
+}
+
 void Tree::set_function(int b, std::shared_ptr<const JointFunction> function) {
   Joint joint = this->joint(b);
-  if (function == nullptr) {
-    joint.function = -1;
-  } else if (joint.function >= 0) {  // a stored topology has its own list
-    functions_[at(joint.function)] = std::move(function);
-  } else {
-    joint.function = static_cast<int>(functions_.size());
-    functions_.push_back(std::move(function));
-  }
+  joint.function = renewed_function(joint.function, std::move(function));
   if (replace_joint(b, joint, reversed(b))) list_special_joints();
   revision_.renew();
 }

@@ -20,6 +20,8 @@ struct Loop {
   JointId id() const { return {first_loop + number}; }
   /// A motion is prescribed for it and not suspended by a lock.
   bool driven() const { return parameters.drive != nullptr && parameters.drive->moves() && joint.locked == 0; }
+  /// Forces act along its DoFs: of its parameters, or of a function.
+  bool forced() const { return parameters.any() || joint.function >= 0; }
   const Curve& motion() const { return parameters.drive->motion.front(); }
 };
 

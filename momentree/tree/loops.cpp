@@ -57,6 +57,20 @@ void Tree::set_loop(int number, const Joint& joint, const JointParameters& param
   revision_.renew();
 }
 
+void Tree::set_loop_function(int number, std::shared_ptr<const JointFunction> function) {
+  const int place = loop_place({first_loop + number});
+  MT_REQUIRE(place >= 0, "the loop joint is in the tree");
+  int& own = loops_[at(place)].joint.function;
+  own = renewed_function(own, std::move(function));
+  count_loop_functions();
+  revision_.renew();
+}
+
+void Tree::count_loop_functions() {
+  loop_functions_ =
+      static_cast<int>(std::count_if(loops_.begin(), loops_.end(), [](const Loop& loop) { return loop.joint.function >= 0; }));
+}
+
 void Tree::end_coupling(int coupling) {
   MT_REQUIRE(coupling >= 0 && at(coupling) < couplings().size() && coupling_acts(coupling), "the coupling acts");
   coupling_ended_[at(coupling)] = 1;
@@ -99,9 +113,11 @@ const Loop* Tree::find_loop(JointId joint) const {
 
 // Rows, frames and stops. Called whenever the order or a kernel frame changes.
 void Tree::list_loops() {
+  loop_revision_.renew();
   loop_links_.clear(), loop_stops_.clear();
   loop_rows_ = loop_columns_ = loop_motions_ = loop_armatures_ = 0;
   std::erase_if(loops_, [this](const Loop& loop) { return !alive(loop.body) || (loop.to >= 0 && !alive(loop.to)); });
+  count_loop_functions();
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const Loop& loop = loops_[i];
     const std::optional<LockedForm> held = locked_form(loop.joint, loop.held);

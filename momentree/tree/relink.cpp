@@ -163,6 +163,7 @@ void Tree::copy_with_armatures(const Tree& other) {
       if (kind(b) == Kind::free) update_frames(b);
     }
   build_runs();
+  loop_revision_ = other.loop_revision_;  // rows that were chosen for one tree are those of the other
 }
 
 // Updates the packed data after b's joint changed from kind `before`: data behind it moves. Returns whether the lists of special

@@ -52,7 +52,7 @@ Tree::Tree(const Model& model) : gravity_(model.gravity()) {
   }
   put_springs({});
   coupling_ended_.assign(declared->couplings.size(), 0);
-  revision_.renew();
+  revision_.renew(), loop_revision_.renew();
   for (const LoopSpec& spec : model.loops()) {
     Loop loop;
     loop.number = next_loop_++;
@@ -145,12 +145,12 @@ void Tree::restore(const Topology& topology) {
   loops_ = topology.loops;
   for (const Loop& loop : loops_) next_loop_ = std::max(next_loop_, loop.number + 1);
   loop_links_.clear(), loop_stops_.clear();
-  loop_rows_ = loop_columns_ = loop_motions_ = loop_armatures_ = 0;
+  loop_rows_ = loop_columns_ = loop_motions_ = loop_armatures_ = loop_functions_ = 0;
   note_constraints();
   put_springs(topology.springs);
   std::fill(coupling_ended_.begin(), coupling_ended_.end(), static_cast<unsigned char>(0));
   for (const int c : topology.ended_couplings) coupling_ended_[at(c)] = 1;
-  revision_.renew();
+  revision_.renew(), loop_revision_.renew();
   link_all();
 }
 

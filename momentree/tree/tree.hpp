@@ -104,6 +104,9 @@ class Tree {
   /// Identifies the present form of this tree: each compiled tree and each change of one gets a number that is unique in this
   /// process. Copies share it, because they are equal. A State belongs to the tree of one revision.
   std::uint64_t revision() const { return revision_.number(); }
+  /// The same for its loops and couplings: their equations, and the bodies between their ends and the ground. Changes of other
+  /// joints' parameters leave it as it is.
+  std::uint64_t loop_revision() const { return loop_revision_.number(); }
 
   int parent(int b) const { return parent_[index(b)]; }
   int first_child(int b) const { return first_child_[index(b)]; }
@@ -219,10 +222,15 @@ class Tree {
   /// Bodies whose joint has a strength.
   std::span<const int> strength_joints() const { return strength_joints_; }
   /// True if a function drives a joint at present, not merely earlier.
-  bool has_functions() const { return has_functions_; }
+  bool has_functions() const { return has_functions_ || loop_functions_ > 0; }
   /// The function that drives b's joint, or null.
   const JointFunction* function(int b) const {
     const int i = joint(b).function;
+    return i < 0 ? nullptr : functions_[at(i)].get();
+  }
+  /// The function that drives a loop joint, by its place in loops(), or null.
+  const JointFunction* loop_function(int place) const {
+    const int i = loops_[at(place)].joint.function;
     return i < 0 ? nullptr : functions_[at(i)].get();
   }
   /// Loop joints, and their form for the recursions, in the same order, followed by the couplings that act.
@@ -302,6 +310,9 @@ class Tree {
   int add_loop(Loop loop);
   void remove_loop(int number);
   void set_loop(int number, const Joint& joint, const JointParameters& parameters, const Values& held = {});
+  /// Sets the function that drives a loop joint, or null for none: as set_function(), which it stays if the joint becomes one of
+  /// the tree. Allocates.
+  void set_loop_function(int number, std::shared_ptr<const JointFunction> function);
   /// Ends a coupling.
   void end_coupling(int coupling);
   /// Removes a spring, or sets its law.
@@ -407,7 +418,7 @@ class Tree {
   Vec3 gravity_{};
   int nq_ = 0, nv_ = 0, angles_ = 0, first_root_ = -1;
   std::size_t record_scalars_ = 0, record_capacity_ = 0;
-  detail::Version revision_;
+  detail::Version revision_, loop_revision_;
   std::shared_ptr<const detail::Declared> declared_;
   // By body, or by joint if stated.
   std::vector<int> parent_, first_child_, next_sibling_;
@@ -463,6 +474,9 @@ class Tree {
   std::vector<LoopStop> loop_stops_;
   std::vector<unsigned char> coupling_ended_;  // by coupling
   int next_loop_ = 0, loop_rows_ = 0, loop_columns_ = 0, loop_motions_ = 0, loop_armatures_ = 0;
+  int loop_functions_ = 0;
+  void count_loop_functions();
+  int renewed_function(int number, std::shared_ptr<const JointFunction> function);
 };
 
 /// Compiles a model: `Tree tree = compile(model)`.

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -86,7 +87,14 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   };
   void set_drive(const std::string& joint, nb::handle function);
   void set_efforts(const std::vector<double>& packed);
-  using Inputs = std::vector<std::shared_ptr<JointInput>>;  ///< by joint number
+  struct LoopInput {
+    std::string joint;
+    std::shared_ptr<JointInput> input;
+  };
+  struct Inputs {
+    std::vector<std::shared_ptr<JointInput>> joints;  ///< of the tree, by number
+    std::map<int, LoopInput> loops;                   ///< of joints that close loops, by number
+  };
   /// Copies, for snapshots and branches: the engine's functions refer to inputs, so that two simulations must not share any.
   Inputs copy_inputs() const;
   void set_inputs(const Inputs& inputs);
@@ -112,6 +120,8 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   bool same_layout();
   void fill_efforts();
   Inputs inputs_;
+  std::shared_ptr<JointInput>& input_of(int joint);
+  void adopt_loop_inputs();
   std::exception_ptr pending_;
   std::chrono::steady_clock::time_point looked_{};
   unsigned steps_since_look_ = 0;

@@ -65,10 +65,6 @@ def test_momenta_and_velocities_describe_the_same_motion() -> None:
 
 
 def test_what_loops_do_not_support_is_an_error() -> None:
-    coupled = four_bar()
-    coupled.add_coupling("bar/crank", multiplier=0, offset=0.1)
-    with pytest.raises(mt.Error, match="damped"):
-        mt.Simulation(coupled, method="damped")
     with pytest.raises(mt.Error, match="open at the start"):
         mt.Simulation(four_bar(assemble=False))
     with pytest.raises(mt.Error, match="can't be closed"):
@@ -77,16 +73,63 @@ def test_what_loops_do_not_support_is_an_error() -> None:
         mt.Simulation(model)
     with pytest.raises(mt.Error, match="hard stops"):
         mt.Batch(four_bar(), 2).apply(0, mt.set_parameters("pin", limits={"lower": -3, "upper": 3}))
-    with pytest.raises(mt.Error, match="not supported in momenta"):
-        mt.Batch(four_bar(), 2, variables="momenta").apply(0, mt.set_parameters("pin", armature=1))
+    with pytest.raises(mt.Error, match="can't be the child of a joint"):
+        four_bar().add_loop("clasp", body="ground", to="bar/crank", joint=mt.Ball())
+
+
+@pytest.mark.parametrize("variables", ["velocities", "momenta"])
+def test_functions_drive_loop_joints_and_read_their_coordinates(variables: mt.typing.Variables) -> None:
+    def run(model: mt.Model) -> mt.Simulation:
+        return mt.Simulation(model, method="dop853", rtol=1e-11, atol=1e-13, variables=variables)
+
+    by_law, by_function = run(four_bar()), run(four_bar())
+    by_law.apply(mt.set_parameters("pin", stiffness=3.0, damping=0.2))
+    by_function.drive("pin", lambda c: -3.0 * c.q("pin")[0] - 0.2 * c.v("pin")[0])
+    snapshot = by_function.snapshot()
+    for sim in (by_law, by_function):
+        sim.run(0.3)
+    assert np.allclose(by_law.q, by_function.q, rtol=0, atol=1e-8)
+    effort = by_function.world.loops["pin"].effort
+    assert np.allclose(effort, by_law.world.loops["pin"].effort, rtol=0, atol=1e-7)
+    branch = by_function.branch()
+    for sim in (branch, by_function):
+        sim.run(0.4)
+    assert np.array_equal(branch.q, by_function.q)
+    by_function.restore(snapshot)
+    by_function.run(0.4)
+    assert np.array_equal(branch.q, by_function.q)
+
+    # The function stays when the pin takes the place of a joint that breaks, also beside an extra effort.
+    for sim in (by_law, by_function):
+        sim.run(0.45)
+    by_law.apply(mt.break_joint("bar/coupler"))
+    by_function.apply(mt.break_joint("bar/coupler"))
+    for sim in (by_law, by_function):
+        pin = sim.world.joints["pin"]
+        assert not pin.loop
+        sim.effort[:] = 0
+        sim.effort[pin.index] = 0.1  # every joint has one DoF
+        sim.run(0.6)
+    assert np.allclose(by_law.q, by_function.q, rtol=0, atol=1e-7)
+    by_function.drive("pin", None)
+    by_law.apply(mt.set_parameters("pin", stiffness=0.0, damping=0.0))
+    for sim in (by_law, by_function):
+        sim.run(0.7)
+    assert np.allclose(by_law.q, by_function.q, rtol=0, atol=1e-7)
+
+
+def test_an_exception_in_the_function_of_a_loop_joint_ends_the_run() -> None:
     sim = mt.Simulation(four_bar())
-    with pytest.raises(mt.Error, match="closes a loop"):
-        sim.drive("pin", lambda context: 0.0)
-    sim.drive("bar/crank", lambda context: float(context.q("pin")[0]))
-    with pytest.raises(mt.Error, match="no coordinates within a step"):
-        sim.run(0.01)
-    with pytest.raises(mt.Error, match="armature: it is not supported in momenta"):
-        mt.Simulation(four_bar(), variables="momenta").apply(mt.set_parameters("pin", armature=1))
+
+    def fails(context: mt.Context) -> float:
+        if context.time > 0.05:
+            raise ValueError("no pressure")
+        return 0.0
+
+    sim.drive("pin", fails)
+    with pytest.raises(ValueError, match="no pressure"):
+        sim.run(0.1)
+    assert sim.world.time <= 0.05 + 1e-9
 
 
 def test_mistakes_in_add_loop_leave_the_model_unchanged() -> None:

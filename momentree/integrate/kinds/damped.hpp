@@ -149,7 +149,7 @@ inline bool Damped::step(Evaluator& evaluate, State& state, EnergyLedger& ledger
     if (s + 1 == stages) continue;
     const double share = h * explicit_part[stages - 1][s];
     lost += share * workspace.power.dissipated;
-    const bool driven = s > 0 && !tree.driven_joints().empty();
+    const bool driven = s > 0 && (!tree.driven_joints().empty() || tree.loop_motions() > 0);
     if (driven) evaluate(t, q_.get(), p_.get());  // a motion's effort depends on accelerations with the true mass
     done += share * workspace.power.work;
     for (int i = 0; i < nv && s == 0; ++i)
