@@ -1,7 +1,6 @@
 // [[loop]]: joints that close kinematic loops.
 #include <vector>
 
-#include <momentree/integrate/integrator.hpp>
 #include <momentree/io/read_action.hpp>
 #include <momentree/io/scenario_parts.hpp>
 #include <momentree/simulate/assembly.hpp>
