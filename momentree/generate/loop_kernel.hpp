@@ -15,10 +15,10 @@ enum class LoopCode : unsigned char {
 };
 
 /// Runs the passes in velocities and the kernels of loops on symbols, with these rows in ascending order (those that
-/// chosen_loop_rows returns): from q, u and further joint forces tau (packed as u; behind them, the accelerations of prescribed
-/// motions of loop joints) to q̇, u̇ and the multipliers of the rows. u must be velocities that the loops allow. `plain_forces`: as
-/// for velocity_expressions. Small systems of rows are solved in place, larger ones by a call. Requires a tree with loops, and
-/// for a file that loop_obstacles is empty.
+/// chosen_loop_rows returns): from q, u and further joint forces tau (packed as u; behind them, the accelerations of
+/// prescribed motions of loop joints) to the rates of q and u and the multipliers of the rows. u must be velocities that the
+/// loops allow. `plain_forces`: as for velocity_expressions. Small systems of rows are solved in place, larger ones by a
+/// call. Requires a tree with loops, and for a file that loop_obstacles is empty.
 KernelExpressions loop_expressions(const Tree& tree, std::span<const int> rows, LoopCode code = LoopCode::stages,
                                    bool plain_forces = false, RevoluteOrder order = RevoluteOrder::fewest);
 
