@@ -31,7 +31,7 @@ void answer_joint(const LoopCalls* calls, int loop, const double* numbers, int a
   };
   Force<double> force{};
   if (detail::has_forces(tree.loops()[at(loop)]))
-    force = detail::loop_force(tree, stage.time, loop, place, loops.turns[at(loop)], *stage.power);
+    force = detail::loop_force(tree, stage.time, loop, place, loops.turns[at(loop)], nullptr, *stage.power);
   put(force.l), put(force.h);
   for (int k = 0; loop_answers(k) < answers; ++k) {
     const LoopRow row = detail::dof_row(tree, loop, link.dof_rows[at(k)], place, loops.turns[at(loop)], loops.motions[at(loop)]);
