@@ -52,7 +52,7 @@ void put_loop_motions(const Tree& tree, const LoopWorkspace& loops, double* to) 
 bool evaluate_loop_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                          const GeneratedRates& generated) noexcept {
   LoopWorkspace& loops = *workspace.loops;
-  if (generated.loops == nullptr || loops.topology != tree.revision() || loops.rank < 0 ||
+  if (generated.loops == nullptr || loops.topology != tree.loop_revision() || loops.rank < 0 ||
       !std::ranges::equal(loops.kept.rows, generated.rows))
     return false;
   workspace.evaluated = workspace.located = workspace.accelerated = {};
