@@ -114,7 +114,7 @@ void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& work
 }
 
 std::span<const int> chosen_rows(const Tree& tree, const Workspace<double>& workspace) noexcept {
-  if (!tree.has_loops() || workspace.loops == nullptr || workspace.loops->topology != tree.revision()) return {};
+  if (!tree.has_loops() || workspace.loops == nullptr || workspace.loops->topology != tree.loop_revision()) return {};
   return workspace.loops->kept.rows;
 }
 
