@@ -14,8 +14,9 @@ import pytest
 
 def chain() -> momentree.Simulation:
     model = momentree.Model()
-    model.add("upper", mass=1, com=(0, 0, -0.5), inertia=0.1, joint=momentree.revolute((0, 1, 0)), q=[0.7])
-    model.add("lower", "upper", at=(0, 0, -1), mass=1, com=(0, 0, -0.5), inertia=0.1, joint=momentree.revolute((0, 1, 0)))
+    link: dict[str, Any] = {"mass": 1, "com": (0, 0, -0.5), "inertia": 0.1, "joint": momentree.Revolute((0, 1, 0))}
+    model.add("upper", **link, q=[0.7])
+    model.add("lower", **link, parent="upper", at=(0, 0, -1))
     return momentree.Simulation(model)
 
 

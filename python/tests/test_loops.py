@@ -96,6 +96,7 @@ def test_functions_drive_loop_joints_and_read_their_coordinates(variables: mt.ty
         sim.run(0.4)
     assert np.array_equal(branch.q, by_function.q)
     by_function.restore(snapshot)
+    by_function.run(0.3)
     by_function.run(0.4)
     assert np.array_equal(branch.q, by_function.q)
 
