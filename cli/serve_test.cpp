@@ -12,7 +12,7 @@
 #include <momentree/base/error.hpp>
 #include <momentree/live/listener.hpp>
 
-using namespace momentree::cli;
+using namespace momentree;
 
 namespace {
 

@@ -60,7 +60,6 @@ void View::Impl::apply(const std::vector<Action>& actions) {
   if (actions.empty()) return;
   const RunResult result = simulation.try_apply(actions);
   if (result == Status::refused) refuse(result.reason);
-  changed = true;
 }
 
 void View::Impl::act(const Value& action) {
@@ -88,10 +87,18 @@ void View::Impl::set_joint(const Value& message) {
   apply({set_parameters(*joint, all)});
 }
 
+bool View::Impl::has_grip() const {
+  if (grip.body < 0 || !simulation.world().alive({grip.body})) return false;
+  const auto loaded = simulation.world().tree().body_functions();
+  return std::ranges::any_of(
+      loaded, [this](const Topology::Loaded& each) { return each.body == grip.body && each.function == grip_function; });
+}
+
 void View::Impl::apply_grip() {
-  if (grip.body < 0 || !simulation.world().alive({grip.body})) return;
   simulation.force(simulation.world().model()[{grip.body}].name,
                    [grip = grip](const EvaluationContext& context) { return io::pull(grip, context); });
+  for (const Topology::Loaded& each : simulation.world().tree().body_functions())
+    if (each.body == grip.body) grip_function = each.function;
 }
 
 void View::Impl::grab(const Value& message) {
@@ -111,23 +118,26 @@ void View::Impl::grab(const Value& message) {
 void View::Impl::pull(const Value& message) {
   const std::optional<Vec3> target = vector_of(message, "target");
   if (grip.body < 0 || !target) return;
+  if (!has_grip()) {
+    grip = {};
+    return refuse("the program now applies a force to this body, which has replaced the grip");
+  }
   grip.target = *target;
   apply_grip();
 }
 
 void View::Impl::release() {
-  const int body = grip.body;
+  if (has_grip()) simulation.force(simulation.world().model()[{grip.body}].name, {});
   grip = {};
-  if (body >= 0 && simulation.world().alive({body})) simulation.force(simulation.world().model()[{body}].name, {});
 }
 
 void View::Impl::move_slider(const Value& message) {
   const auto found = std::ranges::find(sliders, text_of(message, "name"), &Slider::name);
   const std::optional<double> value = number_of(message, "value");
   if (found == sliders.end() || !value) return;
-  found->value = std::clamp(*value, found->least, found->most);
-  changed = true;
-  if (found->changed) found->changed(found->value);
+  const double now = found->value = std::clamp(*value, found->least, found->most);
+  sliders_moved = true;
+  if (const std::function<void(double)> function = found->changed) function(now);  // which may add sliders
 }
 
 void View::Impl::obey(const std::string& text) {
@@ -146,8 +156,6 @@ void View::Impl::carry_out(const Value& message) {
   if (type == "play" && on != nullptr && on->boolean() != nullptr) {
     playing = *on->boolean();
     due = 0;
-    feed.post(std::string(R"({"type": "playing", "on": )") + (playing ? "true}" : "false}"));
-    changed = true;  // for pages that open from now on
   } else if (type == "speed") {
     if (const auto factor = number_of(message, "factor"); factor && *factor > 0 && *factor <= 1000) speed = *factor;
   } else if (type == "act") {
@@ -155,7 +163,7 @@ void View::Impl::carry_out(const Value& message) {
   } else if (type == "set") {
     set_joint(message);
   } else if (type == "gravity") {
-    if (const auto value = vector_of(message, "value")) simulation.set_gravity(*value), changed = true;
+    if (const auto value = vector_of(message, "value")) simulation.set_gravity(*value);
   } else if (type == "damping") {
     const auto factor = number_of(message, "factor"), offset = number_of(message, "offset");
     if (factor && offset) apply(io::scaled_damping(simulation.world(), simulation.world().model(), *factor, *offset));
@@ -170,9 +178,7 @@ void View::Impl::carry_out(const Value& message) {
   } else if (type == "stop") {
     stopped = true;
     playing = false;
-    feed.post(std::string(R"({"type": "playing", "on": false})"));
     feed.post(status_json("stopped", "The run was stopped from this page"));
-    changed = true;
   }
 }
 

@@ -15,7 +15,7 @@ namespace momentree::live {
 namespace {
 
 /// Pages that lack more messages than these get the greeting again.
-constexpr std::size_t most_posted = 4096;
+constexpr std::size_t most_posted = 4096, most_bytes = 4 << 20;
 /// Texts that a program does not take are dropped beyond this number.
 constexpr std::size_t most_taken = 4096;
 
@@ -62,8 +62,13 @@ void Feed::greet(std::vector<std::string> messages, bool all) {
 
 void Feed::post(std::string message) {
   const std::lock_guard lock(mutex_);
+  bytes_ += message.size();
   posted_.push_back(std::move(message));
-  if (posted_.size() > most_posted) posted_.pop_front(), ++first_;
+  while (posted_.size() > 1 && (posted_.size() > most_posted || bytes_ > most_bytes)) {
+    bytes_ -= posted_.front().size();
+    posted_.pop_front();
+    ++first_;
+  }
   wake();
 }
 

@@ -32,7 +32,7 @@ class Feed {
   std::vector<std::string> take();
   /// Waits until a page has sent a text, at most for this time.
   void wait(std::chrono::nanoseconds most);
-  /// The number of pages that are or were open.
+  /// The number of times that a page has connected.
   int pages() const;
 
   // For the server.
@@ -57,6 +57,7 @@ class Feed {
   std::uint64_t greeted_ = 1;       ///< number of the first message that it does not contain
   std::deque<std::string> posted_;  ///< the last messages
   std::uint64_t first_ = 1;         ///< number of the first of them
+  std::size_t bytes_ = 0;           ///< of all of them
   std::uint64_t greetings_ = 1;     ///< pages with a smaller number get the greeting
   std::string frame_;
   std::uint64_t frames_ = 0;

@@ -22,40 +22,45 @@ namespace momentree::live {
 
 namespace {
 
-io::Scenario scenario_of(const Simulation& simulation, const std::string& title) {
-  io::Scenario scenario;
-  scenario.title = title;
-  scenario.until = HUGE_VAL;
-  scenario.integration = simulation.integration();
-  scenario.model.set_gravity(simulation.world().model().gravity());
-  return scenario;
-}
-
 std::string events_json(const std::vector<Event>& events, std::size_t first) {
-  std::string text = R"({"type": "events", "events": [)";
+  std::string text;
   for (std::size_t i = first; i < events.size(); ++i) text += (i == first ? "" : ",") + io::event_json(events[i]);
-  return text + "]}";
+  return text;
 }
 
-std::string playing_json(bool on) { return std::string(R"({"type": "playing", "on": )") + (on ? "true}" : "false}"); }
+std::string message(std::string_view type, std::string_view key, std::string_view json) {
+  std::string text;
+  io::JsonWriter(text).begin_object().member("type", type).key(key).raw(json).end_object();
+  return text;
+}
+
+std::string playing_json(bool on) { return message("playing", "on", on ? "true" : "false"); }
+
+std::string gravity_json(const Vec3& gravity) {
+  std::string text;
+  io::JsonWriter(text).begin_object().member("type", "gravity").member("value", gravity).end_object();
+  return text;
+}
 
 }  // namespace
 
-View::Impl::Impl(Simulation& simulation_, ViewOptions options_, const io::Scenario* scenario)
+View::Impl::Impl(Simulation& simulation_, ViewOptions options_, const io::Scenario* given)
     : simulation(simulation_), options(std::move(options_)), playing(!options.paused), speed(options.speed) {
   if (!(speed > 0) || !std::isfinite(speed))
     throw_error({"the speed of a view must be positive and finite", "speed", "1 is real time"});
-  const io::Scenario own = scenario == nullptr ? scenario_of(simulation, options.title) : io::Scenario{};
-  const io::Scenario& given = scenario == nullptr ? own : *scenario;
-  if (options.title.empty()) options.title = given.title;
-  if (options.shapes.empty()) options.shapes = given.shapes;
-  scenario_text = io::scenario_json(given);
-  thresholds = io::thresholds_of(given, simulation.world());
+  scenario.title = options.title, scenario.until = HUGE_VAL, scenario.integration = simulation.integration();
+  if (given != nullptr) {
+    if (options.title.empty()) options.title = given->title;
+    if (options.shapes.empty()) options.shapes = given->shapes;
+    scenario.title = options.title, scenario.until = given->until, scenario.output_every = given->output_every;
+    scenario.events = given->events;
+    thresholds = io::thresholds_of(*given, simulation.world());
+  }
   step = is_adaptive(simulation.integration().method) ? 0 : simulation.integration().step;
   Listener listener = listen_on(options.port);
   const io::PackedMeshes meshes = io::pack_meshes(io::mesh_sources(options.shapes));
   for (const io::Diagnostic& each : meshes.warnings) warnings.push_back(each.what);
-  greet(false);
+  reload();
   serve(std::move(listener), meshes.json);
 }
 
@@ -109,18 +114,6 @@ std::string View::Impl::frame() const {
   return text;
 }
 
-std::string View::Impl::frame_message() {
-  std::string text;
-  io::JsonWriter(text)
-      .begin_object()
-      .member("type", "frame")
-      .member("seconds", std::exchange(spent, 0))
-      .key("frame")
-      .raw(frame())
-      .end_object();
-  return text;
-}
-
 std::string View::Impl::sliders_json() const {
   std::string text;
   io::JsonWriter json(text);
@@ -137,58 +130,89 @@ std::string View::Impl::sliders_json() const {
   return text;
 }
 
-void View::Impl::greet(bool all) {
-  const World& world = simulation.world();
+std::vector<std::string> View::Impl::greeting() const {
   std::string loaded;
-  io::JsonWriter(loaded)
-      .begin_object()
-      .member("type", "loaded")
-      .key("diagnostics")
-      .begin_array()
-      .end_array()
-      .key("world")
-      .begin_object()
-      .key("scenario")
-      .raw(scenario_text)
-      .key("model")
-      .raw(io::model_json(world, options.title, options.shapes))
-      .key("topology")
-      .raw(io::topology_json(world))
-      .key("frame")
-      .raw(frame())
-      .end_object()
-      .end_object();
-  feed.greet({std::move(loaded), events_json(simulation.events(), 0), sliders_json(), playing_json(playing)}, all);
+  io::JsonWriter json(loaded);
+  json.begin_object().member("type", "loaded").key("diagnostics").begin_array().end_array().key("world").begin_object();
+  json.key("scenario").raw(io::scenario_json(scenario, gravity)).key("model").raw(model_text);
+  json.key("topology").raw(topology_text).key("frame").raw(frame_text).end_object().end_object();
+  return {std::move(loaded), message("events", "events", "[" + events_text + "]"), sliders_json(), playing_json(playing)};
+}
+
+void View::Impl::reload() {
+  const World& world = simulation.world();
+  model_text = io::model_json(world, options.title, options.shapes);
+  topology_text = io::topology_json(world);
+  events_text = events_json(simulation.events(), 0);
+  frame_text = frame();
   revision = world.tree().revision();
   events = simulation.events().size();
   bodies = world.model().size();
   time = simulation.time();
-  changed = false;
+  gravity = world.model().gravity();
+  told_playing = playing, sliders_moved = false;
+  feed.greet(greeting(), true);
+}
+
+bool View::Impl::tell_topology() {
+  const World& world = simulation.world();
+  if (world.tree().revision() == revision) return false;
+  revision = world.tree().revision();
+  std::string now = io::topology_json(world);
+  if (now == topology_text) return false;  // other parameters, such as the target of a grip
+  topology_text = std::move(now);
+  std::string text;
+  io::JsonWriter(text)
+      .begin_object()
+      .member("type", "topology")
+      .member("time", simulation.time())
+      .key("topology")
+      .raw(topology_text)
+      .end_object();
+  feed.post(std::move(text));
+  return true;
+}
+
+void View::Impl::tell_frame(bool now) {
+  if (!now && simulation.time() == time && Clock::now() - framed < frame_time) return;
+  framed = Clock::now();
+  time = simulation.time();
+  std::string text = frame();
+  if (text == frame_text) return;
+  frame_text = std::move(text);
+  std::string shown;
+  io::JsonWriter(shown)
+      .begin_object()
+      .member("type", "frame")
+      .member("seconds", std::exchange(spent, 0))
+      .key("frame")
+      .raw(frame_text)
+      .end_object();
+  feed.show(std::move(shown));
 }
 
 void View::Impl::tell() {
   const World& world = simulation.world();
   told = Clock::now();
   // Bodies that were added, and a run that went back, are a new world for the pages.
-  if (world.model().size() != bodies || simulation.events().size() < events || simulation.time() < time) return greet(true);
-  const bool happened = simulation.events().size() > events;
-  if (changed || happened || world.tree().revision() != revision) {
-    std::string topology;
-    io::JsonWriter(topology)
-        .begin_object()
-        .member("type", "topology")
-        .member("time", simulation.time())
-        .key("topology")
-        .raw(io::topology_json(world))
-        .end_object();
-    feed.post(std::move(topology));
-    if (happened) feed.post(events_json(simulation.events(), events));
-    feed.show(frame_message());
-    return greet(false);
+  if (world.model().size() != bodies || simulation.events().size() < events || simulation.time() < time) return reload();
+  bool news = tell_topology();
+  if (simulation.events().size() > events) {
+    const std::string more = events_json(simulation.events(), events);
+    events = simulation.events().size();
+    events_text += (events_text.empty() ? "" : ",") + more;
+    feed.post(message("events", "events", "[" + more + "]"));
+    news = true;
   }
-  if (simulation.time() == time) return;
-  feed.show(frame_message());
-  time = simulation.time();
+  if (!(world.model().gravity() == gravity)) {
+    gravity = world.model().gravity();
+    feed.post(gravity_json(gravity));
+    news = true;
+  }
+  if (std::exchange(sliders_moved, false)) feed.post(sliders_json()), news = true;
+  if (playing != told_playing) feed.post(playing_json(told_playing = playing)), news = true;
+  tell_frame(news);
+  if (news) feed.greet(greeting(), false);
 }
 
 View::View(Simulation& simulation, ViewOptions options)
@@ -202,6 +226,10 @@ const std::vector<std::string>& View::warnings() const { return impl_->warnings;
 bool View::playing() const { return impl_->playing; }
 bool View::stopped() const { return impl_->stopped; }
 void View::close() { impl_->close(); }
+void View::abandon() {
+  impl_->grip = {};
+  impl_->close();
+}
 int View::pages() const { return impl_->feed.pages(); }
 void View::wait(std::chrono::nanoseconds most) { impl_->feed.wait(most); }
 
@@ -214,8 +242,8 @@ void View::slider(Slider slider) {
     throw_error(
         {"the numbers of the slider '" + slider.name + "' are not in order", "slider", "least <= value <= most, all finite"});
   impl_->sliders.push_back(std::move(slider));
-  impl_->feed.post(impl_->sliders_json());
-  impl_->greet(false);
+  impl_->sliders_moved = true;
+  impl_->tell();
 }
 
 double View::value(const std::string& slider) const {
@@ -249,10 +277,9 @@ double View::next(double until) {
   // Steps that took longer than they should are not caught up on: the simulation is slower then.
   view.due = std::min(view.due + passed * view.speed, 2 * view.speed * Impl::frame_time.count());
   if (view.due < 0.999 * std::min(1.0, view.speed) * Impl::frame_time.count()) return now;
-  double target = now + view.due;
-  if (view.step > 0) target = std::max(std::floor(target / view.step + 1e-6), std::floor(now / view.step + 1e-6) + 1) * view.step;
-  target = std::min(target, until);
-  view.due = std::max(0.0, view.due - (target - now));
+  const double least = view.step > 0 ? view.step * std::max(1.0, std::floor(view.due / view.step + 1e-6)) : view.due;
+  const double target = std::min(now + least, until);
+  view.due -= target - now;  // negative after a step that is longer than a frame: the next one waits
   return target;
 }
 
@@ -261,11 +288,10 @@ void View::report(const RunResult& result) {
   view.spent += std::chrono::duration<double>(Impl::Clock::now() - view.paced).count();  // next() has set it
   if (result || result == Status::interrupted) return;
   view.playing = false;
+  view.tell();
   std::string text;
   io::JsonWriter(text).begin_object().member("type", "stopped").member("message", result.reason).end_object();
-  view.feed.post(playing_json(false));
   view.feed.post(std::move(text));
-  view.greet(false);
 }
 
 RunResult View::run_until(double time, const std::function<bool()>& goes_on) {
@@ -286,7 +312,6 @@ RunResult View::run_until(double time, const std::function<bool()>& goes_on) {
       continue;
     }
     const RunResult result = view.simulation.run_until(target);
-    if (!result) exchange();
     report(result);
     if (!result) return result;
   }

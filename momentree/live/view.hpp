@@ -69,9 +69,9 @@ class View {
   /// waits. Returns false once the reader has pressed Stop.
   bool update();
 
-  /// Steps to `time` (s) at the page's speed, stopping at whole steps of methods with fixed steps, so that it takes the steps of
-  /// Simulation::run_until(). Returns Status::interrupted once the reader has pressed Stop, or `goes_on`, which is called for
-  /// each frame, returns false.
+  /// Steps to `time` (s) at the page's speed, stopping after whole steps of methods with fixed steps: without events, it takes
+  /// the steps of Simulation::run_until(); after an event within a step, the one to the end of the frame is shorter. Returns
+  /// Status::interrupted once the reader has pressed Stop, or `goes_on`, which is called for each frame, returns false.
   RunResult run_until(double time = std::numeric_limits<double>::infinity(), const std::function<bool()>& goes_on = {});
 
   // The parts of update() and run_until(), for programs that wait in their own way.
@@ -86,10 +86,13 @@ class View {
   double next(double until);
   /// Reports the result of stepping to that time: a run that could not go on is paused, with its reason on the page.
   void report(const RunResult& result);
-  /// The number of pages that have been opened.
+  /// The number of times that a page has connected.
   int pages() const;
-  /// Stops serving; pages that are open keep what they have shown. The destructor does so, too.
+  /// Stops serving; pages that are open keep what they have shown, and a body that is grabbed is released. The destructor does
+  /// so, too.
   void close();
+  /// The same without a change of the simulation: a grip stays, as the function of its body.
+  void abandon();
 
  private:
   struct Impl;

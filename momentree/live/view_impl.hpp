@@ -3,7 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -11,6 +11,7 @@
 
 #include <momentree/base/value.hpp>
 #include <momentree/io/page_world/page_world.hpp>
+#include <momentree/io/scenario.hpp>
 #include <momentree/live/feed.hpp>
 #include <momentree/live/listener.hpp>
 #include <momentree/live/view.hpp>
@@ -27,12 +28,15 @@ struct View::Impl {
   // view.cpp: to the pages
   void close();
   void serve(Listener listener, const std::string& meshes);
-  /// Everything that a page needs to show the present state.
-  void greet(bool all);
+  /// The present world for pages that open from now on, and anew for those that are open.
+  void reload();
+  /// What pages that open from now on get first: what the others know.
+  std::vector<std::string> greeting() const;
   /// What has changed since the last call, and the present frame.
   void tell();
+  bool tell_topology();
+  void tell_frame(bool now);
   std::string frame() const;
-  std::string frame_message();
   std::string sliders_json() const;
 
   // commands.cpp: from the pages
@@ -44,13 +48,15 @@ struct View::Impl {
   void grab(const Value& message);
   void pull(const Value& message);
   void release();
+  /// False if the program has replaced the function that applies the grip.
+  bool has_grip() const;
   void apply_grip();
   void move_slider(const Value& message);
   void refuse(const std::string& why);
 
   Simulation& simulation;
   ViewOptions options;
-  std::string scenario_text;  ///< JSON: see io::scenario_json
+  io::Scenario scenario;  ///< what io::scenario_json needs of it
   std::vector<io::Threshold> thresholds;
   double step = 0;  ///< of a method with fixed steps (s); 0: the method is adaptive
   Feed feed;
@@ -61,15 +67,18 @@ struct View::Impl {
   bool playing = true, stopped = false;
   double speed = 1, due = 0;  ///< simulated time that is due (s)
   double spent = 0;           ///< on the steps since the last frame (s)
-  Clock::time_point paced = Clock::now(), told = Clock::now();
+  Clock::time_point paced = Clock::now(), told = Clock::now(), framed = Clock::now();
   io::Grip grip;
+  std::shared_ptr<const BodyFunction> grip_function;  ///< as the simulation has it
 
-  // What the pages know.
+  // What the pages know, as JSON where it is text.
+  std::string model_text, topology_text, events_text, frame_text;
   std::uint64_t revision = 0;
   std::size_t events = 0;
   int bodies = 0;
   double time = 0;
-  bool changed = false;  ///< parameters or gravity, which no event reports
+  Vec3 gravity{};
+  bool told_playing = true, sliders_moved = false;
 
   std::atomic<bool> ending = false;
   std::thread server;

@@ -10,6 +10,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/session.hpp>
+#include <momentree/live/feed.hpp>
 #include <momentree/live/test_client.hpp>
 #include <momentree/momentree.hpp>
 
@@ -194,6 +195,71 @@ TEST_CASE("live: a run at the page's speed takes the steps of a run without a pa
   CHECK(shown.time() == 0.3);
   const auto q = [](const Simulation& sim) { return sim.world().state().q(); };
   for (std::size_t i = 0; i < 2; ++i) CHECK(std::fabs(q(alone)[i] - q(shown)[i]) < 1e-13);
+}
+
+TEST_CASE("live: steps that are longer than a frame wait for their time") {
+  Simulation sim(chain(), {.step = 0.05});
+  View view(sim, {.open_browser = false, .speed = 0.5});
+  const auto begin = std::chrono::steady_clock::now();
+  REQUIRE(view.run_until(0.2));
+  CHECK(std::chrono::steady_clock::now() - begin > std::chrono::milliseconds(250));  // three waits of 0.1 s
+}
+
+TEST_CASE("live: what the program changes between two calls reaches open pages") {
+  Simulation sim(chain());
+  View view(sim, quiet);
+  Page page(view);
+  page.next("playing");
+  sim.apply(lock("lower"));
+  view.slider({.name = "wind"});
+  CHECK(page.next("topology")["topology"]["joints"][1]["locked"] == 1);
+  CHECK(page.next("events")["events"].size() == 1);
+  sim.set_gravity({0, 0, -2});
+  view.exchange();
+  CHECK(page.next("gravity")["value"] == json({0, 0, -2}));
+  const std::vector<double> q{0.1, 0};
+  const std::vector<double> p(2, 0.0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  sim.adjust(q, p, Variables::velocities);
+  view.exchange();
+  page.next("frame");  // of the lock
+  const json frame = page.next("frame")["frame"];
+  CHECK(frame["totals"][2].get<double>() == doctest::Approx(sim.world().totals().potential).epsilon(1e-12));
+  Page later(view);
+  CHECK(later.next()["world"]["scenario"]["gravity"] == json({0, 0, -2}));
+  page.act(R"({"type": "slider", "name": "wind", "value": 0.5})");
+  view.exchange();
+  CHECK(later.next("sliders")["sliders"][0]["value"] == 0);
+  CHECK(later.next("sliders")["sliders"][0]["value"] == 0.5);
+}
+
+TEST_CASE("live: a grip that the program replaces ends, and does not take the program's function with it") {
+  Simulation sim(chain());
+  View view(sim, quiet);
+  Page page(view);
+  page.next("playing");
+  page.act(R"({"type": "grab", "body": 1, "point": [0, 0, -1], "target": [1.5, 0, -1]})");
+  view.exchange();
+  sim.force("lower", [](const EvaluationContext&) { return Wrench{}; });
+  page.act(R"({"type": "pull", "target": [1, 0, -1]})");
+  view.exchange();
+  CHECK(page.next("refused")["message"].get<std::string>().find("replaced the grip") != std::string::npos);
+  page.act(R"({"type": "release"})");
+  view.exchange();
+  CHECK(sim.world().tree().body_functions().size() == 1);
+}
+
+TEST_CASE("live: pages that drag for long cost no memory") {
+  Feed feed;
+  Feed::Reader reader;
+  feed.greet({"{}"}, false);
+  std::string text;
+  feed.append_new(reader, text);
+  for (int i = 0; i < 100'000; ++i) feed.post(std::string(1000, 'x'));
+  text.clear();
+  feed.append_new(reader, text);
+  CHECK(text.starts_with("data: {}\n\n"));  // it lacks more than is kept, and begins anew
+  CHECK(text.size() < 5'000'000);
 }
 
 TEST_CASE("live: pause holds update(), and Stop ends a run") {

@@ -200,6 +200,24 @@ TEST_CASE("functions in loop joints stay in snapshots, branches and undo, and wh
   }
 }
 
+TEST_CASE("a start anew keeps each function at the joint of its name") {
+  for (const bool both : {false, true}) {
+    Simulation sim(crane(false), {.method = "rk4"});
+    sim.drive("cylinder", spring_and_damper);
+    if (both) sim.drive("crane/barrel", [](const EvaluationContext&) { return 7.0; });
+    sim.apply(break_joint("crane/barrel"), "cut");  // the cylinder takes its place, and its number
+    REQUIRE_FALSE(is_loop({sim.world().find_joint("cylinder")}));
+    sim.restore(0, {}, {});
+    const Tree& tree = sim.world().tree();
+    REQUIRE(tree.loop_function(tree.loop_place(cylinder_id)) != nullptr);
+    CHECK(tree.function(1) == nullptr);  // that of the barrel ended with its joint
+    Simulation other(crane(false), {.method = "rk4"});
+    other.drive("cylinder", spring_and_damper);
+    go(sim, 0.1), go(other, 0.1);
+    CHECK(bits(sim.world()) == bits(other.world()));
+  }
+}
+
 TEST_CASE("any function reads the coordinates of loop joints at the stage, and a prescribed motion takes no function") {
   Simulation sim(crane(false), {.method = "rk4"});
   double worst = 0;

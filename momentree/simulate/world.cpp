@@ -24,16 +24,31 @@ World::World(const Model& model, Variables variables, Variables with_loops)
   restore(0, {}, {});
 }
 
+namespace {
+
+struct KeptFunction {
+  std::string joint;  ///< its name
+  Kind kind;
+  std::shared_ptr<const JointFunction> function;
+};
+
+Kind declared_kind(const Model& model, const std::string& joint) {
+  const JointId id = model.joint(joint);
+  return is_loop(id) ? model.loops()[static_cast<std::size_t>(id.index - first_loop)].joint.kind : model[{id.index}].joint.kind;
+}
+
+}  // namespace
+
 void World::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
   MT_REQUIRE(std::isfinite(time), "a finite time");
-  std::vector<std::pair<int, std::shared_ptr<const JointFunction>>> functions;  // those of the model's joints stay
+  std::vector<KeptFunction> functions;  // those of the model's joints stay
   for (const int b : tree_.forced_joints())
     if (const JointFunction* f = tree_.function(b))
-      functions.emplace_back(tree_.joint_of(b), std::make_shared<const JointFunction>(*f));
-  std::vector<std::pair<int, std::shared_ptr<const JointFunction>>> loop_functions;
+      functions.push_back({names_.joint(tree_.joint_of(b)), tree_.joint(b).kind, std::make_shared<const JointFunction>(*f)});
   for (std::size_t i = 0; i < tree_.loops().size(); ++i)
     if (const JointFunction* f = tree_.loop_function(static_cast<int>(i)))
-      loop_functions.emplace_back(tree_.loops()[i].number, std::make_shared<const JointFunction>(*f));
+      functions.push_back({names_.joint(tree_.loops()[i].id().index), tree_.loops()[i].joint.kind,
+                           std::make_shared<const JointFunction>(*f)});
   const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
   tree_ = Tree(model_);
   first_bodies_ = model_.size();
@@ -46,16 +61,15 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   for (const ActiveLimit& h : active_limits_)
     MT_REQUIRE(is_loop({h.joint}) || (h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv),
                "a degree of freedom of the joint");
-  for (auto& [joint, f] : functions) {
-    const int b = tree_.carrier(joint);
-    if (b >= 0 && !tree_.joint(b).created_by_event && tree_.joint(b).kind == model_[{joint}].joint.kind)
-      tree_.set_function(b, std::move(f));
-  }
-  for (auto& [number, f] : loop_functions) {
-    const Loop* const loop = tree_.find_loop({first_loop + number});
-    const auto declared = static_cast<std::size_t>(number);
-    if (loop != nullptr && declared < model_.loops().size() && loop->joint.kind == model_.loops()[declared].joint.kind)
-      tree_.set_loop_function(number, std::move(f));
+  for (KeptFunction& each : functions) {
+    // By name: a loop joint that takes the place of a broken joint has the number of that one.
+    const int joint = names_.find_joint(each.joint);
+    if (joint < 0 || !model_.has_joint(each.joint) || declared_kind(model_, each.joint) != each.kind) continue;
+    const Loop* const loop = tree_.find_loop({joint});
+    if (loop != nullptr && loop->joint.kind == each.kind)
+      tree_.set_loop_function(joint - first_loop, std::move(each.function));
+    else if (const int b = is_loop({joint}) ? -1 : tree_.carrier(joint); b >= 0 && tree_.joint(b).kind == each.kind)
+      tree_.set_function(b, std::move(each.function));
   }
   for (const Topology::Loaded& load : loads)
     if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);

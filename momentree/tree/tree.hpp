@@ -104,8 +104,8 @@ class Tree {
   /// Identifies the present form of this tree: each compiled tree and each change of one gets a number that is unique in this
   /// process. Copies share it, because they are equal. A State belongs to the tree of one revision.
   std::uint64_t revision() const { return revision_.number(); }
-  /// The same for its loops and couplings: their equations, and the bodies between their ends and the ground. Changes of other
-  /// joints' parameters leave it as it is.
+  /// The same for its loops and couplings: their equations, and the bodies between their ends and the ground. It may change
+  /// more often than these do.
   std::uint64_t loop_revision() const { return loop_revision_.number(); }
 
   int parent(int b) const { return parent_[index(b)]; }

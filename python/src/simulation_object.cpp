@@ -127,10 +127,11 @@ void SimulationObject::fill_efforts() {
   const Tree& tree = simulation().world().tree();
   std::vector<double>& efforts = arrays_->effort.now;
   std::fill(efforts.begin(), efforts.end(), 0.0);
-  for (int j = 0; j < tree.bodies() && j < static_cast<int>(inputs_.joints.size()); ++j) {
-    const auto& input = inputs_.joints[static_cast<std::size_t>(j)];
-    const int body = input ? tree.carrier(j) : -1;
-    if (body < 0 || static_cast<int>(input->extra.size()) != info(tree.kind(body)).nv) continue;
+  for (int j = 0; j < tree.bodies() && !inputs_.empty(); ++j) {
+    const int body = tree.carrier(j);
+    const std::shared_ptr<JointInput> input = body < 0 ? nullptr : input_of(j);
+    if (!input) continue;
+    if (static_cast<int>(input->extra.size()) != info(tree.kind(body)).nv) continue;
     std::copy(input->extra.begin(), input->extra.end(), efforts.begin() + tree.first_p(body));
   }
   arrays_->effort.last = efforts;
@@ -199,92 +200,57 @@ void SimulationObject::push() {
   pull();
 }
 
-std::shared_ptr<SimulationObject::JointInput>& SimulationObject::input_of(int joint) {
-  if (is_loop({joint})) {
-    LoopInput& own = inputs_.loops[joint];
-    own.joint = simulation().world().joint_name({joint});
-    return own.input;
-  }
-  auto& joints = inputs_.joints;
-  if (joints.size() <= static_cast<std::size_t>(joint))
-    joints.resize(static_cast<std::size_t>(simulation().world().model().size()));
-  return joints[static_cast<std::size_t>(joint)];
+std::shared_ptr<SimulationObject::JointInput> SimulationObject::input_of(int joint) {
+  const auto found = inputs_.find(simulation().world().joint_name({joint}));
+  return found != inputs_.end() ? found->second : nullptr;
 }
 
-// A joint that closed a loop may have become one of the tree, which has another number and keeps the function.
-void SimulationObject::adopt_loop_inputs() {
-  const World& world = simulation().world();
-  for (auto each = inputs_.loops.begin(); each != inputs_.loops.end();) {
-    if (world.tree().find_loop({each->first}) != nullptr) {
-      ++each;
-      continue;
-    }
-    const LoopInput gone = std::move(each->second);
-    each = inputs_.loops.erase(each);
-    const int number = world.find_joint(gone.joint);
-    if (number < 0 || is_loop({number}) || !gone.input) continue;
-    if (world.tree().function(world.tree().carrier(number)) != nullptr && !input_of(number)) input_of(number) = gone.input;
-  }
-}
-
-void SimulationObject::install(int joint) {
-  const std::shared_ptr<JointInput> input = input_of(joint);
+void SimulationObject::install(int joint, const std::shared_ptr<JointInput>& input) {
   const std::string name(simulation().world().joint_name({joint}));
   if (input->function.is_valid() || !input->extra.empty())
     simulation().drive_all(name, drive_of(input));
   else
     simulation().drive_all(name, {});
+  inputs_[name] = input;
 }
 
 void SimulationObject::set_drive(const std::string& joint, nb::handle function) {
   Simulation& sim = simulation();
-  int number = sim.world().find_joint(joint);
+  const int number = sim.world().find_joint(joint);
   if (number < 0) sim.drive_all(joint, [](const EvaluationContext&, std::span<double>) {});  // throws, and names the nearest
-  adopt_loop_inputs();
   // A new input: a branch may share the former one.
-  auto& input = input_of(number);
-  const std::shared_ptr<JointInput> before = input;
-  input = std::make_shared<JointInput>();
-  if (before) input->extra = before->extra;
+  auto input = std::make_shared<JointInput>();
+  if (const std::shared_ptr<JointInput> before = input_of(number)) input->extra = before->extra;
   if (!function.is_none()) input->function = function;
-  try {
-    install(number);
-  } catch (...) {
-    input_of(number) = before;
-    throw;
-  }
+  install(number, input);
 }
 
 void SimulationObject::set_efforts(const std::vector<double>& packed) {
   Simulation& sim = simulation();
   const Tree& tree = sim.world().tree();
-  adopt_loop_inputs();
-  auto& inputs = inputs_.joints;
-  inputs.resize(std::max(inputs.size(), static_cast<std::size_t>(tree.bodies())));
   std::vector<JointDriver> fresh;
   for (int j = 0; j < tree.bodies(); ++j) {
     const int body = tree.carrier(j);
     if (body < 0) continue;
     const auto nv = static_cast<std::size_t>(info(tree.joint(body).kind).nv);
     const double* const numbers = packed.data() + tree.first_p(body);
-    auto& input = inputs[static_cast<std::size_t>(j)];
+    std::shared_ptr<JointInput> input = input_of(j);
     const bool any = std::any_of(numbers, numbers + nv, [](double x) { return x != 0; });
     if (!any && (!input || input->extra.empty())) continue;
     const bool had = input && input->extra.size() == nv && tree.function(body) != nullptr;
     const bool changed = had && !std::equal(numbers, numbers + nv, input->extra.begin());
-    if (!input) input = std::make_shared<JointInput>();
+    const std::string name(sim.world().joint_name({j}));
+    if (!input) input = inputs_[name] = std::make_shared<JointInput>();
     input->extra.assign(numbers, numbers + nv);
     // The engine must evaluate the state anew: one driver does that where only numbers have changed.
-    if (!had || (changed && fresh.empty())) fresh.push_back({std::string(sim.world().joint_name({j})), drive_of(input)});
+    if (!had || (changed && fresh.empty())) fresh.push_back({name, drive_of(input)});
   }
   if (!fresh.empty()) sim.drive_all(std::move(fresh));
 }
 
 SimulationObject::Inputs SimulationObject::copy_inputs() const {
-  const auto copy = [](const std::shared_ptr<JointInput>& of) { return of ? std::make_shared<JointInput>(*of) : nullptr; };
   Inputs copies;
-  for (const auto& input : inputs_.joints) copies.joints.push_back(copy(input));
-  for (const auto& [number, loop] : inputs_.loops) copies.loops[number] = {loop.joint, copy(loop.input)};
+  for (const auto& [joint, input] : inputs_) copies.emplace(joint, std::make_shared<JointInput>(*input));
   return copies;
 }
 
@@ -293,18 +259,14 @@ void SimulationObject::set_inputs(const Inputs& inputs) {
   const World& world = simulation().world();
   const Tree& tree = world.tree();
   std::vector<JointDriver> drivers;
-  for (std::size_t j = 0; j < inputs.joints.size(); ++j) {
-    inputs_.joints.push_back(inputs.joints[j] ? std::make_shared<JointInput>(*inputs.joints[j]) : nullptr);
-    const int number = static_cast<int>(j), body = number < tree.bodies() ? tree.carrier(number) : -1;
-    if (body >= 0 && inputs_.joints[j] && tree.function(body) != nullptr)
-      drivers.push_back({std::string(world.joint_name({number})), drive_of(inputs_.joints[j])});
-  }
-  for (const auto& [number, loop] : inputs.loops) {
-    if (!loop.input) continue;
-    const auto own = std::make_shared<JointInput>(*loop.input);
-    inputs_.loops[number] = {loop.joint, own};
-    const int place = tree.loop_place({number});
-    if (place >= 0 && tree.loop_function(place) != nullptr) drivers.push_back({loop.joint, drive_of(own)});
+  for (const auto& [joint, input] : inputs) {
+    const auto own = inputs_[joint] = std::make_shared<JointInput>(*input);
+    const int number = world.find_joint(joint);
+    if (number < 0) continue;
+    const int place = is_loop({number}) ? tree.loop_place({number}) : tree.carrier(number);
+    if (place < 0) continue;
+    const bool driven = is_loop({number}) ? tree.loop_function(place) != nullptr : tree.function(place) != nullptr;
+    if (driven) drivers.push_back({joint, drive_of(own)});
   }
   if (!drivers.empty()) simulation().drive_all(std::move(drivers));
   if (arrays_ && same_layout()) fill_efforts();

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -83,18 +84,11 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   struct JointInput {
     nb::handle function;        ///< null: none; the Python object of the simulation keeps it alive
     std::vector<double> extra;  ///< one per DoF; empty: none
-    bool installed = false;
   };
   void set_drive(const std::string& joint, nb::handle function);
   void set_efforts(const std::vector<double>& packed);
-  struct LoopInput {
-    std::string joint;
-    std::shared_ptr<JointInput> input;
-  };
-  struct Inputs {
-    std::vector<std::shared_ptr<JointInput>> joints;  ///< of the tree, by number
-    std::map<int, LoopInput> loops;                   ///< of joints that close loops, by number
-  };
+  /// By the joint's name, which a joint that closes a loop keeps when it takes the place of a broken joint in the tree.
+  using Inputs = std::map<std::string, std::shared_ptr<JointInput>, std::less<>>;
   /// Copies, for snapshots and branches: the engine's functions refer to inputs, so that two simulations must not share any.
   Inputs copy_inputs() const;
   void set_inputs(const Inputs& inputs);
@@ -110,7 +104,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   friend class Use;
   void watch();
   bool look_around(double time);
-  void install(int joint);
+  void install(int joint, const std::shared_ptr<JointInput>& input);
   void rethrow();
 
   std::shared_ptr<const io::Scenario> scenario_;
@@ -120,8 +114,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   bool same_layout();
   void fill_efforts();
   Inputs inputs_;
-  std::shared_ptr<JointInput>& input_of(int joint);
-  void adopt_loop_inputs();
+  std::shared_ptr<JointInput> input_of(int joint);
   std::exception_ptr pending_;
   std::chrono::steady_clock::time_point looked_{};
   unsigned steps_since_look_ = 0;

@@ -19,7 +19,7 @@ int joint_row_count(const World& world);
 /// {"mechanisms": […], "joints": […], …}: see mt_topology in wasm/engine.h.
 std::string topology_json(const World& world);
 /// The members of "scenario" that a page needs, as an object: title, until, every, step, method, gravity and events.
-std::string scenario_json(const Scenario& scenario);
+std::string scenario_json(const Scenario& scenario, const Vec3& gravity);
 
 /// Per body its pose and velocities; NaN for a removed body.
 void fill_motions(const World& world, std::vector<double>& all);

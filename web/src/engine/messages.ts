@@ -77,6 +77,7 @@ export type FromWorker =
   /** That branch continues; `savedAs` is the number of the previous one. */
   | { type: "resumed"; branch: number; savedAs: number }
   | { type: "sliders"; sliders: readonly SliderInfo[] }
+  | { type: "gravity"; value: Triple }
   | { type: "playing"; on: boolean }
   | { type: "refused"; message: string }
   | { type: "stopped"; message: string }

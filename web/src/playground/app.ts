@@ -174,6 +174,9 @@ export class App implements Clock {
         run?.resume(message.branch, message.savedAs);
         this.shownFrame = null;
         return this.notify("branch");
+      case "gravity":
+        if (this.scenario) this.scenario = { ...this.scenario, gravity: message.value };
+        return this.notify("sliders");
       case "sliders":
         this.sliders = message.sliders;
         return this.notify("sliders");

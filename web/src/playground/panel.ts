@@ -102,13 +102,16 @@ export function sliders(app: App): HTMLElement {
   damping.addEventListener("change", () => app.send({ type: "damping", factor: 1, offset: added() }));
   damping.addEventListener("input", showDamping);
   app.listen((changed) => {
-    if (changed !== "world" || !app.scenario) return;
+    if ((changed !== "world" && changed !== "sliders") || !app.scenario) return;
     const [x, y, z] = app.scenario.gravity;
     const size = Math.hypot(x, y, z);
-    direction = size > 0 ? [x / size, y / size, z / size] : [0, 0, -1];
-    gravity.value = String(size);
+    if (changed === "world" || gravity !== document.activeElement) {
+      if (size > 0) direction = [x / size, y / size, z / size];
+      gravity.value = String(size);
+      showGravity();
+    }
+    if (changed !== "world") return;
     damping.value = "0";
-    showGravity();
     showDamping();
   });
   return h(
