@@ -259,19 +259,21 @@ void apply_multipliers(const Tree& tree, const T* q, Workspace<T>& workspace, Lo
   });
 }
 
-// wᵀ M⁻¹ w for a wrench on a free body: what the row's element of A is at most. 1 for a body without mass.
+// wᵀ M⁻¹ w for a wrench on a free body of a loop of that extent (m): what the row's element of A is at most. 1 for a body without
+// mass. A point mass gets an inertia that is small for the loop: the joints determine how it turns.
 template <class T>
-MOMENTREE_INLINE T wrench_mobility(const RigidMass& body, const Force<T>& w) {
+MOMENTREE_INLINE T wrench_mobility(const RigidMass& body, const Force<T>& w, double extent) {
   if (!(body.m > 0)) return T(1);
   const Vec3 c = (1 / body.m) * body.mc;
   const Vector3<T> t = w.h - cross(c, w.l);
   JointMass<double, 3> J;
   const auto& O = body.J;
   const double cc = dot(c, c), m = body.m;
-  J(0, 0) = O.xx - m * (cc - c.x * c.x), J(1, 1) = O.yy - m * (cc - c.y * c.y), J(2, 2) = O.zz - m * (cc - c.z * c.z);
+  const double xx = O.xx - m * (cc - c.x * c.x), yy = O.yy - m * (cc - c.y * c.y), zz = O.zz - m * (cc - c.z * c.z);
+  // Rods and points have no inertia about some axes.
+  const double least = 1e-6 * (xx + yy + zz) + 1e-6 * m * extent * extent + 1e-300;
+  J(0, 0) = least + xx, J(1, 1) = least + yy, J(2, 2) = least + zz;
   J(1, 0) = O.xy + m * c.x * c.y, J(2, 0) = O.xz + m * c.x * c.z, J(2, 1) = O.yz + m * c.y * c.z;
-  const double least = 1e-6 * (J(0, 0) + J(1, 1) + J(2, 2)) + 1e-300;  // rods and points have no inertia about some axes
-  for (int i = 0; i < 3; ++i) J(i, i) += least;
   J.factorise();
   T a[3] = {t.x, t.y, t.z};
   J.solve(a);
@@ -290,7 +292,8 @@ void scale_rows(const Tree& tree, const Workspace<T>& workspace, LoopSystem<T>& 
     for (int k = 0; k < link.rows; ++k) {
       LoopRowOf<T>& row = loops.rows[at(link.first_row + k)];
       const auto at_body = [&](int b) MOMENTREE_INLINE_LAMBDA {
-        return wrench_mobility(tree.link(b).body, on_body(workspace.bodies[at(b)], row.F, row.T, loops.places[i].xb));
+        return wrench_mobility(tree.link(b).body, on_body(workspace.bodies[at(b)], row.F, row.T, loops.places[i].xb),
+                               loops.extents[i]);
       };
       row.scale = at_body(loop.body);
       if (loop.to >= 0) row.scale += at_body(loop.to);

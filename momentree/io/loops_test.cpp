@@ -63,9 +63,8 @@ void check_document(const std::string& scenario, Simulation& sim, double until) 
 
 TEST_CASE("mistakes in loops are reported with their places") {
   const std::string least =
-      "add undetermined = \"least_norm\" to take the least of all possible reactions, or let a loop block fewer directions, for "
-      "example "
-      "by a ball joint instead of a revolute one";
+      "add undetermined = \"least_norm\" to take the least of all possible reactions, or let loops block fewer directions, for "
+      "example by a ball and a universal joint instead of revolute ones (explain counts the equations)";
   check({
       {loop("kind = \"ball\"\nbody = \"m/rocker\""),
        "s.toml:36:1: error: [[loop]] has no 'name'; a name, by which events and results refer to it"},
@@ -114,9 +113,9 @@ TEST_CASE("mistakes in loops are reported with their places") {
       {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5 }\nbreak = \"pin\"\n",
        "s.toml:44:1: error: when: reaction_force: the closed loops do not determine the reaction of joint 'pin'; " + least},
       {linkage + "strength = { force = 5 }\n",
-       "s.toml:37:8: error: joint 'pin': strength: the closed loops do not determine its reaction; let a loop block fewer "
-       "directions, for "
-       "example by a ball joint instead of a revolute one, or use an event whose condition says undetermined = \"least_norm\""},
+       "s.toml:37:8: error: joint 'pin': strength: the closed loops do not determine its reaction; let loops block fewer "
+       "directions, for example by a ball and a universal joint instead of revolute ones (explain counts the equations), or use "
+       "an event whose condition says undetermined = \"least_norm\""},
       {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5, undetermined = \"all\" }\nbreak = \"pin\"\n",
        "s.toml:45:62: error: undetermined: there is no 'all'; \"least_norm\""},
       {linkage + "[[coupling]]\njoint = \"pin\"\nfollows = \"m/crank\"\nstiffness = 1\n",

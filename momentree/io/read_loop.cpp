@@ -1,6 +1,9 @@
 // [[loop]]: joints that close kinematic loops.
+#include <cmath>
+#include <string>
 #include <vector>
 
+#include <momentree/io/number_text.hpp>
 #include <momentree/io/read_action.hpp>
 #include <momentree/io/scenario_parts.hpp>
 #include <momentree/simulate/assembly.hpp>
@@ -156,6 +159,35 @@ void warn_of_singular_start(const World& world, Reading& reading) {
                       "give start values away from it, for example bars that do not lie in one line");
 }
 
+// How closing the loops has changed a start value so much that it is hardly what was meant; empty: it has not.
+std::string changed_start(const BodySpec& body, const JointView& joint) {
+  const KindInfo& kind = info(joint.kind);
+  if (kind.nq != 1 || kind.nv != 1 || joint.driven) return {};
+  const bool angle = kind.v_units[0] == 'r';
+  const auto from_to = [](double from, double to, const char* unit) {
+    return " from " + rounded_text(from, 3) + " to " + rounded_text(to, 3) + unit;
+  };
+  if (body.q.size() == 1 && std::fabs(joint.q[0] - body.q[0]) > (angle ? 0.5 : 0.5 * std::fabs(body.q[0]) + 1e-9))
+    return from_to(body.q[0], joint.q[0], angle ? " rad" : " m");
+  if (body.v.size() == 1 && std::fabs(joint.v[0]) < 0.1 * std::fabs(body.v[0]))
+    return from_to(body.v[0], joint.v[0], angle ? " rad/s" : " m/s");
+  return {};
+}
+
+void warn_of_changed_start(const World& world, Reading& reading) {
+  for (int j = 0; j < world.model().size(); ++j) {
+    const std::string change = changed_start(reading.scenario.model[{j}], world.joint({j}));
+    if (change.empty()) continue;
+    const std::string name(world.joint_name({j}));
+    const auto place = reading.joints.find(name);
+    reading.out.warning(place == reading.joints.end() ? Place{} : place->second,
+                        "closing the loops changes the start of joint '" + name + "'" + change,
+                        "if that is not what you mean, check the axes and frames of the loops, or give start values nearer to a "
+                        "closed position");
+    return;  // those of others follow from the same cause
+  }
+}
+
 void check_strengths(const World& world, Reading& reading) {
   const std::optional<Error> error = undetermined_strength(world);
   if (!error) return;
@@ -173,7 +205,7 @@ void check_loops(Reading& reading) {
   const std::optional<Error> error = check_assembly(model);
   if (!error) {
     const World world(model, Variables::velocities);
-    if (reading.scenario.state_files.empty()) warn_of_singular_start(world, reading);
+    if (reading.scenario.state_files.empty()) warn_of_singular_start(world, reading), warn_of_changed_start(world, reading);
     return check_strengths(world, reading);
   }
   for (const LoopSpec& loop : model.loops())

@@ -133,9 +133,10 @@ std::optional<Error> open_reaction(const World& world, const Condition& conditio
   for (const std::string& name : what.joints()) {
     const int number = world.find_joint(name);
     if (number >= 0 && !world.joint_forces({number}).determined)
-      return Error{std::string(what.key()) + ": the closed loops do not determine the reaction of joint '" + name + "'", "",
-                   "add undetermined = \"least_norm\" to take the least of all possible reactions, or let a loop block fewer "
-                   "directions, for example by a ball joint instead of a revolute one"};
+      return Error{
+          std::string(what.key()) + ": the closed loops do not determine the reaction of joint '" + name + "'", "",
+          "add undetermined = \"least_norm\" to take the least of all possible reactions, or let loops block fewer "
+          "directions, for example by a ball and a universal joint instead of revolute ones (explain counts the equations)"};
   }
   return std::nullopt;
 }

@@ -176,6 +176,33 @@ TEST_CASE("loops at the world's origin, where all lengths are zero, stay closed"
   }
 }
 
+TEST_CASE("a point mass in a loop has its equations, whichever body of the loop it is") {
+  constexpr double r = 0.1, l = 0.3, q0 = 0.5;
+  const auto piston_at = [](double q) { return r * std::cos(q) + std::sqrt(l * l - r * r * std::sin(q) * std::sin(q)); };
+  for (const double inertia : {0.0, 1e-12, 1e-9, 1e-6, 1e-2})
+    for (const bool swapped : {false, true})
+      for (const bool point_rod : {false, true}) {
+        CAPTURE(inertia);
+        Model model;
+        const BodyId crank = model.add(bar("e/crank", ground, 0, r, q0, 10));
+        BodySpec spec = bar("e/rod", crank, r, l, -std::asin(r / l * std::sin(q0)) - q0);
+        if (point_rod) spec.inertia = diagonal(inertia);
+        const BodyId rod = model.add(spec);
+        BodySpec piston{.name = "e/piston", .mass = 1, .inertia = diagonal(point_rod ? 0.01 : inertia)};
+        piston.joint = Prismatic{.axis = x_axis};
+        piston.q = piston_at(q0);
+        const BodyId slider = model.add(piston);
+        LoopSpec gudgeon{.name = "gudgeon", .body = swapped ? slider : rod, .to = swapped ? rod : slider, .joint = revolute()};
+        (swapped ? gudgeon.at : gudgeon.child_at) = Pose{{l, 0, 0}, {}};
+        model.add_loop(gudgeon);
+        Simulation sim(model, {.method = "dopri5", .rtol = 1e-10, .atol = 1e-12});
+        REQUIRE(sim.run_until(1) == Status::ok);
+        CHECK(std::fabs(sim.world().joint({0}).q[0] - q0) > 3);
+        CHECK(sim.world().joint({2}).q[0] == doctest::Approx(piston_at(sim.world().joint({0}).q[0])).epsilon(1e-12));
+        CHECK(std::fabs(sim.energy().error) < 1e-8);
+      }
+}
+
 TEST_CASE("a saved run with loops continues to the same bits") {
   for (const auto& [method, variables] : every_way()) {
     CAPTURE(method);

@@ -68,11 +68,11 @@ std::optional<Error> undetermined_strength(const World& world) {
   if (!world.tree().has_loops()) return std::nullopt;
   for (const Strength& strength : strengths(world))
     if (strength.spring < 0 && !world.joint_forces({strength.joint}).determined)
-      return Error(
-          "strength: the closed loops do not determine its reaction",
-          "joint '" + std::string(world.joint_name({strength.joint})) + "'",
-          "let a loop block fewer directions, for example by a ball joint instead of a revolute one, or use an event whose "
-          "condition says undetermined = \"least_norm\"");
+      return Error("strength: the closed loops do not determine its reaction",
+                   "joint '" + std::string(world.joint_name({strength.joint})) + "'",
+                   "let loops block fewer directions, for example by a ball and a universal joint instead of revolute ones "
+                   "(explain counts "
+                   "the equations), or use an event whose condition says undetermined = \"least_norm\"");
   return std::nullopt;
 }
 
