@@ -24,7 +24,8 @@ std::string load_json(const io::ReadResult& result, const std::string& refusal) 
   for (const io::Diagnostic& d : result.diagnostics) write_diagnostic(json, d);
   if (!refusal.empty()) write_diagnostic(json, {io::Severity::error, "", 0, 0, refusal, "", ""});
   json.end_array();
-  if (result.scenario && refusal.empty()) json.key("scenario").raw(io::scenario_json(*result.scenario, result.scenario->model.gravity()));
+  if (result.scenario && refusal.empty())
+    json.key("scenario").raw(io::scenario_json(*result.scenario, result.scenario->model.gravity()));
   json.end_object();
   return text;
 }

@@ -53,6 +53,8 @@ void interpret(const KernelExpressions& kernel, const std::vector<double>& q, co
       case Operation::difference: x.push_back(at(node.a) - at(node.b)); break;
       case Operation::product: x.push_back(at(node.a) * at(node.b)); break;
       case Operation::quotient: x.push_back(at(node.a) / at(node.b)); break;
+      case Operation::answer:
+      case Operation::inverse_pivot: FAIL("trees have no rows of loops"); break;
     }
   }
   for (std::size_t i = 0; i < kernel.v.size(); ++i) rates.v[i] = at(kernel.v[i]), rates.pdot[i] = at(kernel.pdot[i]);
