@@ -98,6 +98,26 @@ bool Expressions::is_square_of(int i, Operation operation) const {
   return is(i, Operation::product) && at(i).a == at(i).b && is(at(i).a, operation);
 }
 
+int Expressions::sum_that_cancels(int a, int b) {
+  if (is_square_of(a, Operation::sine) && is_square_of(b, Operation::cosine) && at(at(a).a).a == at(at(b).a).a)
+    return constant(1);
+  if (is_square_of(b, Operation::sine) && is_square_of(a, Operation::cosine) && at(at(a).a).a == at(at(b).a).a)
+    return constant(1);
+  if (is(a, Operation::difference) && at(a).b == b) return at(a).a;
+  if (is(b, Operation::difference) && at(b).b == a) return at(b).a;
+  return none;
+}
+
+int Expressions::difference_that_cancels(int a, int b) {
+  if (is(b, Operation::sum) && at(b).a == a) return negative(at(b).b);
+  if (is(b, Operation::sum) && at(b).b == a) return negative(at(b).a);
+  if (is(a, Operation::sum) && at(a).a == b) return at(a).b;
+  if (is(a, Operation::sum) && at(a).b == b) return at(a).a;
+  if (is(b, Operation::difference) && at(b).a == a) return at(b).b;
+  if (is(a, Operation::difference) && at(a).a == b) return negative(at(a).b);
+  return none;
+}
+
 int Expressions::sum(int a, int b) {
   if (is(a, Operation::constant) && is(b, Operation::constant)) return constant(at(a).value + at(b).value);
   if (a == zero) return b;
@@ -105,12 +125,7 @@ int Expressions::sum(int a, int b) {
   if (is(a, Operation::negative) && is(b, Operation::negative)) return negative(sum(at(a).a, at(b).a));
   if (is(b, Operation::negative)) return difference(a, at(b).a);
   if (is(a, Operation::negative)) return difference(b, at(a).a);
-  if (is_square_of(a, Operation::sine) && is_square_of(b, Operation::cosine) && at(at(a).a).a == at(at(b).a).a)
-    return constant(1);
-  if (is_square_of(b, Operation::sine) && is_square_of(a, Operation::cosine) && at(at(a).a).a == at(at(b).a).a)
-    return constant(1);
-  if (is(a, Operation::difference) && at(a).b == b) return at(a).a;
-  if (is(b, Operation::difference) && at(b).b == a) return at(b).a;
+  if (const int less = cancels_ ? sum_that_cancels(a, b) : none; less != none) return less;
   if (is(a, Operation::constant)) std::swap(a, b);
   if (is(b, Operation::constant) && at(b).value < 0) return difference(a, constant(-at(b).value));
   if (a > b) std::swap(a, b);
@@ -125,12 +140,7 @@ int Expressions::difference(int a, int b) {
   if (is(a, Operation::negative) && is(b, Operation::negative)) return difference(at(b).a, at(a).a);
   if (is(b, Operation::negative)) return sum(a, at(b).a);
   if (is(a, Operation::negative)) return negative(sum(at(a).a, b));
-  if (is(b, Operation::sum) && at(b).a == a) return negative(at(b).b);
-  if (is(b, Operation::sum) && at(b).b == a) return negative(at(b).a);
-  if (is(a, Operation::sum) && at(a).a == b) return at(a).b;
-  if (is(a, Operation::sum) && at(a).b == b) return at(a).a;
-  if (is(b, Operation::difference) && at(b).a == a) return at(b).b;
-  if (is(a, Operation::difference) && at(a).a == b) return negative(at(a).b);
+  if (const int less = cancels_ ? difference_that_cancels(a, b) : none; less != none) return less;
   if (is(b, Operation::constant) && at(b).value < 0) return sum(a, constant(-at(b).value));
   if (is(a, Operation::constant) && at(a).value < 0) return negative(sum(constant(-at(a).value), b));
   if (a > b) return negative(make(Operation::difference, b, a));  // a − b and b − a are one node

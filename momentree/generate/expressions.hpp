@@ -50,6 +50,9 @@ class Expressions {
 
   Expressions();
 
+  /// From now on, terms that cancel leave no operations, and sin² + cos² is 1. The derived steps of joint kinds are made without.
+  void cancel_terms() { cancels_ = true; }
+
   int constant(double value);
   /// The number at `index` of q, p (or u) or tau.
   int input(Operation array, int index);
@@ -88,12 +91,15 @@ class Expressions {
   }
   bool is(int i, Operation operation) const { return at(i).operation == operation; }
   bool is_square_of(int i, Operation operation) const;
+  static constexpr int none = -1;
+  int sum_that_cancels(int a, int b);
+  int difference_that_cancels(int a, int b);
   int make(Operation operation, int a, int b, double value = 0);
 
   std::vector<Node> nodes_;
   std::vector<Call> calls_;
   std::unordered_map<Node, int, Hash> numbers_;
-  bool exhausted_ = false;
+  bool exhausted_ = false, cancels_ = false;
 };
 
 /// True if an operation has two operands.

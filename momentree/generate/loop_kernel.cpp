@@ -258,6 +258,7 @@ KernelExpressions loop_expressions(const Tree& tree, std::span<const int> rows, 
     KernelExpressions kernel;
     kernel.variables = Variables::velocities;
     kernel.loops = code == LoopCode::stages;
+    kernel.expressions.cancel_terms();
     T::graph() = &kernel.expressions;
     LoopRecording<rotates_first()> recording(tree, rows, code, kernel.expressions);
     recording.record(plain_forces, kernel);

@@ -7,14 +7,10 @@ import sys
 import time
 from collections.abc import Callable
 from types import TracebackType
-from typing import TYPE_CHECKING
 
 from momentree import _core
 from momentree._arguments import called, number
 from momentree._errors import Error
-
-if TYPE_CHECKING:
-    from momentree.simulation import Simulation
 
 _FRAME = 1 / 60  # s
 
@@ -26,7 +22,7 @@ class LiveView:
     ``update`` and ``run``, between two steps. The page is served on this machine alone, until the view is closed.
     """
 
-    def __init__(self, simulation: Simulation, title: str, port: int, browser: bool, paused: bool, speed: float) -> None:
+    def __init__(self, simulation: _core.SimulationBase, title: str, port: int, browser: bool, paused: bool, speed: float) -> None:
         self._view = _core._LiveView(simulation, title, port, browser, paused, speed)
         self._simulation = simulation
         self._changed: dict[str, Callable[[float], object]] = {}
@@ -149,7 +145,7 @@ class LiveView:
 
 
 def show(
-    self: Simulation,
+    self: _core.SimulationBase,
     *,
     title: str = "",
     port: int = 0,
