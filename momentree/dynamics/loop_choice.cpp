@@ -122,6 +122,8 @@ void choose_rows(const Tree& tree, LoopWorkspace& loops, double tolerance) noexc
   std::fill(loops.least_pivots.begin(), loops.least_pivots.end(), 0.0);
 }
 
+LaneChoice::LaneChoice() = default;
+LaneChoice::~LaneChoice() = default;
 void LaneChoice::fit(const Tree& tree) {
   if (one_.topology == tree.loop_revision()) return;
   lay_out_loops<double>(tree, one_);

@@ -167,6 +167,8 @@ double most_open(const Tree& tree, const LoopSystem<T>& loops, int lane = 0) noe
 /// Chooses the rows of each lane as choose_rows does, and keeps those that any lane needs.
 class LaneChoice {
  public:
+  LaneChoice();
+  ~LaneChoice();  // not of an instruction set
   /// Allocates if there are more rows than before.
   void fit(const Tree& tree);
   /// For all lanes.

@@ -87,12 +87,14 @@ template <class T>
     p.R = transpose(a.R) * b.R, p.r = transpose_times(a.R, b.x - a.x);
     p.va = a.v, p.wa = a.w, p.vb = b.v, p.wb = b.w;
     const Vector3<T> origin = workspace.bodies[at(loop.body)].r;
+    const auto inner_length = [](const Vec3& v) MOMENTREE_INLINE_LAMBDA { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); };
+    const double inner = inner_length(link.child.r) + inner_length(link.parent.r);
     for (int l = 0; l < lanes_of<T>; ++l) {
       const auto length = [l](const Vector3<T>& v) MOMENTREE_INLINE_LAMBDA {
         const double x = get_lane(v.x, l), y = get_lane(v.y, l), z = get_lane(v.z, l);
         return std::sqrt(x * x + y * y + z * z);
       };
-      const double size = length(a.x) + length(b.x) + length(origin) + norm(link.child.r) + norm(link.parent.r);
+      const double size = length(a.x) + length(b.x) + length(origin) + inner;
       set_lane(p.size, l, loops.extents[i] > size ? loops.extents[i] : size);  // everything may be at the origin
     }
     const Vector3<T> relative = p.wb - p.wa, wr = transpose_times(a.R, relative);

@@ -178,7 +178,7 @@ void gather_loops(const Tree& tree, const T* q, Workspace<T>& workspace, LoopSys
   }
   each_body_inward(stops, [&](std::size_t first, std::size_t end) {
     const int b = stops[first].body;
-    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
+    dispatch_kernels(UncheckedTree(tree).kind(b), UncheckedTree(tree).variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
       reduce_columns<K, T>(tree, q, workspace, loops, layout, first, end, base);
       if constexpr (dofs_of_kernels < K >> 0)
@@ -237,7 +237,7 @@ void apply_multipliers(const Tree& tree, const T* q, Workspace<T>& workspace, Lo
   const UncheckedTree all(tree);
   each_body_inward(stops, [&](std::size_t first, std::size_t end) {
     const int b = stops[first].body;
-    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {
+    dispatch_kernels(UncheckedTree(tree).kind(b), UncheckedTree(tree).variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
       Force<T> reduced{};
       T du[6] = {};

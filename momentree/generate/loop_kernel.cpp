@@ -37,8 +37,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr long most_in_place(std::size_t n) { return 400 + 20 * static_cast<long>(n); }
 
 // True if the columns of a joint do not depend on its coordinates, so that the row of a DoF is constant in the child's frame. So
-// it is for all kinds that can have a prescribed motion.
-bool has_constant_columns(const JointSpec& joint) {
+// it is for all kinds that can have a prescribed motion. Functions of kernels are inlined (flatten): they are not defined here.
+[[gnu::flatten]] bool has_constant_columns(const JointSpec& joint) {
   const Values zero = joint_zero(joint.kind);
   double q[7] = {};
   for (int i = 0; i < zero.size(); ++i) q[i] = zero[i] + 0.5;

@@ -47,8 +47,8 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
       functions.push_back({names_.joint(tree_.joint_of(b)), tree_.joint(b).kind, std::make_shared<const JointFunction>(*f)});
   for (std::size_t i = 0; i < tree_.loops().size(); ++i)
     if (const JointFunction* f = tree_.loop_function(static_cast<int>(i)))
-      functions.push_back({names_.joint(tree_.loops()[i].id().index), tree_.loops()[i].joint.kind,
-                           std::make_shared<const JointFunction>(*f)});
+      functions.push_back(
+          {names_.joint(tree_.loops()[i].id().index), tree_.loops()[i].joint.kind, std::make_shared<const JointFunction>(*f)});
   const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
   tree_ = Tree(model_);
   first_bodies_ = model_.size();
