@@ -113,8 +113,11 @@ std::optional<Page> page_of(const std::string& source, Notes notes, int& code) {
 
 /// Runs the scenario in real time until Ctrl-C, or until the reader stops it.
 int show_live(const ViewOptions& options) {
-  for (const auto& [option, given] :
-       {std::pair{"--svg", !options.svg.empty()}, {"--export", !options.exported.empty()}, {"--every", options.every != 0}})
+  for (const auto& [option, given] : {std::pair{"--svg", !options.svg.empty()},
+                                      {"--export", !options.exported.empty()},
+                                      {"--every", options.every != 0},
+                                      {"--look", !options.look.empty()},
+                                      {"--layout", options.layout != "overlay"}})
     if (given) throw_error({std::string("--live and ") + option + " exclude each other", option, "leave one of them out"});
   if (is_folder(options.source))
     throw_error({"a result cannot be run", options.source, "name the scenario, or leave out --live to view the result"});

@@ -120,7 +120,7 @@ EXPORT(mt_totals) const double* mt_totals(MtWorld* world) {
 }
 EXPORT(mt_event_count) int mt_event_count(const MtWorld* world) { return static_cast<int>(world->simulation->events().size()); }
 EXPORT(mt_events) void mt_events(MtWorld* world, int first) {
-  world->text = wasm::events_json(world->simulation->events(), static_cast<size_t>(std::max(first, 0)));
+  world->text = "[" + io::event_list(world->simulation->events(), static_cast<size_t>(std::max(first, 0))) + "]";
 }
 
 EXPORT(mt_break) int mt_break(MtWorld* world, int joint) { return act_on_joint(*world, joint, break_joint); }

@@ -1,7 +1,5 @@
 // Names and structure of a world, as JSON.
 #include <momentree/io/joint_json.hpp>
-#include <momentree/io/summary.hpp>
-#include <momentree/simulate/topology_record.hpp>
 #include <wasm/world.hpp>
 
 namespace momentree::wasm {
@@ -28,12 +26,6 @@ std::string load_json(const io::ReadResult& result, const std::string& refusal) 
     json.key("scenario").raw(io::scenario_json(*result.scenario, result.scenario->model.gravity()));
   json.end_object();
   return text;
-}
-
-std::string events_json(const std::vector<Event>& events, std::size_t first) {
-  std::string text = "[";
-  for (std::size_t i = first; i < events.size(); ++i) text += (i == first ? "" : ",") + io::event_json(events[i]);
-  return text + "]";
 }
 
 }  // namespace momentree::wasm

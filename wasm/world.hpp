@@ -60,7 +60,6 @@ namespace momentree::wasm {
 
 /// The result of mt_load. `refusal`: why a scenario without errors still cannot be run here; empty: it can.
 std::string load_json(const io::ReadResult& result, const std::string& refusal);
-std::string events_json(const std::vector<Event>& events, std::size_t first);
 
 /// A simulation of a scenario with its events scheduled.
 std::unique_ptr<Simulation> start(const io::Scenario& scenario);

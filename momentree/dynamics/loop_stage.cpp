@@ -1,6 +1,7 @@
 // Stages with closed loops by generated code.
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/loop_system.hpp>
@@ -25,6 +26,7 @@ void answer_joint(const LoopCalls* calls, int loop, const double* numbers, int a
   const LoopWorkspace& loops = *stage.loops;
   const LoopLink& link = tree.loop_links()[at(loop)];
   LoopPlace place;
+  static_assert(std::is_trivially_copyable_v<LoopPlace> && sizeof place % sizeof(double) == 0);
   std::memcpy(static_cast<void*>(&place), numbers, sizeof place);
   const auto put = [&](const Vec3& a) {
     for (const double x : {a.x, a.y, a.z}) *answer++ = x;

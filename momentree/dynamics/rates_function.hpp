@@ -16,7 +16,7 @@ using RatesFunction = void (*)(const double* q, const double* p, double* v, doub
 /// prescribed motion), writes q̇ (nq) and u̇ (nv). The arrays must not overlap.
 using VelocityRatesFunction = void (*)(const double* q, const double* u, const double* tau, double* qdot, double* udot) noexcept;
 
-/// What code for closed loops is told, and tells, besides coordinates and rates.
+/// Inputs and outputs of code for closed loops besides coordinates and rates.
 struct LoopCalls {
   const double* least_pivots;  ///< by chosen row: a row whose pivot is not larger is left out
   double* lambda;              ///< written: the multipliers, by chosen row

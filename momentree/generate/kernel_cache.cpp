@@ -1,7 +1,6 @@
 #include <momentree/generate/kernel_cache.hpp>
 
 #include <chrono>
-#include <cstdint>
 #include <mutex>
 #include <unordered_map>
 #include <utility>
@@ -40,7 +39,7 @@ struct KernelCache::Impl {
     const long most = options.most_operations * (tree.has_loops() ? 2 : 1);
     const bool huge = tree.nv() > most / 10;
     const bool momenta = variables == Variables::momenta;
-    if (tree.has_loops() && ++choices[tree.revision()] > options.most_choices)
+    if (tree.has_loops() && ++choices[fingerprint(tree, variables, {})] > options.most_choices)
       return without("more than " + std::to_string(options.most_choices) +
                      " choices of independent equations of closed loops are not compiled for one topology");
     const KernelExpressions kernel = huge               ? KernelExpressions()
@@ -90,8 +89,8 @@ struct KernelCache::Impl {
   const KernelCacheOptions options;
   const std::vector<std::string> compiler;
   std::mutex mutex;
-  std::unordered_map<std::string, Code> codes;      // by fingerprint
-  std::unordered_map<std::uint64_t, long> choices;  // of rows, by the revision of the tree
+  std::unordered_map<std::string, Code> codes;    // by fingerprint
+  std::unordered_map<std::string, long> choices;  // of rows, by the fingerprint of the topology alone
   KernelCacheStatistics statistics;
   std::string message;
 };

@@ -14,26 +14,16 @@ struct Inboard {
   Vector3<T> mc;
 };
 template <class T>
+MOMENTREE_INLINE void add_without_moments(const Inboard<T>& a, Inboard<T>& to) {
+  to.M += a.M;
+  to.D += a.D;
+}
+template <class T>
 MOMENTREE_INLINE void operator+=(Inboard<T>& a, const Inboard<T>& b) {
-  a.M += b.M;
-  a.D += b.D;
+  add_without_moments(b, a);
   a.mc += b.mc;
 }
-/// Stores a contribution number by number, as spatial quantities are.
-template <class T>
-MOMENTREE_INLINE void put(const Inboard<T>& a, Inboard<T>& to) {
-  const auto symmetric = [](const Symmetric3<T>& m, Symmetric3<T>& x) MOMENTREE_INLINE_LAMBDA {
-    x.xx = m.xx, x.yy = m.yy, x.zz = m.zz, x.xy = m.xy, x.xz = m.xz, x.yz = m.yz;
-  };
-  const Matrix3<T>& B = a.M.B;
-  Matrix3<T>& x = to.M.B;
-  symmetric(a.M.A, to.M.A);
-  x.xx = B.xx, x.xy = B.xy, x.xz = B.xz, x.yx = B.yx, x.yy = B.yy, x.yz = B.yz, x.zx = B.zx, x.zy = B.zy, x.zz = B.zz;
-  symmetric(a.M.J, to.M.J);
-  put(a.D, to.D);
-  to.mc.x = a.mc.x, to.mc.y = a.mc.y, to.mc.z = a.mc.z;
-}
-/// The same without the first moments.
+/// Stores a contribution without its first moments, number by number, as spatial quantities are.
 template <class T>
 MOMENTREE_INLINE void put_without_moments(const Inboard<T>& a, Inboard<T>& to) {
   const auto symmetric = [](const Symmetric3<T>& m, Symmetric3<T>& x) MOMENTREE_INLINE_LAMBDA {
@@ -47,9 +37,9 @@ MOMENTREE_INLINE void put_without_moments(const Inboard<T>& a, Inboard<T>& to) {
   put(a.D, to.D);
 }
 template <class T>
-MOMENTREE_INLINE void add_without_moments(const Inboard<T>& a, Inboard<T>& to) {
-  to.M += a.M;
-  to.D += a.D;
+MOMENTREE_INLINE void put(const Inboard<T>& a, Inboard<T>& to) {
+  put_without_moments(a, to);
+  to.mc.x = a.mc.x, to.mc.y = a.mc.y, to.mc.z = a.mc.z;
 }
 /// Without gravity the revolute steps do not write first moments; a sum to which other contributions are added must still start
 /// from zero.

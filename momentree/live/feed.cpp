@@ -79,6 +79,11 @@ void Feed::show(std::string frame) {
   wake();
 }
 
+bool Feed::has_texts() const {
+  const std::lock_guard lock(mutex_);
+  return !taken_.empty();
+}
+
 std::vector<std::string> Feed::take() {
   const std::lock_guard lock(mutex_);
   return std::exchange(taken_, {});

@@ -28,6 +28,7 @@ class Feed {
   void post(std::string message);
   /// Replaces the last frame: a page that is slow gets only the newest one.
   void show(std::string frame);
+  bool has_texts() const;
   /// The texts that pages have sent since the last call.
   std::vector<std::string> take();
   /// Waits until a page has sent a text, at most for this time.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <momentree/base/check.hpp>
+#include <momentree/live/browser.hpp>
 #include <momentree/live/feed.hpp>
 
 namespace momentree::live {
@@ -155,6 +156,18 @@ std::optional<HttpRequest> parse_head(std::string_view head) {
     }
   }
   return request;
+}
+
+Site site_of(std::string html, std::string policy, int port, Feed* feed) {
+  return {std::move(html), std::move(policy), random_key(), "", std::to_string(port), feed};
+}
+
+std::string address_of(const Site& site) { return "http://127.0.0.1:" + site.port + "/" + site.key; }
+
+void open_in_browser(Site& site) {
+  if (!has_screen()) return;
+  site.once = random_key();
+  open_in_browser("http://127.0.0.1:" + site.port + "/" + site.once);
 }
 
 Reply refusal(const Site& site, int status) {

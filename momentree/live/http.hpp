@@ -39,6 +39,14 @@ struct Site {
   Feed* feed = nullptr;  ///< of a live page: /KEY/stream sends its messages as events, /KEY/act takes texts
 };
 
+/// A page on this port with a new key.
+Site site_of(std::string html, std::string policy, int port, Feed* feed = nullptr);
+/// The address of a site's page.
+std::string address_of(const Site& site);
+/// Opens the page in the user's browser, where there is a screen. Other users can see the arguments of the browser's process, so
+/// it gets an address that works once.
+void open_in_browser(Site& site);
+
 struct Reply {
   std::string head;
   std::string_view body;  ///< the site's page, or static text

@@ -12,8 +12,6 @@
 #include <momentree/io/report/base64.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/scenario.hpp>
-#include <momentree/io/summary.hpp>
-#include <momentree/live/browser.hpp>
 #include <momentree/live/page.hpp>
 #include <momentree/live/page_server.hpp>
 #include <momentree/live/view_impl.hpp>
@@ -21,12 +19,6 @@
 namespace momentree::live {
 
 namespace {
-
-std::string events_json(const std::vector<Event>& events, std::size_t first) {
-  std::string text;
-  for (std::size_t i = first; i < events.size(); ++i) text += (i == first ? "" : ",") + io::event_json(events[i]);
-  return text;
-}
 
 std::string message(std::string_view type, std::string_view key, std::string_view json) {
   std::string text;
@@ -71,17 +63,12 @@ void View::Impl::close() {
 }
 
 void View::Impl::serve(Listener listener, const std::string& meshes) {
-  const std::string port = std::to_string(listener.port), site_address = "http://127.0.0.1:" + port + "/";
-  Site site{io::live_page(live_html(), meshes), io::content_policy(live_html()), random_key(), "", port, &feed};
-  address = site_address + site.key;
-  const bool opens = options.open_browser && has_screen();
-  if (opens) site.once = random_key();
-  const std::string once = site_address + site.once;
+  Site site = site_of(io::live_page(live_html(), meshes), io::content_policy(live_html()), listener.port, &feed);
+  address = address_of(site);
+  if (options.open_browser) open_in_browser(site);
   server = std::thread([this, listener = std::move(listener), site = std::move(site)]() mutable {
     PageServer(std::move(listener), std::move(site)).run([this] { return ending.load(); });
   });
-  // Other users can see the arguments of the browser's process, so the browser gets an address that works once.
-  if (opens) open_in_browser(once);
 }
 
 std::string View::Impl::frame() const {
@@ -143,7 +130,7 @@ void View::Impl::reload() {
   const World& world = simulation.world();
   model_text = io::model_json(world, options.title, options.shapes);
   topology_text = io::topology_json(world);
-  events_text = events_json(simulation.events(), 0);
+  events_text = io::event_list(simulation.events(), 0);
   frame_text = frame();
   revision = world.tree().revision();
   events = simulation.events().size();
@@ -198,7 +185,7 @@ void View::Impl::tell() {
   if (world.model().size() != bodies || simulation.events().size() < events || simulation.time() < time) return reload();
   bool news = tell_topology();
   if (simulation.events().size() > events) {
-    const std::string more = events_json(simulation.events(), events);
+    const std::string more = io::event_list(simulation.events(), events);
     events = simulation.events().size();
     events_text += (events_text.empty() ? "" : ",") + more;
     feed.post(message("events", "events", "[" + more + "]"));
@@ -259,12 +246,11 @@ void View::exchange() {
 
 bool View::update() {
   Impl& view = *impl_;
-  do {
-    const std::vector<std::string> texts = view.feed.take();
-    for (const std::string& text : texts) view.obey(text);
-    if (!texts.empty() || !view.playing || Impl::Clock::now() - view.told >= Impl::frame_time) view.tell();
-    if (!view.playing && !view.stopped) view.feed.wait(std::chrono::milliseconds(100));
-  } while (!view.playing && !view.stopped);
+  for (;;) {
+    if (!view.playing || view.feed.has_texts() || Impl::Clock::now() - view.told >= Impl::frame_time) exchange();
+    if (view.playing || view.stopped) break;
+    wait(std::chrono::milliseconds(100));
+  }
   view.paced = Impl::Clock::now();
   return !view.stopped;
 }

@@ -250,7 +250,7 @@ TEST_CASE("live: a grip that the program replaces ends, and does not take the pr
   CHECK(sim.world().tree().body_functions().size() == 1);
 }
 
-TEST_CASE("live: pages that drag for long cost no memory") {
+TEST_CASE("live: a feed keeps a bounded number of bytes") {
   Feed feed;
   Feed::Reader reader;
   feed.greet({"{}"}, false);

@@ -244,7 +244,7 @@ TEST_CASE("loop joints: runs agree and keep the balance of energy, with every pa
   CHECK(refused < 10);
 }
 
-// What both worlds say of their events, one by one.
+// Compares the events of both worlds one by one.
 namespace {
 void check_events(const Simulation& one, const Simulation& other, double tolerance) {
   const std::vector<Event>&e = one.events(), &f = other.events();

@@ -282,6 +282,14 @@ inline double unbalanced(const World& world, Momenta gains, const std::function<
   return left / scale;
 }
 
+/// Acceleration of a body's centre of mass, less gravity.
+inline Vec3 acceleration_less_gravity(const World& world, BodyId body) {
+  const BodyMotion& motion = world.motions()[static_cast<std::size_t>(body.index)];
+  const BodyAcceleration& rate = world.accelerations()[static_cast<std::size_t>(body.index)];
+  const Vec3 to = centre(world, body) - motion.pose.position, w = motion.angular;
+  return rate.linear + cross(rate.angular, to) + cross(w, cross(w, to)) - world.model().gravity();
+}
+
 /// Newton's and Euler's equations of every body.
 inline double newton_euler_error(const World& world) {
   Momenta rates;
@@ -289,8 +297,7 @@ inline double newton_euler_error(const World& world) {
     const BodySpec& body = world.model()[BodyId{b}];
     const BodyMotion& motion = world.motions()[static_cast<std::size_t>(b)];
     const BodyAcceleration& rate = world.accelerations()[static_cast<std::size_t>(b)];
-    const Vec3 to = centre(world, {b}) - motion.pose.position, w = motion.angular;
-    const Vec3 acceleration = rate.linear + cross(rate.angular, to) + cross(w, cross(w, to)) - world.model().gravity();
+    const Vec3 w = motion.angular, acceleration = acceleration_less_gravity(world, {b});
     const Eigen::Matrix3d I = world_inertia(world, {b});
     rates.linear.push_back(body.mass * eigen(acceleration));
     rates.angular.push_back(I * eigen(rate.angular) + eigen(w).cross(I * eigen(w)));
@@ -336,8 +343,7 @@ inline double power_error(const World& world) {
     const BodySpec& body = world.model()[BodyId{b}];
     const BodyMotion& motion = world.motions()[static_cast<std::size_t>(b)];
     const BodyAcceleration& rate = world.accelerations()[static_cast<std::size_t>(b)];
-    const Vec3 to = centre(world, {b}) - motion.pose.position, w = motion.angular;
-    const Vec3 acceleration = rate.linear + cross(rate.angular, to) + cross(w, cross(w, to)) - world.model().gravity();
+    const Vec3 w = motion.angular, acceleration = acceleration_less_gravity(world, {b});
     add(body.mass * dot(velocity_of(motion, body.com), acceleration));
     add(eigen(w).dot(world_inertia(world, {b}) * eigen(rate.angular)));
   }

@@ -14,32 +14,13 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/simulate/assembly.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <tests/oracle/loop_measures.hpp>
 #include <tests/oracle/loop_rows.hpp>
 
 using namespace momentree;
 using namespace momentree::oracle;
 
 namespace {
-
-Vector as_vector(const double* numbers, int n) { return Eigen::Map<const Vector>(numbers, n); }
-double largest(const Vector& x) { return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(); }
-
-// The derivative of f at 0 by central differences of order 8.
-template <class F>
-Vector derivative(const F& f, double h) {
-  constexpr double weights[4] = {4.0 / 5, -1.0 / 5, 4.0 / 105, -1.0 / 280};
-  Vector sum = Vector::Zero(f(0.0).size());
-  for (int k = 1; k <= 4; ++k) sum += weights[k - 1] / h * (f(k * h) - f(-k * h));
-  return sum;
-}
-
-// How many digits a change of the momenta by rounding costs.
-double amplification(const World& world, const Vector& p) {
-  const int n = world.tree().nv();
-  Matrix inverse(n, n);
-  world.inverse_mass_matrix(inverse.data());
-  return largest(inverse.cwiseAbs() * p.cwiseAbs());
-}
 
 /// A sine that begins at `value`.
 std::shared_ptr<const JointDrive> motion_from(double value, Prng& random) {
@@ -203,30 +184,6 @@ TEST_CASE("momenta with armatures, motions and couplings: rates of 1500 random m
   CHECK(coupled > 150);
   CHECK(skipped < 1500);
 }
-
-namespace {
-
-// Largest difference of poses and velocities of bodies.
-double apart(const World& a, const World& b) {
-  double most = 0;
-  for (std::size_t i = 0; i < a.motions().size(); ++i) {
-    const BodyMotion &one = a.motions()[i], &two = b.motions()[i];
-    most = std::max(
-        {most, norm(one.pose.position - two.pose.position), norm(one.linear - two.linear), norm(one.angular - two.angular)});
-  }
-  return most;
-}
-double fastest(const World& world) {
-  double most = 1;
-  for (const BodyMotion& m : world.motions()) most = std::max({most, norm(m.linear), norm(m.angular)});
-  return most;
-}
-
-Simulation run_of(const Model& model, const char* method, Variables variables, double step = 1e-3) {
-  return Simulation(model, {.method = method, .variables = variables, .step = step, .rtol = 1e-11, .atol = 1e-13});
-}
-
-}  // namespace
 
 TEST_CASE("momenta with armatures, motions and couplings: runs go where those in velocities go, and keep the energy balance") {
   int runs = 0, stiff = 0;

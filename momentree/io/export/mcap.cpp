@@ -56,57 +56,59 @@ std::optional<Grouped> grouped(const std::filesystem::path& file) {
 constexpr std::pair<const char*, std::string_view> joint_members[] = {
     {"q", "q"}, {"v", "v"}, {"p", "p"}, {"force", "f"}, {"torque", "m"}};
 
-std::string joints_message(const Grouped& table, std::size_t row, std::uint64_t time) {
+/// A message with its time, and the members that `write` writes.
+template <class Write>
+std::string stamped(std::uint64_t time, const Write& write) {
   std::string text;
   JsonWriter json(text);
   json.begin_object();
   foxglove::write_time(json, "timestamp", time);
-  json.key("joints").begin_array();
-  const double* const numbers = table.row(row);
-  for (const Grouped::Group& joint : table.groups) {
-    const auto there = [numbers](const Grouped::Column& column) { return !std::isnan(numbers[column.at]); };
-    if (!std::any_of(joint.columns.begin(), joint.columns.end(), there)) continue;  // it does not exist now
-    json.begin_object().member("name", joint.owner);
-    for (const auto& [member, first] : joint_members) {
-      std::vector<double> values;
-      for (const Grouped::Column& column : joint.columns)
-        if (column.field.starts_with(first) && there(column)) values.push_back(numbers[column.at]);
-      if (!values.empty() || first == "q" || first == "v" || first == "p") json.member(member, std::span<const double>(values));
-    }
-    json.end_object();
-  }
-  json.end_array().end_object();
+  write(json);
+  json.end_object();
   return text;
+}
+
+std::string joints_message(const Grouped& table, std::size_t row, std::uint64_t time) {
+  return stamped(time, [&](JsonWriter& json) {
+    json.key("joints").begin_array();
+    const double* const numbers = table.row(row);
+    for (const Grouped::Group& joint : table.groups) {
+      const auto there = [numbers](const Grouped::Column& column) { return !std::isnan(numbers[column.at]); };
+      if (!std::any_of(joint.columns.begin(), joint.columns.end(), there)) continue;  // it does not exist now
+      json.begin_object().member("name", joint.owner);
+      for (const auto& [member, first] : joint_members) {
+        std::vector<double> values;
+        for (const Grouped::Column& column : joint.columns)
+          if (column.field.starts_with(first) && there(column)) values.push_back(numbers[column.at]);
+        if (!values.empty() || first == "q" || first == "v" || first == "p") json.member(member, std::span<const double>(values));
+      }
+      json.end_object();
+    }
+    json.end_array();
+  });
 }
 
 std::string springs_message(const Grouped& table, std::size_t row, std::uint64_t time) {
-  std::string text;
-  JsonWriter json(text);
-  json.begin_object();
-  foxglove::write_time(json, "timestamp", time);
-  json.key("springs").begin_array();
-  for (const Grouped::Group& spring : table.groups) {
-    if (std::isnan(table.row(row)[spring.columns.front().at])) continue;  // broken
-    json.begin_object().member("name", spring.owner);
-    for (const Grouped::Column& column : spring.columns) json.member(column.field, table.row(row)[column.at]);
-    json.end_object();
-  }
-  json.end_array().end_object();
-  return text;
+  return stamped(time, [&](JsonWriter& json) {
+    json.key("springs").begin_array();
+    for (const Grouped::Group& spring : table.groups) {
+      if (std::isnan(table.row(row)[spring.columns.front().at])) continue;  // broken
+      json.begin_object().member("name", spring.owner);
+      for (const Grouped::Column& column : spring.columns) json.member(column.field, table.row(row)[column.at]);
+      json.end_object();
+    }
+    json.end_array();
+  });
 }
 
 std::string energy_message(const Grouped& table, std::size_t row, std::uint64_t time) {
-  std::string text;
-  JsonWriter json(text);
-  json.begin_object();
-  foxglove::write_time(json, "timestamp", time);
-  for (const Grouped::Group& group : table.groups) {
-    if (!group.owner.empty()) json.key(group.owner).begin_object();
-    for (const Grouped::Column& column : group.columns) json.member(column.field, table.row(row)[column.at]);
-    if (!group.owner.empty()) json.end_object();
-  }
-  json.end_object();
-  return text;
+  return stamped(time, [&](JsonWriter& json) {
+    for (const Grouped::Group& group : table.groups) {
+      if (!group.owner.empty()) json.key(group.owner).begin_object();
+      for (const Grouped::Column& column : group.columns) json.member(column.field, table.row(row)[column.at]);
+      if (!group.owner.empty()) json.end_object();
+    }
+  });
 }
 
 /// A name for the frame of the world that no body has.

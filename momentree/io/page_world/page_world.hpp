@@ -21,6 +21,9 @@ std::string topology_json(const World& world);
 /// The members of "scenario" that a page needs, as an object: title, until, every, step, method, gravity and events.
 std::string scenario_json(const Scenario& scenario, const Vec3& gravity);
 
+/// The lines of events.jsonl of events from number `first` on, separated by commas.
+std::string event_list(const std::vector<Event>& events, std::size_t first);
+
 /// Per body its pose and velocities; NaN for a removed body.
 void fill_motions(const World& world, std::vector<double>& all);
 

@@ -3,6 +3,7 @@
 
 #include <momentree/io/joint_json.hpp>
 #include <momentree/io/page_world/page_world.hpp>
+#include <momentree/io/summary.hpp>
 #include <momentree/simulate/topology_record.hpp>
 
 namespace momentree::io {
@@ -31,6 +32,12 @@ std::string scenario_json(const Scenario& scenario, const Vec3& gravity) {
     json.end_array().end_object();
   }
   json.end_array().end_object();
+  return text;
+}
+
+std::string event_list(const std::vector<Event>& events, std::size_t first) {
+  std::string text;
+  for (std::size_t i = first; i < events.size(); ++i) text += (i == first ? "" : ",") + event_json(events[i]);
   return text;
 }
 

@@ -93,7 +93,7 @@ void for_each_event(const std::filesystem::path& file,
 
 class BodyTable;
 
-/// Everything that a result directory says of a run but the poses: `frames` and the events' are empty. `table`: that of its
+/// The run of a result directory without its poses: `frames` and the events' are empty. `table`: that of its
 /// bodies.csv. Throws Error with the file and the line.
 Recording read_world(const std::filesystem::path& directory, const BodyTable& table);
 

@@ -99,7 +99,7 @@ export class App implements Clock {
     this.shownFrame = frame === run.frames - 1 ? null : frame;
     this.notify("frame");
   }
-  /** Goes on from a past instant; a program that cannot go back goes on from the present. */
+  /** Continues from a past instant; a program, which cannot go back, continues from the present. */
   continueFrom(time: number) {
     this.shownFrame = null;
     if (!this.live) this.send({ type: "rewind", time });
