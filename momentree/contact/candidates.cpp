@@ -1,0 +1,190 @@
+#include <momentree/contact/candidates.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace momentree::contact {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr double parallel = 1e-6;  // sine of the angle of edges that do not cross
+
+std::uint64_t id_of(FeaturePair pair, bool swapped, std::size_t a, std::size_t b) {
+  return static_cast<std::uint64_t>(pair) | (swapped ? 8u : 0u) | static_cast<std::uint64_t>(a) << 4 |
+         static_cast<std::uint64_t>(b) << 34;
+}
+
+Vec3 into(const Place& place, const Vec3& world) { return transpose_times(place.R, world - place.r); }
+Vec3 out_of(const Place& place, const Vec3& own) { return place.r + place.R * own; }
+
+struct Line {
+  Vec3 from, along;
+  double length;
+};
+Line line_of(const Solid& solid, const Solid::Edge& edge) {
+  const Vec3 &a = solid.vertices[at(edge.ends[0])], &b = solid.vertices[at(edge.ends[1])];
+  const double length = norm(b - a);
+  return {a, (1 / length) * (b - a), length};
+}
+
+bool above_face(const Solid& solid, const Solid::Face& face, const Vec3& p) {
+  const double slack = 1e-9 * solid.reach;
+  for (std::size_t k = 0; k < face.corners.size(); ++k) {
+    const Vec3 &a = solid.vertices[at(face.corners[k])], &b = solid.vertices[at(face.corners[(k + 1) % face.corners.size()])];
+    if (dot(cross(face.normal, b - a), p - a) < -slack * norm(b - a)) return false;
+  }
+  return true;
+}
+
+// The face that is the least below, or the most above, a point; −1: a solid without faces.
+struct Height {
+  int face = -1;
+  double above = -HUGE_VAL;
+};
+Height over_faces(const Solid& solid, const Vec3& p) {
+  Height found;
+  for (std::size_t f = 0; f < solid.faces.size(); ++f) {
+    const double above = dot(solid.faces[f].normal, p) - solid.faces[f].offset;
+    // Of equal ones, such as triangles of one plane, that under the point.
+    const bool equal = found.face >= 0 && std::fabs(above - found.above) <= 1e-12 * solid.reach;
+    if (above > found.above + 1e-12 * solid.reach || (equal && !above_face(solid, solid.faces[at(found.face)], p)))
+      found = {static_cast<int>(f), above};
+  }
+  return found;
+}
+
+struct Search {
+  const Solid &one, &other;
+  const Place &place_one, &place_other;
+  double within;
+  std::vector<Candidate>& out;
+
+  double rounding() const { return one.radius + other.radius; }
+
+  void add(bool swapped, Features f, std::size_t a, std::size_t b) const {
+    const Solid &of_a = swapped ? other : one, &of_b = swapped ? one : other;
+    f.radius_a = of_a.radius, f.radius_b = of_b.radius;
+    const double gap = touch(f, swapped ? place_other : place_one, swapped ? place_one : place_other).gap;
+    if (gap < within) out.push_back({f, swapped, id_of(f.pair, swapped, a, b), gap});
+  }
+
+  // Vertices of a before b.
+  void vertices(bool swapped) const {
+    const Solid &a = swapped ? other : one, &b = swapped ? one : other;
+    const Place &place_a = swapped ? place_other : place_one, &place_b = swapped ? place_one : place_other;
+    for (std::size_t i = 0; i < a.vertices.size(); ++i) {
+      const Vec3& own = a.vertices[i];
+      const Vec3 p = into(place_b, out_of(place_a, own));
+      if (norm(p - b.centre) > b.reach + a.radius + within) continue;
+      const Height height = over_faces(b, p);
+      if (height.face >= 0) {
+        if (height.above - rounding() >= within) continue;
+        const Solid::Face& face = b.faces[at(height.face)];
+        if (height.above <= 0 || above_face(b, face, p)) {
+          // A vertex far below a face that is not its nearest one is no contact: over_faces takes the nearest.
+          add(swapped, {FeaturePair::point_plane, own, {}, b.vertices[at(face.corners[0])], face.normal}, i, at(height.face));
+          continue;
+        }
+        if (!(rounding() > 0)) continue;  // edges that cross, or vertices of the other solid, are nearer
+      }
+      before_edges(swapped, a, b, i, p);
+    }
+  }
+
+  // A rounded vertex before the nearest edge or vertex.
+  void before_edges(bool swapped, const Solid& a, const Solid& b, std::size_t i, const Vec3& p) const {
+    double nearest = HUGE_VAL;
+    std::size_t edge = 0;
+    int vertex = -1;
+    if (b.edges.empty()) nearest = norm(p - b.vertices[0]), vertex = 0;
+    for (std::size_t e = 0; e < b.edges.size(); ++e) {
+      const Line line = line_of(b, b.edges[e]);
+      const double s = dot(line.along, p - line.from), t = std::clamp(s, 0.0, line.length);
+      const double distance = norm(p - (line.from + t * line.along));
+      if (!(distance < nearest)) continue;
+      nearest = distance, edge = e;
+      vertex = s <= 0 ? b.edges[e].ends[0] : s >= line.length ? b.edges[e].ends[1] : -1;
+    }
+    if (nearest - rounding() >= within) return;
+    if (vertex >= 0) {
+      // Both solids see a pair of vertices: once is enough.
+      if (!swapped || !faces_vertex(one, place_one, at(vertex), a.vertices[i]))
+        add(swapped, {FeaturePair::point_point, a.vertices[i], {}, b.vertices[at(vertex)], {}}, i, at(vertex));
+    } else {
+      const Line line = line_of(b, b.edges[edge]);
+      add(swapped, {FeaturePair::point_line, a.vertices[i], {}, line.from, line.along}, i, edge);
+    }
+  }
+  // True if the vertices pass found the pair of that vertex of `one` with a vertex of `other` already.
+  bool faces_vertex(const Solid&, const Place&, std::size_t vertex, const Vec3& own) const {
+    return std::any_of(out.begin(), out.end(), [&](const Candidate& c) {
+      return c.features.pair == FeaturePair::point_point && !c.swapped && c.features.point_a == one.vertices[vertex] &&
+             c.features.point_b == own;
+    });
+  }
+
+  // The direction `outward` leaves a solid at an edge between the directions of its faces.
+  static bool leaves(const Solid& solid, const Place& place, const Solid::Edge& edge, const Line& line, const Vec3& outward) {
+    if (edge.faces[0] < 0) return true;
+    const Vec3 own = transpose_times(place.R, outward);
+    for (const int f : edge.faces) {
+      // From the edge into the face.
+      Vec3 inward = cross(solid.faces[at(f)].normal, line.along);
+      Vec3 middle{};
+      for (const int corner : solid.faces[at(f)].corners) middle += solid.vertices[at(corner)] - line.from;
+      if (dot(inward, middle) < 0) inward = -inward;
+      if (dot(own, inward) > 1e-9) return false;
+    }
+    return true;
+  }
+
+  void edges() const {
+    for (std::size_t i = 0; i < one.edges.size(); ++i) {
+      const Line a = line_of(one, one.edges[i]);
+      for (std::size_t k = 0; k < other.edges.size(); ++k) {
+        const Line b = line_of(other, other.edges[k]);
+        const Vec3 la = place_one.R * a.along, lb = place_other.R * b.along, normal = cross(la, lb);
+        const double sine = norm(normal);
+        if (sine < parallel) continue;
+        Features f{FeaturePair::line_line, a.from, a.along, b.from, b.along};
+        const Along where = nearest_along(f, place_one, place_other);
+        if (!(where.a > 0 && where.a < a.length && where.b > 0 && where.b < b.length)) continue;
+        const Vec3 apart = out_of(place_one, a.from) + where.a * la - out_of(place_other, b.from) - where.b * lb;
+        if (norm(apart) - rounding() >= within) continue;
+        for (const double side : {1.0, -1.0}) {
+          const Vec3 n = (side / sine) * normal;
+          if (rounding() > 0 && one.faces.empty() && other.faces.empty() && dot(n, apart) < 0) continue;
+          if (!leaves(one, place_one, one.edges[i], a, -n) || !leaves(other, place_other, other.edges[k], b, n)) continue;
+          f.side = side;
+          add(false, f, i, k);
+          break;
+        }
+      }
+    }
+  }
+};
+
+}  // namespace
+
+void face_plane(const Solid& solid, const Place& place, const Vec3& point, const Vec3& normal, const Place& of_plane,
+                double within, std::vector<Candidate>& out) {
+  for (std::size_t i = 0; i < solid.vertices.size(); ++i) {
+    const Features f{FeaturePair::point_plane, solid.vertices[i], {}, point, normal, solid.radius, 0};
+    const double gap = touch(f, place, of_plane).gap;
+    if (gap < within) out.push_back({f, false, id_of(f.pair, false, i, 0), gap});
+  }
+}
+
+void face_each_other(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other, double within,
+                     std::vector<Candidate>& out) {
+  const Vec3 apart = out_of(place_one, one.centre) - out_of(place_other, other.centre);
+  if (norm(apart) > one.reach + other.reach + within) return;
+  const Search search{one, other, place_one, place_other, within, out};
+  search.vertices(false);
+  search.vertices(true);
+  search.edges();
+}
+
+}  // namespace momentree::contact

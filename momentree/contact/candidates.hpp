@@ -1,0 +1,28 @@
+#pragma once
+// Which features of two solids are nearest.
+#include <cstdint>
+#include <vector>
+
+#include <momentree/contact/feature.hpp>
+#include <momentree/contact/solid.hpp>
+
+namespace momentree::contact {
+
+/// Two features of two solids that face each other. `id` stays the same while they do.
+struct Candidate {
+  Features features;
+  bool swapped = false;  ///< body a of `features` is that of the second solid
+  std::uint64_t id = 0;
+  double gap = 0;  ///< m
+};
+
+/// A half-space below a plane of the second body's frame: all points of the first solid with a gap below `within`.
+void face_plane(const Solid& solid, const Place& place, const Vec3& point, const Vec3& normal, const Place& of_plane,
+                double within, std::vector<Candidate>& out);
+
+/// All pairs of features with a gap below `within`: vertices before faces, edges that cross, and for rounded solids also vertices
+/// before edges and vertices. The solids overlap by little at most.
+void face_each_other(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other, double within,
+                     std::vector<Candidate>& out);
+
+}  // namespace momentree::contact

@@ -1,0 +1,171 @@
+// Features of solids that face each other, against distances by brute force.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/contact/candidates.hpp>
+#include <tests/oracle/prng.hpp>
+
+using namespace momentree;
+using namespace momentree::contact;
+using oracle::Prng;
+
+namespace {
+
+using Triangle = std::array<Vec3, 3>;
+
+// The surface of the core of a solid, in the world.
+std::vector<Triangle> surface(const Solid& solid, const Place& place) {
+  const auto world = [&](int i) { return place.r + place.R * solid.vertices[static_cast<std::size_t>(i)]; };
+  if (solid.vertices.size() <= 2) return {{world(0), world(0), world(static_cast<int>(solid.vertices.size()) - 1)}};
+  std::vector<Triangle> all;
+  for (const Solid::Face& face : solid.faces)
+    for (std::size_t k = 2; k < face.corners.size(); ++k)
+      all.push_back({world(face.corners[0]), world(face.corners[k - 1]), world(face.corners[k])});
+  return all;
+}
+
+double to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const double square = dot(b - a, b - a), t = square > 0 ? std::clamp(dot(p - a, b - a) / square, 0.0, 1.0) : 0;
+  return norm(p - (a + t * (b - a)));
+}
+double segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  double best = std::min({to_segment(a, c, d), to_segment(b, c, d), to_segment(c, a, b), to_segment(d, a, b)});
+  const Vec3 n = cross(b - a, d - c);
+  const double square = dot(n, n);
+  if (!(square > 1e-18)) return best;
+  const double s = dot(cross(c - a, d - c), n) / square, t = dot(cross(c - a, b - a), n) / square;
+  if (s >= 0 && s <= 1 && t >= 0 && t <= 1) best = std::min(best, std::fabs(dot(c - a, n)) / std::sqrt(square));
+  return best;
+}
+double to_triangle(const Vec3& p, const Triangle& t) {
+  double best = std::min({to_segment(p, t[0], t[1]), to_segment(p, t[1], t[2]), to_segment(p, t[2], t[0])});
+  const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
+  if (!(norm(n) > 1e-14)) return best;
+  bool inside = true;
+  for (std::size_t k = 0; k < 3; ++k) inside = inside && dot(cross(t[(k + 1) % 3] - t[k], p - t[k]), n) >= 0;
+  return inside ? std::min(best, std::fabs(dot(p - t[0], n)) / norm(n)) : best;
+}
+double distance(const std::vector<Triangle>& one, const std::vector<Triangle>& other) {
+  double best = HUGE_VAL;
+  for (const Triangle& a : one)
+    for (const Triangle& b : other)
+      for (std::size_t i = 0; i < 3; ++i) {
+        best = std::min({best, to_triangle(a[i], b), to_triangle(b[i], a)});
+        for (std::size_t k = 0; k < 3; ++k) best = std::min(best, segments(a[i], a[(i + 1) % 3], b[k], b[(k + 1) % 3]));
+      }
+  return best;
+}
+
+Solid random_solid(Prng& random) {
+  const Pose at(random.vector(0.3), random.rotation());
+  switch (random.integer(0, 3)) {
+    case 0: return sphere(random.uniform(0.05, 0.5), at);
+    case 1: return capsule(random.uniform(0.05, 0.4), random.uniform(0.2, 1), at);
+    case 2: {
+      const double x = random.uniform(0.2, 1);
+      const double y = random.uniform(0.2, 1);
+      const double z = random.uniform(0.2, 1);
+      return box({x, y, z}, at);
+    }
+    default: {
+      std::vector<Vec3> points;
+      for (int i = random.integer(4, 14); i > 0; --i) points.push_back(random.vector(0.6));
+      return hull(points);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("solids: sizes of hulls and boxes") {
+  const Solid cube = box({1, 1, 1});
+  CHECK(cube.vertices.size() == 8);
+  CHECK(cube.edges.size() == 12);
+  CHECK(cube.faces.size() == 6);
+  CHECK(cube.thickness == 1);
+  std::vector<Vec3> points = cube.vertices;
+  for (int i = 0; i < 8; ++i) points.push_back({0.1 * i - 0.3, 0.2, 0.1});  // inside
+  const Solid same = hull(points);
+  CHECK(same.vertices.size() == 8);
+  CHECK(same.edges.size() == 12);
+  CHECK(same.faces.size() == 12);
+  CHECK(hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}).vertices.empty());
+  for (const Solid::Face& face : same.faces)
+    for (const Vec3& v : same.vertices) CHECK(dot(face.normal, v) <= face.offset + 1e-12);
+}
+
+TEST_CASE("solids: hulls contain their points, and their corners are points") {
+  Prng random(4);
+  for (int k = 0; k < 300; ++k) {
+    std::vector<Vec3> points;
+    for (int i = random.integer(4, 60); i > 0; --i) points.push_back(random.chance(0.3) ? random.direction() : random.vector(1));
+    const Solid solid = hull(points);
+    REQUIRE(!solid.vertices.empty());
+    for (const Solid::Face& face : solid.faces)
+      for (const Vec3& p : points) CHECK(dot(face.normal, p) <= face.offset + 1e-10);
+    CHECK(solid.vertices.size() - solid.edges.size() + solid.faces.size() == 2);  // Euler, without faces of one plane
+  }
+}
+
+TEST_CASE("solids: the least gap of features is the distance") {
+  Prng random(5);
+  int compared = 0, sharp = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const Solid one = random_solid(random), other = random_solid(random);
+    Place a, b;
+    a.R = rotation_matrix(random.rotation()), b.R = rotation_matrix(random.rotation());
+    a.r = random.vector(1), b.r = random.vector(1);
+    const double core = distance(surface(one, a), surface(other, b)), rounding = one.radius + other.radius;
+    // Cores that overlap have crossing edges or a vertex inside: the distance of surfaces does not tell.
+    std::vector<Candidate> found;
+    face_each_other(one, a, other, b, 5, found);
+    double least = HUGE_VAL;
+    for (const Candidate& c : found) {
+      least = std::min(least, c.gap);
+      const Place &pa = c.swapped ? b : a, &pb = c.swapped ? a : b;
+      CHECK(touch(c.features, pa, pb).gap == c.gap);
+    }
+    if (least < -rounding - 1e-9) continue;  // overlap
+    if (rounding > 0) {
+      ++compared;
+      CHECK(std::fabs(least - (core - rounding)) < 1e-9);
+    } else if (std::isfinite(least)) {
+      ++sharp;
+      CHECK(least > core - 1e-9);
+    }
+  }
+  CHECK(compared > 2000);
+  CHECK(sharp > 100);
+}
+
+TEST_CASE("solids: boxes of one size, one on the other, touch at all corners of both") {
+  Place a, b;
+  a.r = {0, 0, 1};
+  std::vector<Candidate> found;
+  face_each_other(box({1, 1, 1}), a, box({1, 1, 1}), b, 0.1, found);
+  CHECK(found.size() == 8);
+  for (const Candidate& c : found) CHECK(c.gap == 0);
+}
+
+TEST_CASE("solids: capsules side by side touch at both ends of what they share") {
+  Place a, b;
+  a.r = {0.5, 0, 0.2};
+  std::vector<Candidate> found;
+  face_each_other(capsule(0.25, 1), a, capsule(0.25, 1), b, 0.1, found);
+  CHECK(std::count_if(found.begin(), found.end(), [](const Candidate& c) { return std::fabs(c.gap) < 1e-15; }) == 2);
+}
+
+TEST_CASE("solids: every vertex faces a plane") {
+  Place a, b;
+  a.r = {0, 0, 0.5};
+  std::vector<Candidate> found;
+  face_plane(box({1, 1, 1}), a, {}, {0, 0, 1}, b, 0.1, found);
+  CHECK(found.size() == 4);
+  found.clear();
+  face_plane(sphere(0.5), a, {}, {0, 0, 1}, b, 0.1, found);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].gap == 0);
+}

@@ -1,0 +1,96 @@
+// Gaps of features, and their rates against differences.
+#include <algorithm>
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include <momentree/contact/feature.hpp>
+#include <tests/oracle/prng.hpp>
+
+using namespace momentree;
+using namespace momentree::contact;
+using oracle::Prng;
+
+namespace {
+
+// A body that moves uniformly: its place at time t.
+struct Moving {
+  Vec3 r, v, w;
+  Quat at;
+  Place place(double t) const {
+    Place p;
+    p.R = rotation_matrix(exp_rotation(t * w) * at);
+    p.r = r + t * v, p.v = v, p.w = w;
+    return p;
+  }
+};
+Moving random_body(Prng& random) {
+  Moving m;
+  m.r = random.vector(2), m.v = random.vector(1), m.w = random.vector(2), m.at = random.rotation();
+  return m;
+}
+
+// Derivatives of f at 0, of order 8.
+template <class F>
+auto derivative(const F& f) -> decltype(f(0.0)) {
+  constexpr double weights[4] = {4.0 / 5, -1.0 / 5, 4.0 / 105, -1.0 / 280}, h = 1e-3;
+  auto sum = weights[0] / h * (f(h) - f(-h));
+  for (int k = 2; k <= 4; ++k) sum = sum + weights[k - 1] / h * (f(k * h) - f(-k * h));
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("contact features: gap, point and normal move as their rates say") {
+  Prng random(7);
+  for (int k = 0; k < 2000; ++k) {
+    Features f;
+    f.pair = static_cast<FeaturePair>(random.integer(0, 3));
+    f.point_a = random.vector(1), f.point_b = random.vector(1);
+    f.line_a = random.direction(), f.line_b = random.direction();
+    f.radius_a = random.uniform(0, 0.5), f.radius_b = f.pair == FeaturePair::point_plane ? 0 : random.uniform(0, 0.5);
+    f.side = random.chance(0.5) ? 1 : -1;
+    const Moving a = random_body(random), b = random_body(random);
+    const auto at = [&](double t) { return touch(f, a.place(t), b.place(t)); };
+    const Touch now = at(0);
+    const Vec3 la = a.place(0).R * f.line_a, lb = b.place(0).R * f.line_b;
+    if (now.gap + f.radius_a + f.radius_b < 0.3 && f.pair != FeaturePair::point_plane && f.pair != FeaturePair::line_line)
+      continue;
+    if (f.pair == FeaturePair::line_line && norm(cross(la, lb)) < 0.4) continue;
+    CHECK(norm(now.normal) == doctest::Approx(1));
+    for (const Vec3& t : now.tangent) {
+      CHECK(norm(t) == doctest::Approx(1));
+      CHECK(std::fabs(dot(t, now.normal)) < 1e-14);
+    }
+    CHECK(norm(derivative([&](double t) { return at(t).point; }) - now.point_rate) < 1e-6 * (1 + norm(now.point_rate)));
+    CHECK(norm(derivative([&](double t) { return at(t).normal; }) - now.normal_rate) < 1e-6 * (1 + norm(now.normal_rate)));
+    // The gap's rate is the relative velocity along the normal, wherever along the normal the point is.
+    const double rate = derivative([&](double t) { return at(t).gap; });
+    const Place pa = a.place(0), pb = b.place(0);
+    Touch middle = now;
+    if (f.pair == FeaturePair::line_line) {
+      // Material points of both bodies, at the nearest points of the lines.
+      const Along along = nearest_along(f, pa, pb);
+      const Vec3 qa = pa.r + pa.R * f.point_a + along.a * la, qb = pb.r + pb.R * f.point_b + along.b * lb;
+      CHECK(std::fabs(dot(now.normal, qa - qb) - (now.gap + f.radius_a + f.radius_b)) < 1e-10);
+      CHECK(norm(cross(now.normal, qa - qb)) < 1e-10);
+    }
+    CHECK(std::fabs(dot(now.normal, relative_velocity(middle, pa, pb)) - rate) < 1e-6 * (1 + std::fabs(rate)));
+  }
+}
+
+TEST_CASE("contact features: spheres, planes and capsules by hand") {
+  Place a, b;
+  a.r = {0, 0, 3};
+  const Features ball{FeaturePair::point_plane, {}, {}, {0, 0, 1}, {0, 0, 1}, 0.5, 0};
+  const Touch on_floor = touch(ball, a, b);
+  CHECK(on_floor.gap == 1.5);
+  CHECK(on_floor.point == Vec3{0, 0, 2.5});
+  const Features balls{FeaturePair::point_point, {}, {}, {0, 4, 0}, {}, 1, 2};
+  CHECK(touch(balls, a, b).gap == 2);
+  const Features rods{FeaturePair::line_line, {}, {1, 0, 0}, {0, 7, 0}, {0, 1, 0}, 0.25, 0.5, 1};
+  CHECK(touch(rods, a, b).gap == 2.25);
+  CHECK(touch(rods, a, b).normal == Vec3{0, 0, 1});
+  const Features on_rod{FeaturePair::point_line, {}, {}, {0, 7, 0}, {0, 1, 0}, 0.25, 0.5};
+  CHECK(touch(on_rod, a, b).gap == 2.25);
+}

@@ -1,0 +1,41 @@
+#pragma once
+// Convex solids that can touch: a point, a line or a polyhedron, rounded by a radius. A sphere is a rounded point, a capsule a
+// rounded line, a box and a convex mesh are polyhedra.
+#include <array>
+#include <span>
+#include <vector>
+
+#include <momentree/math/vec.hpp>
+
+namespace momentree::contact {
+
+struct Solid {
+  struct Edge {
+    int ends[2];
+    int faces[2];  ///< on both sides; −1 for the line of a capsule
+  };
+  struct Face {
+    Vec3 normal;               ///< outward
+    double offset = 0;         ///< normal·x of its points
+    std::vector<int> corners;  ///< counterclockwise, seen from outside
+  };
+  std::vector<Vec3> vertices;  ///< in the body's frame (m)
+  std::vector<Edge> edges;     ///< without those between faces of one plane
+  std::vector<Face> faces;
+  double radius = 0;     ///< of the rounding (m)
+  Vec3 centre{};         ///< of a sphere around everything
+  double reach = 0;      ///< and its radius
+  double thickness = 0;  ///< nothing that moves less than this passes through (m)
+
+  friend bool operator==(const Solid& a, const Solid& b) { return a.vertices == b.vertices && a.radius == b.radius; }
+};
+
+/// Solids with their centres at `at` in the body's frame. Sizes must be positive.
+Solid sphere(double radius, const Pose& at = {});
+/// Along z, of that length between the centres of its caps.
+Solid capsule(double radius, double length, const Pose& at = {});
+Solid box(const Vec3& size, const Pose& at = {});
+/// The convex hull of points; without vertices if they lie in a plane.
+Solid hull(std::span<const Vec3> points);
+
+}  // namespace momentree::contact

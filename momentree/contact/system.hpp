@@ -1,0 +1,80 @@
+#pragma once
+// The forces at simultaneous contacts: unilateral normals and Coulomb friction. The same system gives impulses from velocities
+// and forces from accelerations.
+//
+// Of each point i the unknowns are r_i = (N, t1, t2), and w = b + A r are the relative velocities (or accelerations) along the
+// same directions, where A = J M⁻¹ Jᵀ is symmetric and positive semidefinite. The law of a point:
+//
+//   N ≥ N0,  w_n ≥ 0,  (N − N0) w_n = 0,
+//   |t| ≤ μ N,  and t = −μ N w_t/|w_t| unless w_t = 0.
+//
+// N0 is zero except in the expansion of an impact. A point that slips already has a given direction s: t = −μ N s.
+// With friction at several points the solution need not be unique; the solver starts from `r` and visits points in their order,
+// so that equal input gives equal output.
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace momentree::contact {
+
+/// The law of one point.
+struct PointLaw {
+  double friction = 0;                ///< μ
+  double least = 0;                   ///< N0
+  bool slipping = false;              ///< in the direction `direction`
+  std::array<double, 2> direction{};  ///< unit vector s in the tangent plane
+};
+
+/// How a point of a solution behaves.
+enum class PointState : unsigned char { open, stick, slip };
+
+/// How long the solver tries.
+enum class Effort : unsigned char { little, full };
+
+class System {
+ public:
+  /// Makes room for that many points; A, b and r are then zero, laws are without friction.
+  void resize(std::size_t points);
+  std::size_t points() const { return laws.size(); }
+  std::size_t unknowns() const { return 3 * laws.size(); }
+
+  double& element(std::size_t row, std::size_t column) { return A[row * unknowns() + column]; }
+  double element(std::size_t row, std::size_t column) const { return A[row * unknowns() + column]; }
+
+  /// Finds r, from the present one. Returns false if no solution was found: r is then the last iterate.
+  [[nodiscard]] bool solve(Effort effort = Effort::full);
+
+  /// w_i of all unknowns at the present r.
+  void velocities(std::vector<double>& w) const;
+  /// Largest violation of the law at r, as a velocity relative to the largest one of the problem.
+  double residual() const;
+  PointState state(std::size_t point) const;
+  /// ½ rᵀA r + bᵀr: the change of kinetic energy by impulses r.
+  double energy_change() const;
+
+  std::vector<double> A, b;  ///< A row by row
+  std::vector<double> r;
+  std::vector<PointLaw> laws;
+
+ private:
+  double velocity(std::size_t row) const;
+  double normal_mobility(std::size_t point) const;
+  double tangent_mobility(std::size_t point) const;
+  double violation(std::size_t point) const;
+  void relax(std::size_t point);
+  void relax_normal(std::size_t point);
+  void relax_friction(std::size_t point);
+  bool sweep(int sweeps, double relaxation);
+  bool polish();
+  void trim();
+  void classify();
+  bool newton_step();
+  double scale() const;
+
+  std::vector<PointState> guess_;
+  std::vector<bool> pressed_;
+  std::vector<double> matrix_, right_, kept_;
+  std::vector<std::size_t> column_of_;
+};
+
+}  // namespace momentree::contact
