@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/contact/indices.hpp>
+
 namespace momentree::contact {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-constexpr double parallel = 1e-6;  // sine of the angle of edges that do not cross
+constexpr double parallel = 1e-6;    // sine of the angle of edges that do not cross
+constexpr double edge_slack = 1e-9;  // what is this near the outline of a face is above it; relative to the solid's size
 
 std::uint64_t id_of(FeaturePair pair, bool swapped, std::size_t a, std::size_t b) {
   return static_cast<std::uint64_t>(pair) | (swapped ? 8u : 0u) | static_cast<std::uint64_t>(a) << 4 |
@@ -30,7 +31,7 @@ Line line_of(const Solid& solid, const Solid::Edge& edge) {
 }
 
 bool above_face(const Solid& solid, const Solid::Face& face, const Vec3& p) {
-  const double slack = 1e-9 * solid.reach;
+  const double slack = edge_slack * solid.reach;
   for (std::size_t k = 0; k < face.corners.size(); ++k) {
     const Vec3 &a = solid.vertices[at(face.corners[k])], &b = solid.vertices[at(face.corners[(k + 1) % face.corners.size()])];
     if (dot(cross(face.normal, b - a), p - a) < -slack * norm(b - a)) return false;
@@ -38,19 +39,26 @@ bool above_face(const Solid& solid, const Solid::Face& face, const Vec3& p) {
   return true;
 }
 
-// The face that is the least below, or the most above, a point; −1: a solid without faces.
+// The face that is the least below, or the most above, a point; −1: a solid without faces. Faces from which edges of the point
+// lead inward count only if the point is above them: then it is not before another face.
 struct Height {
   int face = -1;
   double above = -HUGE_VAL;
 };
-Height over_faces(const Solid& solid, const Vec3& p) {
+Height over_faces(const Solid& solid, const Vec3& p, const std::vector<Vec3>& edges) {
   Height found;
+  const double slack = edge_slack * solid.reach;
   for (std::size_t f = 0; f < solid.faces.size(); ++f) {
-    const double above = dot(solid.faces[f].normal, p) - solid.faces[f].offset;
+    const Solid::Face& face = solid.faces[f];
+    const double above = dot(face.normal, p) - face.offset;
+    bool inward = false;
+    for (const Vec3& edge : edges) inward = inward || dot(face.normal, edge) < -0.1;
+    if (inward && above <= slack) continue;
+    if (above < found.above - slack) continue;
     // Of equal ones, such as triangles of one plane, that under the point.
-    const bool equal = found.face >= 0 && std::fabs(above - found.above) <= 1e-12 * solid.reach;
-    if (above > found.above + 1e-12 * solid.reach || (equal && !above_face(solid, solid.faces[at(found.face)], p)))
-      found = {static_cast<int>(f), above};
+    const bool equal = found.face >= 0 && above <= found.above + slack;
+    if (equal && above_face(solid, solid.faces[at(found.face)], p)) continue;
+    found = {static_cast<int>(f), above};
   }
   return found;
 }
@@ -60,6 +68,7 @@ struct Search {
   const Place &place_one, &place_other;
   double within;
   std::vector<Candidate>& out;
+  std::vector<Vec3>& scratch;
 
   double rounding() const { return one.radius + other.radius; }
 
@@ -78,7 +87,10 @@ struct Search {
       const Vec3& own = a.vertices[i];
       const Vec3 p = into(place_b, out_of(place_a, own));
       if (norm(p - b.centre) > b.reach + a.radius + within) continue;
-      const Height height = over_faces(b, p);
+      std::vector<Vec3>& edges_there = scratch;
+      edges_there.clear();
+      for (const Vec3& edge : a.along[i]) edges_there.push_back(transpose_times(place_b.R, place_a.R * edge));
+      const Height height = over_faces(b, p, edges_there);
       if (height.face >= 0) {
         if (height.above - rounding() >= within) continue;
         const Solid::Face& face = b.faces[at(height.face)];
@@ -150,7 +162,9 @@ struct Search {
         if (sine < parallel) continue;
         Features f{FeaturePair::line_line, a.from, a.along, b.from, b.along};
         const Along where = nearest_along(f, place_one, place_other);
-        if (!(where.a > 0 && where.a < a.length && where.b > 0 && where.b < b.length)) continue;
+        // Ends of edges are vertices, which face the other solid themselves.
+        const double end_a = edge_slack * one.reach, end_b = edge_slack * other.reach;
+        if (!(where.a > end_a && where.a < a.length - end_a && where.b > end_b && where.b < b.length - end_b)) continue;
         const Vec3 apart = out_of(place_one, a.from) + where.a * la - out_of(place_other, b.from) - where.b * lb;
         if (norm(apart) - rounding() >= within) continue;
         for (const double side : {1.0, -1.0}) {
@@ -181,7 +195,8 @@ void face_each_other(const Solid& one, const Place& place_one, const Solid& othe
                      std::vector<Candidate>& out) {
   const Vec3 apart = out_of(place_one, one.centre) - out_of(place_other, other.centre);
   if (norm(apart) > one.reach + other.reach + within) return;
-  const Search search{one, other, place_one, place_other, within, out};
+  std::vector<Vec3> scratch;
+  const Search search{one, other, place_one, place_other, within, out, scratch};
   search.vertices(false);
   search.vertices(true);
   search.edges();

@@ -6,11 +6,11 @@
 #include <set>
 #include <utility>
 
+#include <momentree/contact/indices.hpp>
+
 namespace momentree::contact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Edges from the corners of the faces, less those between faces of one plane.
 void find_edges(Solid& solid) {
@@ -31,6 +31,11 @@ void find_edges(Solid& solid) {
 }
 
 void find_reach(Solid& solid) {
+  solid.along.resize(solid.vertices.size());
+  for (const Solid::Edge& edge : solid.edges) {
+    const Vec3 from = normalized(solid.vertices[at(edge.ends[1])] - solid.vertices[at(edge.ends[0])]);
+    solid.along[at(edge.ends[0])].push_back(from), solid.along[at(edge.ends[1])].push_back(-from);
+  }
   Vec3 low = solid.vertices.front(), high = low;
   for (const Vec3& v : solid.vertices) {
     low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};

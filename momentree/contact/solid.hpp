@@ -22,6 +22,7 @@ struct Solid {
   std::vector<Vec3> vertices;  ///< in the body's frame (m)
   std::vector<Edge> edges;     ///< without those between faces of one plane
   std::vector<Face> faces;
+  std::vector<std::vector<Vec3>> along;  ///< by vertex: unit vectors along its edges
   double radius = 0;     ///< of the rounding (m)
   Vec3 centre{};         ///< of a sphere around everything
   double reach = 0;      ///< and its radius

@@ -13,7 +13,20 @@ namespace {
 constexpr int sweeps_before_polish = 16;
 constexpr double solved = 5e-14;       // residual of a solution
 constexpr double good_enough = 1e-11;  // of one that cannot be improved
-constexpr double still = 1e-12;        // sliding velocities below this, relative to the largest |b|, are zero
+constexpr double still = 1e-12;         // sliding velocities below this, relative to the largest |b|, are zero
+
+// The nearest point with N ≥ N0 and |t| ≤ μ N.
+void project_on_cone(const PointLaw& law, double* y) {
+  const double mu = law.friction, size = std::hypot(y[1], y[2]);
+  if (size > mu * y[0]) {
+    const double N = std::max(0.0, (y[0] + mu * size) / (1 + mu * mu)), shorten = size > 0 ? mu * N / size : 0;
+    y[0] = N, y[1] *= shorten, y[2] *= shorten;
+  }
+  if (y[0] >= law.least) return;
+  y[0] = law.least;
+  const double now = std::hypot(y[1], y[2]), most = mu * law.least;
+  if (now > most) y[1] *= most / now, y[2] *= most / now;
+}
 
 }  // namespace
 
@@ -187,7 +200,7 @@ bool System::newton_step() {
       }
     }
   }
-  if (!solve_linear(matrix_, right_, column_of_)) return false;
+  if (!solve_linear(matrix_, right_, column_of_, Solution::least)) return false;
   for (std::size_t i = 0; i < n; ++i) r[i] += right_[i];
   return true;
 }
@@ -240,6 +253,30 @@ bool System::sweep(int sweeps, double relaxation) {
   return residual() <= good_enough;
 }
 
+// One sweep towards the minimum of ½ rᵀA r + bᵀr over the cones of friction, whose velocities are unique. Where nothing slips
+// there, it obeys Coulomb's law as well: of several solutions of that law the one that dissipates most.
+double System::descend() {
+  double most = 0;
+  for (std::size_t i = 0; i < points(); ++i) {
+    const std::size_t n = 3 * i;
+    const PointLaw& law = laws[i];
+    double* const own = r.data() + n;
+    const double before[3] = {own[0], own[1], own[2]};
+    if (law.slipping || !(law.friction > 0)) {
+      relax_normal(i);
+    } else {
+      const double size = element(n, n) + tangent_mobility(i);  // at least the largest eigenvalue of the block
+      if (!(size > 0)) continue;
+      double y[3];
+      for (std::size_t d = 0; d < 3; ++d) y[d] = own[d] - velocity(n + d) / size;
+      project_on_cone(law, y);
+      std::copy_n(y, 3, own);
+    }
+    for (std::size_t d = 0; d < 3; ++d) most = std::max(most, std::fabs(own[d] - before[d]) * element(n, n));
+  }
+  return most;
+}
+
 bool System::solve(Effort effort) {
   for (std::size_t i = 0; i < points(); ++i) r[3 * i] = std::max(r[3 * i], laws[i].least);
   if (scale() == 0) {
@@ -251,6 +288,10 @@ bool System::solve(Effort effort) {
     }
   }
   if (points() == 1 && solve_point(A.data(), b.data(), laws[0], r.data())) return true;
+  const double size = scale();
+  for (int k = 0; k < (effort == Effort::little ? 50 : 500) && descend() > 1e-6 * size; ++k) {
+  }
+  if (polish()) return true;
   if (effort == Effort::little) return sweep(300, 1);
   if (sweep(3000, 1)) return true;
   for (const double relaxation : {0.5, 0.2, 0.05}) {  // a few sets of many points with friction cycle

@@ -65,6 +65,7 @@ class System {
   void relax_normal(std::size_t point);
   void relax_friction(std::size_t point);
   bool sweep(int sweeps, double relaxation);
+  double descend();
   bool polish();
   void trim();
   void classify();

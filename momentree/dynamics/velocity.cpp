@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <momentree/dynamics/body_forces.hpp>
+#include <momentree/dynamics/contacts.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/loop_system.hpp>
 #include <momentree/dynamics/wrench_inboard.hpp>
@@ -16,10 +17,11 @@ Motion<double> accelerating_ground(const Tree& tree) { return {-tree.gravity(), 
 // Forces that read poses or motions, and the power of prescribed motions, need what a stage does not store.
 bool stage_keeps(const Tree& tree) { return tree.has_constraints() || tree.has_functions() || !tree.loaded_bodies().empty(); }
 
-// After sweep_velocities: all forces, as joint forces in workspace.a and wrenches in workspace.biases.
+// After sweep_velocities: all forces, as joint forces in workspace.a and wrenches in workspace.biases. `contacts`: also the forces
+// of contacts, which are in workspace.contacts.
 template <bool Keep>
-void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace,
-                  LoopRows rows = LoopRows::kept) noexcept {
+void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, LoopRows rows = LoopRows::kept,
+                  bool contacts = false) noexcept {
   double* const tau = workspace.a.get();
   if constexpr (Keep) {
     if (tree.has_loops()) {  // first, because functions may read the coordinates of loop joints
@@ -30,6 +32,7 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
   workspace.power = joint_forces(tree, t, q, workspace, tau, workspace.passive.get());
   if constexpr (Keep) {
     find_loads(tree, t, q, workspace);
+    if (contacts) add_contact_loads(tree, workspace);
     for (const int b : tree.loaded_bodies()) {
       Force<double>& wrench = workspace.biases[static_cast<std::size_t>(b)].wrench;
       wrench = wrench - workspace.loads[static_cast<std::size_t>(b)];
@@ -53,10 +56,12 @@ void inward(const Tree& tree, F&& f) {
 
 }  // namespace
 
-void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
-                                 LoopRows rows) noexcept {
+namespace {
+
+void evaluate_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace, LoopRows rows,
+                      bool contacts) noexcept {
   sweep_velocities<double, true>(tree, q, u, workspace);
-  apply_forces<true>(tree, t, q, workspace, rows);
+  apply_forces<true>(tree, t, q, workspace, rows, contacts);
   if (tree.has_loops()) {
     reduce_accelerations<double, true>(tree, q, workspace);
     solve_loops(tree, q, workspace, accelerating_ground(tree), rows);
@@ -70,6 +75,23 @@ void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, co
     const LoopMotion motion = loop_motion(tree, workspace, static_cast<int>(i));
     workspace.power.work += (motion.effort + motion.inertial) * motion.rate;
   }
+}
+
+}  // namespace
+
+void evaluate_velocities_without_contacts(const Tree& tree, double t, const double* q, const double* u,
+                                          Workspace<double>& workspace, LoopRows rows) noexcept {
+  evaluate_keeping(tree, t, q, u, workspace, rows, false);
+}
+
+// Accelerations are linear in the forces of contacts: these follow from an evaluation without them.
+void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
+                                 LoopRows rows) noexcept {
+  evaluate_keeping(tree, t, q, u, workspace, rows, false);
+  if (tree.contacts().empty()) return;
+  locate_stage(tree, q, workspace);
+  find_contact_forces(tree, q, workspace, rows == LoopRows::choose);
+  evaluate_keeping(tree, t, q, u, workspace, LoopRows::kept, true);
 }
 
 void evaluate_velocity_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,

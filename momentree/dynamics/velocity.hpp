@@ -37,6 +37,10 @@ void evaluate_velocity_stage(const Tree& tree, double t, const double* q, const 
 void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                                  LoopRows rows) noexcept;
 
+/// The same without the forces of contacts.
+void evaluate_velocities_without_contacts(const Tree& tree, double t, const double* q, const double* u,
+                                          Workspace<double>& workspace, LoopRows rows) noexcept;
+
 /// The same for a state, whose stamp the workspace then carries as evaluated and accelerated. Also writes the articulated momenta
 /// Pb of all bodies and workspace.p.
 void evaluate_velocity_state(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;

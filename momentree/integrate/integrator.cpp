@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <momentree/dynamics/body_forces.hpp>
+#include <momentree/dynamics/contacts.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
 #include <momentree/dynamics/loop_momenta.hpp>
@@ -60,8 +61,13 @@ void Evaluator::operator()(const State& state) noexcept {
 
 bool Evaluator::close(double t, double* q, double* y, double& energy) noexcept {
   const Stopwatch watch(seconds);
-  if (variables_ == Variables::momenta) return close_loops_in_momenta(*tree_, t, q, y, *workspace_, energy);
-  return close_loops(*tree_, t, q, y, *workspace_, energy);
+  energy = 0;
+  if (tree_->has_loops()) {
+    const bool closed = variables_ == Variables::momenta ? close_loops_in_momenta(*tree_, t, q, y, *workspace_, energy)
+                                                         : close_loops(*tree_, t, q, y, *workspace_, energy);
+    if (!closed) return false;
+  }
+  return tree_->contacts().empty() || close_contacts(*tree_, t, q, y, *workspace_, energy);
 }
 
 void Evaluator::solve(const double* q, const double* p, Workspace<double>& other) noexcept {
@@ -191,7 +197,7 @@ void Integrator::add_gauge(const Evaluator& evaluate, const double* q, double* r
 }
 
 void Integrator::book_loops(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept {
-  state.set_turns(evaluate.workspace().loops->turns);
+  if (evaluate.tree().has_loops()) state.set_turns(evaluate.workspace().loops->turns);
   ledger.projection += closing_energy_;
 }
 

@@ -132,16 +132,17 @@ class Integrator {
   /// steps: after a hundred thousand steps of 10 µs it is off by about 1e-6 of one.
   static constexpr double sliver = 1e-4;
 
-  /// Completes a step with loops: closes them at its end t (s), at the result (q, y), in the evaluator's workspace. False if
-  /// they cannot be closed.
+  /// Completes a step with loops or contacts: closes them at its end t (s), at the result (q, y), in the evaluator's workspace.
+  /// False if they cannot be closed.
   bool close(Evaluator& evaluate, double t, double* q, double* y) noexcept {
-    return !evaluate.tree().has_loops() || close_loops_of(evaluate, t, q, y);
+    const Tree& tree = evaluate.tree();
+    return (!tree.has_loops() && tree.contacts().empty()) || close_loops_of(evaluate, t, q, y);
   }
   /// Adds ṗ* − ṗ, which the closing made, to rates ṗ of the state that it led to: see add_gauge_rates.
   static void add_gauge(const Evaluator& evaluate, const double* q, double* rates) noexcept;
   /// Books the closing with the step that was accepted.
   void book_closing(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept {
-    if (evaluate.tree().has_loops()) book_loops(evaluate, state, ledger);
+    if (evaluate.tree().has_loops() || !evaluate.tree().contacts().empty()) book_loops(evaluate, state, ledger);
   }
 
   /// Calls `plausible` and, if it returns false, records the coordinate that diverged.

@@ -39,7 +39,7 @@ void TopologyEditor::remember_momenta() {
         to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.workspace_, b));
 }
 
-void TopologyEditor::book_impulses(const Impulse* applied) {
+void TopologyEditor::book_impulses(std::span<const AppliedImpulse> applied) {
   std::vector<Force<double>>& sums = impulses_[event_];
   sums.resize(static_cast<std::size_t>(tree().bodies()));
   double largest = 0;
@@ -50,17 +50,15 @@ void TopologyEditor::book_impulses(const Impulse* applied) {
   }
   locate_bodies(tree(), world_.state_, world_.workspace_);
   const auto pose_of = [&](int b) { return user_pose(tree(), world_.workspace_.bodies[static_cast<std::size_t>(b)], b); };
-  if (applied != nullptr) {
-    // The external impulse is contained in Pb of its body and of all inboard bodies, but no joint transmitted it.
-    const Vec3 point = pose_of(applied->body.index) * applied->point;
-    for (int a = applied->body.index; a >= 0; a = tree().parent(a)) {
+  // An external impulse is contained in Pb of its body and of all inboard bodies, but no joint transmitted it.
+  for (const AppliedImpulse& one : applied)
+    for (int a = one.body; a >= 0; a = tree().parent(a)) {
       const Pose pose = pose_of(a);
       const Mat3 R = rotation_matrix(pose.rotation);
       Force<double>& S = before_[static_cast<std::size_t>(a)];
-      S.l -= transpose_times(R, applied->force);
-      S.h -= transpose_times(R, applied->torque + cross(point - pose.position, applied->force));
+      S.l -= transpose_times(R, one.force);
+      S.h -= transpose_times(R, one.torque + cross(one.point - pose.position, one.force));
     }
-  }
   // So are the impulses of loops, which are booked as those of their joints.
   for (std::size_t i = 0; i < loop_impulses_now_.size(); ++i) {
     const Loop& loop = tree().loops()[i];

@@ -15,6 +15,7 @@
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/arguments.hpp>
+#include <momentree/simulate/contacts.hpp>
 #include <momentree/simulate/event_queue.hpp>
 #include <momentree/simulate/failure.hpp>
 #include <momentree/simulate/instant.hpp>
@@ -45,7 +46,8 @@ struct Simulation::Impl {
         world(model, integration.state_variables(model), integration.loop_variables()),
         evaluate(world.tree_, world.workspace_),
         method(new_method()),
-        stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
+        stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)),
+        contacts(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
     if (std::optional<Error> error = undetermined_strength(world)) throw_error(std::move(*error));
     begin();
   }
@@ -175,7 +177,7 @@ struct Simulation::Impl {
     const auto start = Clock::now();
     evaluate_state();
     note_kinetic_energy();
-    if (stops.any() || queue.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
+    if (stops.any() || contacts.any() || queue.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
     const double stepped = method->advance(evaluate, world.state_, ledger, h);
     if (stepped == 0) {
       report_divergence(h);
@@ -191,7 +193,15 @@ struct Simulation::Impl {
   // The same for joints with stops or events with conditions: the step may end earlier and an event happen there. `end`: the end
   // of a full step.
   bool step_and_look(double h, double end, Clock::time_point start) {
-    const std::optional<double> stepped = stops.step(*method, ledger, h, queue.watches(world));
+    std::span<const Watch> watches = queue.watches(world);
+    double most = h;
+    if (contacts.any()) {
+      const std::span<const Watch> more = contacts.watches(most);
+      all_watches.assign(watches.begin(), watches.end());
+      all_watches.insert(all_watches.end(), more.begin(), more.end());
+      watches = all_watches;
+    }
+    const std::optional<double> stepped = stops.step(*method, ledger, most, watches);
     if (!stepped) {
       report_divergence(h);
       return false;
@@ -199,6 +209,7 @@ struct Simulation::Impl {
     if (*stepped == h && std::isfinite(end)) set_time(end);
     ++statistics.steps;
     resolve_limits();
+    if (contacts.any() && contacts.must_resolve() && !resolve_contacts()) return false;
     statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, detail::seconds_since(start));
     return true;
   }
@@ -220,6 +231,19 @@ struct Simulation::Impl {
     for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
     queue.forget_looks();
     world.take_variables(world.own_variables());
+  }
+
+  // Impacts of bodies, and contacts that close, open, slip or stick. False: there is no solution, and the run ends.
+  bool resolve_contacts() {
+    const std::size_t before = events.size();
+    const std::optional<std::string> why = contacts.resolve(events);
+    for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
+    balance.lost_in_impacts += contacts.take_lost();
+    queue.forget_looks();
+    if (!why) return true;
+    message = no_progress_at(world.time()) + *why;
+    stalled = true;
+    return false;
   }
 
   // Kinetic energy at the beginning of a step, which has been evaluated: as p·u/2 it costs next to nothing.
@@ -327,7 +351,7 @@ struct Simulation::Impl {
     }
     queue.forget_looks();
     resolve_limits();
-    return true;
+    return !contacts.any() || resolve_contacts();
   }
 
   /// Runs `act`, which adds or removes bodies, and records it as an event named `what`.
@@ -385,6 +409,7 @@ struct Simulation::Impl {
   Status begin_run() {
     progress.begin(world.time(), events.size());
     resolve_limits();
+    if (contacts.any() && !resolve_contacts()) return Status::stalled;
     Status status = Status::ok;
     return happen_between_samples(status) && !look(!observed) ? Status::interrupted : status;
   }
@@ -403,7 +428,7 @@ struct Simulation::Impl {
   }
   // The instant at which the next steps must end.
   double next_end(double until) const {
-    const double end = std::min(until, queue.next_time());
+    const double end = std::min({until, queue.next_time(), contacts.next_rest()});
     return observer && every > 0 ? std::min(end, next_look) : end;
   }
   Status finish_step(double until) {
@@ -436,6 +461,8 @@ struct Simulation::Impl {
   Evaluator evaluate;
   std::unique_ptr<Integrator> method;
   Stops stops;
+  Contacts contacts;
+  std::vector<Watch> all_watches;
   EnergyLedger ledger;
   EnergyBalance balance;
   std::optional<double> unadjusted;  // total energy (J) before adjustments that are not in the ledger yet

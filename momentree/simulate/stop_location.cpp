@@ -198,10 +198,12 @@ std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end
     guess = about.outside;
   }
   if (!narrow(between, tolerance, guess, [&](double s) { return value(trial.go(s)); })) return std::nullopt;
-  if (w.side == nullptr || w.held) return between.outside;
+  const bool precise = w.side != nullptr ? !w.held : w.watch->precise;
+  if (!precise) return between.outside;
   // One Newton step: the joint then is at the stop to within rounding, however fast it moves.
   if (trial.at != between.outside && !trial.go(between.outside)) return std::nullopt;
-  const double at = between.outside - excess(w) / speed(*w.side);
+  const double rate = w.side != nullptr ? speed(*w.side) : w.watch->rate(*world_).value_or(NAN);
+  const double at = between.outside - excess(w) / rate;
   return at > between.inside && at < between.outside ? at : between.outside;
 }
 

@@ -24,6 +24,7 @@ struct Watch {
                                        ///< since
   double sign = 1, offset = 0;         ///< the located function is sign·(excess + offset)
   std::optional<double> start_rate{};  ///< its rate now, if its quantity provides one
+  bool precise = false;                ///< located to within rounding, by its rate
 
   /// That rate in the present state of the world.
   std::optional<double> rate(const World& world) const {

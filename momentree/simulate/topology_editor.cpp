@@ -182,6 +182,39 @@ void TopologyEditor::lock(int joint, unsigned dofs) {
 void TopologyEditor::apply_restitution(int joint, int dof, double restitution) {
   carry_out(Impact{{joint}, dof, restitution}, Nature::impact);
 }
+void TopologyEditor::apply_contact_impulses(const std::vector<double>& generalised, std::span<const AppliedImpulse> applied,
+                                            std::span<const AppliedImpulse> on_ground) {
+  MT_REQUIRE(world_.state_.variables() == Variables::velocities, "worlds with contacts are in velocities");
+  evaluate();
+  const Totals before = world_.totals();
+  remember_momenta();
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<double> change = generalised;
+  if (tree().has_loops())
+    solve_with_loops(tree(), world_.state_.q().data(), world_.workspace_, change.data());
+  else
+    solve_with_factors<double>(tree(), world_.state_.q().data(), world_.workspace_, change.data());
+  {
+    const State::Edit edit = world_.state_.edit();
+    for (std::size_t i = 0; i < change.size(); ++i) edit.u[i] += change[i];
+  }
+  const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  seconds += taken;
+  event_->duration_ns += taken * 1e9;
+  loop_impulses_now_.clear(), coupling_impulses_now_.clear();
+  for (std::size_t i = 0; i < tree().loops().size(); ++i)
+    loop_impulses_now_.push_back(loop_impulse(tree(), world_.workspace_, static_cast<int>(i)));
+  for (std::size_t i = tree().loops().size(); i < tree().loop_links().size(); ++i)
+    coupling_impulses_now_.push_back(coupling_impulse(tree(), world_.workspace_, static_cast<int>(i)));
+  evaluate();
+  event_->lost += before.kinetic - world_.totals().kinetic;
+  book_impulses(applied);
+  for (const AppliedImpulse& one : on_ground) {
+    const Vec3 moment = cross(one.point, one.force);
+    const double w[6] = {one.force.x, one.force.y, one.force.z, moment.x, moment.y, moment.z};
+    for (std::size_t k = 0; k < 6; ++k) event_->ground_impulse[k] += w[k];
+  }
+}
 void TopologyEditor::engage_limit(int joint, int dof, int sign) {
   if (is_loop({joint}))
     lock_loop(joint, loop_of(joint).joint.locked | 1u << dof);

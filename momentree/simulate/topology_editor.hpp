@@ -2,6 +2,7 @@
 // Topology changes of one world at one instant, with their accounting: the operations of which actions are composed.
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,12 @@ struct JointPlan {
   Joint joint;
   Values q;
   bool keeps_parameters = false;
+};
+
+/// An impulse from outside on a body, in world axes.
+struct AppliedImpulse {
+  int body = -1;
+  Vec3 force{}, torque{}, point{};  ///< N s, N m s, m
 };
 
 /// A DoF of a joint, transformed from the joint's moving frame to the declared child's frame: about its origin, in its axes.
@@ -83,6 +90,10 @@ class TopologyEditor {
   ActionResult attach(int body, int to, const JointSpec& joint, const std::optional<Pose>& at);
   /// A stop of the joint makes the DoF rebound; locks it; releases it.
   void apply_restitution(int joint, int dof, double restitution);
+  /// Applies impulses of contacts: generalised impulses, packed as p, which are those of `applied` on the bodies and of the opposite
+  /// impulses `on_ground`, for the certificate.
+  void apply_contact_impulses(const std::vector<double>& generalised, std::span<const AppliedImpulse> applied,
+                              std::span<const AppliedImpulse> on_ground);
   void engage_limit(int joint, int dof, int sign);
   void release_limit(int joint, int dof);
   // Energy from outside.
@@ -121,7 +132,7 @@ class TopologyEditor {
   template <class Change>
   void carry_out(const Change& change, Nature nature);
   void remember_momenta();
-  void book_impulses(const Impulse* applied);
+  void book_impulses(std::span<const AppliedImpulse> applied);
   void evaluate() { world_.evaluate(); }
   /// Call before the current event makes or changes that joint.
   void touch(int joint);

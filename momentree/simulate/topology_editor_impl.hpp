@@ -47,9 +47,11 @@ void TopologyEditor::carry_out(const Change& change, Nature nature) {
   if (nature == Nature::impact) event_->lost += gone + driven;
   if (nature == Nature::outside) brought += after.kinetic - before.kinetic;
   if constexpr (std::is_same_v<Change, Impulse>) {
-    book_impulses(&change);
+    const BodyMotion& motion = world_.motions()[static_cast<std::size_t>(change.body.index)];
+    const AppliedImpulse applied{change.body.index, change.force, change.torque, motion.pose * change.point};
+    book_impulses({&applied, 1});
   } else {
-    book_impulses(nullptr);
+    book_impulses({});
   }
 }
 

@@ -227,6 +227,7 @@ class World {
   friend class Simulation;
   friend class TopologyEditor;
   friend class Stops;
+  friend class Contacts;
   void put_together(const Forest& forest);
   void put_springs(const std::vector<Topology::SpringChange>& changes);
   void set_values(double time, std::span<const double> q, std::span<const double> y, Variables given);
@@ -243,7 +244,10 @@ class World {
   void drive(int joint, JointFunction function);
   void load(int body, BodyFunction function);
   void set_time(double time);
-  Variables own_variables() const { return tree_.has_loops() ? loop_variables_ : variables_; }
+  Variables own_variables() const {
+    if (!model_.colliders().empty()) return Variables::velocities;
+    return tree_.has_loops() ? loop_variables_ : variables_;
+  }
   void take_variables(Variables variables);
   void set_gravity(Vec3 gravity);
   int held(int joint, int dof) const;

@@ -180,6 +180,13 @@ void Model::keep(int count) {
     loops_.pop_back();
   }
   std::erase_if(couplings_, [count](const Coupling& c) { return std::max(c.joint.index, c.follows.index) >= count; });
+  std::erase_if(colliders_, [count](const Collider& c) { return c.body.index >= count; });
+  for (ContactRule& rule : contact_rules_)
+    for (std::vector<BodyId>* const set : {&rule.one, &rule.other}) {
+      const bool all = set->empty();
+      std::erase_if(*set, [count](BodyId b) { return b.index >= count; });
+      if (!all && set->empty()) set->push_back({-2});  // no body, which is not the same as all
+    }
   std::erase_if(springs_, [count](const Spring& s) { return std::max(s.from.body.index, s.to.body.index) >= count; });
   while (size() > count) {
     const BodySpec& last = bodies_.own().back();

@@ -14,6 +14,7 @@
 #include <momentree/joint/joint.hpp>
 #include <momentree/math/vec.hpp>
 #include <momentree/tree/body_force.hpp>
+#include <momentree/tree/collider.hpp>
 #include <momentree/tree/coupling.hpp>
 #include <momentree/tree/ids.hpp>
 #include <momentree/tree/spring.hpp>
@@ -99,6 +100,18 @@ class Model {
   SpringId spring(std::string_view name) const;
   bool has_spring(std::string_view name) const;
 
+  /// Adds a solid, or a plane of the ground, that other bodies can touch. Throws Error: no such body, a plane of a body other than
+  /// the ground, a size that is not positive, a solid without volume.
+  ColliderId add_collider(Collider collider);
+  const std::vector<Collider>& colliders() const { return colliders_; }
+  /// Adds a rule for contacts of bodies; of several for one pair of bodies the last one applies. Throws Error: a negative friction,
+  /// a restitution outside of 0 to 1, no such body.
+  void add_contact_rule(ContactRule rule);
+  const std::vector<ContactRule>& contact_rules() const { return contact_rules_; }
+  /// The rule for contacts between two bodies, or a body and the ground. Neighbours in the tree do not touch unless a rule names
+  /// both.
+  ContactLaw contact_law(BodyId one, BodyId other) const;
+
   /// Reserves space for that many bodies in total.
   void reserve(int count);
 
@@ -154,6 +167,8 @@ class Model {
   std::vector<LoopSpec> loops_;
   std::vector<Coupling> couplings_;
   std::vector<Spring> springs_;
+  std::vector<Collider> colliders_;
+  std::vector<ContactRule> contact_rules_;
   detail::CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: the first root with that name
 };
 

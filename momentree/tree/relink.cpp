@@ -303,17 +303,20 @@ void Tree::build_runs() {
 // Allocates only the first time and after bodies were added.
 void Tree::list_loaded_bodies() {
   loaded_.clear();
-  if (body_forces().empty() && body_functions_.empty() && spring_states_.empty()) return;
+  std::erase_if(contacts_, [this](const Contact& c) { return (c.a >= 0 && !alive(c.a)) || (c.b >= 0 && !alive(c.b)); });
+  note_constraints();
+  if (body_forces().empty() && body_functions_.empty() && spring_states_.empty() && contacts_.empty()) return;
   loaded_.reserve(at(bodies()));
   loaded_mark_.assign(at(bodies()), 0);
   const auto mark = [this](int body) {
-    if (!alive(body)) return;
+    if (body < 0 || !alive(body)) return;
     for (int b = body; b >= 0 && loaded_mark_[at(b)] == 0; b = parent_[at(b)]) loaded_mark_[at(b)] = 1;
   };
   for (const BodyForce& force : body_forces()) mark(force.body.index);
   for (const Topology::Loaded& load : body_functions_) mark(load.body);
   for (int s = 0; s < spring_count(); ++s)
     if (spring_acts(s)) mark(springs()[at(s)].from.body.index), mark(springs()[at(s)].to.body.index);
+  for (const Contact& contact : contacts_) mark(contact.a), mark(contact.b);
   for (const int b : order_)
     if (loaded_mark_[at(b)] != 0) loaded_.push_back(b);
 }

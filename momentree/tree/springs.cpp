@@ -29,4 +29,12 @@ void Tree::set_spring_law(int spring, const SpringLaw& law) {
   revision_.renew();
 }
 
+void Tree::set_contacts(std::vector<Contact> contacts) {
+  for (const Contact& c : contacts)
+    MT_REQUIRE((c.a < 0 || alive(c.a)) && (c.b < 0 || alive(c.b)) && c.a != c.b, "a contact is between two bodies of the tree");
+  contacts_ = std::move(contacts);
+  list_loaded_bodies();
+  revision_.renew();
+}
+
 }  // namespace momentree

@@ -85,6 +85,7 @@ Topology Tree::topology() const {
     if (s.broken || s.law != law_of(springs()[at(s.spring)])) t.springs.push_back(s);
   for (std::size_t c = 0; c < coupling_ended_.size(); ++c)
     if (coupling_ended_[c] != 0) t.ended_couplings.push_back(static_cast<int>(c));
+  t.contacts = contacts_;
   t.added = added_masses_;
   t.model = declared_ ? declared_->fingerprint : 0;
   return t;
@@ -144,6 +145,7 @@ void Tree::restore(const Topology& topology) {
   body_functions_ = topology.loads;
   loops_ = topology.loops;
   for (const Loop& loop : loops_) next_loop_ = std::max(next_loop_, loop.number + 1);
+  contacts_ = topology.contacts;
   loop_links_.clear(), loop_stops_.clear();
   loop_rows_ = loop_columns_ = loop_motions_ = loop_armatures_ = loop_functions_ = 0;
   note_constraints();

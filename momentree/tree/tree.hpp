@@ -12,6 +12,7 @@
 #include <momentree/base/unique_number.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/variant.hpp>
+#include <momentree/tree/contact.hpp>
 #include <momentree/tree/declared.hpp>
 #include <momentree/tree/loop.hpp>
 #include <momentree/tree/model.hpp>
@@ -62,6 +63,7 @@ struct Topology {
   std::vector<Loop> loops;                                      ///< all loop joints, the model's too
   std::vector<SpringChange> springs;                            ///< in the order of spring numbers
   std::vector<int> ended_couplings;                             ///< in ascending order
+  std::vector<Contact> contacts;                                ///< that are closed
   std::uint64_t model = 0;                                      ///< fingerprint of the model
 };
 
@@ -244,7 +246,9 @@ class Tree {
     return declared_ ? std::span<const Coupling>(declared_->couplings) : std::span<const Coupling>();
   }
   bool coupling_acts(int coupling) const { return coupling_ended_[at(coupling)] == 0; }
-  /// True if there are loops or driven joints: evaluations then do more than the passes over the tree.
+  /// The contacts that are closed.
+  std::span<const Contact> contacts() const { return contacts_; }
+  /// True if there are loops, contacts or driven joints: evaluations then do more than the passes over the tree.
   bool has_constraints() const { return has_constraints_; }
   /// A loop joint: its place in loops(), or −1; itself, or null.
   int loop_place(JointId joint) const;
@@ -315,6 +319,8 @@ class Tree {
   void set_loop_function(int number, std::shared_ptr<const JointFunction> function);
   /// Ends a coupling.
   void end_coupling(int coupling);
+  /// Sets the contacts that are closed, between bodies of the tree. May allocate.
+  void set_contacts(std::vector<Contact> contacts);
   /// Removes a spring, or sets its law.
   void break_spring(int spring);
   void set_spring_law(int spring, const SpringLaw& law);
@@ -383,7 +389,7 @@ class Tree {
   void list_loaded_bodies();
   void list_loops();
   void list_couplings();
-  void note_constraints() { has_constraints_ = !driven_joints_.empty() || !loop_links_.empty(); }
+  void note_constraints() { has_constraints_ = !driven_joints_.empty() || !loop_links_.empty() || !contacts_.empty(); }
 
   // springs.cpp
   void put_springs(const std::vector<Topology::SpringChange>& changes);
@@ -472,6 +478,7 @@ class Tree {
   std::vector<Loop> loops_;
   std::vector<LoopLink> loop_links_;
   std::vector<LoopStop> loop_stops_;
+  std::vector<Contact> contacts_;
   std::vector<unsigned char> coupling_ended_;  // by coupling
   int next_loop_ = 0, loop_rows_ = 0, loop_columns_ = 0, loop_motions_ = 0, loop_armatures_ = 0;
   int loop_functions_ = 0;

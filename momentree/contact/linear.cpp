@@ -1,0 +1,114 @@
+#include <momentree/contact/linear.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace momentree::contact {
+
+namespace {
+
+std::ptrdiff_t signed_of(std::size_t i) { return static_cast<std::ptrdiff_t>(i); }
+
+// Rows of very different sizes are of the same importance.
+void scale_rows(std::vector<double>& M, std::vector<double>& right) {
+  const std::size_t n = right.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    double most = 0;
+    for (std::size_t j = 0; j < n; ++j) most = std::max(most, std::fabs(M[i * n + j]));
+    if (!(most > 0)) continue;
+    for (std::size_t j = 0; j < n; ++j) M[i * n + j] /= most;
+    right[i] /= most;
+  }
+}
+
+// Brings M into upper trapezoidal form; returns its rank.
+std::size_t eliminate(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of, double zero) {
+  const std::size_t n = right.size();
+  std::size_t rank = 0;
+  for (; rank < n; ++rank) {
+    std::size_t row = rank, column = rank;
+    for (std::size_t i = rank; i < n; ++i)
+      for (std::size_t j = rank; j < n; ++j)
+        if (std::fabs(M[i * n + j]) > std::fabs(M[row * n + column])) row = i, column = j;
+    const double pivot = M[row * n + column];
+    if (!(std::fabs(pivot) > zero)) break;
+    if (row != rank) {
+      std::swap_ranges(M.begin() + signed_of(row * n), M.begin() + signed_of(row * n + n), M.begin() + signed_of(rank * n));
+      std::swap(right[row], right[rank]);
+    }
+    if (column != rank) {
+      for (std::size_t i = 0; i < n; ++i) std::swap(M[i * n + column], M[i * n + rank]);
+      std::swap(column_of[column], column_of[rank]);
+    }
+    for (std::size_t i = rank + 1; i < n; ++i) {
+      const double factor = M[i * n + rank] / pivot;
+      if (factor == 0) continue;
+      for (std::size_t j = rank; j < n; ++j) M[i * n + j] -= factor * M[rank * n + j];
+      right[i] -= factor * right[rank];
+    }
+  }
+  return rank;
+}
+
+// Solves with the upper triangle of that rank, for the column of numbers x.
+void back_substitute(const std::vector<double>& M, std::size_t n, std::size_t rank, double* x) {
+  for (std::size_t i = rank; i-- > 0;) {
+    double sum = x[i];
+    for (std::size_t j = i + 1; j < rank; ++j) sum -= M[i * n + j] * x[j];
+    x[i] = sum / M[i * n + i];
+  }
+}
+
+// Takes away what lies in the null space of [U F], whose vectors are (−U⁻¹ F e, e): by Gram and Schmidt, twice.
+void shorten(const std::vector<double>& M, std::size_t n, std::size_t rank, std::vector<double>& x) {
+  std::vector<double> null((n - rank) * n, 0.0);
+  for (std::size_t k = 0; k + rank < n; ++k) {
+    double* const own = null.data() + k * n;
+    for (std::size_t i = 0; i < rank; ++i) own[i] = -M[i * n + rank + k];
+    back_substitute(M, n, rank, own);
+    own[rank + k] = 1;
+    for (int pass = 0; pass < 2; ++pass)
+      for (std::size_t l = 0; l < k; ++l) {
+        const double* const other = null.data() + l * n;
+        double along = 0;
+        for (std::size_t i = 0; i < n; ++i) along += own[i] * other[i];
+        for (std::size_t i = 0; i < n; ++i) own[i] -= along * other[i];
+      }
+    double square = 0;
+    for (std::size_t i = 0; i < n; ++i) square += own[i] * own[i];
+    for (std::size_t i = 0; i < n; ++i) own[i] /= std::sqrt(square);
+  }
+  for (int pass = 0; pass < 2; ++pass)
+    for (std::size_t k = 0; k + rank < n; ++k) {
+      const double* const own = null.data() + k * n;
+      double along = 0;
+      for (std::size_t i = 0; i < n; ++i) along += x[i] * own[i];
+      for (std::size_t i = 0; i < n; ++i) x[i] -= along * own[i];
+    }
+}
+
+}  // namespace
+
+bool solve_linear(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of, Solution which,
+                  double zero) {
+  const std::size_t n = right.size();
+  column_of.resize(n);
+  for (std::size_t i = 0; i < n; ++i) column_of[i] = i;
+  scale_rows(M, right);
+  const std::size_t rank = eliminate(M, right, column_of, zero);
+  back_substitute(M, n, rank, right.data());
+  for (std::size_t i = rank; i < n; ++i) right[i] = 0;
+  if (which == Solution::least && rank < n) shorten(M, n, rank, right);
+  for (const double x : right)
+    if (!std::isfinite(x)) return false;
+  for (std::size_t i = 0; i < n; ++i)  // back to the order of the unknowns
+    while (column_of[i] != i) {
+      const std::size_t other = column_of[i];
+      std::swap(right[i], right[other]);
+      std::swap(column_of[i], column_of[other]);
+    }
+  return true;
+}
+
+}  // namespace momentree::contact

@@ -1,0 +1,304 @@
+#include <momentree/dynamics/contacts.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/contact/linear.hpp>
+#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/velocity.hpp>
+#include <momentree/joint/dispatch.hpp>
+
+namespace momentree {
+
+namespace {
+
+constexpr double redundant = 1e-9;  // pivots of rows that depend on others, relative to the elements of A
+constexpr double at_rest = 1e-9;    // m/s: slower slip has no direction of its own
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Of a body's user frame.
+contact::Place place_of(const Tree& tree, const Workspace<double>& workspace, int body) {
+  if (body < 0) return {};
+  const Kinematics<double>& k = workspace.bodies[at(body)];
+  const KernelFrame& frame = tree.frame(body);
+  contact::Place place;
+  place.R = k.R * transpose(frame.R);
+  const Vec3 to = -(place.R * frame.r);
+  place.r = k.r + to;
+  place.w = k.R * k.velocity.w;
+  place.v = k.R * k.velocity.v + cross(place.w, to);
+  return place;
+}
+
+// Direction of row i of a touch: the normal and the tangents.
+const Vec3& direction(const contact::Touch& touch, std::size_t i) { return i == 0 ? touch.normal : touch.tangent[i - 1]; }
+
+// A force at a point of the world as a wrench on a body, in its kernel frame.
+Force<double> wrench_on(const Workspace<double>& workspace, int body, const Vec3& force, const Vec3& point) {
+  const Kinematics<double>& k = workspace.bodies[at(body)];
+  return {transpose_times(k.R, force), transpose_times(k.R, cross(point - k.r, force))};
+}
+
+// Adds the joint forces of a wrench on a body, sign·Σ Eᵀ W along its path to the ground.
+void add_joint_forces_of(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, Force<double> W,
+                         double sign, double* force) {
+  for (int b = body; b >= 0; b = tree.parent(b)) {
+    double own[6] = {};
+    project(tree, b, joint_state(tree, q, workspace, b), W, own);
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i) force[tree.first_p(b) + i] += sign * own[i];
+    joint_transform_of(tree, q, workspace, b).inboard(W);
+  }
+}
+
+// Derivative of a body's velocity, less gravity, at a point that moves: see touch().
+Vec3 acceleration_at(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, const Vec3& point,
+                     const Vec3& rate) {
+  if (body < 0) return -tree.gravity();
+  const Kinematics<double>& k = workspace.bodies[at(body)];
+  const Motion<double> a = felt_acceleration(tree, q, workspace, body);
+  const Vec3 w = k.R * k.velocity.w;
+  return k.R * a.v + cross(k.R * a.w, point - k.r) + cross(w, rate);
+}
+
+ContactWorkspace& memory_of(Workspace<double>& workspace) {
+  if (workspace.contacts == nullptr)
+    workspace.contacts = {new ContactWorkspace, [](ContactWorkspace* all) { delete all; }};
+  return *workspace.contacts;
+}
+
+// Solves A x = right for rows that are closed, and leaves zero elsewhere.
+bool solve_rows(ContactWorkspace& all, const std::vector<std::size_t>& rows, const std::vector<double>& right, double* x) {
+  const std::size_t n = rows.size(), total = all.rows.velocity.size();
+  all.matrix.resize(n * n), all.right.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) all.matrix[i * n + j] = all.rows.A[rows[i] * total + rows[j]];
+    all.right[i] = right[rows[i]];
+  }
+  if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant)) return false;
+  std::fill_n(x, total, 0.0);
+  for (std::size_t i = 0; i < n; ++i) x[rows[i]] = all.right[i];
+  return true;
+}
+
+// Kinetic and potential energy less springs, at the last sweep.
+double energy_of(const Tree& tree, const Workspace<double>& workspace) {
+  double energy = 0;
+  for (const int b : tree.order()) {
+    const Kinematics<double>& body = workspace.bodies[at(b)];
+    const RigidMass& mass = tree.link(b).body;
+    energy += 0.5 * dot(body.velocity, momentum(mass, body.velocity)) - mass.m * dot(tree.gravity(), body.r) -
+              dot(tree.gravity(), body.R * mass.mc);
+  }
+  for (int i = 0; i < tree.nv(); ++i) energy += 0.5 * tree.armature()[i] * workspace.v[at(i)] * workspace.v[at(i)];
+  return energy;
+}
+
+}  // namespace
+
+void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::span<const Contact> contacts, ContactRows& rows) {
+  rows.touches.resize(contacts.size()), rows.velocity.resize(3 * contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Contact& c = contacts[i];
+    const contact::Place a = place_of(tree, workspace, c.a), b = place_of(tree, workspace, c.b);
+    rows.touches[i] = contact::touch(c.features, a, b);
+    const Vec3 v = contact::relative_velocity(rows.touches[i], a, b);
+    for (std::size_t k = 0; k < 3; ++k) rows.velocity[3 * i + k] = dot(direction(rows.touches[i], k), v);
+  }
+}
+
+void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
+                           ContactRows& rows) {
+  const std::size_t n = 3 * contacts.size(), nv = at(tree.nv());
+  rows.J.assign(n * nv, 0.0);
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      double* const J = rows.J.data() + (3 * i + k) * nv;
+      const contact::Touch& touch = rows.touches[i];
+      const Vec3& along = direction(touch, k);
+      const auto add = [&](int body, double sign) {
+        if (body >= 0) add_joint_forces_of(tree, q, workspace, body, wrench_on(workspace, body, along, touch.point), sign, J);
+      };
+      add(contacts[i].a, 1), add(contacts[i].b, -1);
+    }
+  rows.Y = rows.J;
+  for (std::size_t row = 0; row < n; ++row) {
+    double* const y = rows.Y.data() + row * nv;
+    if (tree.has_loops())
+      solve_with_loops(tree, q, workspace, y);
+    else
+      solve_with_factors<double>(tree, q, workspace, y);
+  }
+  rows.A.resize(n * n);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = 0;
+      for (std::size_t k = 0; k < nv; ++k) sum += rows.J[i * nv + k] * rows.Y[j * nv + k];
+      rows.A[i * n + j] = rows.A[j * n + i] = sum;
+    }
+}
+
+void find_contact_accelerations(const Tree& tree, const double* q, const Workspace<double>& workspace,
+                                std::span<const Contact> contacts, ContactRows& rows) {
+  rows.acceleration.resize(3 * contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const contact::Touch& touch = rows.touches[i];
+    const contact::Place a = place_of(tree, workspace, contacts[i].a), b = place_of(tree, workspace, contacts[i].b);
+    const Vec3 rate = acceleration_at(tree, q, workspace, contacts[i].a, touch.point, touch.point_rate) -
+                      acceleration_at(tree, q, workspace, contacts[i].b, touch.point, touch.point_rate);
+    const Vec3 v = contact::relative_velocity(touch, a, b);
+    rows.acceleration[3 * i] = dot(touch.normal, rate) + dot(touch.normal_rate, v);
+    // The tangents turn with the normal only: n × ṅ. Across a contact that sticks the velocity is zero.
+    const Vec3 spin = cross(touch.normal, touch.normal_rate);
+    for (std::size_t k = 0; k < 2; ++k)
+      rows.acceleration[3 * i + k + 1] = dot(touch.tangent[k], rate) + dot(cross(spin, touch.tangent[k]), v);
+  }
+}
+
+void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& workspace, bool at_state) {
+  ContactWorkspace& all = memory_of(workspace);
+  ContactRows& rows = all.rows;
+  const std::span<const Contact> contacts = tree.contacts();
+  place_contacts(tree, workspace, contacts, rows);
+  find_contact_accelerations(tree, q, workspace, contacts, rows);
+  find_contact_mobility(tree, q, workspace, contacts, rows);
+  const bool known = all.topology == tree.revision();
+  if (at_state || !known) {
+    all.topology = tree.revision();
+    all.chosen_slip.resize(contacts.size());
+    for (std::size_t i = 0; i < contacts.size(); ++i) all.chosen_slip[i] = contacts[i].direction;
+  }
+  rows.slip.resize(contacts.size());
+  // Unknowns: all three forces of contacts that stick, the normal force of the others.
+  std::vector<std::size_t>& of = all.unknowns;
+  of.clear();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    of.push_back(3 * i);
+    if (contacts[i].mode == Contact::Mode::stick) of.push_back(3 * i + 1), of.push_back(3 * i + 2);
+    if (contacts[i].mode != Contact::Mode::slip) continue;
+    const contact::Touch& touch = rows.touches[i];
+    const Vec3 v = rows.velocity[3 * i + 1] * touch.tangent[0] + rows.velocity[3 * i + 2] * touch.tangent[1];
+    const double speed = norm(v);
+    const bool moves = speed > at_rest && (at_state ? true : dot(v, all.chosen_slip[i]) > 0);
+    Vec3 s = moves ? (1 / speed) * v : all.chosen_slip[i];
+    s -= dot(s, touch.normal) * touch.normal;
+    rows.slip[i] = norm(s) > 0 ? normalized(s) : touch.tangent[0];
+    if (at_state) all.chosen_slip[i] = rows.slip[i];
+  }
+  const std::size_t n = of.size(), total = 3 * contacts.size();
+  all.matrix.resize(n * n), all.right.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double* const A = rows.A.data() + of[i] * total;
+    for (std::size_t j = 0; j < n; ++j) {
+      const std::size_t c = of[j] / 3;
+      double element = A[of[j]];
+      if (contacts[c].mode == Contact::Mode::slip)
+        for (std::size_t k = 0; k < 2; ++k)
+          element -= contacts[c].friction * dot(rows.slip[c], rows.touches[c].tangent[k]) * A[3 * c + k + 1];
+      all.matrix[i * n + j] = element;
+    }
+    all.right[i] = -rows.acceleration[of[i]];
+  }
+  rows.forces.assign(total, 0.0);
+  all.solved = contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant);
+  if (!all.solved) return;
+  for (std::size_t j = 0; j < n; ++j) rows.forces[of[j]] = all.right[j];
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (contacts[i].mode != Contact::Mode::slip) continue;
+    for (std::size_t k = 0; k < 2; ++k)
+      rows.forces[3 * i + k + 1] =
+          -contacts[i].friction * rows.forces[3 * i] * dot(rows.slip[i], rows.touches[i].tangent[k]);
+  }
+}
+
+void add_contact_loads(const Tree& tree, Workspace<double>& workspace) noexcept {
+  const ContactRows& rows = workspace.contacts->rows;
+  const std::span<const Contact> contacts = tree.contacts();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const contact::Touch& touch = rows.touches[i];
+    Vec3 force{};
+    for (std::size_t k = 0; k < 3; ++k) force += rows.forces[3 * i + k] * direction(touch, k);
+    if (contacts[i].a >= 0) workspace.loads[at(contacts[i].a)] += wrench_on(workspace, contacts[i].a, force, touch.point);
+    if (contacts[i].b >= 0) workspace.loads[at(contacts[i].b)] += wrench_on(workspace, contacts[i].b, -force, touch.point);
+    if (contacts[i].mode == Contact::Mode::slip)
+      for (std::size_t k = 1; k < 3; ++k) workspace.power.dissipated -= rows.forces[3 * i + k] * rows.velocity[3 * i + k];
+  }
+}
+
+namespace {
+
+// Evaluates without the contacts and places them.
+void place_at(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace, ContactRows& rows) {
+  evaluate_velocities_without_contacts(tree, t, q, u, workspace, LoopRows::kept);
+  locate_stage(tree, q, workspace);
+  place_contacts(tree, workspace, tree.contacts(), rows);
+}
+
+// Y x for numbers by row.
+void moved_by(const Tree& tree, const ContactRows& rows, const std::vector<double>& x, std::vector<double>& move) {
+  const std::size_t nv = at(tree.nv());
+  move.assign(nv, 0.0);
+  for (std::size_t row = 0; row < x.size(); ++row)
+    for (std::size_t k = 0; k < nv; ++k) move[k] += rows.Y[row * nv + k] * x[row];
+}
+
+// Sets the gaps to zero by small motions.
+bool close_gaps(const Tree& tree, double t, double* q, const double* u, Workspace<double>& workspace) {
+  ContactWorkspace& all = *workspace.contacts;
+  ContactRows& rows = all.rows;
+  const std::size_t contacts = tree.contacts().size();
+  for (int k = 0; k < 4; ++k) {
+    all.unknowns.clear(), all.missing.assign(3 * contacts, 0.0), all.change.resize(3 * contacts);
+    double most = 0, size = 1;
+    for (std::size_t i = 0; i < contacts; ++i) {
+      all.unknowns.push_back(3 * i), all.missing[3 * i] = -rows.touches[i].gap;
+      most = std::max(most, std::fabs(rows.touches[i].gap)), size = std::max(size, norm(rows.touches[i].point));
+    }
+    if (!std::isfinite(most)) return false;
+    if (most < 1e-15 * size) break;
+    find_contact_mobility(tree, q, workspace, tree.contacts(), rows);
+    if (!solve_rows(all, all.unknowns, all.missing, all.change.data())) return false;
+    moved_by(tree, rows, all.change, all.move);
+    detail::displace(tree, all.move.data(), 1, q);
+    place_at(tree, t, q, u, workspace, rows);
+  }
+  return true;
+}
+
+// Of contacts that are placed.
+bool stop_placed(const Tree& tree, const double* q, double* u, Workspace<double>& workspace) {
+  ContactWorkspace& all = *workspace.contacts;
+  ContactRows& rows = all.rows;
+  const std::span<const Contact> contacts = tree.contacts();
+  all.unknowns.clear(), all.missing.resize(3 * contacts.size()), all.change.resize(3 * contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    all.unknowns.push_back(3 * i);
+    if (contacts[i].mode == Contact::Mode::stick) all.unknowns.push_back(3 * i + 1), all.unknowns.push_back(3 * i + 2);
+  }
+  for (std::size_t row = 0; row < all.missing.size(); ++row) all.missing[row] = -rows.velocity[row];
+  find_contact_mobility(tree, q, workspace, contacts, rows);
+  if (!solve_rows(all, all.unknowns, all.missing, all.change.data())) return false;
+  moved_by(tree, rows, all.change, all.move);
+  for (std::size_t k = 0; k < all.move.size(); ++k) u[k] += all.move[k];
+  return true;
+}
+
+}  // namespace
+
+bool close_contacts(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double& energy) {
+  ContactRows& rows = memory_of(workspace).rows;
+  place_at(tree, t, q, u, workspace, rows);
+  energy -= energy_of(tree, workspace);
+  if (!close_gaps(tree, t, q, u, workspace) || !stop_placed(tree, q, u, workspace)) return false;
+  place_at(tree, t, q, u, workspace, rows);
+  energy += energy_of(tree, workspace);
+  return true;
+}
+
+bool stop_contacts(const Tree& tree, double t, const double* q, double* u, Workspace<double>& workspace) {
+  place_at(tree, t, q, u, workspace, memory_of(workspace).rows);
+  return stop_placed(tree, q, u, workspace);
+}
+
+}  // namespace momentree

@@ -1,0 +1,64 @@
+#pragma once
+// Closed contacts: their rows, and the forces with which the accelerations obey them.
+//
+// A contact has a row n along its normal and two tangential ones. While it sticks, all three relative accelerations are zero; while
+// it slips in the direction s, the normal one is zero and the force on body a is N (n − μ s). With J the rows, Y = M⁻¹ Jᵀ (loops
+// included) and w the relative accelerations without contacts, the forces r follow from J Y B r = −w, where B r are the forces
+// along the rows. Redundant contacts are the rule, such as four corners of a box: of all forces with the same effect the least
+// ones are taken.
+#include <span>
+#include <vector>
+
+#include <momentree/dynamics/evaluate.hpp>
+
+namespace momentree {
+
+/// Three rows of each contact: along the normal and the tangents of contact::Touch.
+struct ContactRows {
+  std::vector<contact::Touch> touches;
+  std::vector<double> J, Y;     ///< by row nv numbers
+  std::vector<double> A;        ///< J Y: rows × rows
+  std::vector<double> velocity;      ///< J u
+  std::vector<double> acceleration;  ///< its time derivative without forces of contacts
+  std::vector<double> forces;        ///< along the rows, on body a
+  std::vector<Vec3> slip;            ///< by contact: direction of slip
+  std::size_t contacts() const { return touches.size(); }
+};
+
+/// Memory of contacts, part of a Workspace.
+struct ContactWorkspace {
+  ContactRows rows;
+  bool solved = true;                ///< the forces are finite
+  std::vector<double> matrix, right, change, move, missing;  ///< scratch
+  std::vector<std::size_t> columns, unknowns;
+  std::vector<Vec3> chosen_slip;     ///< by contact: direction of slip at the last state
+  std::uint64_t topology = 0;        ///< Tree::revision() for which it was chosen
+};
+
+/// Geometry and velocities of contacts at q. Requires workspace.bodies of this configuration: locate_stage.
+void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::span<const Contact> contacts, ContactRows& rows);
+
+/// J, Y and A of contacts that are placed. Requires the factors of an evaluation at q. With loops the workspace then holds no
+/// evaluation.
+void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
+                           ContactRows& rows);
+
+/// Accelerations along the rows of contacts that are placed. Requires accelerations in the workspace: as after `accelerate`.
+void find_contact_accelerations(const Tree& tree, const double* q, const Workspace<double>& workspace,
+                                std::span<const Contact> contacts, ContactRows& rows);
+
+/// Finds the forces of the tree's contacts, from an evaluation without them, in workspace.contacts. `at_state`: the directions of
+/// slip are chosen; stages keep to their half-plane.
+void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& workspace, bool at_state);
+
+/// Adds these forces to workspace.loads, and what friction dissipates to workspace.power.
+void add_contact_loads(const Tree& tree, Workspace<double>& workspace) noexcept;
+
+/// Closes the contacts after a step: sets gaps to zero and removes the velocities that contacts do not allow, in place, by the
+/// least change in the metric of the mass matrix. The workspace then belongs to no state. `energy`: what this added (J).
+[[nodiscard]] bool close_contacts(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double& energy);
+
+/// The second part alone: removes the velocities that contacts do not allow.
+[[nodiscard]] bool stop_contacts(const Tree& tree, double t, const double* q, double* u, Workspace<double>& workspace);
+
+}  // namespace momentree

@@ -1,0 +1,333 @@
+// What happens at an instant at which bodies touch: impacts, and the contacts that stay closed.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <cstdio>
+#include <cstdlib>
+
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/simulate/contacts_impl.hpp>
+#include <momentree/simulate/topology_editor.hpp>
+
+namespace momentree {
+
+namespace {
+
+constexpr int most_impacts = 200;         // at one instant
+constexpr double resolved_flight = 1e-12;  // lower flights, relative to coordinates, are not told from rest (m)
+constexpr double no_approach = 1e-10;     // m/s, relative to the fastest point
+
+double largest(const std::vector<double>& all) {
+  double most = 0;
+  for (const double x : all) most = std::max(most, std::fabs(x));
+  return most;
+}
+
+const Vec3& along(const contact::Touch& touch, std::size_t k) { return k == 0 ? touch.normal : touch.tangent[k - 1]; }
+
+}  // namespace
+
+Event Contacts::begin_event(const std::string& name, const Contact& of) {
+  Event event;
+  event.time = world_->time(), event.name = name;
+  event.mechanisms_before = event.mechanisms_after = world_->mechanism_names();
+  event.before = event.after = world_->totals();
+  const Pair& pair = pairs_[static_cast<std::size_t>(of.pair)];
+  event.contact.one = name_of(pair.one->body.index), event.contact.other = name_of(pair.other->body.index);
+  return event;
+}
+
+// Point and normal of several contacts of one pair, each with a weight.
+void Contacts::locate_event(Event& event, const std::vector<Contact>& contacts, const std::vector<double>& weights, int pair) const {
+  double total = 0;
+  Vec3 point{}, normal{};
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (contacts[i].pair != pair) continue;
+    const double weight = weights[i] + 1e-300;
+    const double sign = contacts[i].a == pairs_[static_cast<std::size_t>(pair)].one->body.index ? 1 : -1;
+    total += weight, point += weight * rows_.touches[i].point, normal += sign * weight * rows_.touches[i].normal;
+  }
+  if (!(total > 0)) return;
+  event.contact.point = (1 / total) * point;
+  event.contact.normal = norm(normal) > 0 ? normalized(normal) : Vec3{};
+}
+
+// One impact at all contacts. False if none of them approach.
+bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& events, std::string& failure) {
+  const Tree& tree = world_->tree_;
+  const double* const q = world_->state_.q().data();
+  Workspace<double>& workspace = world_->workspace_;
+  accelerate(tree, world_->state_, workspace);
+  locate_bodies(tree, world_->state_, workspace);
+  place_contacts(tree, workspace, contacts, rows_);
+  double fastest = 1;
+  for (const BodyMotion& m : world_->motions()) fastest = std::max(fastest, norm(m.linear));
+  bool approaching = false;
+  for (std::size_t i = 0; i < contacts.size(); ++i) approaching = approaching || rows_.velocity[3 * i] < -no_approach * fastest;
+  if (!approaching) return false;
+  find_contact_accelerations(tree, q, workspace, contacts, rows_);
+  find_contact_mobility(tree, q, workspace, contacts, rows_);
+  static_cast<void>(world_->state_.edit());  // the workspace no longer holds its evaluation if there are loops
+  system_.resize(contacts.size());
+  system_.A = rows_.A, system_.b = rows_.velocity;
+  restitution_.assign(contacts.size(), 0.0);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(contacts[i].pair)];
+    system_.laws[i].friction = pair.law.friction;
+    const double e = pair.law.restitution, v = -e * rows_.velocity[3 * i], a = -rows_.acceleration[3 * i];
+    restitution_[i] = e;
+    if (!(v > 0) || !(a > 0) || e == 1) continue;
+    // All further bounces of this contact, in closed form.
+    const double height = v * v / (2 * a), last = 2 * v / (a * (1 - e));
+    if (height > resolved_flight * pair.size(*this) && last > 8 * tolerance_) continue;
+    restitution_[i] = 0;
+    const int pair_number = contacts[i].pair;
+    const double ends = world_->time() + last;
+    const auto known = std::find_if(settling_.begin(), settling_.end(), [&](const Settling& s) { return s.pair == pair_number; });
+    if (known == settling_.end())
+      settling_.push_back({ends, pair_number});
+    else
+      known->time = std::max(known->time, ends);
+  }
+  const contact::ImpactResult result = law_.apply(system_, restitution_, simultaneous);
+  if (!result.solved) {
+    failure = "no impulses were found that obey the law of impact";
+    return false;
+  }
+  const auto nv = static_cast<std::size_t>(tree.nv());
+  std::vector<double> generalised(nv, 0.0), weights(contacts.size());
+  std::vector<AppliedImpulse> on_bodies, on_ground;
+  std::map<int, Vec3> by_pair;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    Vec3 impulse{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      impulse += system_.r[3 * i + k] * along(rows_.touches[i], k);
+      for (std::size_t j = 0; j < nv; ++j) generalised[j] += system_.r[3 * i + k] * rows_.J[(3 * i + k) * nv + j];
+    }
+    weights[i] = system_.r[3 * i];
+    if (impulse == Vec3{}) continue;
+    const Vec3 point = rows_.touches[i].point;
+    for (const auto& [body, sign] : {std::pair{contacts[i].a, 1.0}, {contacts[i].b, -1.0}}) {
+      if (body >= 0)
+        on_bodies.push_back({body, sign * impulse, {}, point});
+      else
+        on_ground.push_back({-1, -sign * impulse, {}, point});
+    }
+    const bool first = contacts[i].a == pairs_[static_cast<std::size_t>(contacts[i].pair)].one->body.index;
+    by_pair[contacts[i].pair] += (first ? 1.0 : -1.0) * impulse;
+  }
+  // One event for each pair of solids; the first one has the certificate of all.
+  bool booked = false;
+  for (const auto& [number, impulse] : by_pair) {
+    Event event = begin_event(event_name("impact", number), contacts[static_cast<std::size_t>(
+                                                                std::find_if(contacts.begin(), contacts.end(),
+                                                                             [n = number](const Contact& c) { return c.pair == n; }) -
+                                                                contacts.begin())]);
+    locate_event(event, contacts, weights, number);
+    event.contact.impulse = impulse, event.contact.scaled = result.scale;
+    event.contact.in_turn = simultaneous == contact::Simultaneous::in_turn || result.separated;
+    if (!booked) {
+      TopologyEditor editor(*world_);
+      editor.begin(event, "");
+      editor.apply_contact_impulses(generalised, on_bodies, on_ground);
+      event.after = world_->totals();
+      editor.certify(event);
+      booked = true;
+    }
+    events.push_back(std::move(event));
+  }
+  return booked;
+}
+
+// Which of the contacts that touch, and do not separate, stay closed: from a complementarity problem in the accelerations.
+bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed) {
+  closed.clear();
+  const Tree& tree = world_->tree_;
+  Workspace<double>& workspace = world_->workspace_;
+  accelerate(tree, world_->state_, workspace);
+  locate_bodies(tree, world_->state_, workspace);
+  place_contacts(tree, workspace, contacts, rows_);
+  const double* const q = world_->state_.q().data();
+  find_contact_accelerations(tree, q, workspace, contacts, rows_);
+  double fastest = 1;
+  for (const BodyMotion& m : world_->motions()) fastest = std::max(fastest, norm(m.linear));
+  std::vector<Contact> staying;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    // A flight that rounding hides is none.
+    const double size = pairs_[static_cast<std::size_t>(contacts[i].pair)].size(*this);
+    const double hidden = std::sqrt(2 * std::max(0.0, -rows_.acceleration[3 * i]) * resolved_flight * size);
+    if (rows_.velocity[3 * i] <= std::max(10 * no_approach * fastest, hidden)) staying.push_back(contacts[i]);
+  }
+  if (staying.empty()) return true;
+  place_contacts(tree, workspace, staying, rows_);
+  find_contact_accelerations(tree, q, workspace, staying, rows_);
+  find_contact_mobility(tree, q, workspace, staying, rows_);
+  static_cast<void>(world_->state_.edit());
+  solve_states(staying);
+  if (!solved_) return false;
+  system_.velocities(after_);
+  const double noise = 1e-12 * largest(system_.r);
+  for (std::size_t i = 0; i < staying.size(); ++i) {
+    if (!(system_.r[3 * i] > noise)) continue;
+    Contact c = staying[i];
+    const contact::PointLaw& law = system_.laws[i];
+    const ContactLaw& own = pairs_[static_cast<std::size_t>(c.pair)].law;
+    c.friction = own.friction;
+    if (law.slipping) {
+      c.mode = Contact::Mode::slip;
+      c.direction = law.direction[0] * rows_.touches[i].tangent[0] + law.direction[1] * rows_.touches[i].tangent[1];
+    } else if (!(own.static_friction > 0)) {
+      c.mode = Contact::Mode::smooth;
+    } else if (system_.state(i) == contact::PointState::slip) {
+      const double a1 = after_[3 * i + 1], a2 = after_[3 * i + 2], size = std::hypot(a1, a2);
+      c.mode = Contact::Mode::slip;
+      c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
+    } else {
+      c.mode = Contact::Mode::stick;
+    }
+    closed.push_back(c);
+  }
+  return true;
+}
+
+// The forces of contacts that are placed, with their accelerations and mobility.
+void Contacts::solve_states(const std::vector<Contact>& contacts) {
+  system_.resize(contacts.size());
+  system_.A = rows_.A, system_.b = rows_.acceleration;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const ContactLaw& own = pairs_[static_cast<std::size_t>(contacts[i].pair)].law;
+    contact::PointLaw& law = system_.laws[i];
+    const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
+    law.slipping = speed > at_rest && own.friction > 0;
+    law.friction = law.slipping ? own.friction : own.static_friction;
+    if (law.slipping) law.direction = {v1 / speed, v2 / speed};
+  }
+  solved_ = system_.solve();
+  if (getenv("DBG") && !solved_) { FILE* f = fopen("/tmp/sys.txt", "w"); fprintf(f, "%zu\n", system_.points()); for (auto& l : system_.laws) fprintf(f, "%.17g %d %.17g %.17g\n", l.friction, (int)l.slipping, l.direction[0], l.direction[1]); for (double x : system_.A) fprintf(f, "%.17g ", x); for (double x : system_.b) fprintf(f, "%.17g ", x); fclose(f); printf("residual %g\n", system_.residual()); }
+}
+
+std::optional<std::string> Contacts::resolve(std::vector<Event>& events) {
+  const std::vector<Contact> before(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
+  const auto set = [&](std::vector<Contact> contacts) {
+    if (contacts.empty() && world_->tree_.contacts().empty()) return;
+    world_->tree_.set_contacts(std::move(contacts));
+    world_->state_.replace(0, 0, {}, 0, 0, {}, world_->tree_);
+  };
+  set({});
+  (*evaluate_)(world_->state_);
+  std::vector<Contact> touching = this->touching();
+  std::string failure;
+  for (int k = 0; !touching.empty() && k < most_impacts; ++k) {
+    if (!impact(touching, events, failure)) break;
+    (*evaluate_)(world_->state_);
+  }
+  if (!failure.empty()) return failure;
+  std::vector<Contact> closed;
+  if (!touching.empty() && !choose(touching, closed))
+    return "no forces were found that keep the contacts closed: with this friction none may exist (Painlevé)";
+  set(closed);
+  const std::size_t reported = events.size();
+  const double lost = stop(closed);
+  (*evaluate_)(world_->state_);
+  report_changes(before, events);
+  if (lost != 0) (events.size() > reported ? events[reported].lost : lost_) += lost;
+  return std::nullopt;
+}
+
+// Removes what is left of the velocities that closed contacts do not allow; returns the energy lost (J).
+double Contacts::stop(const std::vector<Contact>& closed) {
+  if (closed.empty()) return 0;
+  const Tree& tree = world_->tree_;
+  const double before = world_->totals().kinetic;
+  {
+    const State::Edit edit = world_->state_.edit();
+    if (!stop_contacts(tree, edit.time, edit.q.data(), edit.u.data(), world_->workspace_)) return 0;
+  }
+  return before - world_->totals().kinetic;
+}
+
+// Events of pairs whose contacts closed, opened, began to slip or to stick.
+void Contacts::report_changes(const std::vector<Contact>& before, std::vector<Event>& events) {
+  enum class Now : unsigned char { open, still, slips };
+  struct Change {
+    Now from = Now::open, to = Now::open;
+  };
+  std::map<int, Change> pairs;
+  const auto note = [](Now& now, const Contact& c) {
+    now = std::max(now, c.mode == Contact::Mode::slip ? Now::slips : Now::still);
+  };
+  for (const Contact& c : before) note(pairs[c.pair].from, c);
+  const std::vector<Contact> closed(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
+  for (const Contact& c : closed) note(pairs[c.pair].to, c);
+  locate_bodies(world_->tree_, world_->state_, world_->workspace_);
+  for (const auto& [pair, change] : pairs) {
+    const bool settles = std::any_of(settling_.begin(), settling_.end(), [p = pair](const Settling& s) { return s.pair == p; });
+    if (change.from == change.to || (change.from == Now::open && settles)) continue;
+    const char* const what = change.to == Now::open    ? "lift"
+                             : change.to == Now::slips ? "slip"
+                             : change.from == Now::open ? "rest"
+                                                        : "stick";
+    const std::vector<Contact>& of = change.to == Now::open ? before : closed;
+    const auto first = std::find_if(of.begin(), of.end(), [p = pair](const Contact& c) { return c.pair == p; });
+    Event event = begin_event(event_name(what, pair), *first);
+    place_contacts(world_->tree_, world_->workspace_, of, rows_);
+    locate_event(event, of, std::vector<double>(of.size(), 1.0), pair);
+    events.push_back(std::move(event));
+  }
+  // Bodies whose bounces have ended by now.
+  std::erase_if(settling_, [&](const Settling& s) {
+    const auto first = std::find_if(closed.begin(), closed.end(), [&](const Contact& c) { return c.pair == s.pair; });
+    if (first == closed.end()) return true;
+    if (s.time > world_->time()) return false;
+    Event event = begin_event(event_name("rest", s.pair), *first);
+    place_contacts(world_->tree_, world_->workspace_, closed, rows_);
+    locate_event(event, closed, std::vector<double>(closed.size(), 1.0), s.pair);
+    events.push_back(std::move(event));
+    return true;
+  });
+}
+
+std::string Contacts::event_name(const char* what, int pair) const {
+  const std::string& name = pairs_[static_cast<std::size_t>(pair)].law_name;
+  return name.empty() ? what : std::string(what) + " " + name;
+}
+
+// Of the present forces: how far they are outside of what contacts can exert, relative to the largest force. Where several
+// contacts share a load, others may carry it as well: only if no forces can, the contacts change.
+double Contacts::excess_of_forces() const {
+  Contacts& self = const_cast<Contacts&>(*this);  // scratch
+  const World& world = *world_;
+  world.evaluate();
+  const std::vector<double>& r = world.workspace_.contacts->rows.forces;
+  const std::span<const Contact> closed = world.tree_.contacts();
+  const double size = std::max(largest(r), 1e-300);
+  double worst = -1;
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    worst = std::max(worst, -r[3 * i] / size);
+    if (closed[i].mode != Contact::Mode::stick) continue;
+    const double most = pairs_[static_cast<std::size_t>(closed[i].pair)].law.static_friction * r[3 * i];
+    worst = std::max(worst, (std::hypot(r[3 * i + 1], r[3 * i + 2]) - most) / size);
+  }
+  if (worst <= rounding || closed.size() < 2) return worst;
+  return self.excess_of_shared_forces(worst);
+}
+
+// Positive if no forces keep the contacts as they are: the acceleration with which they open or begin to slip.
+double Contacts::excess_of_shared_forces(double otherwise) {
+  World& world = *world_;
+  const std::vector<Contact> closed(world.tree_.contacts().begin(), world.tree_.contacts().end());
+  rows_ = world.workspace_.contacts->rows;
+  solve_states(closed);
+  if (!solved_) return otherwise;
+  system_.velocities(after_);
+  const double size = std::max(largest(rows_.acceleration), 1e-300);
+  double worst = -1;
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    worst = std::max(worst, after_[3 * i] / size - 1e-9);
+    if (closed[i].mode == Contact::Mode::stick)
+      worst = std::max(worst, std::hypot(after_[3 * i + 1], after_[3 * i + 2]) / size - 1e-9);
+  }
+  return worst;
+}
+
+}  // namespace momentree

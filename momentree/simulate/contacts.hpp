@@ -1,0 +1,123 @@
+#pragma once
+// Contacts of bodies: which can touch within a step, impacts, and which contacts stay closed afterwards, sticking or slipping.
+//
+// Contacts press and never pull. Within a step the instant is located at which two bodies touch, a contact would have to pull, or
+// it begins to slip or to stick. There all contacts that touch take part in one impact, if they approach; then a complementarity
+// problem in the accelerations tells which of them stay closed, and how.
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <momentree/contact/candidates.hpp>
+#include <momentree/contact/impact.hpp>
+#include <momentree/dynamics/contacts.hpp>
+#include <momentree/simulate/stops.hpp>
+#include <momentree/simulate/world.hpp>
+
+namespace momentree {
+
+/// Two solids that overlap.
+struct Overlap {
+  std::string one, other;  ///< bodies, or "ground"
+  double depth = 0;        ///< m
+};
+
+class Contacts {
+ public:
+  /// Instants are located to `tolerance` seconds.
+  Contacts(World& world, Evaluator& evaluate, double tolerance);
+  ~Contacts();
+  Contacts(const Contacts&) = delete;
+  Contacts& operator=(const Contacts&) = delete;
+
+  /// False if no bodies can touch: no other function of this class needs to be called then.
+  bool any();
+
+  /// Resolves the present instant: impacts, and which contacts are closed from now on. Returns an explanation if that is impossible.
+  std::optional<std::string> resolve(std::vector<Event>& events);
+
+  /// What is to be located within a step of at most h seconds, which it may shorten so that nothing passes through anything.
+  std::span<const Watch> watches(double& h);
+
+  /// True after a step that ended at such an instant.
+  bool must_resolve();
+
+  /// The next instant at which a bouncing body comes to rest, or infinity.
+  double next_rest() const;
+
+  /// The pair that overlaps most at present, if any do.
+  std::optional<Overlap> overlap();
+
+  contact::Simultaneous simultaneous = contact::Simultaneous::together;
+
+  /// Energy (J) that velocities below the resolution of coordinates lost since the last call, at instants without an event.
+  double take_lost() { return std::exchange(lost_, 0.0); }
+
+ private:
+  struct PairGap;
+  struct Hold;
+  struct Slip;
+  struct Pair {
+    const Collider *one, *other;  ///< the ground is the second one
+    ContactLaw law;
+    double thickness;  ///< of the thinner one; infinite with a plane
+    std::string law_name{};
+    bool alive(const World& world) const;
+    double size(const Contacts& all) const;  ///< of coordinates, for tolerances (m)
+  };
+  struct Gap {
+    double value, rate;
+  };
+  struct Settling {  ///< a contact that bounced on below the resolution of coordinates
+    double time;
+    int pair;
+  };
+
+  static constexpr double touching_within = 1e-10;  ///< m, relative to coordinates
+  static constexpr double rounding = 1e-13;
+  static constexpr double at_rest = 1e-9;  ///< m/s: slower slip has no direction of its own
+
+  void find_pairs();
+  contact::Place place(int body) const;
+  void candidates(const Pair& pair, double within, std::vector<contact::Candidate>& out) const;
+  double apart(const Pair& pair) const;
+  double speed_bound(const Pair& pair) const;
+  Gap gap_of(int pair, double within) const;
+  Vec3 slip_velocity(int contact) const;
+  bool is_closed(int pair, std::uint64_t id) const;
+  std::vector<Contact> touching();
+  Contact contact_of(const Pair& pair, int number, const contact::Candidate& candidate) const;
+  bool impact(const std::vector<Contact>& contacts, std::vector<Event>& events, std::string& failure);
+  bool choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed);
+  void solve_states(const std::vector<Contact>& contacts);
+  double stop(const std::vector<Contact>& closed);
+  void report_changes(const std::vector<Contact>& before, std::vector<Event>& events);
+  Event begin_event(const std::string& name, const Contact& of);
+  void locate_event(Event& event, const std::vector<Contact>& contacts, const std::vector<double>& weights, int pair) const;
+  std::string name_of(int body) const;
+  std::string event_name(const char* what, int pair) const;
+  double excess_of_forces() const;
+  double excess_of_shared_forces(double otherwise);
+
+  World* world_;
+  Evaluator* evaluate_;
+  double tolerance_;
+  std::optional<std::uint64_t> found_;  // revision of the tree for which pairs were listed
+  std::size_t bodies_ = 0;
+  std::vector<Pair> pairs_;
+  std::vector<Settling> settling_;
+  std::vector<Watch> watches_;
+  std::vector<Condition> conditions_;
+  ContactRows rows_;
+  contact::System system_;
+  contact::ImpactLaw law_;
+  bool solved_ = true;
+  double lost_ = 0;
+  std::vector<double> restitution_, after_;
+  mutable std::vector<contact::Candidate> found_candidates_;
+};
+
+}  // namespace momentree

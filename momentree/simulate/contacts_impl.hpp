@@ -1,0 +1,47 @@
+#pragma once
+// Quantities of contacts that are located within steps. Included only by the files that implement Contacts.
+#include <momentree/simulate/contacts.hpp>
+
+namespace momentree {
+
+/// Gap of a pair of solids that are not in contact, or of further features of a pair that is.
+struct Contacts::PairGap : Quantity {
+  const Contacts* all;
+  int pair;
+  double within;
+  PairGap(const Contacts& contacts, int number, double near) : all(&contacts), pair(number), within(near) {}
+  std::string_view key() const override { return "gap"; }
+  const char* summary() const override { return "Gap of two bodies (m)"; }
+  void fields(QuantityFields&) override {}
+  Dimension dimension() const override { return dimension::length; }
+  std::optional<double> value(const World&, std::span<const Event>) const override { return all->gap_of(pair, within).value; }
+  std::optional<double> rate(const World&) const override { return all->gap_of(pair, within).rate; }
+};
+
+/// Positive where the closed contacts would have to pull, or to exert more friction than they can.
+struct Contacts::Hold : Quantity {
+  const Contacts* all;
+  explicit Hold(const Contacts& contacts) : all(&contacts) {}
+  std::string_view key() const override { return "hold"; }
+  const char* summary() const override { return "What contacts lack to stay as they are"; }
+  void fields(QuantityFields&) override {}
+  Dimension dimension() const override { return dimension::number; }
+  std::optional<double> value(const World&, std::span<const Event>) const override { return all->excess_of_forces(); }
+};
+
+/// Positive where a contact moves against the direction in which it slipped at the start of the step.
+struct Contacts::Slip : Quantity {
+  const Contacts* all;
+  int contact;
+  Vec3 direction;
+  Slip(const Contacts& contacts, int number, const Vec3& start) : all(&contacts), contact(number), direction(start) {}
+  std::string_view key() const override { return "slip"; }
+  const char* summary() const override { return "Speed of a contact that slips (m/s)"; }
+  void fields(QuantityFields&) override {}
+  Dimension dimension() const override { return dimension::speed; }
+  std::optional<double> value(const World&, std::span<const Event>) const override {
+    return -dot(all->slip_velocity(contact), direction);
+  }
+};
+
+}  // namespace momentree

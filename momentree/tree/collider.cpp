@@ -1,0 +1,69 @@
+#include <momentree/tree/collider.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/base/error.hpp>
+#include <momentree/tree/model.hpp>
+
+namespace momentree {
+
+namespace {
+
+bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+bool holds(const std::vector<BodyId>& set, BodyId body) {
+  return set.empty() || std::find(set.begin(), set.end(), body) != set.end();
+}
+
+}  // namespace
+
+ColliderId Model::add_collider(Collider collider) {
+  if (collider.body != ground && (collider.body.index < 0 || collider.body.index >= size()))
+    throw_error({"a collider belongs to a body of the model, or to the ground", "collision", ""});
+  if (collider.plane) {
+    if (collider.body != ground) throw_error({"only the ground can have a plane", "collision", "give the body a box"});
+    if (!is_finite(collider.point) || !is_finite(collider.normal) || !(norm(collider.normal) > 0))
+      throw_error({"a plane has a finite point and a normal that is not zero", "normal", ""});
+    collider.normal = normalized(collider.normal);
+  } else {
+    if (collider.solid.vertices.empty())
+      throw_error({"a collider has no volume", "collision", "its points must not lie in one plane"});
+    for (const Vec3& v : collider.solid.vertices)
+      if (!is_finite(v)) throw_error({"the size of a collider is not finite", "collision", ""});
+    if (!(collider.solid.radius >= 0) || !std::isfinite(collider.solid.radius) || !(collider.solid.thickness > 0))
+      throw_error({"the size of a collider must be greater than 0", "collision", ""});
+  }
+  colliders_.push_back(std::move(collider));
+  return {static_cast<int>(colliders_.size()) - 1};
+}
+
+void Model::add_contact_rule(ContactRule rule) {
+  for (const std::vector<BodyId>* const set : {&rule.one, &rule.other})
+    for (const BodyId body : *set)
+      if (body != ground && (body.index < 0 || body.index >= size()))
+        throw_error({"a contact names bodies of the model, or the ground", "between", ""});
+  const ContactLaw& law = rule.law;
+  if (!(law.friction >= 0) || !std::isfinite(law.friction))
+    throw_error({"a coefficient of friction can't be negative", "friction", ""});
+  if (!(law.static_friction >= law.friction) || !std::isfinite(law.static_friction))
+    throw_error({"the static coefficient of friction can't be smaller than the kinetic one", "friction", ""});
+  if (!(law.restitution >= 0 && law.restitution <= 1))
+    throw_error({"a restitution is from 0 to 1: an impact can't gain energy", "restitution", ""});
+  contact_rules_.push_back(std::move(rule));
+}
+
+ContactLaw Model::contact_law(BodyId one, BodyId other) const {
+  const auto neighbours = [this](BodyId a, BodyId b) { return a != ground && (*this)[a].parent == b; };
+  ContactLaw law;
+  law.off = (one != ground && other != ground) && (neighbours(one, other) || neighbours(other, one));
+  const bool near = law.off;
+  for (const ContactRule& rule : contact_rules_) {
+    const bool named = !rule.one.empty() && !rule.other.empty();
+    if (near && !named && !rule.law.off) continue;
+    if ((holds(rule.one, one) && holds(rule.other, other)) || (holds(rule.one, other) && holds(rule.other, one))) law = rule.law;
+  }
+  return law;
+}
+
+}  // namespace momentree

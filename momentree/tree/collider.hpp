@@ -1,0 +1,42 @@
+#pragma once
+// What bodies can touch with, and the laws of their contacts.
+#include <string>
+#include <vector>
+
+#include <momentree/contact/solid.hpp>
+#include <momentree/tree/ids.hpp>
+
+namespace momentree {
+
+/// Handle of a collider: its place in the order in which the colliders of the model were added.
+struct ColliderId {
+  int index = -1;
+  friend bool operator==(ColliderId, ColliderId) = default;
+};
+
+/// Friction and restitution of a contact.
+struct ContactLaw {
+  double friction = 0.5;         ///< coefficient while it slips
+  double static_friction = 0.5;  ///< coefficient up to which it sticks; at least that of slip
+  double restitution = 0;        ///< 0 (plastic) to 1
+  bool off = false;              ///< the bodies pass through each other
+  friend bool operator==(const ContactLaw&, const ContactLaw&) = default;
+};
+
+/// A solid of a body in its user frame, or of the ground in the world; or a plane of the ground.
+struct Collider {
+  BodyId body = ground;
+  contact::Solid solid{};  ///< unused by a plane
+  bool plane = false;      ///< a plane with the ground below it
+  Vec3 point{}, normal{0, 0, 1};  ///< of the plane: a point (m), and its normal
+  friend bool operator==(const Collider&, const Collider&) = default;
+};
+
+/// A law for contacts between bodies of two sets. Empty sets: all bodies and the ground.
+struct ContactRule {
+  std::string name{};  ///< of its impacts, if it has one
+  std::vector<BodyId> one{}, other{};
+  ContactLaw law{};
+};
+
+}  // namespace momentree

@@ -1,0 +1,28 @@
+#pragma once
+// Contacts that are closed at present: pairs of features that press on each other. They open and close at located instants.
+#include <cstdint>
+
+#include <momentree/contact/feature.hpp>
+
+namespace momentree {
+
+/// A closed contact between two bodies, or a body and the ground. The normal acceleration of its features is zero.
+struct Contact {
+  /// How its features move along each other.
+  enum class Mode : unsigned char {
+    smooth,  ///< without friction
+    stick,   ///< they do not
+    slip     ///< against the friction of a sliding contact
+  };
+  contact::Features features;  ///< in the bodies' user frames; of the ground, in the world
+  int a = -1, b = -1;          ///< bodies; −1: the ground
+  Mode mode = Mode::smooth;
+  double friction = 0;         ///< coefficient while it slips
+  Vec3 direction{};            ///< of slip where the velocity is zero: a unit vector, world axes
+  int pair = -1;               ///< number of the pair of solids
+  std::uint64_t id = 0;        ///< of its features in that pair
+
+  friend bool same_contact(const Contact& x, const Contact& y) { return x.pair == y.pair && x.id == y.id; }
+};
+
+}  // namespace momentree
