@@ -20,6 +20,8 @@ constexpr Key body_entries[] = {
     {"joint", table(joint_table), ""},
     {"shape", other(R"({"anyOf": [@, {"type": "array", "items": @}]})", shape_table),
      "Shape for pictures: one, or a list of several"},
+    {"collision", other(R"({"anyOf": [{"enum": ["shape", "none"]}, @, {"type": "array", "items": @}]})", shape_table),
+     "What it touches other bodies with: shapes, \"shape\" (those drawn) or \"none\"", R"("none")"},
 };
 
 }  // namespace
@@ -66,7 +68,6 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
   BodyEntry body;
   body.table = &table;
   Fields fields(table, body_table, out);
-  fields.later({"collision"}, "there is no contact: bodies pass through each other");
   fields.require("name");
   const auto name = fields.string("name");
   body.name_place = fields.place_of("name");
@@ -85,6 +86,7 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
   else
     body.rooted = true;
   if (const Value* shape = fields.find("shape")) body.shape = read_shape(*shape, reading);
+  if (const Value* collision = fields.find("collision")) body.collision = read_collision(*collision, body.shape, reading);
   fields.finish();
 
   if (body.bare_name.empty()) return body;

@@ -1,5 +1,6 @@
 // The generator [mechanism.chain]: bodies and joints 1 … links along +x.
 #include <algorithm>
+#include <cmath>
 
 #include <momentree/io/joint_tables.hpp>
 
@@ -19,6 +20,8 @@ constexpr Key chain_entries[] = {
     {"axis", vector(dimension::number), "Axis of every joint", "[0, 0, 1]"},
     {"angle", number(dimension::angle), "Initial angle of every joint", "0"},
     {"angle_growth", boolean, "Link k starts at k·angle", "false"},
+    {"radius", number(dimension::length, Range::positive),
+     "Radius of the links where they touch other bodies; default: they touch nothing"},
 };
 
 struct Chain {
@@ -26,6 +29,7 @@ struct Chain {
   double length = 1, mass = 1, angle = 0;
   JointParameters parameters{};
   bool angle_growth = false;
+  std::optional<double> radius{};
   Sym3 inertia{};
   Vec3 axis{0, 0, 1};
 };
@@ -81,6 +85,9 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
   read_parameters(fields, &info(Kind::revolute), chain.parameters, out);
   chain.angle = fields.number("angle").value_or(0);
   chain.angle_growth = fields.boolean("angle_growth").value_or(false);
+  chain.radius = fields.number("radius");
+  if (chain.radius && !(2 * *chain.radius < chain.length))
+    out.error(fields.place_of("radius"), "radius: the links would be thicker than they are long", "use less than half the length");
   if (chain.parameters.drive && chain.parameters.drive->moves() && fields.has("angle"))
     out.error(fields.place_of("angle"), "angle: the motion of these joints defines where they start", "leave it out");
   fields.finish();
@@ -144,7 +151,14 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
     if (k == 1 && state.velocity) read_root_velocity(*state.velocity, link, out);
     reading.bodies.emplace(link.name, fields.place());
     reading.joints.emplace(link.name, fields.place());
-    if (sound && errors == out.errors()) parent = reading.scenario.model.add_unjudged(std::move(link));
+    if (!sound || errors != out.errors()) continue;
+    parent = reading.scenario.model.add_unjudged(std::move(link));
+    if (!chain.radius) continue;
+    Collider collider;  // from joint to joint
+    collider.body = parent;
+    collider.solid = contact::capsule(*chain.radius, chain.length - 2 * *chain.radius,
+                                      Pose(Vec3{chain.length / 2, 0, 0}, from_axis_angle({0, 1, 0}, std::acos(0.0))));
+    reading.scenario.model.add_collider(std::move(collider));
   }
   if (states_used == state.joints.size() || chain.links == 0) return;
   for (const auto& [name, value] : state.joints)

@@ -200,7 +200,8 @@ void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& 
   for (std::size_t i = 0; i < order.size(); ++i) {
     BodySpec& spec = specs[i];
     if (spec.parent != ground) spec.parent.index += first;
-    reading.scenario.model.add_unjudged(std::move(spec));
+    const BodyId added = reading.scenario.model.add_unjudged(std::move(spec));
+    add_colliders(added, bodies[order[i]].collision, reading.scenario.model);
     reading.scenario.shapes.resize(static_cast<std::size_t>(reading.scenario.model.size()));
     reading.scenario.shapes.back() = std::move(bodies[order[i]].shape);
   }

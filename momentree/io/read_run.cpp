@@ -15,7 +15,11 @@ namespace {
 
 using namespace type;
 
-constexpr Key world_entries[] = {{"gravity", vector(dimension::acceleration), "Gravity", "[0, 0, -9.81]"}};
+constexpr Key world_entries[] = {
+    {"gravity", vector(dimension::acceleration), "Gravity", "[0, 0, -9.81]"},
+    {"floor", other(R"({"anyOf": [{"type": "boolean"}, @]})", floor_table), "A plane that bodies with a collision touch", "false"},
+};
+std::vector<std::string> ways_to_share() { return {"together", "in_turn"}; }
 
 constexpr Key integrate_entries[] = {
     {"method", choice(&integration_methods), "Integration method", R"("rk4")"},
@@ -27,6 +31,7 @@ constexpr Key integrate_entries[] = {
     {"rtol", number(dimension::number, Range::positive), "Adaptive methods: relative error per step", "1e-8"},
     {"atol", number(dimension::number, Range::positive), "Adaptive methods: absolute error per step", "1e-10"},
     {"max_step", number(dimension::time, Range::positive), "Adaptive methods: the longest step; default: no limit"},
+    {"simultaneous", choice(&ways_to_share), "How contacts that close at one instant share the impact", R"("together")"},
 };
 
 constexpr Key output_entries[] = {
@@ -40,8 +45,8 @@ constinit const KeyTable output_table{"[output]", "", "Output", output_entries};
 
 void read_world(const Value& table, Reading& reading) {
   Fields fields(table, world_table, reading.out);
-  fields.later({"floor"}, "there is no contact: bodies pass through each other");
   if (const auto gravity = fields.vec3("gravity")) reading.scenario.model.set_gravity(*gravity);
+  if (const Value* floor = fields.find("floor")) read_floor(*floor, reading);
   fields.finish();
 }
 
@@ -76,7 +81,7 @@ void read_integrate(const Value& table, Reading& reading) {
     if (in(known)) {
       integration.method = *method;
     } else if (*method == "stepping") {
-      not_supported_yet(fields.place_of("method"), "method \"stepping\"", out, "there is no contact; use \"rk4\" or \"dopri5\"");
+      not_supported_yet(fields.place_of("method"), "method \"stepping\"", out, "use \"rk4\" or \"dopri5\"");
     } else {
       std::string hint = cure_of_method(*method);
       if (hint.empty()) hint = did_you_mean(*method, known);
@@ -91,7 +96,13 @@ void read_integrate(const Value& table, Reading& reading) {
       out.error(fields.place_of("variables"), "method " + in_quotes(integration.method) + " integrates momenta",
                 "leave out variables, or use another method");
   }
-  fields.later({"simultaneous", "resolve"}, "there is no contact: bodies pass through each other");
+  fields.later({"resolve"}, "move bodies that overlap apart");
+  if (const auto how = fields.string("simultaneous")) {
+    if (*how != "together" && *how != "in_turn")
+      out.error(fields.place_of("simultaneous"), "simultaneous: expected \"together\" or \"in_turn\", not " + in_quotes(*how));
+    else if (*how == "in_turn")
+      integration.simultaneous = contact::Simultaneous::in_turn;
+  }
   integration.step = fields.number("step").value_or(integration.step);
   integration.event_tolerance = fields.number("event_tolerance").value_or(integration.event_tolerance);
   reading.scenario.until = fields.number("until").value_or(reading.scenario.until);

@@ -177,7 +177,7 @@ std::shared_ptr<momentree::Quantity> quantity_in(Fields& fields, const std::stri
     if (out.errors() == errors) set_unit(*quantity, *value, reading);
   }
   fields.later({"touch", "gap", "contact_force", "contact_impulse", "slip"},
-               "there is no contact: bodies pass through each other");
+               "impacts are events of their own: see docs/contact.md");
   return quantity;
 }
 

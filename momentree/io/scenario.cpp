@@ -28,6 +28,7 @@ constexpr Key keys_entries[] = {
     {"loop", tables(loop_table), "Joints that close loops"},
     {"spring", tables(spring_table), "Springs and ropes between points of bodies"},
     {"coupling", tables(coupling_table), "Joints that follow others"},
+    {"contact", tables(contact_table), "Friction and restitution where bodies touch"},
     {"event", tables(event_table), "The events"},
     {"integrate", table(integrate_table), ""},
     {"output", table(output_table), ""},
@@ -77,6 +78,7 @@ void check_whole(Reading& reading) {
       out.error(reading.joints.at(joint), what, singular.hint);
   }
   if (errors == 0 && out.errors() + reading.model_errors() == 0) check_loops(reading);
+  if (errors == 0 && out.errors() + reading.model_errors() == 0) check_contacts(reading);
   if (errors == 0 && out.errors() + reading.model_errors() == 0) {
     check_tolerance(reading);
     check_integration(reading);
@@ -125,6 +127,12 @@ void read_document(const Value& document, Reading& reading) {
       read_coupling(*coupling, reading);
     }
   }
+  if (const Value* contacts = fields.find("contact")) {
+    for (const Value* contact : tables_of(*contacts, "contact", out)) {
+      if (out.full()) break;
+      read_contact(*contact, reading);
+    }
+  }
   if (const Value* events = fields.find("event")) {
     int number = 0;
     for (const Value* event : tables_of(*events, "event", out)) {
@@ -136,7 +144,7 @@ void read_document(const Value& document, Reading& reading) {
   finish_events(reading);
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
   if (const Value* output = fields.find("output")) read_output(*output, reading);
-  fields.later({"contact", "cable"}, "there is no contact: bodies pass through each other");
+  fields.later({"cable"}, "a spring with tension_only = true is a rope that gives");
   fields.later({"scenario", "worlds", "seed", "vary", "measure"}, "this is a scenario of one world, not a sweep");
   fields.finish();
   check_whole(reading);

@@ -90,6 +90,7 @@ struct Reading {
 struct BodyEntry {
   BodySpec spec;
   Shape shape;
+  std::vector<Shape> collision;  ///< what it touches with
   const Value* table = nullptr;
   const Value* joint = nullptr;  ///< the joint's table, or null
   std::string bare_name, bare_joint, parent;
@@ -184,6 +185,14 @@ std::vector<std::string> matching_bodies(const std::string& pattern, Reading& re
 
 void read_force(const Value& table, Reading& reading);
 void read_spring(const Value& table, Reading& reading);
+
+/// The value of a body's `collision`. `drawn`: its shape.
+std::vector<Shape> read_collision(const Value& value, const Shape& drawn, Reading& reading);
+void add_colliders(BodyId body, const std::vector<Shape>& shapes, Model& model);
+void read_floor(const Value& value, Reading& reading);
+void read_contact(const Value& table, Reading& reading);
+/// What can be checked only once the whole model is read.
+void check_contacts(Reading& reading);
 
 void read_loop(const Value& table, Reading& reading);
 /// False, with a report, if the loops need more memory than is reasonable.

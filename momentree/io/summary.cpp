@@ -135,7 +135,19 @@ std::string event_json(const Event& event) {
   json.key("after");
   write_totals(json, event.after);
   json.member("released", event.released).member("lost", event.lost).member("work", event.work);
-  json.key("impulse").begin_object();
+  const Event::Contact& contact = event.contact;
+  const bool at_contact = !contact.one.empty();
+  if (at_contact) {
+    const auto vector = [&](const char* key, const Vec3& v) {
+      const double numbers[3] = {v.x, v.y, v.z};
+      json.member(key, std::span<const double>(numbers));
+    };
+    json.key("bodies").begin_array().value(contact.one).value(contact.other).end_array();
+    vector("point", contact.point), vector("normal", contact.normal), vector("impulse", contact.impulse);
+    if (contact.scaled < 1) json.member("scaled", contact.scaled);
+    if (contact.in_turn) json.member("in_turn", true);
+  }
+  json.key(at_contact ? "joint_impulse" : "impulse").begin_object();
   for (const auto& [joint, impulse] : event.impulse) json.member(joint, std::span<const double>(impulse));
   json.end_object();
   if (!event.coupling_impulse.empty()) {

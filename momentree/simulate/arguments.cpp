@@ -36,6 +36,7 @@ const Integration& checked(const Integration& how) {
 Variables Integration::state_variables() const { return variables.value_or(default_variables(method)); }
 
 Variables Integration::state_variables(const Model& model) const {
+  if (!model.colliders().empty()) return Variables::velocities;
   return model.has_equations() ? loop_variables() : state_variables();
 }
 

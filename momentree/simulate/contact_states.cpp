@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <cstdio>
-#include <cstdlib>
 
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/simulate/contacts_impl.hpp>
@@ -81,13 +79,13 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
     const double height = v * v / (2 * a), last = 2 * v / (a * (1 - e));
     if (height > resolved_flight * pair.size(*this) && last > 8 * tolerance_) continue;
     restitution_[i] = 0;
-    const int pair_number = contacts[i].pair;
     const double ends = world_->time() + last;
-    const auto known = std::find_if(settling_.begin(), settling_.end(), [&](const Settling& s) { return s.pair == pair_number; });
+    const auto known = std::find_if(settling_.begin(), settling_.end(),
+                                    [pair = contacts[i].pair](const auto& s) { return s.first == pair; });
     if (known == settling_.end())
-      settling_.push_back({ends, pair_number});
+      settling_.emplace_back(contacts[i].pair, ends);
     else
-      known->time = std::max(known->time, ends);
+      known->second = std::max(known->second, ends);
   }
   const contact::ImpactResult result = law_.apply(system_, restitution_, simultaneous);
   if (!result.solved) {
@@ -203,17 +201,18 @@ void Contacts::solve_states(const std::vector<Contact>& contacts) {
     if (law.slipping) law.direction = {v1 / speed, v2 / speed};
   }
   solved_ = system_.solve();
-  if (getenv("DBG") && !solved_) { FILE* f = fopen("/tmp/sys.txt", "w"); fprintf(f, "%zu\n", system_.points()); for (auto& l : system_.laws) fprintf(f, "%.17g %d %.17g %.17g\n", l.friction, (int)l.slipping, l.direction[0], l.direction[1]); for (double x : system_.A) fprintf(f, "%.17g ", x); for (double x : system_.b) fprintf(f, "%.17g ", x); fclose(f); printf("residual %g\n", system_.residual()); }
+}
+
+void Contacts::set(std::vector<Contact> contacts) {
+  if (contacts.empty() && world_->tree_.contacts().empty()) return;
+  world_->tree_.set_contacts(std::move(contacts));
+  world_->state_.replace(0, 0, {}, 0, 0, {}, world_->tree_);
 }
 
 std::optional<std::string> Contacts::resolve(std::vector<Event>& events) {
   const std::vector<Contact> before(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
-  const auto set = [&](std::vector<Contact> contacts) {
-    if (contacts.empty() && world_->tree_.contacts().empty()) return;
-    world_->tree_.set_contacts(std::move(contacts));
-    world_->state_.replace(0, 0, {}, 0, 0, {}, world_->tree_);
-  };
   set({});
+  settling_.clear();
   (*evaluate_)(world_->state_);
   std::vector<Contact> touching = this->touching();
   std::string failure;
@@ -225,6 +224,14 @@ std::optional<std::string> Contacts::resolve(std::vector<Event>& events) {
   std::vector<Contact> closed;
   if (!touching.empty() && !choose(touching, closed))
     return "no forces were found that keep the contacts closed: with this friction none may exist (Painlevé)";
+  for (Contact& c : closed) {
+    const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
+    const auto then = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return b.pair == c.pair; });
+    if (now != settling_.end())
+      c.settles = now->second;
+    else if (then != before.end() && then->settles > world_->time())
+      c.settles = then->settles;
+  }
   set(closed);
   const std::size_t reported = events.size();
   const double lost = stop(closed);
@@ -246,25 +253,25 @@ double Contacts::stop(const std::vector<Contact>& closed) {
   return before - world_->totals().kinetic;
 }
 
-// Events of pairs whose contacts closed, opened, began to slip or to stick.
+// Events of pairs whose contacts closed, opened, began to slip or to stick. A contact that bounces too low to be followed closes
+// when these bounces end.
 void Contacts::report_changes(const std::vector<Contact>& before, std::vector<Event>& events) {
   enum class Now : unsigned char { open, still, slips };
   struct Change {
     Now from = Now::open, to = Now::open;
   };
   std::map<int, Change> pairs;
-  const auto note = [](Now& now, const Contact& c) {
-    now = std::max(now, c.mode == Contact::Mode::slip ? Now::slips : Now::still);
+  const auto note = [](Now& now, const Contact& c, bool counts) {
+    if (counts) now = std::max(now, c.mode == Contact::Mode::slip ? Now::slips : Now::still);
   };
-  for (const Contact& c : before) note(pairs[c.pair].from, c);
+  for (const Contact& c : before) note(pairs[c.pair].from, c, c.settles < 0);
   const std::vector<Contact> closed(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
-  for (const Contact& c : closed) note(pairs[c.pair].to, c);
+  for (const Contact& c : closed) note(pairs[c.pair].to, c, c.settles < 0);
   locate_bodies(world_->tree_, world_->state_, world_->workspace_);
   for (const auto& [pair, change] : pairs) {
-    const bool settles = std::any_of(settling_.begin(), settling_.end(), [p = pair](const Settling& s) { return s.pair == p; });
-    if (change.from == change.to || (change.from == Now::open && settles)) continue;
-    const char* const what = change.to == Now::open    ? "lift"
-                             : change.to == Now::slips ? "slip"
+    if (change.from == change.to) continue;
+    const char* const what = change.to == Now::open     ? "lift"
+                             : change.to == Now::slips  ? "slip"
                              : change.from == Now::open ? "rest"
                                                         : "stick";
     const std::vector<Contact>& of = change.to == Now::open ? before : closed;
@@ -274,17 +281,6 @@ void Contacts::report_changes(const std::vector<Contact>& before, std::vector<Ev
     locate_event(event, of, std::vector<double>(of.size(), 1.0), pair);
     events.push_back(std::move(event));
   }
-  // Bodies whose bounces have ended by now.
-  std::erase_if(settling_, [&](const Settling& s) {
-    const auto first = std::find_if(closed.begin(), closed.end(), [&](const Contact& c) { return c.pair == s.pair; });
-    if (first == closed.end()) return true;
-    if (s.time > world_->time()) return false;
-    Event event = begin_event(event_name("rest", s.pair), *first);
-    place_contacts(world_->tree_, world_->workspace_, closed, rows_);
-    locate_event(event, closed, std::vector<double>(closed.size(), 1.0), s.pair);
-    events.push_back(std::move(event));
-    return true;
-  });
 }
 
 std::string Contacts::event_name(const char* what, int pair) const {

@@ -167,7 +167,8 @@ bool Contacts::must_resolve() {
 
 double Contacts::next_rest() const {
   double next = HUGE_VAL;
-  for (const Settling& s : settling_) next = std::min(next, s.time);
+  for (const Contact& c : world_->tree_.contacts())
+    if (c.settles >= 0) next = std::min(next, c.settles);
   return next;
 }
 
@@ -182,6 +183,17 @@ std::optional<Overlap> Contacts::overlap() {
       worst = Overlap{name_of(pair.one->body.index), name_of(pair.other->body.index), depth};
   }
   return worst;
+}
+
+std::optional<Overlap> deepest_overlap(const Model& model) {
+  if (model.colliders().empty()) return std::nullopt;
+  World world(model, Variables::velocities);
+  return Contacts::overlap_of(world);
+}
+
+std::optional<Overlap> Contacts::overlap_of(World& world) {
+  Evaluator evaluate(world.tree_, world.workspace_);
+  return Contacts(world, evaluate, 1e-10).overlap();
 }
 
 std::string Contacts::name_of(int body) const { return body < 0 ? "ground" : world_->model_[BodyId{body}].name; }

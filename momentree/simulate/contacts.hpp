@@ -14,16 +14,11 @@
 #include <momentree/contact/candidates.hpp>
 #include <momentree/contact/impact.hpp>
 #include <momentree/dynamics/contacts.hpp>
+#include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/stops.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
-
-/// Two solids that overlap.
-struct Overlap {
-  std::string one, other;  ///< bodies, or "ground"
-  double depth = 0;        ///< m
-};
 
 class Contacts {
  public:
@@ -50,6 +45,7 @@ class Contacts {
 
   /// The pair that overlaps most at present, if any do.
   std::optional<Overlap> overlap();
+  static std::optional<Overlap> overlap_of(World& world);
 
   contact::Simultaneous simultaneous = contact::Simultaneous::together;
 
@@ -71,10 +67,6 @@ class Contacts {
   struct Gap {
     double value, rate;
   };
-  struct Settling {  ///< a contact that bounced on below the resolution of coordinates
-    double time;
-    int pair;
-  };
 
   static constexpr double touching_within = 1e-10;  ///< m, relative to coordinates
   static constexpr double rounding = 1e-13;
@@ -93,6 +85,7 @@ class Contacts {
   bool impact(const std::vector<Contact>& contacts, std::vector<Event>& events, std::string& failure);
   bool choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed);
   void solve_states(const std::vector<Contact>& contacts);
+  void set(std::vector<Contact> contacts);
   double stop(const std::vector<Contact>& closed);
   void report_changes(const std::vector<Contact>& before, std::vector<Event>& events);
   Event begin_event(const std::string& name, const Contact& of);
@@ -108,7 +101,7 @@ class Contacts {
   std::optional<std::uint64_t> found_;  // revision of the tree for which pairs were listed
   std::size_t bodies_ = 0;
   std::vector<Pair> pairs_;
-  std::vector<Settling> settling_;
+  std::vector<std::pair<int, double>> settling_;  // at this instant: pairs whose bounces end later, and when
   std::vector<Watch> watches_;
   std::vector<Condition> conditions_;
   ContactRows rows_;

@@ -11,6 +11,7 @@
 
 #include <momentree/dynamics/evaluation_context.hpp>
 #include <momentree/dynamics/rates_function.hpp>
+#include <momentree/contact/impact.hpp>
 #include <momentree/simulate/action.hpp>
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/event.hpp>
@@ -29,6 +30,8 @@ struct Integration {
   double rtol = 1e-8;
   double atol = 1e-10;         ///< in the unit of each coordinate and velocity
   double max_step = HUGE_VAL;  ///< s
+  /// How contacts that close at one instant share the impact.
+  contact::Simultaneous simultaneous = contact::Simultaneous::together;
 
   /// The variables that a run uses, without a model those of open trees. Throws Error for a model with couplings that `method`
   /// can't integrate.

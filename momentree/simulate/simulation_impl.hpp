@@ -49,6 +49,9 @@ struct Simulation::Impl {
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)),
         contacts(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
     if (std::optional<Error> error = undetermined_strength(world)) throw_error(std::move(*error));
+    if (!model.colliders().empty() && !takes_velocities(how.method))
+      throw_error({"the method '" + how.method + "' does not support contact", "", "use \"rk4\", \"dopri5\" or \"dop853\""});
+    contacts.simultaneous = how.simultaneous;
     begin();
   }
 

@@ -122,6 +122,7 @@ void World::set_values(double time, std::span<const double> q, std::span<const d
 
 // Sets a state in velocities, or one in momenta from momenta.
 void World::assign(double time, std::span<const double> q, std::span<const double> y, Variables given) {
+  if (!tree_.contacts().empty()) tree_.set_contacts({});  // the next run finds those of the new coordinates
   if (given == state_.variables()) return state_.assign(time, q, y, tree_);
   State momenta(tree_);
   momenta.assign(time, q, y, tree_);

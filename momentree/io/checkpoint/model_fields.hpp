@@ -138,10 +138,28 @@ template <class Archive>
 void fields(Archive& archive, Part<Archive, Loop>& l) {
   archive(l.number, l.body, l.to, l.joint, l.parameters, l.held);
 }
+template <class Archive>
+void fields(Archive& archive, Part<Archive, contact::Features>& f) {
+  auto pair = static_cast<unsigned>(f.pair);
+  archive(pair, f.point_a, f.line_a, f.point_b, f.line_b, f.radius_a, f.radius_b, f.side);
+  if constexpr (!Archive::writes) {
+    archive.require(pair <= static_cast<unsigned>(contact::FeaturePair::line_line));
+    f.pair = static_cast<contact::FeaturePair>(pair);
+  }
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, Contact>& c) {
+  auto mode = static_cast<unsigned>(c.mode);
+  archive(c.features, c.a, c.b, mode, c.friction, c.direction, c.pair, c.id, c.settles);
+  if constexpr (!Archive::writes) {
+    archive.require(mode <= static_cast<unsigned>(Contact::Mode::slip));
+    c.mode = static_cast<Contact::Mode>(mode);
+  }
+}
 /// Without functions and added bodies.
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Topology>& t) {
-  archive(t.places, t.changed, t.own, t.springs, t.loops, t.ended_couplings, t.model);
+  archive(t.places, t.changed, t.own, t.springs, t.loops, t.ended_couplings, t.contacts, t.model);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Turns>& t) {

@@ -71,9 +71,13 @@ void fields(Archive& archive, Part<Archive, Event::OfCoupling>& c) {
   archive(c.joint, c.follows, c.on_joint, c.on_follows);
 }
 template <class Archive>
+void fields(Archive& archive, Part<Archive, Event::Contact>& c) {
+  archive(c.one, c.other, c.point, c.normal, c.impulse, c.scaled, c.in_turn);
+}
+template <class Archive>
 void fields(Archive& archive, Part<Archive, Event>& e) {
   archive(e.time, e.name, e.actions, e.topology, e.mechanisms_before, e.mechanisms_after, e.before, e.after, e.released, e.lost,
-          e.work, e.impulse, e.ground_impulse, e.coupling_impulse, e.hardest_joint, e.hardest_linear, e.hardest_angular,
+          e.work, e.impulse, e.ground_impulse, e.coupling_impulse, e.contact, e.hardest_joint, e.hardest_linear, e.hardest_angular,
           e.duration_ns);
 }
 

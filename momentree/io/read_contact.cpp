@@ -1,0 +1,195 @@
+// What bodies touch with, the floor, and [[contact]]: the laws of contacts.
+#include <cstdio>
+
+#include <momentree/integrate/integrator.hpp>
+#include <momentree/io/read_action.hpp>
+#include <momentree/simulate/overlap.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+using namespace type;
+
+constexpr const char* friction_schema = R"({"anyOf": [{"type": ["number", "string"]}, @]})";
+
+constexpr Key friction_entries[] = {
+    {"static", number(dimension::number, Range::not_negative), "Coefficient up to which a contact sticks"},
+    {"kinetic", number(dimension::number, Range::not_negative), "Coefficient while it slips", nullptr, ""},
+};
+constexpr KeyTable friction_table{"friction", "", "Static and kinetic friction", friction_entries};
+
+constexpr Key floor_entries[] = {
+    {"height", number(dimension::length), "Height of the floor along its normal", "0"},
+    {"normal", vector(dimension::number), "Its normal; default: against gravity"},
+    {"friction", other(friction_schema, friction_table), "Friction of bodies on the floor", "0.5"},
+    {"restitution", number(dimension::number, Range::not_negative), "Restitution of bodies on the floor, 0 to 1", "0"},
+};
+
+constexpr Key contact_entries[] = {
+    {"name", string, "Name, for its events: \"impact NAME\""},
+    {"between", other(R"({"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2})"),
+     "Two names of bodies or mechanisms, \"ground\" or \"floor\"; * stands for any part of a name; default: all with all"},
+    {"friction", other(friction_schema, friction_table), "A coefficient, or a static and a kinetic one", "0.5"},
+    {"restitution", number(dimension::number, Range::not_negative), "0 (plastic) to 1 (elastic)", "0"},
+    {"off", boolean, "They pass through each other", "false"},
+};
+
+void read_friction(Fields& fields, ContactLaw& law, Reading& reading) {
+  const Value* value = fields.find("friction");
+  if (value == nullptr) return;
+  if (value->table()) {
+    Fields inner(*value, friction_table, reading.out, "friction");
+    inner.require("kinetic");
+    law.friction = inner.number("kinetic").value_or(law.friction);
+    law.static_friction = inner.number("static").value_or(law.friction);
+    if (law.static_friction < law.friction)
+      reading.out.error(value->place, "friction: the static coefficient can't be smaller than the kinetic one");
+    inner.finish();
+  } else if (const auto mu = read_number(*value, dimension::number, "friction", reading.out)) {
+    law.friction = law.static_friction = *mu;
+    if (*mu < 0) reading.out.error(value->place, "friction: a coefficient can't be negative");
+  }
+}
+
+void read_law(Fields& fields, ContactLaw& law, Reading& reading) {
+  read_friction(fields, law, reading);
+  law.restitution = fields.number("restitution").value_or(0);
+  if (law.restitution > 1)
+    reading.out.error(fields.place_of("restitution"), "restitution: at most 1: an impact can't gain energy");
+}
+
+// The bodies of one name of `between`; empty with a report if there are none.
+std::vector<BodyId> bodies_of(const Value& value, Reading& reading) {
+  const auto name = read_string(value, "between", reading.out);
+  if (!name) return {};
+  if (*name == "ground" || *name == "floor") return {ground};
+  const Model& model = reading.scenario.model;
+  std::vector<BodyId> all;
+  for (int b = 0; b < model.size(); ++b) {
+    const std::string& body = model[BodyId{b}].name;
+    if (matches_wildcard(*name, body) || matches_wildcard(*name + "/*", body)) all.push_back({b});
+  }
+  if (!all.empty() || reading.opaque.contains(mechanism_of(*name))) return all;
+  std::string hint = reading.suggest(*name, reading.bodies);
+  if (hint.empty()) hint = reading.suggest(*name, reading.mechanisms);
+  reading.out.error(value.place, "between: there is no body or mechanism " + in_quotes(*name), std::move(hint));
+  return {};
+}
+
+contact::Solid solid_of(const Shape& shape) {
+  if (shape.kind == Shape::Kind::sphere) return contact::sphere(shape.radius, shape.at);
+  if (shape.kind == Shape::Kind::capsule) return contact::capsule(shape.radius, shape.length, shape.at);
+  return contact::box(shape.size, shape.at);
+}
+
+bool may_touch(const Shape& shape, Place place, Diagnostics& out) {
+  if (shape.kind == Shape::Kind::sphere || shape.kind == Shape::Kind::capsule) return true;
+  if (shape.kind == Shape::Kind::box) return shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0;
+  if (shape.kind == Shape::Kind::none) return false;  // reported already
+  const bool mesh = shape.kind == Shape::Kind::mesh;
+  not_supported_yet(place, mesh ? "collision: a mesh" : "collision: a cylinder", out, "use spheres, capsules and boxes");
+  return false;
+}
+
+}  // namespace
+
+constinit const KeyTable contact_table{"[[contact]]", "contact", "Friction and restitution of contacts", contact_entries};
+constinit const KeyTable floor_table{"floor", "", "A plane with the ground below it", floor_entries};
+
+std::vector<Shape> read_collision(const Value& value, const Shape& drawn, Reading& reading) {
+  std::vector<Shape> all;
+  const auto add = [&](const Shape& shape) {
+    Shape one = shape;
+    one.more.clear();
+    if (may_touch(one, value.place, reading.out)) all.push_back(std::move(one));
+    for (const Shape& more : shape.more)
+      if (may_touch(more, value.place, reading.out)) all.push_back(more);
+  };
+  const std::string* const word = value.string();
+  if (word == nullptr) {
+    add(read_shape(value, reading));
+  } else if (*word == "shape") {
+    if (drawn.kind == Shape::Kind::none)
+      reading.out.error(value.place, "collision: the body has no shape", "give it one, or a list of shapes as its collision");
+    else
+      add(drawn);
+  } else if (*word != "none") {
+    reading.out.error(value.place, "collision: expected shapes, \"shape\" or \"none\", not " + in_quotes(*word));
+  }
+  return all;
+}
+
+void add_colliders(BodyId body, const std::vector<Shape>& shapes, Model& model) {
+  for (const Shape& shape : shapes) {
+    Collider collider;
+    collider.body = body, collider.solid = solid_of(shape);
+    model.add_collider(std::move(collider));
+  }
+}
+
+void read_floor(const Value& value, Reading& reading) {
+  Model& model = reading.scenario.model;
+  const double g = norm(model.gravity());
+  Collider floor;
+  floor.plane = true;
+  if (g > 0) floor.normal = (-1 / g) * model.gravity();
+  ContactRule rule;
+  rule.other = {ground};
+  if (const bool* const there = value.boolean()) {
+    if (*there) model.add_collider(floor);
+    return;
+  }
+  const std::size_t errors = reading.out.errors();
+  Fields fields(value, floor_table, reading.out, "floor");
+  if (const auto normal = fields.vec3("normal")) {
+    if (norm(*normal) > 0)
+      floor.normal = normalized(*normal);
+    else
+      reading.out.error(fields.place_of("normal"), "normal: must not be zero");
+  }
+  floor.point = fields.number("height").value_or(0) * floor.normal;
+  read_law(fields, rule.law, reading);
+  fields.finish();
+  if (errors != reading.out.errors()) return;
+  model.add_collider(floor);
+  model.add_contact_rule(std::move(rule));
+}
+
+void read_contact(const Value& table, Reading& reading) {
+  Diagnostics& out = reading.out;
+  const std::size_t errors = out.errors();
+  Fields fields(table, contact_table, out);
+  ContactRule rule;
+  if (const auto name = fields.string("name"); name && check_bare_name(*name, fields.place_of("name"), "a contact", out))
+    rule.name = *name;
+  if (const Value* between = fields.find("between")) {
+    const Value::Array* const names = between->array();
+    if (names == nullptr || names->size() != 2)
+      out.error(between->place, "between: expected two names", "for example between = [\"chain/*\", \"floor\"]");
+    else
+      rule.one = bodies_of(names->front(), reading), rule.other = bodies_of(names->back(), reading);
+  }
+  read_law(fields, rule.law, reading);
+  rule.law.off = fields.boolean("off").value_or(false);
+  fields.finish();
+  if (errors == out.errors()) reading.scenario.model.add_contact_rule(std::move(rule));
+}
+
+void check_contacts(Reading& reading) {
+  const Scenario& scenario = reading.scenario;
+  if (scenario.model.colliders().empty() || !scenario.state_files.empty()) return;
+  if (!takes_velocities(scenario.integration.method))
+    reading.out.error(reading.integrate.step, "method " + in_quotes(scenario.integration.method) + " does not support contact",
+                      "use \"rk4\", \"dopri5\" or \"dop853\"");
+  const std::optional<Overlap> worst = deepest_overlap(scenario.model);
+  if (!worst) return;
+  const auto place = reading.bodies.find(worst->one);
+  char depth[40];
+  std::snprintf(depth, sizeof depth, "%.3g m", worst->depth);
+  reading.out.error(place != reading.bodies.end() ? place->second : Place{},
+                    in_quotes(worst->one) + " and " + in_quotes(worst->other) + " overlap by " + depth + " at the start",
+                    "move one of them, or let them pass through each other: [[contact]] with off = true");
+}
+
+}  // namespace momentree::io
