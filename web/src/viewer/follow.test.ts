@@ -1,6 +1,6 @@
 import * as THREE from "three";
 import { describe, expect, it } from "vitest";
-import { aimAt, gathered, type Sphere } from "./follow";
+import { aimAt, gathered, stepTowards, type Sphere } from "./follow";
 
 let seed = 11;
 const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
@@ -44,6 +44,25 @@ describe("the camera that follows", () => {
     expect([...target.toArray(), distance]).toEqual([1, 0, 0, 20].map((x) => expect.closeTo(x, 9)));
     const there = { target, distance };
     expect(aimAt(spheres, there, new THREE.Vector3(0, -1, 0), up, 32, 1, 20)).toBe(there);
+  });
+
+  it("goes as far in few pictures as in many, and keeps what falls in the picture at three pictures a second", () => {
+    const [start, aim] = [0, 5].map((x) => ({ target: new THREE.Vector3(x, 0, 0), distance: 10 + x }));
+    let many = start;
+    for (let i = 0; i < 20; i++) many = stepTowards(many, aim, 1 / 60);
+    const few = stepTowards(start, aim, 1 / 3);
+    expect(many.target.x).toBeCloseTo(few.target.x, 12);
+    expect(many.distance).toBeCloseTo(few.distance, 12);
+    const direction = new THREE.Vector3(0, -1, 0);
+    for (const rate of [3, 8, 60]) {
+      let camera = { target: new THREE.Vector3(), distance: 8 };
+      for (let t = 0; t < 2; t += 1 / rate) {
+        const sphere = { at: new THREE.Vector3(2 * t, 0, -0.5 * 9.81 * t * t), radius: 0.1 };
+        camera = stepTowards(camera, aimAt([sphere], camera, direction, up, 32, 1), 1 / rate);
+        const half = camera.distance * Math.tan(THREE.MathUtils.degToRad(16));
+        expect(Math.abs(sphere.at.z - camera.target.z)).toBeLessThan(half);
+      }
+    }
   });
 
   it("leaves pieces that are too far away, but never all of them", () => {

@@ -15,6 +15,20 @@ export interface Aim {
   readonly distance: number;
 }
 
+/** The time in which the camera covers most of its way (63 %) to where it must be (s). */
+const settling = 0.13;
+/** Longer times between two pictures count as this (s): not all of a pause. */
+const longest = 1;
+
+/** How far the camera has come from `present` to `aim` after a time (s), however many pictures were drawn in it. */
+export function stepTowards(present: Aim, aim: Aim, seconds: number): Aim {
+  const share = 1 - Math.exp(-Math.min(Math.max(seconds, 0), longest) / settling);
+  return {
+    target: present.target.clone().lerp(aim.target, share),
+    distance: present.distance + share * (aim.distance - present.distance),
+  };
+}
+
 /** Spheres around the bodies that exist. */
 export function spheresOf(model: Model, poses: ArrayLike<number>, reach: (body: number) => number): (Sphere | null)[] {
   return model.bodies.map((body, b) => {

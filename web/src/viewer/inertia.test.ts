@@ -1,8 +1,8 @@
 import * as THREE from "three";
 import { describe, expect, it } from "vitest";
-import type { Body } from "../recording";
+import type { Body, Joint, Model } from "../recording";
 import { lengthText, roundLength } from "./floor";
-import { ellipsoidOf, principal } from "./inertia";
+import { ellipsoidOf, principal, roomAround } from "./inertia";
 
 let seed = 7;
 const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
@@ -64,6 +64,27 @@ describe("the ellipsoid of a body's inertia", () => {
     expect(ellipsoidOf(body(1, [0.1, 0.1, 0.1, 0, 0, 0], line))).toBeNull();
     expect(ellipsoidOf(body(1, [0.1, 0.1, 0.1, 0, 0, 0]))!.semi[0]).toBeCloseTo(0.5, 12);
     expect(Math.max(...ellipsoidOf(body(1, [9, 9, 0.1, 0, 0, 0], line))!.semi)).toBeCloseTo(0.55, 12); // no longer than the body
+  });
+
+  it("of a placeholder inertia is small beside the neighbours; a disc that fits between them is drawn as it is", () => {
+    const line = (length: number): Body["extent"] => [
+      [
+        [0, 0, 0],
+        [length, 0, 0],
+      ],
+    ];
+    const none = [1, 1, 1, 0, 0, 0];
+    const bodies = [body(1, none, line(0.2)), body(0.4, none), body(0.4, none), body(0.4, none), body(0.4, none)];
+    const joint = (parent: number, child: number): Joint => ({
+      ...{ name: "", kind: "revolute", parent, child, at: [0, 0, 0], childAt: [0, 0, 0] },
+    });
+    const joints = [joint(-1, 0), joint(0, 1), joint(1, 2), joint(-1, 3), joint(3, 4)];
+    const model: Model = { title: "", gravity: [0, 0, 0], bodies, joints };
+    expect([1, 2, 3, 4].map((b) => roomAround(model, b))).toEqual([0.2, 0.2, Infinity, Infinity]);
+    expect(ellipsoidOf(bodies[1], 0.2)!.semi.map((x) => x.toFixed(9))).toEqual(Array(3).fill("0.060000000"));
+    expect(ellipsoidOf(bodies[3], Infinity)!.semi[0]).toBeCloseTo(2.5, 12);
+    const disc = ellipsoidOf(body(1, [0.002, 0.001, 0.001, 0, 0, 0]), 0.2)!;
+    expect(Math.max(...disc.semi)).toBeCloseTo(Math.sqrt(2.5 * 0.002), 12);
   });
 });
 

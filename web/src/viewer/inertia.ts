@@ -1,7 +1,7 @@
 // The ellipsoid of uniform density that has a body's mass and inertia: it shows how the mass is distributed where a body has no
 // shape.
 import * as THREE from "three";
-import type { Body } from "../recording";
+import type { Body, Model } from "../recording";
 
 /** Eigenvalues and eigenvectors (columns of a rotation) of a symmetric matrix xx, yy, zz, xy, xz, yz; Jacobi's method. */
 export function principal([xx, yy, zz, xy, xz, yz]: readonly number[]): { moments: number[]; axes: number[][] } {
@@ -42,8 +42,34 @@ export interface Ellipsoid {
   readonly turn: THREE.Quaternion;
 }
 
-/** null for a point mass, and for an inertia that is the same about all axes of a body drawn by lines: it tells no shape. */
-export function ellipsoidOf(body: Body): Ellipsoid | null {
+const lengthsOf = ({ extent }: Body) => extent.map(([a, b]) => Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]));
+
+/** The longest line of the bodies nearest to a body along joints that have lines (m); Infinity if none of its mechanism has. */
+export function roomAround(model: Model, body: number): number {
+  const reached = new Set([body]);
+  let ring = [body];
+  while (ring.length > 0) {
+    const next = new Set<number>();
+    for (const { parent, child } of model.joints) {
+      if (ring.includes(parent) && !reached.has(child)) next.add(child);
+      if (ring.includes(child) && parent >= 0 && !reached.has(parent)) next.add(parent);
+    }
+    ring = [...next];
+    for (const each of ring) reached.add(each);
+    const longest = Math.max(0, ...ring.flatMap((each) => lengthsOf(model.bodies[each])));
+    if (longest > 0) return longest;
+  }
+  return Infinity;
+}
+
+/** The semi-axis of bodies without lines of which the inertia can't be that of a body of this size, as a share of the room. */
+const placeholder = 0.3;
+
+/**
+ * null for a point mass, and for an inertia that is the same about all axes of a body drawn by lines: it tells no shape. `room`:
+ * a body without lines that would be larger is drawn small, as its inertia is a placeholder.
+ */
+export function ellipsoidOf(body: Body, room = Infinity): Ellipsoid | null {
   const { mass, inertia } = body;
   if (!inertia || !(mass > 0)) return null;
   const { moments, axes } = principal(inertia);
@@ -54,9 +80,8 @@ export function ellipsoidOf(body: Body): Ellipsoid | null {
   const half = (sum: number) => Math.sqrt(Math.max((2.5 / mass) * sum, 0));
   const semi = [half(j + k - i), half(i + k - j), half(i + j - k)];
   // Identified inertias are often not those of any body: none is drawn much longer than the body is.
-  const lengths = body.extent.map(([a, b]) => Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]));
-  const most = lengths.length > 0 ? 0.55 * Math.max(...lengths) : Infinity;
-  const bound = Math.min(most > 0 ? most : Infinity, Math.max(...semi));
+  const most = 0.55 * Math.max(0, ...lengthsOf(body));
+  const bound = Math.min(most > 0 ? most : Math.max(...semi) > room ? placeholder * room : Infinity, Math.max(...semi));
   const least = 0.12 * bound;
   const basis = new THREE.Matrix4().makeBasis(
     new THREE.Vector3(axes[0][0], axes[1][0], axes[2][0]),

@@ -1,8 +1,8 @@
 // The shapes of bodies as three.js meshes.
 import * as THREE from "three";
-import type { Body, Model, Shape } from "../recording";
+import type { Model, Shape } from "../recording";
 import { hexOf } from "./colours";
-import { ellipsoidOf } from "./inertia";
+import { ellipsoidOf, roomAround } from "./inertia";
 import { meshGeometry } from "./mesh_geometry";
 import { addOutward } from "./outline";
 
@@ -45,8 +45,9 @@ function meshesOf(shape: Shape, material: THREE.Material): THREE.Mesh[] {
 }
 
 /** A body without shapes, by its inertia; null if there is nothing to draw. */
-function inertiaOf(body: Body, material: THREE.Material): THREE.Mesh | null {
-  const ellipsoid = ellipsoidOf(body);
+function inertiaOf(model: Model, b: number, material: THREE.Material): THREE.Mesh | null {
+  const body = model.bodies[b];
+  const ellipsoid = ellipsoidOf(body, body.extent.length > 0 ? Infinity : roomAround(model, b));
   if (!ellipsoid) return null;
   const geometry = new THREE.SphereGeometry(1, 20, 14).scale(...ellipsoid.semi);
   geometry.applyQuaternion(ellipsoid.turn).translate(...body.com);
@@ -74,7 +75,7 @@ export class ShapeLibrary {
     this.parts = model.bodies.map((body) => body.shapes.flatMap((shape) => meshesOf(shape, nothing)));
     this.shaped = this.parts.map((parts) => parts.length > 0);
     this.parts.forEach((parts, b) => {
-      if (parts.length === 0) parts.push(...[inertiaOf(model.bodies[b], nothing)].filter(drawn));
+      if (parts.length === 0) parts.push(...[inertiaOf(model, b, nothing)].filter(drawn));
     });
   }
 

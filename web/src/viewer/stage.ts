@@ -5,7 +5,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Model, Phase, Motion } from "../recording";
 import { distanceFor, upOf, viewOf, type View } from "./camera";
 import { Floor, lengthText, Sun } from "./floor";
-import { aimAt, gathered, spheresOf } from "./follow";
+import { aimAt, gathered, spheresOf, stepTowards } from "./follow";
 import { themeOf, type Theme } from "./colours";
 import { MechanismsView, type Hit } from "./mechanisms";
 import { Pace } from "./pace";
@@ -42,6 +42,8 @@ export class Stage {
   private readonly themeListeners: ((theme: Theme) => void)[] = [];
   private readonly followListeners: ((on: boolean) => void)[] = [];
   private follows = false;
+  /** When the camera last followed (s). */
+  private followed = 0;
   private readonly pace = new Pace();
   private shadows = true;
   private drawingListener: (began: number, ended: number) => void = () => undefined;
@@ -163,6 +165,9 @@ export class Stage {
 
   /** Moves the camera a part of the way that it must go to keep the bodies in the picture. */
   private follow() {
+    const now = performance.now() / 1000;
+    const seconds = now - this.followed;
+    this.followed = now;
     if (!this.follows || !this.view || !this.state) return;
     const { camera, controls } = this;
     const offset = camera.position.clone().sub(controls.target);
@@ -170,11 +175,12 @@ export class Stage {
     const direction = offset.divideScalar(distance);
     const spheres = spheresOf(this.model, this.state.poses, (body) => this.shapes.reach(body));
     const near = gathered(spheres, this.view.centre, 4 * this.view.radius);
-    const aim = aimAt(near, { target: controls.target, distance }, direction, camera.up, camera.fov, camera.aspect, this.home);
-    if (aim.target === controls.target) return;
-    const share = 0.12;
-    controls.target.lerp(aim.target, share);
-    camera.position.copy(controls.target).addScaledVector(direction, distance + share * (aim.distance - distance));
+    const present = { target: controls.target, distance };
+    const aim = aimAt(near, present, direction, camera.up, camera.fov, camera.aspect, this.home);
+    if (aim === present) return;
+    const next = stepTowards(present, aim, seconds);
+    controls.target.copy(next.target);
+    camera.position.copy(next.target).addScaledVector(direction, next.distance);
     camera.updateMatrixWorld();
   }
 
