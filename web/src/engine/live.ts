@@ -73,6 +73,12 @@ export class LiveRecording implements Motion {
     frames.push(frame);
   }
 
+  /** Shows nothing before a frame: what was there is too old to go on from. */
+  beginAt(frame: Frame) {
+    this.addFrame(frame);
+    this.forget(this.frames - 1);
+  }
+
   /** Removes the oldest frames. */
   forget(frames: number) {
     const { current } = this;

@@ -5,6 +5,7 @@ import { Engine } from "../../../wasm/host.mjs";
 import { modelOf } from "../result_files";
 import { affectedBodies } from "../viewer/before_after";
 import { shownJoint } from "../viewer/joints";
+import { App } from "../playground/app";
 import { loadColours } from "../playground/load_colours";
 import { LiveRecording } from "./live";
 import { loadSize, type FromWorker } from "./messages";
@@ -92,6 +93,24 @@ describe("a session", () => {
     expect(run!.last.time).toBe(end.time);
     expect([...run!.last.poses]).toEqual([...end.poses]);
     expect(run!.otherBranches).toHaveLength(1);
+  });
+
+  it("of a program: a page that is opened late begins its record with the present", () => {
+    play(30);
+    const app = new App({ postMessage: () => undefined, onmessage: null }, undefined, true);
+    const tell = (message: FromWorker) => app.handle(message);
+    const frames = posted.flatMap((message) => (message.type === "frame" ? [message.frame] : []));
+    const at = (time: number): FromWorker => ({ type: "frame", seconds: 0, frame: { ...frames[0], time } });
+    for (const message of posted) if (message.type === "loaded" || message.type === "events") tell(message);
+    expect(app.run!.events).toHaveLength(1);
+    for (const time of [70, 70.1, 71]) tell(at(time));
+    expect([0, 1, 2].map((i) => app.run!.time(i))).toEqual([70, 70.1, 71]);
+    expect(app.run!.phases).toHaveLength(1);
+    app.seek(0.3);
+    expect(app.time).toBe(70);
+    tell(posted.find(({ type }) => type === "loaded")!); // opened at the start: nothing is left out
+    tell(at(0.2));
+    expect([app.run!.frames, app.run!.time(0)]).toEqual([2, 0]);
   });
 
   it("undoes an event, which does not happen again", () => {

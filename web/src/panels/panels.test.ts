@@ -90,6 +90,7 @@ describe("the timeline", () => {
     const events = [0, 1, 1.001, 1.5, 2].map((time) => ({ time }) as RunEvent);
     expect(marked(events, 0, 2)).toEqual([0, 1, 3, 4]);
     expect(marked([{ time: 0 } as RunEvent], 0, 0)).toEqual([0]);
+    expect(marked([{ time: 1 }, { time: 5 }] as RunEvent[], 4, 6)).toEqual([1]); // not before the start of the line
   });
 });
 

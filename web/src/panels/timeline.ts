@@ -4,13 +4,13 @@ import { endTime, startTime } from "../viewer/frames";
 import { h } from "./dom";
 import { instant } from "./numbers";
 
-/** Marks closer to the previous one than this fraction of the line are left out: they could not be distinguished. */
+/** The events on the line that have marks; those closer to the previous mark than `apart` of the line could not be told apart. */
 export function marked(events: readonly RunEvent[], from: number, to: number, apart = 0.008): number[] {
   const indices: number[] = [];
   let last = -Infinity;
   events.forEach((event, index) => {
     const at = (event.time - from) / (to - from || 1);
-    if (at - last < apart) return;
+    if (at < -1e-9 || at - last < apart) return;
     last = at;
     indices.push(index);
   });

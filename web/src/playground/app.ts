@@ -9,6 +9,9 @@ import { modelOf } from "../result_files";
 
 type Changed = "world" | "frame" | "branch" | "status" | "sliders";
 
+/** A frame that is later than this after the first that a program tells is the first of the record (s). */
+const longestStart = 0.5;
+
 /** Maximum number of frames of a recording: five minutes at 60 per second. */
 const mostFrames = 18_000;
 
@@ -119,7 +122,8 @@ export class App implements Clock {
     this.send({ type: "act", action });
   }
 
-  private handle(message: FromWorker) {
+  /** What the engine tells. */
+  handle(message: FromWorker) {
     const { run } = this;
     switch (message.type) {
       case "ready":
@@ -149,7 +153,9 @@ export class App implements Clock {
         return this.onChecked(message.diagnostics);
       case "frame":
         if (!run) return;
-        run.addFrame(message.frame);
+        // What a program tells first is its world after the last event: a page that is opened later begins with the present.
+        if (this.live && run.frames === 1 && message.frame.time > run.last.time + longestStart) run.beginAt(message.frame);
+        else run.addFrame(message.frame);
         if (message.seconds > 0) this.engineSeconds = message.seconds;
         if (this.live && run.frames >= mostFrames) {
           run.forget(mostFrames / 4);

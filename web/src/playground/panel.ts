@@ -127,9 +127,12 @@ export function sliders(app: App): HTMLElement {
 export function history(app: App): HTMLElement {
   const list = h("ul", { class: "list", "aria-label": "Events" });
   const branches = h("ul", { class: "list", "aria-label": "Branches" });
+  let shownFrom = 0;
   const show = (changed: string) => {
-    if (changed !== "world" && changed !== "branch") return;
     const run = app.run;
+    const from = run?.time(0) ?? 0;
+    if (changed !== "world" && changed !== "branch" && from === shownFrom) return;
+    shownFrom = from;
     const most = 200;
     const events = (run?.events ?? [])
       .map((event, index) => ({ event, index }))
@@ -144,7 +147,13 @@ export function history(app: App): HTMLElement {
             {},
             h(
               "button",
-              { type: "button", class: "description", title: "Show this instant", onclick: () => app.seek(event.time) },
+              {
+                type: "button",
+                class: "description",
+                title: event.time < from ? "Before the start of what this page recorded" : "Show this instant",
+                disabled: event.time < from,
+                onclick: () => app.seek(event.time),
+              },
               h("span", { class: "time" }, `${event.time.toFixed(3)} s`),
               ` ${event.actions.join("; ")}`,
             ),
