@@ -12,7 +12,6 @@ import { modelOf, type ModelFile } from "../result_files";
 import { onThemeChange } from "../viewer/colours";
 import { Player } from "../viewer/player";
 import { jointSliders } from "./sliders";
-import "./style.css";
 
 /** `scenario`: the model as the text of a scenario; `meshes`: those that it names. Throws if it has errors. */
 export function showModel(page: HTMLElement, engine: Engine, scenario: string, meshes?: Meshes) {

@@ -7,6 +7,7 @@ import { listenToKeys } from "../panels/keys";
 import { count } from "../panels/numbers";
 import { Picture, type Forces } from "../panels/picture";
 import { Plots } from "../panels/plots";
+import { statusLine } from "../panels/status";
 import { summaryPanel } from "../panels/summary";
 import { tabs } from "../panels/tabs";
 import { themeButton } from "../panels/theme_button";
@@ -25,14 +26,12 @@ function subtitle(run: Recording, notes: readonly string[]): string {
 /** For an incomplete run: the complete reason and remedy. */
 function statusOf(run: Recording): HTMLElement | false {
   const status = run.summary ? run.summary.status : "it has no summary";
-  return status !== "done" && h("p", { class: "status", role: "alert" }, h("strong", {}, "This run is not complete: "), status);
+  return status !== "done" && statusLine({ class: "status", role: "alert" }, "This run is not complete: ", status);
 }
 
 /** Warnings about the results: an energy balance that does not close. */
 const warningsOf = (run: Recording): HTMLElement[] =>
-  (run.summary?.warnings ?? []).map((text) =>
-    h("p", { class: "status warning", role: "note" }, h("strong", {}, "Warning: "), text),
-  );
+  (run.summary?.warnings ?? []).map((text) => statusLine({ class: "status warning", role: "note" }, "Warning: ", text));
 
 const help = () =>
   helpButton("The report of one run: its motion, plots and events. Every event has a certificate of what it conserved.", [
