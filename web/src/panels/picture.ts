@@ -16,6 +16,7 @@ import { Save } from "./save";
 import { Strays } from "./strays";
 import { Vectors } from "./vectors";
 import { turnByKeys } from "./turn_by_keys";
+import { viewMenu } from "./view_menu";
 
 /** The drawing, and the parts of it that can be switched on and off. */
 interface Drawn {
@@ -94,7 +95,6 @@ export class Picture {
   private tools({ stage, ghosts, trails, vectors }: Drawn): HTMLElement {
     const fit = h("button", { type: "button", title: "Show the whole motion (F)", onclick: () => this.fit() }, "Fit");
     this.keys.set("f", fit);
-    const tools = h("div", { class: "tools" });
     const own = {
       get visible() {
         return stage.ownColours;
@@ -103,9 +103,10 @@ export class Picture {
         stage.ownColours = visible;
       },
     };
-    if (stage.shapes.coloured) tools.append(this.toggle("Own colours", ownColoursTitle, "O", own));
+    const buttons: HTMLElement[] = [];
+    if (stage.shapes.coloured) buttons.push(this.toggle("Own colours", ownColoursTitle, "O", own));
     if (!this.options.static)
-      tools.append(
+      buttons.push(
         this.toggle("Ghosts", `Earlier poses, every ${instant(ghosts.every, ghosts.every * 10)}`, "G", ghosts),
         this.toggle("Arrows", "Momenta of bodies and forces of joints", "V", vectors),
         this.followButton(stage),
@@ -113,8 +114,9 @@ export class Picture {
       );
     const save = this.save(stage);
     this.keys.set("p", h("button", { onclick: () => save.savePicture() }));
-    tools.append(fit, save.element);
-    return tools;
+    const menu = viewMenu(...buttons, fit, save.element);
+    stage.roomAbove = menu.room;
+    return menu.element;
   }
 
   /** A video shows the run from its start to its end. */

@@ -12,6 +12,7 @@ import { Timeline } from "../panels/timeline";
 import { Vectors } from "../panels/vectors";
 import { themeButton } from "../panels/theme_button";
 import { turnByKeys } from "../panels/turn_by_keys";
+import { viewMenu } from "../panels/view_menu";
 import { onThemeChange, type Theme } from "../viewer/colours";
 import type { Model } from "../recording";
 import { phaseAt } from "../viewer/frames";
@@ -133,16 +134,8 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     { class: "tools", role: "group", "aria-label": "Tools" },
     ...toolButtons.map(({ button }) => button),
   );
-  // On a phone, these are behind a button: the picture needs the room.
-  const viewTools = h("div", { class: "tools view-tools" });
-  const more = h(
-    "button",
-    { type: "button", class: "more", "aria-expanded": "false", title: "What the picture shows" },
-    "View",
-  );
-  more.addEventListener("click", () => more.setAttribute("aria-expanded", String(viewTools.classList.toggle("open"))));
-  viewTools.append(more, loadButton, colours, arrows, follow, fit, save.element);
-  const over = h("div", { class: "over" }, buttons, viewTools);
+  const menu = viewMenu(loadButton, colours, arrows, follow, fit, save.element);
+  const over = h("div", { class: "over" }, buttons, menu.element);
   host.append(over, h("div", { class: "below" }, notice, load, hint), placeholder.element);
 
   const timeline = new Timeline(() => app.run, app, {
@@ -206,6 +199,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     pointer = stage && new PointerTools(stage, scene, actions);
     over.hidden = hint.hidden = stage === null;
     if (!stage) return;
+    stage.roomAbove = menu.room;
     choose(tool);
     turnByKeys(stage);
     stage.canvas.setAttribute(

@@ -85,16 +85,27 @@ export function viewOf(run: Motion, reach: (body: number) => number): View {
   return { box, centre, radius, direction: direction.normalize(), up, lowest: low.dot(up) };
 }
 
-/** Distance of the camera from the centre of a box at which the box's corners are in the picture. */
-export function distanceFor(box: THREE.Box3, direction: THREE.Vector3, up: THREE.Vector3, fov: number, aspect: number): number {
-  const tall = Math.tan(THREE.MathUtils.degToRad(fov) / 2);
+/**
+ * Distance of the camera from the centre of a box at which the box's corners are in the picture, or in a part of it that has the
+ * share `height` of its height.
+ */
+export function distanceFor(
+  box: THREE.Box3,
+  direction: THREE.Vector3,
+  up: THREE.Vector3,
+  fov: number,
+  aspect: number,
+  height = 1,
+): number {
+  const half = Math.tan(THREE.MathUtils.degToRad(fov) / 2);
+  const [wide, tall] = [half * aspect, half * height];
   const right = new THREE.Vector3().crossVectors(up, direction).normalize();
   const top = new THREE.Vector3().crossVectors(direction, right);
-  const half = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
+  const corners = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
   let distance = 1e-6;
   for (const [x, y, z] of [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2].map((bit) => 2 * bit - 1))) {
-    const corner = half.clone().multiply(new THREE.Vector3(x, y, z));
-    const away = Math.max(Math.abs(corner.dot(right)) / (tall * aspect), Math.abs(corner.dot(top)) / tall);
+    const corner = corners.clone().multiply(new THREE.Vector3(x, y, z));
+    const away = Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(top)) / tall);
     distance = Math.max(distance, away + corner.dot(direction));
   }
   return 1.06 * distance;

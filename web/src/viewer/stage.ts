@@ -47,6 +47,8 @@ export class Stage {
   private readonly pace = new Pace();
   private shadows = true;
   private drawingListener: (began: number, ended: number) => void = () => undefined;
+  /** How much of the picture's top is covered (px): a view of everything leaves it free. */
+  roomAbove: () => number = () => 0;
   /** Distance of the camera at the last view of everything (m). */
   private home = Infinity;
   private readonly contextListeners: ((lost: boolean) => void)[] = [];
@@ -265,21 +267,27 @@ export class Stage {
 
   private aimAt(view: Pick<View, "box" | "centre" | "direction" | "up">) {
     this.camera.up.copy(view.up);
-    this.aim(this.camera, view, view.direction);
-    this.controls.target.copy(view.centre);
+    const height = this.canvas.clientHeight;
+    const above = height > 0 ? Math.min(this.roomAbove() / height, 0.4) : 0;
+    this.controls.target.copy(this.aim(this.camera, view, view.direction, above));
     this.controls.update();
     this.home = this.controls.getDistance();
     this.draw();
   }
 
-  private aim(camera: THREE.PerspectiveCamera, view: Pick<View, "box" | "centre">, direction: THREE.Vector3) {
-    const distance = distanceFor(view.box, direction, camera.up, camera.fov, camera.aspect);
+  /** Returns the point that the camera looks at; `above`: the share of the picture's height that is left free at its top. */
+  private aim(camera: THREE.PerspectiveCamera, view: Pick<View, "box" | "centre">, direction: THREE.Vector3, above = 0) {
+    const distance = distanceFor(view.box, direction, camera.up, camera.fov, camera.aspect, 1 - above);
+    const right = new THREE.Vector3().crossVectors(camera.up, direction).normalize();
+    const raise = above * distance * Math.tan(THREE.MathUtils.degToRad(camera.fov) / 2);
+    const target = new THREE.Vector3().crossVectors(direction, right).multiplyScalar(raise).add(view.centre);
     camera.near = distance / 1000;
     camera.far = distance * 100;
-    camera.position.copy(view.centre).addScaledVector(direction, distance);
-    camera.lookAt(view.centre);
+    camera.position.copy(target).addScaledVector(direction, distance);
+    camera.lookAt(target);
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld();
+    return target;
   }
 
   /** Rotates about the target by angles (rad), or zooms: for the keyboard. */
