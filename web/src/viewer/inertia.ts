@@ -63,7 +63,7 @@ export function roomAround(model: Model, body: number): number {
 }
 
 /** The semi-axis of bodies without lines of which the inertia can't be that of a body of this size, as a share of the room. */
-const placeholder = 0.3;
+const placeholder = 0.2;
 
 /**
  * null for a point mass, and for an inertia that is the same about all axes of a body drawn by lines: it tells no shape. `room`:
