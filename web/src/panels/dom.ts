@@ -30,7 +30,7 @@ export function table(caption: string, head: readonly string[], rows: readonly (
     "table",
     {},
     h("caption", {}, caption),
-    h("thead", {}, h("tr", {}, ...head.map((text) => h("th", { scope: "col" }, text)))),
+    h("thead", {}, h("tr", {}, ...head.map((text) => (text ? h("th", { scope: "col" }, text) : h("td"))))),
     h("tbody", {}, ...rows.map((row) => h("tr", {}, ...row.map((text, column) => cell(text, column, "td"))))),
   );
 }

@@ -151,7 +151,7 @@ export class EventList {
       h(
         "div",
         { class: "certificate" },
-        h("h3", {}, event.event.startsWith("#") ? event.actions.join("; ") : `${event.event}: ${event.actions.join("; ")}`),
+        h("h2", {}, event.event.startsWith("#") ? event.actions.join("; ") : `${event.event}: ${event.actions.join("; ")}`),
         h("p", {}, `${before.length === 1 && after.length === 1 ? "Mechanism" : "Mechanisms"}: ${names}${timing}`),
         rows.length > 0 && table("Conservation", ["", "before", "after", "difference", "relative"], rows),
         notes.length > 0 && h("p", { class: "notes" }, notes.join(" · ")),

@@ -5,6 +5,7 @@ export function digits(value: number, count = 4): string {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const size = Math.abs(value);
+  if (size < 1e5 && size >= 10 ** count - 0.5) return value.toFixed(0).replace("-", "−"); // 3000, not 3e3
   const text = size >= 1e5 || size < 1e-3 ? value.toExponential(Math.max(count - 2, 1)) : value.toPrecision(count);
   const [mantissa, power] = text.split("e");
   const short = mantissa.includes(".") ? mantissa.replace(/\.?0+$/, "") : mantissa;

@@ -21,6 +21,7 @@ describe("numbers as text", () => {
     ]);
     expect(digits(8.539184, 6)).toBe("8.53918");
     expect(digits(100)).toBe("100");
+    expect([3000, -1234.5, 99999, 999.7].map((x) => digits(x, 3))).toEqual(["3000", "−1235", "99999", "1000"]);
   });
 
   it("durations have units that fit", () => {

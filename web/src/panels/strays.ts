@@ -35,7 +35,7 @@ function straysOf(stage: Stage, poses: ArrayLike<number>, phase: Phase, names: r
 }
 
 export class Strays {
-  readonly element = h("div", { class: "strays", "aria-label": "Outside the picture" });
+  readonly element = h("div", { class: "strays", role: "group", "aria-label": "Outside the picture" });
   private readonly buttons: HTMLButtonElement[] = [];
   private shown: Stray[] = [];
 

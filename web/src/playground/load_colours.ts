@@ -1,6 +1,7 @@
 // Colours joints by load: as a fraction of the load at which they break if that is known, otherwise of the largest
 // force.
 import { loadSize, type Frame } from "../engine/messages";
+import { digits } from "../panels/numbers";
 import type { Topology } from "../../../wasm/host.mjs";
 
 const steps = ["#3b6fd4", "#2fa37c", "#c9a21a", "#e5761c", "#d92525"];
@@ -40,7 +41,7 @@ export function loadColours(frame: Frame, topology: Topology): LoadColours {
   const text =
     known.length > 0
       ? `Closest to breaking: ${of(worst)}, at ${(100 * worst.share).toFixed(0)} % of its strength`
-      : `Largest joint force: ${worst.force.toPrecision(3)} N, at ${of(worst)}`;
+      : `Largest joint force: ${digits(worst.force, 3)} N, at ${of(worst)}`;
   return { colours, text };
 }
 

@@ -42,14 +42,16 @@ function barOf(explorer: Explorer, column: Column, value: Value): HTMLElement {
     interval.style.width = `${100 * (to - from)}%`;
     bar.append(interval);
   }
-  const text = `${percent(value.share)}, ${worldsText(value.count)}`;
+  const name = value.label || "(empty)";
   const mark = () => explorer.mark(`${column.name}: ${value.label}`, (row) => column.values[row] === value.index);
   return h(
     "button",
-    { type: "button", class: "category", "aria-label": `Mark ${column.name}: ${value.label}, ${text}`, onclick: mark },
-    h("span", { class: "label" }, value.label || "(empty)"),
+    { type: "button", class: "category", onclick: mark },
+    h("span", { class: "hidden-text" }, `Mark ${column.name}: `),
+    h("span", { class: "label" }, name),
     bar,
-    h("span", { class: "share" }, percent(value.share)),
+    h("span", { class: "share" }, h("span", { class: "hidden-text" }, ", "), percent(value.share)),
+    h("span", { class: "hidden-text" }, `, ${worldsText(value.count)}`),
   );
 }
 
