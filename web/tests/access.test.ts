@@ -20,11 +20,13 @@ import { builtPage, pendulumSweep, sweepPage } from "./pendulum_sweep";
 
 let browser: Browser;
 let capture: string;
+let chain: string; // has a warning
 let sweep: string;
 beforeAll(async () => {
   browser = await launch();
   capture = report(scenario("capture.toml"), "--reactions");
-  const data = pendulumSweep({ failing: [3] });
+  chain = report(scenario("breaking_chain.toml"));
+  const data = pendulumSweep({ failing: [3], animated: [297] });
   sweep = pathToFileURL(sweepPage(temporary(), readFileSync(builtPage, "utf8"), data)).href;
 });
 afterAll(() => browser?.close());
@@ -38,10 +40,14 @@ const pages = {
   sweep: (view: typeof phone) => open(browser, sweep, view, "h1"),
 };
 
-/** Visible buttons and choices that are smaller than 44 px; words within text are no targets of their own (WCAG 2.5.8). */
+/**
+ * Visible buttons, choices, fields and links that are smaller than 44 px; words within text are no targets of their own
+ * (WCAG 2.5.8), and the label of a box belongs to it.
+ */
 const small = (page: Page) =>
-  page.locator("button, select, input[type=range], summary").evaluateAll((all) =>
+  page.locator("button, select, input, summary, a[href]").evaluateAll((all) =>
     all
+      .map((e) => e.closest("label:has([type=checkbox])") ?? e)
       .filter(
         (e) => (e as HTMLElement).checkVisibility({ visibilityProperty: true }) && getComputedStyle(e).pointerEvents !== "none",
       )
@@ -102,9 +108,14 @@ describe.each(["playground", "report", "sweep"] as const)("the %s", (name) => {
     ["across", phoneAcross],
   ] as const)("on a phone held %s fits, has targets of 44 px, and no part over another", async (held, view) => {
     const { page, complaints } = await pages[name](view);
-    await page.waitForTimeout(300);
+    if (name === "playground") await page.waitForFunction(() => Boolean(window.playground?.app.run));
     expect(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)).toBeLessThanOrEqual(0);
+    const menu = page.getByRole("button", { name: "View", exact: true });
+    if (name !== "sweep") await menu.tap();
+    else await page.getByRole("button", { name: "World 297", exact: true }).first().tap();
     expect(await small(page)).toEqual([]);
+    if (name === "sweep") await page.getByRole("button", { name: "Close", exact: true }).tap();
+    else await menu.tap();
     // Plots and texts beside the picture do not overlap.
     const boxes = await page.locator(".plots > *, .details").evaluateAll((all) => all.map((e) => e.getBoundingClientRect()));
     boxes.forEach((box, i) => i > 0 && expect(box.top).toBeGreaterThanOrEqual(boxes[i - 1].bottom - 1));
@@ -126,13 +137,53 @@ describe.each(["playground", "report", "sweep"] as const)("the %s", (name) => {
     ["dark, on a phone", { ...phone, dark: true }],
   ] as const)("%s: text has contrast, and every control a name", async (_kind, view) => {
     const { page } = await pages[name](view);
-    await page.waitForTimeout(300);
+    if (name === "playground") await page.waitForFunction(() => Boolean(window.playground?.app.run));
     expect(await pale(page)).toEqual([]);
     expect(await nameless(page)).toEqual([]);
     expect(await page.evaluate(() => [document.documentElement.lang, document.querySelectorAll("main, h1").length])).toEqual([
       "en",
       2,
     ]);
+  });
+});
+
+describe("the report on a phone held across", () => {
+  it("has its details beside the picture, not below it: events, certificates and tabs can be read", async () => {
+    const { page, complaints } = await openReport(browser, chain, phoneAcross, 1.8);
+    const picture = (await page.locator(".picture").boundingBox())!;
+    const uncovered = async (selector: string) => {
+      const part = page.locator(selector).first();
+      await part.scrollIntoViewIfNeeded();
+      const box = (await part.boundingBox())!;
+      expect(box.x, selector).toBeGreaterThanOrEqual(picture.x + picture.width - 1);
+      const hit = await part.evaluate((e) => {
+        const { left, top, width, height } = e.getBoundingClientRect();
+        return e.contains(document.elementFromPoint(left + width / 2, top + Math.min(height / 2, 40)));
+      });
+      expect(hit, selector).toBe(true);
+    };
+    await uncovered(".plots select");
+    await uncovered(".events .list button");
+    await uncovered(".certificate");
+    await page.getByRole("tab", { name: "Times and energy" }).tap();
+    await uncovered(".summary table");
+    expect(await page.getByRole("tabpanel").innerText()).toContain("Energy balance");
+    await keep(page, "report_across_details");
+    // A warning has a line of the header; a tap shows all of it.
+    await page.evaluate(() => {
+      const line = document.querySelector("header .status")!;
+      line.textContent = `Warning: ${"all of a long text ".repeat(20)}`;
+    });
+    const status = page.locator("header .status");
+    const cut = () => status.evaluate((e) => e.scrollWidth > e.clientWidth);
+    expect(await cut()).toBe(true);
+    await status.tap();
+    expect(await cut()).toBe(false);
+    await status.tap();
+    expect(await cut()).toBe(true);
+    await status.focus();
+    expect(await cut()).toBe(false);
+    expect(complaints).toEqual([]);
   });
 });
 

@@ -13,7 +13,7 @@ import { positions } from "./scatter_picture";
 import { relativePath, sweepOf } from "./read";
 import { binOf, deviationOf, histogramOf, presentValues, quantile, shareInterval } from "./statistics";
 import { ticksOf } from "./ticks";
-import { percent, replayOf } from "./words";
+import { percent, replayOf, shortened } from "./words";
 import { sortedRows } from "./worlds_table";
 
 const small: SweepDocument = {
@@ -262,6 +262,24 @@ describe("words", () => {
       "0.01 %",
       "99.999 %",
       "–",
+    ]);
+  });
+
+  it("long names keep the parts that tell them apart", () => {
+    expect(
+      shortened([
+        "mechanism.pendulum.state.joints.hinge.q",
+        "mechanism.pendulum.state.joints.bob.q",
+        "load",
+        "mechanism.left.links.number.7.damping",
+        "mechanism.right.links.number.7.damping",
+      ]),
+    ).toEqual([
+      "…state.joints.hinge.q",
+      "…state.joints.bob.q",
+      "load",
+      "mechanism.left.links.number.7.damping",
+      "mechanism.right.links.number.7.damping",
     ]);
   });
 

@@ -42,3 +42,18 @@ export const replayOf = (file: string, world: number): string =>
 /** A name that may break after its dots and underscores. */
 export const breakable = (name: string): HTMLElement =>
   h("span", { class: "name" }, ...name.split(/(?<=[./_])/).flatMap((part, i) => (i === 0 ? [part] : [h("wbr"), part])));
+
+/**
+ * Dotted names for narrow places: of long ones the last parts, which tell them apart, after an ellipsis; whole where two would
+ * look the same.
+ */
+export function shortened(names: readonly string[], most = 26): string[] {
+  const short = names.map((name) => {
+    if (name.length <= most) return name;
+    const parts = name.split(/(?<=[./])/);
+    let end = parts.pop() ?? "";
+    while (parts.length > 0 && end.length + parts[parts.length - 1].length < most) end = parts.pop() + end;
+    return parts.length > 0 ? `…${end}` : name;
+  });
+  return short.map((text, i) => (short.indexOf(text) === short.lastIndexOf(text) ? text : names[i]));
+}

@@ -3,7 +3,7 @@ import { h } from "../panels/dom";
 import type { Column } from "./document";
 import type { Explorer } from "./explorer";
 import { soon } from "./soon";
-import { breakable, cellText } from "./words";
+import { breakable, cellText, shortened } from "./words";
 
 const rowHeight = 26;
 /** Rows beyond the view, above and below. */
@@ -35,8 +35,17 @@ export class WorldsTable {
   constructor(private readonly explorer: Explorer) {
     const { columns, world } = explorer.sweep;
     this.filtered = this.rows = Int32Array.from(world.keys());
+    const short = shortened(columns.map(({ name }) => name));
     const heading = (name: string, index: number, column?: Column) => {
-      const button = h("button", { type: "button", title: column?.about ? `${name}: ${column.about}` : name }, breakable(name));
+      const text = short[index] ?? name;
+      const title = column?.about ? `${name}: ${column.about}` : name;
+      const label = text !== name && h("span", { class: "hidden-text" }, name);
+      const button = h(
+        "button",
+        { type: "button", title },
+        h("span", { "aria-hidden": String(label !== false) }, breakable(text)),
+        label,
+      );
       button.addEventListener("click", () => this.sort(index, this.sortedBy === index && !this.descending));
       const cell = h("th", { scope: "col" }, button, column?.unit ? h("span", { class: "unit" }, column.unit) : false);
       this.headings.push(cell);
