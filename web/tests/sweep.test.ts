@@ -238,6 +238,16 @@ describe("the report of a sweep", () => {
     expect(nameless).toEqual([]);
   });
 
+  it("explains itself: ? opens the help, and closes it", async () => {
+    const { page, complaints } = await opened(sample, phone);
+    await page.getByRole("button", { name: "Help" }).tap();
+    const help = page.getByRole("dialog", { name: "Help" });
+    expect(await help.innerText()).toContain("Distributions");
+    await page.keyboard.press("?");
+    expect(await help.count()).toBe(0);
+    expect(complaints).toEqual([]);
+  });
+
   it("on a phone the picked world is a sheet that can be closed", async () => {
     const { page, complaints } = await opened(sample, phone);
     expect(await panel(page).isVisible()).toBe(false);

@@ -88,6 +88,11 @@ it("shows a model with a slider for each DoF, which moves it", async () => {
   expect(await page.locator("fieldset", { hasText: "panda_joint2" }).locator("output").innerText()).toBe("45.84°");
   expect((await page.locator(".stage canvas").screenshot()).equals(before)).toBe(false);
   await keep(page, "panda_posed");
+  await page.keyboard.press("?");
+  const help = page.getByRole("dialog", { name: "Help" });
+  expect(await help.innerText()).toContain("slider");
+  await page.keyboard.press("?");
+  expect(await help.count()).toBe(0);
   await page.getByRole("button", { name: "Back to the start" }).click();
   await settled(page);
   expect((await page.locator(".stage canvas").screenshot()).equals(before)).toBe(true);

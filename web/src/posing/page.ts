@@ -4,6 +4,7 @@ import { LiveRecording } from "../engine/live";
 import { frameOf, posesOf } from "../engine/session";
 import type { Meshes } from "../meshes";
 import { h, table } from "../panels/dom";
+import { helpButton, viewRows } from "../panels/help";
 import { listenToKeys } from "../panels/keys";
 import { count } from "../panels/numbers";
 import { Picture } from "../panels/picture";
@@ -12,6 +13,27 @@ import { modelOf, type ModelFile } from "../result_files";
 import { onThemeChange } from "../viewer/colours";
 import { Player } from "../viewer/player";
 import { jointSliders } from "./sliders";
+
+const help = () =>
+  helpButton("A model without a motion: a slider for each degree of freedom of its joints poses it; loops stay closed.", [
+    {
+      title: "Pose",
+      rows: [
+        ["slider", "move a joint; rotations about three axes where it can rotate about all"],
+        ["click a body", "show the sliders of its joint"],
+        ["pointer on a body", "its name, mass and joint, and its frame"],
+      ],
+    },
+    {
+      title: "View",
+      rows: [
+        ...viewRows,
+        ["F", "show the whole model"],
+        ["P", "save the picture"],
+        ["O", "bodies in their own colours, or in those of their mechanisms"],
+      ],
+    },
+  ]);
 
 /** `scenario`: the model as the text of a scenario; `meshes`: those that it names. Throws if it has errors. */
 export function showModel(page: HTMLElement, engine: Engine, scenario: string, meshes?: Meshes) {
@@ -46,7 +68,7 @@ export function showModel(page: HTMLElement, engine: Engine, scenario: string, m
   document.title = `${title} – momentree`;
   const about = [count(model.bodies.length, "body", "bodies"), count(moving.length, "joint that moves", "joints that move")];
   if (loops > 0) about.push(count(loops, "loop, which stays closed", "loops, which stay closed"));
-  page.append(h("header", {}, h("h1", {}, title), h("p", {}, about.join(" · ")), themeButton()));
+  page.append(h("header", {}, h("h1", {}, title), h("p", {}, about.join(" · ")), help(), themeButton()));
   const player = new Player(() => [first.time, first.time]);
   const list = h("section", { class: "plots sliders", "aria-label": "Joints" });
   const sections = new Map<number, HTMLElement>();

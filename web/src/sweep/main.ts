@@ -1,6 +1,7 @@
 // The report of a sweep: reads the document in the page and shows it.
 import "../panels/base.css";
 import "../panels/parts.css";
+import "../panels/help.css";
 import "./style.css";
 import "./plots.css";
 import "./worlds.css";

@@ -1,12 +1,14 @@
 // The page of a sweep: failures, distributions, a scatter plot, worst cases, and the table of worlds; the picked world
 // is beside them.
 import { h } from "../panels/dom";
+import { helpButton } from "../panels/help";
 import { themeButton } from "../panels/theme_button";
 import { card } from "./cards";
 import type { Column, Role, Sweep } from "./document";
 import { Explorer } from "./explorer";
 import { failuresSection } from "./failures";
 import { firstAxes } from "./first_axes";
+import { about, sections as helpSections } from "./help";
 import { Scatter } from "./scatter";
 import { grouped, worldsText } from "./words";
 import { worldsSection } from "./worlds_section";
@@ -27,7 +29,15 @@ function header(sweep: Sweep): HTMLElement {
     sweep.seed !== null && `seed ${sweep.seed}`,
     sweep.version && `momentree ${sweep.version}`,
   ].filter(Boolean);
-  return h("header", {}, h("h1", {}, title), h("p", {}, parts.join(" · ")), themeButton(), ...statusOf(sweep));
+  return h(
+    "header",
+    {},
+    h("h1", {}, title),
+    h("p", {}, parts.join(" · ")),
+    helpButton(about, helpSections),
+    themeButton(),
+    ...statusOf(sweep),
+  );
 }
 
 /** What the reader must know about the numbers. */
