@@ -5,6 +5,7 @@ import { count, digits, duration, instant } from "./numbers";
 import { significantColumns } from "./plot";
 import { balanceOf } from "./plots";
 import { momentumScale, rangeOf } from "./scales";
+import { apart, withoutMiddle } from "./strays";
 import { energyTable, missedRow, timesTable } from "./summary";
 import { marked } from "./timeline";
 
@@ -196,5 +197,25 @@ describe("the summary", () => {
       "brought in by closing loops",
       "2e−9 J",
     ]);
+  });
+});
+
+describe("names of what is outside the picture", () => {
+  it("lose their middle, if anything", () => {
+    expect(withoutMiddle("arm/load")).toBe("arm/load");
+    expect(withoutMiddle("humanoid/left_forearm/41")).toBe("humano…_forearm/41");
+    expect(withoutMiddle("humanoid/left_forearm/41")).toHaveLength(18);
+  });
+
+  it("do not cover each other", () => {
+    const label = (left: number, top: number) => ({ left, top, width: 100, height: 30 });
+    const placed = apart(
+      [label(200, 60), label(200, 60), label(230, 65), label(200, 340), label(200, 340), label(20, 60)],
+      400,
+    );
+    placed.forEach((a, i) =>
+      placed.slice(0, i).forEach((b) => expect(Math.abs(a.left - b.left) >= 100 || Math.abs(a.top - b.top) >= 30).toBe(true)),
+    );
+    expect(placed.map(({ top }) => top)).toEqual([60, 94, 128, 340, 306, 60]);
   });
 });

@@ -34,6 +34,32 @@ function straysOf(stage: Stage, poses: ArrayLike<number>, phase: Phase, names: r
     .map(([m, b]) => ({ name: names[m] ?? "", mechanism: m, at: spheres[b]!.at }));
 }
 
+/** A long name without its middle: mechanisms of one origin have the same start, and differ at the end. */
+export const withoutMiddle = (name: string, most = 18) =>
+  name.length <= most ? name : `${name.slice(0, Math.floor(most / 3))}…${name.slice(1 - most + Math.floor(most / 3))}`;
+
+interface Label {
+  readonly left: number;
+  /** Of its centre, as `left` (px). */
+  readonly top: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+/** The same labels, moved towards the middle of a picture of this height until none covers another. */
+export function apart(labels: readonly Label[], height: number): Label[] {
+  const placed: Label[] = [];
+  for (const label of labels) {
+    const step = label.top > height / 2 ? -1 : 1;
+    const covers = ({ left, top, width, height: tall }: Label, at: number) =>
+      Math.abs(left - label.left) < (width + label.width) / 2 + 4 && Math.abs(top - at) < (tall + label.height) / 2 + 4;
+    let { top } = label;
+    while (placed.some((other) => covers(other, top)) && top > 0 && top < height) top += step;
+    placed.push({ ...label, top });
+  }
+  return placed;
+}
+
 export class Strays {
   readonly element = h("div", { class: "strays", role: "group", "aria-label": "Outside the picture" });
   private readonly buttons: HTMLButtonElement[] = [];
@@ -58,25 +84,37 @@ export class Strays {
   private place(camera: THREE.PerspectiveCamera) {
     const now = this.present();
     this.shown = now ? straysOf(this.stage, now.poses, now.phase, now.names).slice(0, most) : [];
-    const { clientWidth: width, clientHeight: height } = this.stage.canvas;
+    const { clientWidth: width, clientHeight: height, parentElement: picture } = this.stage.canvas;
     this.buttons.forEach((button, i) => {
       const stray = this.shown[i];
       button.hidden = !stray;
       if (!stray) return;
+      const away = `${lengthText(Math.max(stray.at.distanceTo(this.stage.controls.target), 1e-9))} away`;
+      const text = `${stray.name}, ${away}`;
+      if (button.title === text) return;
+      button.title = text;
+      button.setAttribute("aria-label", text);
+      button.textContent = `${withoutMiddle(stray.name)}, ${away}`;
+      button.style.setProperty("--of", mechanismColour(this.stage.theme, stray.mechanism));
+    });
+    if (this.shown.length === 0) return;
+    // Between the buttons above and the texts below.
+    const tall = (selector: string) => picture?.querySelector<HTMLElement>(selector)?.offsetHeight ?? 0;
+    const [above, below] = [tall(".over .tools") + 12, Math.max(tall(".below"), 20) + 12];
+    const labels = this.shown.map((stray, i) => {
+      const { offsetWidth, offsetHeight } = this.buttons[i];
       // In the camera's axes: behind it, the direction aside still tells where to turn.
       const aside = stray.at.clone().applyMatrix4(camera.matrixWorldInverse);
       const angle = Math.atan2(aside.y, aside.x);
-      const [x, y] = [0.5 * width - 92, 0.5 * height - 78];
-      const share = Math.min(x / Math.max(Math.abs(Math.cos(angle)), 1e-6), y / Math.max(Math.abs(Math.sin(angle)), 1e-6));
-      const [left, top] = [0.5 * width + share * Math.cos(angle), 0.5 * height - share * Math.sin(angle)];
-      const text = `${stray.name}, ${lengthText(Math.max(stray.at.distanceTo(this.stage.controls.target), 1e-9))} away`;
-      if (button.title !== text) {
-        button.title = text;
-        button.textContent = text;
-        button.style.setProperty("--of", mechanismColour(this.stage.theme, stray.mechanism));
-      }
-      button.style.left = `${left}px`;
-      button.style.top = `${top}px`;
+      const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+      const x = 0.5 * (width - offsetWidth) - 6;
+      const y = Math.max(0.5 * (height - offsetHeight) - (sin > 0 ? above : below), 10);
+      const share = Math.min(x / Math.max(Math.abs(cos), 1e-6), y / Math.max(Math.abs(sin), 1e-6));
+      return { left: 0.5 * width + share * cos, top: 0.5 * height - share * sin, width: offsetWidth, height: offsetHeight };
+    });
+    apart(labels, height).forEach(({ left, top }, i) => {
+      this.buttons[i].style.left = `${left}px`;
+      this.buttons[i].style.top = `${top}px`;
     });
   }
 }
