@@ -63,7 +63,13 @@ const mechanismsText = (names: readonly string[]) =>
 export class EventList {
   readonly element: HTMLElement;
   private readonly list = h("ol", { class: "list" });
-  private readonly detail = h("div", { class: "detail", "aria-live": "polite" });
+  private readonly detail = h("div", {
+    class: "detail",
+    role: "group",
+    "aria-label": "Event",
+    "aria-live": "polite",
+    tabindex: 0,
+  });
   private chosen = -1;
 
   constructor(

@@ -75,6 +75,27 @@ export function mixed(a: string, b: string, share: number): string {
   return `#${parts.join("")}`;
 }
 
+/** The relative luminance of a colour "#rrggbb", as in WCAG 2. */
+const luminance = (colour: string) =>
+  [0.2126, 0.7152, 0.0722].reduce((sum, weight, k) => {
+    const x = parseInt(colour.slice(1 + 2 * k, 3 + 2 * k), 16) / 255;
+    return sum + weight * (x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
+  }, 0);
+
+/** Least contrast of a shape with a dark ground: below that its shaded sides can't be seen. */
+const leastContrast = 3.5;
+
+/** A shape's own colour; on a dark ground a dark one is brighter. */
+export function shapeColour(colour: string, { dark: isDark, ground, ink }: Theme): string {
+  const faint = (shown: string) => (luminance(shown) + 0.05) / (luminance(ground) + 0.05) < leastContrast;
+  if (!isDark) return colour;
+  for (let share = 0; share < 1; share += 0.05) {
+    const shown = mixed(colour, ink, share);
+    if (!faint(shown)) return shown;
+  }
+  return ink;
+}
+
 /** Calls back immediately and whenever the reader's choice between dark and light changes. */
 export function onThemeChange(listener: (theme: Theme) => void) {
   const query = window.matchMedia("(prefers-color-scheme: dark)");

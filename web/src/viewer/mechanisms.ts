@@ -2,7 +2,7 @@
 // attached to the ground.
 import * as THREE from "three";
 import type { Body, Model, Phase, Vec3 } from "../recording";
-import { mechanismColour, mixed, type Theme } from "./colours";
+import { mechanismColour, mixed, shapeColour, type Theme } from "./colours";
 import { pointOf } from "./frames";
 import { shownJoint } from "./joints";
 import { outlineMaterial, type Resolution } from "./outline";
@@ -152,7 +152,7 @@ export class MechanismsView {
         shapes.group.quaternion.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
         const common = this.colour(theme, mechanism);
         for (const { mesh, own, open } of shapes.meshes) {
-          const colour = own && this.ownColours ? mixed(own, theme.ground, this.style.faded) : common;
+          const colour = own && this.ownColours ? mixed(shapeColour(own, theme), theme.ground, this.style.faded) : common;
           mesh.material = this.material(colour, open);
           mesh.renderOrder = this.style.faded > 0 ? 0 : 5;
         }

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Motion } from "../recording";
 import { BoxGeometry, Vector3 } from "three";
-import { hexOf, mixed } from "./colours";
+import { hexOf, mixed, shapeColour, themeOf } from "./colours";
 import { frameAt, isGap, lastNotAfter, phaseAt, pointOf, posesAt } from "./frames";
 import { ghostSpacing, ghostTimes } from "./ghosts";
 import { addOutward } from "./outline";
@@ -165,6 +165,14 @@ describe("ghosts, trails and outlines", () => {
   it("accepts the colours of scenarios, and no others", () => {
     expect([hexOf("#12aB34"), hexOf("gold"), hexOf("steelblue")]).toEqual(["#12ab34", "#ffd700", "#4682b4"]);
     for (const none of ["", "#fff", "#12345g", "url(#x)", "constructor"]) expect(hexOf(none)).toBeNull();
+  });
+
+  it("of a dark shape are brighter on a dark ground, and unchanged elsewhere", () => {
+    expect(shapeColour("#23272e", themeOf(false))).toBe("#23272e");
+    expect(shapeColour("#ffd700", themeOf(true))).toBe("#ffd700");
+    const shown = shapeColour("#23272e", themeOf(true));
+    expect(parseInt(shown.slice(1, 3), 16)).toBeGreaterThan(0x40);
+    expect(parseInt(shown.slice(1, 3), 16)).toBeLessThan(0x80);
   });
 
   it("outlines have no gaps: a corner moves in one direction, whichever face it belongs to", () => {
