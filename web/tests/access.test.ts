@@ -14,7 +14,9 @@ import {
   playgroundAddress,
   report,
   scenario,
+  settled,
   temporary,
+  type View,
 } from "./browser";
 import { builtPage, pendulumSweep, sweepPage } from "./pendulum_sweep";
 
@@ -35,9 +37,9 @@ afterEach(async () => {
 });
 
 const pages = {
-  playground: (view: typeof phone) => open(browser, playgroundAddress, view),
-  report: (view: typeof phone) => openReport(browser, capture, view, 2.6),
-  sweep: (view: typeof phone) => open(browser, sweep, view, "h1"),
+  playground: (view: View) => open(browser, playgroundAddress, view),
+  report: (view: View) => openReport(browser, capture, view, 2.6),
+  sweep: (view: View) => open(browser, sweep, view, "h1"),
 };
 
 /**
@@ -103,42 +105,56 @@ const nameless = (page: Page) =>
   );
 
 describe.each(["playground", "report", "sweep"] as const)("the %s", (name) => {
-  it.each([
-    ["upright", phone],
-    ["across", phoneAcross],
-  ] as const)("on a phone held %s fits, has targets of 44 px, and no part over another", async (held, view) => {
+  const opened = async (view: View) => {
     const { page, complaints } = await pages[name](view);
     if (name === "playground") await page.waitForFunction(() => Boolean(window.playground?.app.run));
-    expect(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)).toBeLessThanOrEqual(0);
+    return { page, complaints };
+  };
+
+  it("on a phone, upright and turned, fits, has targets of 44 px, and no part over another", async () => {
+    const { page, complaints } = await opened({ ...phone, scale: 1 });
     const menu = page.getByRole("button", { name: "View", exact: true });
-    if (name !== "sweep") await menu.tap();
-    else await page.getByRole("button", { name: "World 297", exact: true }).first().tap();
-    expect(await small(page)).toEqual([]);
-    if (name === "sweep") await page.getByRole("button", { name: "Close", exact: true }).tap();
-    else await menu.tap();
-    // Plots and texts beside the picture do not overlap.
-    const boxes = await page.locator(".plots > *, .details").evaluateAll((all) => all.map((e) => e.getBoundingClientRect()));
-    boxes.forEach((box, i) => i > 0 && expect(box.top).toBeGreaterThanOrEqual(boxes[i - 1].bottom - 1));
-    for (const plot of await page.locator(".plot").evaluateAll((all) => all.map((e) => e.clientHeight)))
-      expect(plot).toBeGreaterThan(60);
-    if (name !== "sweep") {
-      const picture = (await page.locator(".stage").boundingBox())!;
-      const timeline = (await page.locator(".timeline").boundingBox())!;
-      expect(picture.height).toBeGreaterThan(200);
-      expect(timeline.y + timeline.height).toBeLessThanOrEqual(view.height + 1);
+    for (const [held, { width, height }] of Object.entries({ upright: phone, across: phoneAcross })) {
+      await page.setViewportSize({ width, height });
+      await settled(page);
+      expect(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth), held).toBeLessThanOrEqual(0);
+      // What is behind a button, too.
+      if (name === "sweep") await page.getByRole("button", { name: "World 297", exact: true }).first().tap();
+      else await menu.tap();
+      expect(await small(page), held).toEqual([]);
+      if (name === "sweep") await page.getByRole("button", { name: "Close", exact: true }).tap();
+      else await menu.tap();
+      // Plots and texts beside the picture do not overlap.
+      const boxes = await page
+        .locator(".plots > *, .details")
+        .evaluateAll((all) => all.map((e) => e.getBoundingClientRect().toJSON() as DOMRect));
+      boxes.forEach((box, i) => i > 0 && expect(box.top, held).toBeGreaterThanOrEqual(boxes[i - 1].bottom - 1));
+      for (const plot of await page.locator(".plot").evaluateAll((all) => all.map((e) => e.clientHeight)))
+        expect(plot, held).toBeGreaterThan(60);
+      if (name !== "sweep") {
+        await page.evaluate(() => scrollTo(0, 0));
+        const picture = (await page.locator(".stage").boundingBox())!;
+        const timeline = (await page.locator(".timeline").boundingBox())!;
+        expect(picture.height, held).toBeGreaterThan(200);
+        expect(timeline.y + timeline.height, held).toBeLessThanOrEqual(height + 1);
+      }
+      await keep(page, `${name}_${held}`);
     }
-    await keep(page, `${name}_${held}`);
+    await page.emulateMedia({ colorScheme: "dark" });
+    await page.setViewportSize({ width: phone.width, height: phone.height });
+    await settled(page);
+    expect(await pale(page), "dark").toEqual([]);
+    expect(await nameless(page)).toEqual([]);
     expect(complaints).toEqual([]);
   });
 
-  it.each([
-    ["light", desktop],
-    ["dark", { ...desktop, dark: true }],
-    ["dark, on a phone", { ...phone, dark: true }],
-  ] as const)("%s: text has contrast, and every control a name", async (_kind, view) => {
-    const { page } = await pages[name](view);
-    if (name === "playground") await page.waitForFunction(() => Boolean(window.playground?.app.run));
-    expect(await pale(page)).toEqual([]);
+  it("text has contrast in both themes, and every control has a name", async () => {
+    const { page } = await opened(desktop);
+    for (const colorScheme of ["light", "dark"] as const) {
+      await page.emulateMedia({ colorScheme });
+      await settled(page);
+      expect(await pale(page), colorScheme).toEqual([]);
+    }
     expect(await nameless(page)).toEqual([]);
     expect(await page.evaluate(() => [document.documentElement.lang, document.querySelectorAll("main, h1").length])).toEqual([
       "en",
@@ -149,7 +165,7 @@ describe.each(["playground", "report", "sweep"] as const)("the %s", (name) => {
 
 describe("the report on a phone held across", () => {
   it("has its details beside the picture, not below it: events, certificates and tabs can be read", async () => {
-    const { page, complaints } = await openReport(browser, chain, phoneAcross, 1.8);
+    const { page, complaints } = await openReport(browser, chain, { ...phoneAcross, scale: 1 }, 1.8);
     const picture = (await page.locator(".picture").boundingBox())!;
     const uncovered = async (selector: string) => {
       const part = page.locator(selector).first();
@@ -195,7 +211,7 @@ describe("with a thumb", () => {
     ["upright", phone],
     ["across", phoneAcross],
   ] as const)("on a phone held %s one cuts and welds", async (_held, view) => {
-    const { page, complaints } = await open(browser, playgroundAddress, view);
+    const { page, complaints } = await open(browser, playgroundAddress, { ...view, scale: 1 });
     await ready(page);
     await page.getByLabel("Scenario", { exact: true }).first().selectOption("two_arms_hold_a_bar");
     await page.waitForFunction(() => document.title.startsWith("Two arms"));
@@ -219,7 +235,7 @@ describe("with a thumb", () => {
   });
 
   it("a body follows a finger, and the page stays where it is", async () => {
-    const { page, complaints } = await open(browser, playgroundAddress, phone);
+    const { page, complaints } = await open(browser, playgroundAddress, { ...phone, scale: 1 });
     await ready(page);
     const session = await page.context().newCDPSession(page); // touches as the screen sends them
     const from = await place(page, 60);

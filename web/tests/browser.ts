@@ -36,6 +36,7 @@ export function launch({ webgl = true } = {}): Promise<Browser> {
 interface App {
   run: {
     frames: number;
+    time(frame: number): number;
     last: { time: number; totals: Totals };
     events: { time: number }[];
     model: { bodies: unknown[] };

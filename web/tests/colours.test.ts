@@ -66,25 +66,34 @@ it("a report shows them, outlines the parts after a break, and can show mechanis
   const file = join(temporary(), "crane.toml");
   writeFileSync(file, crane);
   const folder = report(file);
-  for (const view of [desktop, { ...desktop, dark: true }, phone]) {
+  for (const [view, themes] of [
+    [desktop, [false, true]],
+    [phone, [false]],
+  ] as const) {
     const { page, complaints } = await openReport(browser, folder, view, 0.2);
-    for (const name of ["Ghosts", "Trails"]) await page.getByRole("button", { name }).click();
-    const before = await seen(page, view.dark);
-    expect(before.lime).toBeGreaterThan(500);
-    expect(before.magenta).toBeGreaterThan(500);
-    expect(before.second).toBeLessThan(20);
-    await page.getByLabel("Time", { exact: true }).fill("660");
-    const after = await seen(page, view.dark);
-    expect(after.lime).toBeGreaterThan(500);
-    expect(after.magenta).toBeGreaterThan(500);
-    expect(after.first).toBeGreaterThan(before.first + 100); // an outline
-    expect(after.second).toBeGreaterThan(before.second + 100);
-    await keep(page, `painted_${view.width}${view.dark ? "_dark" : ""}`);
-    await page.keyboard.press("o");
-    expect(await page.getByRole("button", { name: "Own colours" }).getAttribute("aria-pressed")).toBe("false");
-    const mechanisms = await seen(page, view.dark);
-    expect([mechanisms.lime, mechanisms.magenta]).toEqual([0, 0]);
-    expect(mechanisms.second).toBeGreaterThan(500);
+    for (const key of ["g", "t"]) await page.keyboard.press(key); // without ghosts and trails
+    for (const dark of themes) {
+      await page.emulateMedia({ colorScheme: dark ? "dark" : "light" });
+      await page.getByLabel("Time", { exact: true }).fill("330");
+      const before = await seen(page, dark);
+      expect(before.lime).toBeGreaterThan(500);
+      expect(before.magenta).toBeGreaterThan(500);
+      expect(before.second).toBeLessThan(20);
+      await page.getByLabel("Time", { exact: true }).fill("660");
+      const after = await seen(page, dark);
+      expect(after.lime).toBeGreaterThan(500);
+      expect(after.magenta).toBeGreaterThan(500);
+      expect(after.first).toBeGreaterThan(before.first + 100); // an outline
+      expect(after.second).toBeGreaterThan(before.second + 100);
+      await keep(page, `painted_${view.width}${dark ? "_dark" : ""}`);
+      await page.keyboard.press("o");
+      const button = page.locator("button", { hasText: "Own colours" });
+      expect(await button.getAttribute("aria-pressed")).toBe("false");
+      const mechanisms = await seen(page, dark);
+      expect([mechanisms.lime, mechanisms.magenta]).toEqual([0, 0]);
+      expect(mechanisms.second).toBeGreaterThan(500);
+      await page.keyboard.press("o");
+    }
     expect(complaints).toEqual([]);
   }
 });
@@ -95,8 +104,9 @@ it("the playground shows them, too, and keeps the choice", async () => {
   expect((await seen(page)).magenta).toBeGreaterThan(500);
   await page.getByRole("button", { name: "Own colours" }).click();
   expect((await seen(page)).magenta).toBe(0);
+  const run = await page.evaluateHandle(() => window.playground.app.run);
   await page.getByRole("button", { name: "⟲" }).click();
-  await page.waitForTimeout(300);
+  await page.waitForFunction((before) => window.playground.app.run !== before, run);
   expect((await seen(page)).magenta).toBe(0);
   await page.keyboard.press("o");
   expect((await seen(page)).magenta).toBeGreaterThan(500);

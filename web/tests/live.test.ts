@@ -2,7 +2,7 @@
 import { spawn, type ChildProcess } from "node:child_process";
 import type { Browser, Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, expect, it } from "vitest";
-import { desktop, keep, launch, open, phone, phoneAcross, program, scenario, type View } from "./browser";
+import { keep, launch, open, phone, phoneAcross, program, scenario, type View } from "./browser";
 
 let browser: Browser;
 let server: ChildProcess | null = null;
@@ -34,7 +34,10 @@ const ended = () =>
     server!.removeAllListeners("exit").on("exit", told);
   });
 
-async function live(address: string, view: View = desktop) {
+/** A page takes what the program sends with each picture, and the processor draws small ones sooner. */
+const small: View = { width: 840, height: 520 };
+
+async function live(address: string, view: View = small) {
   const opened = await open(browser, address, view);
   await opened.page.waitForFunction(() => Boolean(window.live?.app.run));
   return opened;
@@ -47,10 +50,12 @@ const moving = (page: Page, by = 0.1) =>
 it("shows the run as it goes on, in two pages at once", async () => {
   const address = await serve("four_bar.toml");
   const { page, complaints } = await live(address);
-  await moving(page);
+  await moving(page, 1);
   expect(await page.locator("h1").innerText()).not.toBe("momentree");
   const other = await live(address, { width: 500, height: 300 });
   await moving(other.page);
+  // A page that is opened late begins its record there.
+  expect(await other.page.evaluate(() => window.live.app.run!.time(0))).toBeGreaterThan(0.8);
   await keep(page, "live");
   expect([...complaints, ...other.complaints]).toEqual([]);
 });
@@ -75,7 +80,7 @@ it.each([
   ["phone", phone],
   ["across", phoneAcross],
 ])("is readable on a phone: %s", async (name, view) => {
-  const { page, complaints } = await live(await serve("crane.toml"), view);
+  const { page, complaints } = await live(await serve("crane.toml"), { ...view, scale: 1 });
   await moving(page);
   await keep(page, `live-${name}`);
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);

@@ -126,7 +126,7 @@ test("welding two bodies; a weld of two bodies that a joint joins is refused wit
 test("a weld of two bodies of one mechanism closes a loop; a click on its mark cuts it, and undo closes it again", async () => {
   for (const [view, name] of [
     [desktop, "desktop"],
-    [phone, "phone"],
+    [{ ...phone, scale: 1 }, "phone"],
   ] as const) {
     const { page, complaints } = await playground(view);
     await load(page, three.replace("links = 3", "links = 4"));
