@@ -1,6 +1,6 @@
 // The 3D picture in its place in the page, or a message that gives the reason for its absence.
 import type { Model } from "../recording";
-import { hasWebGL, Stage } from "../viewer/stage";
+import { Stage } from "../viewer/stage";
 import { h } from "./dom";
 
 /** Tooltip of the button that switches between body colours and mechanism colours. */
@@ -16,9 +16,9 @@ export function mountStage(host: HTMLElement, model: Model, alternatives: readon
   };
   disable(false);
   let stage: Stage | null = null;
-  let reason = "it does not provide WebGL 2";
+  let reason = "";
   try {
-    if (hasWebGL()) stage = new Stage(host, model);
+    stage = new Stage(host, model);
   } catch (error) {
     reason = error instanceof Error ? error.message : String(error);
   }

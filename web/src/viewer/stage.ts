@@ -11,15 +11,14 @@ import { MechanismsView, type Hit } from "./mechanisms";
 import { Pace } from "./pace";
 import { ShapeLibrary } from "./shapes";
 
-/** Whether this browser can draw the picture. */
-export function hasWebGL(): boolean {
-  try {
-    const context = document.createElement("canvas").getContext("webgl2");
-    context?.getExtension("WEBGL_lose_context")?.loseContext();
-    return context !== null;
-  } catch {
-    return false;
-  }
+/** three.js reports a missing context in the console; and a trial costs as much as the picture's own context. */
+function newRenderer(): THREE.WebGLRenderer {
+  const canvas = document.createElement("canvas");
+  const context = canvas.getContext("webgl2", { antialias: true });
+  if (!context) throw new Error("it does not provide WebGL 2");
+  const renderer = new THREE.WebGLRenderer({ canvas, context, antialias: true });
+  renderer.setClearAlpha(1);
+  return renderer;
 }
 
 export class Stage {
@@ -56,12 +55,12 @@ export class Stage {
   private disposed = false;
   private contextLost = false;
 
-  /** Throws if the browser has no WebGL: see hasWebGL(). */
+  /** Throws if the browser can't draw the picture. */
   constructor(
     private readonly host: HTMLElement,
     readonly model: Model,
   ) {
-    this.renderer = new THREE.WebGLRenderer({ antialias: true });
+    this.renderer = newRenderer();
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
