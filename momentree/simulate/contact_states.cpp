@@ -80,6 +80,7 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
     if (height > resolved_flight * pair.size(*this) && last > 8 * tolerance_) continue;
     restitution_[i] = 0;
     const double ends = world_->time() + last;
+    if (!(ends > world_->time() + tolerance_)) continue;
     const auto known = std::find_if(settling_.begin(), settling_.end(),
                                     [pair = contacts[i].pair](const auto& s) { return s.first == pair; });
     if (known == settling_.end())

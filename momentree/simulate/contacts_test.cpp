@@ -1,0 +1,238 @@
+// Bodies that land, bounce, slip, stick, roll, rock and pile up. (The law of impact alone: contact/impact_test.cpp.)
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/overlap.hpp>
+#include <momentree/simulate/simulation.hpp>
+#include <tests/error_of.hpp>
+#include <tests/oracle/prng.hpp>
+
+using namespace momentree;
+
+namespace {
+
+const Event* first(const Simulation& sim, const std::string& name) {
+  const auto found = std::find_if(sim.events().begin(), sim.events().end(), [&](const Event& e) { return e.name == name; });
+  return found == sim.events().end() ? nullptr : &*found;
+}
+
+Model ball_above_floor(double restitution, double friction, Values v = {}) {
+  Model model;
+  const BodyId ball = model.add({.name = "ball/ball",
+                                 .mass = 2,
+                                 .inertia = diagonal(0.4 * 2 * 0.01),
+                                 .joint = Free{},
+                                 .q = {0, 0, v.empty() ? 1.1 : 0.1, 1, 0, 0, 0},
+                                 .v = std::move(v)});
+  model.add_collider({.body = ball, .solid = contact::sphere(0.1)});
+  model.add_collider({.plane = true});
+  model.add_contact_rule({.law = {.friction = friction, .static_friction = friction, .restitution = restitution}});
+  return model;
+}
+
+double height(const Simulation& sim, int body = 0) {
+  return sim.world().motions()[static_cast<std::size_t>(body)].pose.position.z;
+}
+
+}  // namespace
+
+TEST_CASE("contact: a ball bounces at the instants of the closed form and comes to rest at their limit") {
+  for (const char* method : {"rk4", "dopri5", "dop853"}) {
+    Simulation sim(ball_above_floor(0.8, 0), {.method = method, .step = 1e-2});
+    REQUIRE(sim.run_until(5));
+    const double t1 = std::sqrt(2 / 9.81);
+    double time = t1, speed = 9.81 * t1;
+    for (std::size_t k = 0; k < 30; ++k) {
+      const Event& event = sim.events()[k];
+      REQUIRE(event.name == "impact");
+      CHECK(std::fabs(event.time - time) < 1e-9);
+      CHECK(event.contact.impulse.z == doctest::Approx(2 * 1.8 * speed).epsilon(1e-8));
+      speed *= 0.8, time += 2 * speed / 9.81;
+    }
+    REQUIRE(sim.events().back().name == "rest");
+    CHECK(std::fabs(sim.events().back().time - 9 * t1) < 1e-9);
+    CHECK(std::fabs(height(sim) - 0.1) < 1e-15);
+    CHECK(std::fabs(sim.energy().error) < 1e-9);
+  }
+}
+
+TEST_CASE("contact: a ball that slips ends up rolling with 5/7 of its speed") {
+  Simulation sim(ball_above_floor(0, 0.2, {1, 0, 0, 0, 0, 0}), {.method = "dop853", .step = 1e-2, .rtol = 1e-13, .atol = 1e-15});
+  REQUIRE(sim.run_until(1));
+  REQUIRE(first(sim, "slip") != nullptr);
+  const Event* const stick = first(sim, "stick");
+  REQUIRE(stick != nullptr);
+  CHECK(std::fabs(stick->time - 2.0 / (7 * 0.2 * 9.81)) < 1e-9);
+  CHECK(std::fabs(sim.world().motions()[0].linear.x - 5.0 / 7) < 1e-10);
+  CHECK(std::fabs(sim.energy().dissipated - (0.5 * 2 - 0.7 * 2 * 25.0 / 49)) < 1e-9);
+}
+
+TEST_CASE("contact: a block on an incline stops, or slips on") {
+  struct Case {
+    double mu, speed, stop, x;  // stop < 0: it does not
+  };
+  for (const Case& c : {Case{0.5, 2, 1.5949285114815006, 1.5949285114815006}, {0.5, -3, 0.3766757403915407, -0.565013610587311}}) {
+    const double a = 20 * std::numbers::pi / 180;
+    Model model;
+    const BodyId block = model.add({.name = "block/block",
+                                    .mass = 2,
+                                    .inertia = diagonal(0.1, 0.2, 0.25),
+                                    .joint = Free{},
+                                    .q = {0, 0, 0, std::cos(a / 2), 0, std::sin(a / 2), 0},
+                                    .v = {c.speed, 0, 0, 0, 0, 0}});
+    model.add_collider({.body = block, .solid = contact::box({1, 0.8, 0.1})});
+    const Vec3 normal{std::sin(a), 0, std::cos(a)};
+    model.add_collider({.plane = true, .point = -0.05 * normal, .normal = normal});
+    model.add_contact_rule({.law = {.friction = c.mu, .static_friction = c.mu}});
+    Simulation sim(model, {.step = 1e-2});
+    REQUIRE(sim.run_until(2));
+    const Event* const stick = first(sim, "stick");
+    REQUIRE(stick != nullptr);
+    CHECK(std::fabs(stick->time - c.stop) < 1e-9);
+    const Vec3 at = sim.world().motions()[0].pose.position;
+    CHECK(std::fabs(dot(at, Vec3{std::cos(a), 0, -std::sin(a)}) - c.x) < 1e-9);
+    CHECK(std::fabs(sim.energy().error) < 1e-9);
+  }
+}
+
+TEST_CASE("contact: a rimless wheel rolls down with the speeds and the period of its limit cycle") {
+  const int n = 10;
+  const double L = 0.8, J = 0.3, slope = 0.06, a = std::numbers::pi / n, g = 9.81;
+  Model model({.gravity = {g * std::sin(slope), 0, -g * std::cos(slope)}});
+  const BodyId wheel = model.add({.name = "wheel/wheel",
+                                  .mass = 1,
+                                  .inertia = diagonal(1, 1, J * L * L),
+                                  .at = Pose(Vec3{}, from_rpy(std::numbers::pi / 2, 0, 0)),
+                                  .joint = Planar{},
+                                  .q = {0, L * std::cos(a), 0},
+                                  .v = {1.3, 0, -1.3 / (L * std::cos(a))}});
+  for (int k = 0; k < n; ++k)
+    model.add_collider(
+        {.body = wheel, .solid = contact::sphere(1e-12, Pose(Vec3{L * std::sin(a + 2 * a * k), -L * std::cos(a + 2 * a * k), 0}))});
+  model.add_collider({.plane = true});
+  model.add_contact_rule({.law = {.friction = 100, .static_friction = 100}});
+  Simulation sim(model, {.method = "dop853", .step = 1e-2, .rtol = 1e-12, .atol = 1e-14});
+  REQUIRE(sim.run_until(25));
+  double last = 0, period = 0;
+  for (const Event& event : sim.events())
+    if (event.name == "impact") period = event.time - last, last = event.time;
+  CHECK(std::fabs(period - 0.5034171848503962) < 1e-7);
+  CHECK(std::fabs(sim.energy().error) < 1e-8);
+}
+
+TEST_CASE("contact: boxes fall on each other, and the pile is at rest") {
+  Model model;
+  for (int i = 0; i < 3; ++i) {
+    const BodyId box = model.add({.name = "b" + std::to_string(i) + "/box",
+                                  .mass = 1,
+                                  .inertia = diagonal(1.0 / 6),
+                                  .joint = Free{},
+                                  .q = {0.01 * i, 0, 0.55 + 1.1 * i, 1, 0, 0, 0}});
+    model.add_collider({.body = box, .solid = contact::box({1, 1, 1})});
+  }
+  model.add_collider({.plane = true});
+  Simulation sim(model, {.step = 5e-3});
+  REQUIRE(sim.run_until(0.5));
+  for (int i = 0; i < 3; ++i) {
+    CHECK(std::fabs(height(sim, i) - (0.5 + i)) < 1e-11);
+    CHECK(norm(sim.world().motions()[static_cast<std::size_t>(i)].linear) < 1e-12);
+  }
+}
+
+TEST_CASE("contact: boxes thrown on the floor never gain energy, never sink in, and conserve momentum") {
+  oracle::Prng random(11);
+  int impacts = 0;
+  for (int k = 0; k < 20; ++k) {
+    Values v;
+    for (int i = 0; i < 6; ++i) v.push_back(random.uniform(-3, 3));
+    const Quat r = random.rotation();
+    Model model;
+    const BodyId box = model.add({.name = "box/box",
+                                  .mass = 2,
+                                  .inertia = diagonal(0.03, 0.04, 0.05),
+                                  .joint = Free{},
+                                  .q = {0, 0, 1, r.w, r.x, r.y, r.z},
+                                  .v = v});
+    model.add_collider({.body = box, .solid = contact::box({0.4, 0.3, 0.2})});
+    model.add_collider({.plane = true});
+    const double mu = random.uniform(0, 1);
+    model.add_contact_rule({.law = {.friction = mu, .static_friction = mu, .restitution = random.uniform(0, 0.7)}});
+    Simulation sim(model, {.method = "dop853", .step = 1e-2, .rtol = 1e-10, .atol = 1e-12});
+    double lowest = 1;
+    sim.watch([&](double) {
+      const Pose pose = sim.world().motions()[0].pose;
+      for (const Vec3& corner : contact::box({0.4, 0.3, 0.2}).vertices) lowest = std::min(lowest, (pose * corner).z);
+      return true;
+    });
+    REQUIRE(sim.run_until(0.9));
+    CHECK(lowest > -1e-9);
+    for (const Event& event : sim.events()) {
+      impacts += event.name == "impact" ? 1 : 0;
+      CHECK(event.lost > -1e-11);
+      const std::array<double, 6>& G = event.ground_impulse;
+      CHECK(norm(event.after.linear - event.before.linear - Vec3{G[0], G[1], G[2]}) < 1e-11);
+      CHECK(norm(event.after.angular - event.before.angular - Vec3{G[3], G[4], G[5]}) < 1e-11);
+    }
+    CHECK(std::fabs(sim.energy().error) < 1e-6);
+  }
+  CHECK(impacts > 100);
+}
+
+TEST_CASE("contact: Newton's cradle, together and in turn") {
+  for (const bool in_turn : {false, true}) {
+    Model model({.gravity = {}});
+    for (int i = 0; i < 3; ++i) {
+      const BodyId ball = model.add({.name = "b" + std::to_string(i) + "/ball",
+                                     .mass = 1,
+                                     .inertia = diagonal(1),
+                                     .joint = Prismatic{.axis = {1, 0, 0}},
+                                     .q = i == 0 ? -0.5 : 0.2 * i,
+                                     .v = i == 0 ? 1.0 : 0.0});
+      model.add_collider({.body = ball, .solid = contact::sphere(0.1)});
+    }
+    model.add_contact_rule({.law = {.friction = 0, .static_friction = 0, .restitution = 1}});
+    Simulation sim(model, {.simultaneous = in_turn ? contact::Simultaneous::in_turn : contact::Simultaneous::together});
+    REQUIRE(sim.run_until(0.8));
+    const std::vector<double> expected = in_turn ? std::vector<double>{0, 0, 1} : std::vector<double>{-1.0 / 3, 2.0 / 3, 2.0 / 3};
+    for (std::size_t i = 0; i < 3; ++i) CHECK(std::fabs(sim.world().motions()[i].linear.x - expected[i]) < 1e-12);
+    CHECK(std::fabs(sim.energy().error) < 1e-12);
+  }
+}
+
+TEST_CASE("contact: a run that is restored from within continues to the bit") {
+  const auto make = [] { return Simulation(ball_above_floor(0.5, 0.3), {.method = "dop853", .step = 1e-2}); };
+  Simulation whole = make(), half = make();
+  REQUIRE(whole.run_until(1.4));
+  REQUIRE(half.run_until(1.1));
+  const SimulationSnapshot snapshot = half.snapshot();
+  REQUIRE(half.run_until(1.3));
+  half.restore(snapshot);
+  REQUIRE(half.run_until(1.4));
+  Simulation third = make();
+  REQUIRE(third.run_until(1.1));
+  REQUIRE(third.run_until(1.4));
+  CHECK(std::equal(half.world().state().q().begin(), half.world().state().q().end(), third.world().state().q().begin()));
+}
+
+TEST_CASE("contact: mistakes are refused") {
+  Model model;
+  const BodyId one = model.add({.name = "a/a", .mass = 1, .inertia = diagonal(1), .joint = Free{}});
+  CHECK(!error_of([&] { model.add_collider({.body = one, .plane = true}); }).empty());
+  CHECK(!error_of([&] { model.add_collider({.body = one, .solid = contact::sphere(0)}); }).empty());
+  CHECK(!error_of([&] { model.add_collider({.body = {7}, .solid = contact::sphere(1)}); }).empty());
+  CHECK(!error_of([&] { model.add_contact_rule({.law = {.friction = -1}}); }).empty());
+  CHECK(!error_of([&] { model.add_contact_rule({.law = {.restitution = 1.1}}); }).empty());
+  CHECK(!error_of([&] { model.add_contact_rule({.law = {.friction = 0.5, .static_friction = 0.4}}); }).empty());
+  model.add_collider({.body = one, .solid = contact::sphere(0.5)});
+  CHECK(!deepest_overlap(model).has_value());
+  model.add_collider({.plane = true});
+  const auto overlap = deepest_overlap(model);
+  REQUIRE(overlap.has_value());
+  CHECK(overlap->depth == doctest::Approx(0.5));
+  CHECK(!error_of([&] { Simulation(model, {.method = "damped"}); }).empty());
+}
