@@ -187,6 +187,7 @@ TEST_CASE("a mesh of the package that contains the model is found, and nothing e
   folder.write("pkg/package.xml", "");
   CHECK(has_source("package://pkg/meshes/a.stl"));
   CHECK(folder.read("pkg/urdf/r.urdf").shapes.front().mesh == "../meshes/a.stl");
+  CHECK(has_source("package:///pkg/meshes/a.stl"));
   CHECK(pack_meshes(mesh_sources(folder.read("pkg/urdf/r.urdf").shapes)).warnings.empty());
   CHECK(!has_source("package://pkg/secret.txt"));
   CHECK(!has_source("package://other/a.stl"));

@@ -22,13 +22,16 @@ std::size_t Import::errors() const {
 
 namespace {
 
-// A path without its `scheme://package/` prefix, which a ROS installation would resolve.
+// A path without its `scheme://` prefix, which a ROS installation would resolve. `package:///name/` is common for
+// `package://name/`.
 std::string without_scheme(const std::string& name, bool& in_package) {
   const std::size_t colon = name.find("://");
   if (colon == std::string::npos) return name;
-  const std::string scheme = name.substr(0, colon), rest = name.substr(colon + 3);
+  const std::string scheme = name.substr(0, colon);
+  std::size_t rest = colon + 3;
   in_package = scheme == "package" || scheme == "model";
-  return rest;
+  if (in_package) rest = std::min(name.find_first_not_of('/', rest), name.size());
+  return name.substr(rest);
 }
 
 fs::path real_path(const std::string& path) {
@@ -129,7 +132,8 @@ void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& sh
     return;
   }
   if (leaves_folder(rest)) {
-    file.error(at, "mesh " + in_quotes(name) + " is not in the model's folder or below it", "copy it there, or leave it out");
+    file.once(Severity::note, "a mesh is not in the model's folder or below it: pictures leave it out",
+              "the motion does not depend on it", at);
     return;
   }
   shape.kind = Shape::Kind::mesh;

@@ -40,8 +40,8 @@ class Import {
 
   /// Sets a shape's mesh to a path relative to the model's folder, and its source if the file exists. `package://name/` and
   /// `model://name/` are searched there, too, then in the package of that name that contains the model: a folder above it with
-  /// package.xml or model.config. A file that is not found, or only through a symbolic link out of these folders, gives a note;
-  /// a path that leaves the folder is an error. `submesh`: the part of that name alone.
+  /// package.xml or model.config. A file that is not found, or only through a symbolic link out of these folders, gives a note.
+  /// A path that leaves the folder gives a note and no mesh. `submesh`: the part of that name alone.
   void read_mesh(const std::string& name, const XmlLocation& at, Shape& shape, XmlFile& file, const std::string& submesh = {});
 
  private:

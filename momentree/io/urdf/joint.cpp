@@ -29,7 +29,7 @@ std::string read_end(XmlFields& fields, const char* end, XmlLocation& location, 
   if (!element) return {};
   XmlFields of(element, file);
   of.require("link", "the name of a link");
-  const std::string name = of.string("link").value_or("");
+  const std::string name = usable_name(of.string("link").value_or(""));
   location = of.location("link");
   if (of.has("link") && name.empty()) file.error(location, std::string(end) + ": the name of a link is missing");
   of.finish();
@@ -100,15 +100,16 @@ Joint read_joint(XmlElement element, XmlFile& file) {
   Joint joint;
   XmlFields fields(element, file);
   joint.ends.element = element;
-  if (fields.require("name", "for example name=\"elbow\"")) {
-    joint.ends.name = fields.string("name").value_or("");
-    check_name(joint.ends.name, fields.location("name"), "a joint", file);
-  }
+  if (fields.require("name", "for example name=\"elbow\"")) joint.ends.name = read_name(fields, "a joint", file);
   joint.ends.parent = read_end(fields, "parent", joint.ends.parent_spot, file);
   joint.ends.child = read_end(fields, "child", joint.ends.child_spot, file);
   const Type* type = read_type(fields);
   joint.at = read_origin(fields, file);
-  const Vec3 axis = read_axis(fields, file);
+  Vec3 axis{1, 0, 0};
+  if (type && !type->axis)
+    fields.known_children({"axis"});  // meaningless there, but common: often xyz="0 0 0"
+  else
+    axis = read_axis(fields, file);
   const XmlElement limit = fields.child("limit"), dynamics = fields.child("dynamics");
   joint.mimic = fields.child("mimic");
   fields.leave_out({"calibration", "safety_controller"}, "it belongs to a controller");

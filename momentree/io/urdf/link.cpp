@@ -7,6 +7,25 @@
 
 namespace momentree::io::urdf {
 
+std::string usable_name(std::string name) {
+  if (name == "ground") return "ground_";
+  for (const char c : {'/', ',', '"', '*'}) std::replace(name.begin(), name.end(), c, '_');
+  return name;
+}
+
+std::string read_name(XmlFields& fields, std::string_view what, XmlFile& file) {
+  const std::string given = fields.string("name").value_or("");
+  const XmlLocation location = fields.location("name");
+  std::string name = usable_name(given);
+  if (!check_name(name, location, what, file) || name == given) return name;
+  if (given == "ground")
+    file.once(Severity::warning, "'ground' means the ground here: it is renamed 'ground_'", "", location);
+  else
+    file.once(Severity::warning, "a name with / , \" or * cannot be part of a path: they become _ here",
+              "use the new name in scenarios", location);
+  return name;
+}
+
 Pose read_origin(XmlFields& fields, XmlFile& file) {
   const XmlElement origin = fields.child("origin");
   if (!origin) return {};
@@ -60,6 +79,14 @@ void read_inertia(XmlElement inertia, BodySpec& spec, const Quat& axes, XmlFile&
   spec.inertia = turned ? rotate(rotation_matrix(axes), m) : m;
 }
 
+// Zeros that a program computed: a radius of gyration below 30 nm.
+bool only_round_off(const Sym3& inertia, double mass) {
+  const auto& [xx, yy, zz, xy, xz, yz] = inertia;
+  double largest = 0;
+  for (const double each : {xx, yy, zz, xy, xz, yz}) largest = std::max(largest, std::fabs(each));
+  return largest > 0 && largest < 1e-15 * mass;
+}
+
 void read_inertial(XmlElement inertial, BodySpec& spec, XmlFile& file) {
   XmlFields fields(inertial, file);
   const std::size_t errors = file.out().errors();
@@ -73,6 +100,11 @@ void read_inertial(XmlElement inertial, BodySpec& spec, XmlFile& file) {
   }
   if (const XmlElement inertia = fields.child("inertia")) {
     read_inertia(inertia, spec, origin.rotation, file);
+    if (only_round_off(spec.inertia, spec.mass) && !check_mass(spec.mass, spec.inertia).what.empty()) {
+      file.once(Severity::warning, "an inertia that no body has, of the size of round-off, counts as zero",
+                "all the mass is at one point: is the inertia missing?", {inertia});
+      spec.inertia = {};
+    }
   } else if (spec.mass > 0) {
     file.warning({inertial}, "<inertial> has no <inertia>: all the mass is at one point", "give ixx, iyy and izz");
   }
@@ -151,10 +183,7 @@ ImportedBody read_link(XmlElement link, const Materials& materials, Import& impo
   ImportedBody body;
   body.spots = {&file, link};
   fields.known({"type"});
-  if (fields.require("name", "for example name=\"upper_arm\"")) {
-    body.spec.name = fields.string("name").value_or("");
-    check_name(body.spec.name, fields.location("name"), "a link", file);
-  }
+  if (fields.require("name", "for example name=\"upper_arm\"")) body.spec.name = read_name(fields, "a link", file);
   if (const XmlElement inertial = fields.child("inertial")) {
     body.spots.inertia = inertial;
     read_inertial(inertial, body.spec, file);

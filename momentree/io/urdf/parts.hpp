@@ -1,6 +1,7 @@
 #pragma once
 // The parts of a URDF file, one reader each. Internal to the importer.
 #include <string>
+#include <string_view>
 #include <unordered_map>
 
 #include <momentree/io/model/importer.hpp>
@@ -10,6 +11,12 @@ namespace momentree::io::urdf {
 
 /// Colours of the robot's named materials, as "#rrggbb".
 using Materials = std::unordered_map<std::string, std::string>;
+
+/// A name as it is used here: characters that a path, a column or a wildcard cannot contain become '_', and the name of the
+/// ground gets one. Every name of a file passes through it, also where it refers to a link or a joint.
+std::string usable_name(std::string name);
+/// The usable `name` of a link or joint; a changed one is a warning, one that is still invalid an error.
+std::string read_name(XmlFields& fields, std::string_view what, XmlFile& file);
 
 Pose read_origin(XmlFields& fields, XmlFile& file);
 /// `color` as "#rrggbb"; empty if the material has none.

@@ -72,12 +72,15 @@ void read_mimics(const std::vector<Joint>& joints, const std::vector<NamedJoint>
     fields.finish();
     const auto own = body_of_joint.find(ends[j].name);
     if (!leader || own == body_of_joint.end()) continue;
-    const auto found = body_of_joint.find(*leader);
+    const auto found = body_of_joint.find(usable_name(*leader));
     if (found == body_of_joint.end()) {
       std::vector<std::string> names;
       if (ends.size() <= 10'000 && !file.enough())
         for (const NamedJoint& each : ends) names.push_back(each.name);
-      file.error(fields.location("joint"), "mimic: there is no joint " + in_quotes(*leader), did_you_mean(*leader, names));
+      file.warning(
+          fields.location("joint"),
+          "mimic: there is no joint " + in_quotes(*leader) + ": joint " + in_quotes(ends[j].name) + " moves independently",
+          did_you_mean(*leader, names));
       continue;
     }
     follower.body = own->second;

@@ -163,6 +163,55 @@ TEST_CASE("URDF: legal but unusual input is a warning") {
         "r.urdf:6:123: note: an effort limit of 0: nothing could drive this joint; efforts are not limited here");
 }
 
+TEST_CASE("URDF: the axis of a joint without one does not matter") {
+  for (const char* axis : {"<axis xyz='0 0 0'/>", "<axis xyz='nan'/>", "<axis/>", "<axis xyz='0 0 2'/>"})
+    for (const char* type : {"fixed", "floating"}) {
+      const ReadResult result =
+          read_scenario_text(robot(a_link("a") + a_link("b") + joint("ab", type, "a", "b", axis)), "r.urdf");
+      REQUIRE(result.scenario);
+      CHECK(result.diagnostics.empty());
+    }
+}
+
+TEST_CASE("URDF: an impossible inertia of the size of round-off counts as zero") {
+  const auto inertial = [](const std::string& xx) {
+    return "<inertial><mass value='2'/><inertia ixx='" + xx + "' iyy='0' izz='0'/></inertial>";
+  };
+  const ReadResult result = read_scenario_text(
+      robot(a_link("a", inertial("-5e-20")) + a_link("b", inertial("4e-18")) + joint("ab", "fixed", "a", "b")), "r.urdf");
+  REQUIRE(result.scenario);
+  CHECK(result.scenario->model[{1}].inertia.xx == 0);
+  CHECK(said(result, Severity::warning) ==
+        "r.urdf:2:43: warning: an inertia that no body has, of the size of round-off, counts as zero (lines 2 and 3); all the "
+        "mass is at one point: is the inertia missing?");
+  CHECK(errors_of(robot(a_link("a", inertial("-1e-9")))).find("no body has a negative principal moment") != std::string::npos);
+}
+
+TEST_CASE("URDF: names that paths cannot contain are changed everywhere, with a warning") {
+  const ReadResult result = read_scenario_text(
+      robot(a_link("ground") + a_link("foot/left") + a_link("c") + joint("j/1", "continuous", "ground", "foot/left") +
+            joint("j\"*,2", "continuous", "foot/left", "c", "<mimic joint='j/1'/>")),
+      "r.urdf", {"mechanism.r.mimic=exact", "mechanism.r.state.joints.j_1=0.5"});
+  CAPTURE(rendered(result.diagnostics));
+  REQUIRE(result.scenario);
+  const Model& model = result.scenario->model;
+  CHECK(model[model[model.body("r/foot_left")].parent].name == "r/ground_");
+  CHECK(model[model.joint("r/j___2")].q[0] == 0.5);
+  CHECK(said(result, Severity::warning) ==
+        "r.urdf:2:13: warning: 'ground' means the ground here: it is renamed 'ground_'\n"
+        "r.urdf:3:13: warning: a name with / , \" or * cannot be part of a path: they become _ here (lines 3, 5 and 6); use the "
+        "new "
+        "name in scenarios");
+}
+
+TEST_CASE("URDF: a joint that should follow one that does not exist moves independently") {
+  const ReadResult result = read_scenario_text(
+      robot(a_link("a") + a_link("b") + joint("knee", "continuous", "a", "b", "<mimic joint='kne'/>")), "r.urdf");
+  REQUIRE(result.scenario);
+  CHECK(said(result, Severity::warning) ==
+        "r.urdf:4:87: warning: mimic: there is no joint 'kne': joint 'knee' moves independently; did you mean 'knee'?");
+}
+
 TEST_CASE("URDF: visuals are kept, with their colours; meshes may be missing, but not outside the folder") {
   const std::string text = robot(
       "<material name='steel'><color rgba='0.5 0.5 0.5 1'/></material>" +
