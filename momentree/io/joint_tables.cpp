@@ -211,6 +211,15 @@ std::optional<Place> JointTables::start_of(const std::string& joint) const {
   return {};
 }
 
+bool JointTables::gives_position(const std::string& joint, Kind kind) const {
+  bool given = false;
+  each_for(joint, [&](const JointTable& table) {
+    const JointTable::Part* part = table.part(kind);
+    given = given || (part != nullptr && !part->q.empty());
+  });
+  return given;
+}
+
 std::unordered_map<std::string_view, Place> JointTables::places_for(const std::string& joint, Kind kind) const {
   std::unordered_map<std::string_view, Place> places;
   each_for(joint, [&](const JointTable& table) {

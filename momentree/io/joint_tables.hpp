@@ -76,6 +76,8 @@ class JointTables {
   void check(const std::string& joint, const BodySpec& spec);
   /// The place that gives the initial values of a joint under its own name, if there is one.
   std::optional<Place> start_of(const std::string& joint) const;
+  /// True if a table, under whatever name, gives the initial position of a joint of that kind.
+  bool gives_position(const std::string& joint, Kind kind) const;
 
  private:
   template <class Visit>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <deque>
 #include <filesystem>
+#include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -186,6 +187,49 @@ bool check_motions(const Import& import, const ModelChoice& choice, const std::d
   return errors == reading.out.errors();
 }
 
+// The mechanism gives the initial position of a joint.
+bool gives_position(const ModelChoice& choice, const JointTables& joints, const BodySpec& spec) {
+  if (joints.gives_position(spec.joint_name, spec.joint.kind)) return true;
+  const auto state = choice.state.joints.find(spec.joint_name);
+  if (state == choice.state.joints.end()) return false;
+  const Value& value = *state->second;
+  return !value.table() || value.find("q") || value.find("angle") || value.find("position");
+}
+
+// Many models rest outside their own limits. Joints whose position nobody chose start at the nearest limit, if limits are used.
+void start_within_limits(const Import& import, const ModelChoice& choice, const JointTables& joints, std::deque<BodySpec>& specs,
+                         Reading& reading) {
+  if (!choice.limits.value_or(false)) return;
+  std::set<int> coupled;  // their positions follow from others
+  for (const Follower& each : import.model.followers)
+    if (by_spring(each, choice) || is_exact(each, choice)) coupled.insert(each.body);
+  constexpr int shown = 3;
+  int moved = 0;
+  std::string text;
+  for (std::size_t b = 0; b < specs.size(); ++b) {
+    BodySpec& spec = specs[b];
+    const JointLimits& limits = import.model.bodies[b].limits;
+    const JointParameters& own = spec.joint.parameters;
+    if (!limits.any() || own.limits.any() || (own.drive && own.drive->moves())) continue;
+    if (coupled.contains(static_cast<int>(b)) || gives_position(choice, joints, spec)) continue;
+    for (int i = 0; i < std::max(limits.lower.size(), limits.upper.size()); ++i) {
+      const double q = i < spec.q.size() ? spec.q[i] : 0;
+      const double nearest = std::min(std::max(q, limits.lower_of(i)), limits.upper_of(i));
+      if (nearest == q) continue;
+      while (spec.q.size() <= i) spec.q.push_back(0);
+      spec.q[i] = nearest;
+      if (++moved <= shown)
+        text += (moved > 1 ? ", " : "") + in_quotes(spec.joint_name) + " at " + rounded_text(nearest, 6) + " instead of " +
+                rounded_text(q, 6);
+    }
+  }
+  if (moved == 0) return;
+  if (moved > shown) text += " and " + std::to_string(moved - shown) + " more";
+  reading.out.warning(choice.limits_place,
+                      "limits: the model rests outside its limits; joints start at the nearest limit: " + text,
+                      "choose another start in state = { joints = { … } } or [mechanism.joint.NAME]");
+}
+
 void couple_followers(const Import& import, const ModelChoice& choice, int first, Reading& reading) {
   for (const Follower& each : import.model.followers) {
     if (by_spring(each, choice))
@@ -274,6 +318,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   for (const ImportedLoop& loop : import->model.loops) limited += loop.limits.any();
   warn_of_limits(limited, mechanism, choice, reading);
   coupled = coupled && check_motions(*import, choice, specs, reading);
+  start_within_limits(*import, choice, joints, specs, reading);
   if (coupled) start_followers(*import, choice, joints, specs);
   for (const ImportedBody& body : import->model.bodies) {
     BodySpec spec = std::move(specs.front());

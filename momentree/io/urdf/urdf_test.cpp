@@ -281,6 +281,38 @@ TEST_CASE("a mechanism of a scenario places, attaches and initialises a model, a
     check_near(base.angular, {-5, 4, 6});
     CHECK(world.tree().nv() == 8);
   }
+  SUBCASE("a start that nobody chose is moved to the nearest limit") {
+    write_text_file(folder / "arm.urdf",
+                    robot(a_link("base") + a_link("a") + a_link("b") +
+                          joint("shoulder", "revolute", "base", "a", "<limit lower='-2' upper='-1' effort='1' velocity='1'/>") +
+                          joint("elbow", "revolute", "a", "b", "<limit lower='0.5' upper='2' effort='1' velocity='1'/>")));
+    const auto start_of = [](const ReadResult& result, const char* name) {
+      REQUIRE(result.scenario);
+      return result.scenario->model[result.scenario->model.joint(name)].q;
+    };
+    const std::string warning =
+        "s.toml:5:10: warning: limits: the model rests outside its limits; joints start at the nearest limit: ";
+    const auto warned = [&](const ReadResult& result, const std::string& joints) {
+      return said(result, Severity::warning) ==
+             folder / "" + warning + joints + "; choose another start in state = { joints = { … } } or [mechanism.joint.NAME]";
+    };
+    ReadResult result = read("limits = true\n");
+    CHECK(start_of(result, "m/shoulder") == Values(-1));
+    CHECK(start_of(result, "m/elbow") == Values(0.5));
+    CHECK(warned(result, "'shoulder' at -1 instead of 0, 'elbow' at 0.5 instead of 0"));
+    result = read("limits = true\nstate = { joints = { shoulder = { v = [1] }, elbow = 1 } }\n");
+    CHECK(start_of(result, "m/shoulder") == Values(-1));
+    CHECK(start_of(result, "m/elbow") == Values(1));
+    CHECK(warned(result, "'shoulder' at -1 instead of 0"));
+    for (const char* given : {"state = { joints = { shoulder = 0, elbow = 1 } }\n", "[mechanism.joint.shoulder]\nq = 0\n",
+                              "[mechanism.joint.\"s*\"]\nq = 0\n"}) {
+      result = read("limits = true\n" + std::string(given));
+      CHECK(!result.scenario);
+      CHECK(said(result, Severity::error).find("joint 'shoulder' starts at 0, beyond its limits of -2 and -1") !=
+            std::string::npos);
+    }
+    CHECK(start_of(read("limits = false\n"), "m/shoulder").any() == false);
+  }
   SUBCASE("twice in one world") {
     const ReadResult result = read(
         "limits = false\n[[mechanism]]\nname = \"n\"\nmodel = \"arm.urdf\"\nlimits = false\n"
