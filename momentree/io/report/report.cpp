@@ -23,12 +23,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Every n-th row, so that at most `most` are left, and the last one.
-std::vector<std::size_t> thinned(std::size_t rows, std::size_t most) {
+/// The number of rows that the page of a run needs.
+std::size_t useful_rows(double duration, std::size_t columns, std::size_t plenty) {
+  const double by_time = std::min(std::max(60 * duration, 600.0), 3000.0);
+  return std::max(plenty / columns, static_cast<std::size_t>(by_time));
+}
+
+/// The rows just before, at and just after events; at most `most`.
+std::vector<std::size_t> rows_next_to(const std::vector<double>& events, std::span<const double> times, std::size_t most) {
+  std::vector<std::size_t> rows;
+  for (const double event : events) {
+    const auto [from, to] = std::equal_range(times.begin(), times.end(), event);
+    const std::size_t first = from == times.begin() ? 0 : static_cast<std::size_t>(from - times.begin()) - 1;
+    const std::size_t last = std::min(static_cast<std::size_t>(to - times.begin()), times.size() - 1);
+    for (std::size_t row = first; row <= last && rows.size() < most; ++row) rows.push_back(row);
+  }
+  return rows;
+}
+
+/// Every n-th row, so that at most `most` are left, the last one, and those next to events.
+std::vector<std::size_t> thinned(std::span<const double> times, std::size_t most, const std::vector<double>& events) {
+  const std::size_t rows = times.size();
   const std::size_t step = std::max<std::size_t>(1, (rows + most - 1) / std::max<std::size_t>(most, 1));
   std::vector<std::size_t> kept;
   for (std::size_t row = 0; row < rows; row += step) kept.push_back(row);
   if (kept.back() + 1 != rows) kept.push_back(rows - 1);
+  if (step == 1) return kept;
+  const std::vector<std::size_t> more = rows_next_to(events, times, most);
+  kept.insert(kept.end(), more.begin(), more.end());
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
   return kept;
 }
 
@@ -68,6 +92,20 @@ std::string document(const fs::path& file) {
   return text;
 }
 
+struct EventLines {
+  std::vector<std::string> lines;
+  std::vector<double> times;
+};
+EventLines read_event_lines(const fs::path& file) {
+  EventLines events;
+  for_each_event(file, [&events](const Value& document, const std::string& line, const std::string&) {
+    events.lines.push_back(line);
+    const Value::Entry* const time = document.find("time");
+    if (const auto at = time != nullptr ? time->value.number() : std::nullopt) events.times.push_back(*at);
+  });
+  return events;
+}
+
 }  // namespace
 
 std::string report_data(const fs::path& directory, const ReportOptions& options) {
@@ -88,7 +126,12 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   std::size_t most = affordable(width + (joints ? joints->columns().size() : 0));
   const bool left_out = joints && most < std::min<std::size_t>(count, 300);
   if (left_out) joints.reset(), most = affordable(width);
-  std::vector<std::size_t> rows = thinned(count, most);
+  const std::span<const double> all = std::span(bodies.times()).first(count);
+  // Times and energies have double precision.
+  const std::size_t columns = width + 2 + (joints ? joints->columns().size() : 0) + (energy ? 2 * energy->columns().size() : 0);
+  most = std::min(most, useful_rows(all.back() - all.front(), columns, options.plenty));
+  const EventLines events = read_event_lines(directory / "events.jsonl");
+  std::vector<std::size_t> rows = thinned(all, most, events.times);
   std::vector<double> poses = bodies.poses(rows);
   const auto infinite = std::find_if(poses.begin(), poses.end(), [](double x) { return !std::isfinite(x); });
   rows.resize(static_cast<std::size_t>(infinite - poses.begin()) / width);
@@ -111,8 +154,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   json.key("summary");
   raw(json, text, !options.summary.empty() ? options.summary : is_there(summary) ? document(summary) : "null");
   json.key("events").begin_array();
-  for_each_event(directory / "events.jsonl",
-                 [&](const Value&, const std::string& line, const std::string&) { raw(json, text, line); });
+  for (const std::string& line : events.lines) raw(json, text, line);
   json.end_array();
   std::vector<double> times;
   for (const std::size_t row : rows) times.push_back(bodies.times()[row]);

@@ -5,11 +5,12 @@
 
 namespace momentree::io {
 
-/// Larger tables are thinned in a report: every n-th row is kept, and the last one.
-inline constexpr std::size_t most_report_numbers = 3'000'000;
-
+/// Tables with more rows than a reader can see are thinned in a report: every n-th row is kept, the last one, and those next to
+/// events. All rows are kept of tables of up to `plenty` numbers, and of larger ones 60 for each second of the run, but at least
+/// 600 and at most 3000; fewer if there would be more than `most_numbers` numbers.
 struct ReportOptions {
-  std::size_t most_numbers = most_report_numbers;
+  std::size_t plenty = 100'000;
+  std::size_t most_numbers = 3'000'000;
   std::string summary = {};  ///< the text of summary.json, if that file is not yet written
 };
 

@@ -74,7 +74,7 @@ TEST_CASE("large tables are thinned evenly, the last row stays; joints are left 
   const test::TemporaryFolder folder;
   write_result(folder / "r");
   const auto rows_of = [&](std::size_t most, const char* key) {
-    return nlohmann::json::parse(report_data(folder / "r", {.most_numbers = most})).at(key);
+    return nlohmann::json::parse(report_data(folder / "r", {.plenty = most, .most_numbers = most})).at(key);
   };
   CHECK(rows_of(1, "frames") == 31);  // there are always about sixty rows
   std::ofstream more(folder / "r/bodies.csv", std::ios::app), joints(folder / "r/joints.csv", std::ios::app),
@@ -96,9 +96,33 @@ TEST_CASE("large tables are thinned evenly, the last row stays; joints are left 
   CHECK(rows_of(3'000'000, "thinned") == false);
   const NumberTable table(folder / "r/bodies.csv");
   const std::size_t width = table.columns().size();
-  CHECK(rows_of(100 * width, "frames") == 94 + 1);  // every eleventh of 1030, and the last
+  CHECK(rows_of(100 * width, "frames") == 94 + 1 + 10);  // every eleventh of 1030, the last, and those next to events
   CHECK(rows_of(100 * width, "thinned") == true);
   CHECK(rows_of(100 * width, "joints_left_out") == true);
+
+  // Every second row, the last one, and those next to the events at 0.05, 0.07, 0.1 and 0.2 s: at most 600 rows are needed.
+  const nlohmann::json few = nlohmann::json::parse(report_data(folder / "r", {.plenty = 1}));
+  CHECK(few.at("frames") == 515 + 1 + 6);
+  CHECK(few.at("thinned") == true);
+  CHECK(few.at("joints_left_out") == false);
+}
+
+TEST_CASE("a long run has 60 rows for each second, up to 3000") {
+  const test::TemporaryFolder folder;
+  write_result(folder / "r");
+  const auto frames_of_run_to = [&](int end) {
+    for (const char* file : {"bodies.csv", "joints.csv", "energy.csv"}) {
+      const std::string path = folder / "r/" + std::string(file), text = read_text_file(path);
+      const std::size_t head = text.find('\n') + 1, row = text.find(',', head);
+      std::string lines = text.substr(0, head);
+      for (int k = 0; k <= 100 * end; ++k) lines += std::to_string(0.01 * k) + text.substr(row, text.find('\n', row) + 1 - row);
+      std::ofstream(path) << lines;
+    }
+    return nlohmann::json::parse(report_data(folder / "r", {.plenty = 1})).at("frames").get<int>();
+  };
+  std::filesystem::remove(folder / "r/events.jsonl");
+  CHECK(frames_of_run_to(30) == 3000 / 2 + 1);
+  CHECK(frames_of_run_to(300) == 30'000 / 11 + 2);
 }
 
 TEST_CASE("a run that diverged is shown as far as it has numbers; a damaged file is an error that names it") {
