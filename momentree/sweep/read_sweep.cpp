@@ -47,10 +47,11 @@ void read_format(Fields& fields, io::Diagnostics& out) {
               "this version reads format 1");
 }
 
+// Without `sweeps/..`, unless a symbolic link makes that another file.
 std::string scenario_path(const std::string& sweep, const std::string& scenario) {
-  if (scenario.starts_with('/')) return scenario;
-  const std::string folder = fs::path(sweep).parent_path().string();
-  return folder.empty() ? scenario : folder + '/' + scenario;
+  const fs::path path = fs::path(sweep).parent_path() / scenario, shorter = path.lexically_normal();
+  std::error_code failed;
+  return (fs::equivalent(path, shorter, failed) && !failed ? shorter : path).string();
 }
 
 void read_output(const Value& table, SweepReading& reading) {

@@ -100,6 +100,24 @@ TEST_CASE("measures of a thrown ball have their closed forms") {
   }
 }
 
+TEST_CASE("the path of a sweep's scenario is as short as it can be") {
+  const Folder folder;
+  const std::string text =
+      "format = 1\nscenario = \"../ball.toml\"\n[vary]\n\"mechanism.m.body.ball.mass\" = [1, 2]\n[measure]\nt = { final = "
+      "\"time\" }\n";
+  const auto path_of = [&](const std::string& sweep) {
+    const ReadSweep read = read_sweep_text(text, sweep);
+    REQUIRE(read.sweep);
+    return read.sweep->scenario->path;
+  };
+  std::filesystem::create_directories(folder / "sweeps");
+  CHECK(path_of(folder / "sweeps/s.toml") == folder / "ball.toml");
+  std::filesystem::create_directories(folder / "elsewhere/deep");
+  std::filesystem::copy(folder / "ball.toml", folder / "elsewhere/ball.toml");
+  std::filesystem::create_directory_symlink("elsewhere/deep", folder / "link");
+  CHECK(path_of(folder / "link/s.toml") == folder / "link/../ball.toml");
+}
+
 TEST_CASE("that a spring breaks by its strength can be measured") {
   const Folder folder;
   const std::string rope =
