@@ -55,6 +55,7 @@ toc_object_entries = False  # thousands, which would be copied for every page
 html_theme = "furo"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = [("site.js", {"defer": "defer"})]
 html_extra_path = ["../../web/dist/playground.html"]
 html_copy_source = False
 html_show_sphinx = False

@@ -112,6 +112,13 @@ def on_doctree_read(app: Any, doctree: Any) -> None:
         signature["_toc_name"] = ""
 
 
+def on_page(app: Any, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
+    """Sphinx gives the captions of the navigation the role of a heading, which needs a level."""
+    for part, text in context.items():
+        if isinstance(text, str):
+            context[part] = re.sub(r'<p class="caption" role="heading"(?! aria-level)', r'\g<0> aria-level="2"', text)
+
+
 def on_build_finished(app: Any, error: Exception | None) -> None:
     if error is None:
         shutil.copyfile(Path(app.outdir) / f"{app.config.root_doc}.html", Path(app.outdir) / "index.html")
@@ -120,5 +127,6 @@ def on_build_finished(app: Any, error: Exception | None) -> None:
 def setup(app: Any) -> dict[str, bool]:
     app.connect("source-read", on_source_read)
     app.connect("doctree-read", on_doctree_read, priority=100)  # before Sphinx collects the contents
+    app.connect("html-page-context", on_page, priority=900)  # after the theme has made the navigation
     app.connect("build-finished", on_build_finished)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
