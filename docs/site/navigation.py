@@ -59,6 +59,7 @@ NAVIGATION = [
         [
             "docs/scenario",
             "docs/springs",
+            "docs/contact",
             "docs/loops",
             "docs/models",
             "docs/command",

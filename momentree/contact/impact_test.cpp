@@ -18,7 +18,7 @@ namespace {
 using Vector = std::vector<double>;
 
 // Dense J (rows × n) and a diagonal or full inverse mass matrix.
-struct Mechanism {
+struct Dense {
   std::size_t n;
   Vector inverse;  // M⁻¹, n × n
   Vector J;        // rows of n numbers
@@ -50,8 +50,8 @@ struct Mechanism {
 };
 
 // A rigid body in the plane of x and y: velocities vx, vy, ω. Points at (x, y) from its centre, the floor below.
-Mechanism planar_body(double mass, double inertia, const std::vector<std::pair<double, double>>& points, Vector u) {
-  Mechanism body{3, {1 / mass, 0, 0, 0, 1 / mass, 0, 0, 0, 1 / inertia}, {}, std::move(u)};
+Dense planar_body(double mass, double inertia, const std::vector<std::pair<double, double>>& points, Vector u) {
+  Dense body{3, {1 / mass, 0, 0, 0, 1 / mass, 0, 0, 0, 1 / inertia}, {}, std::move(u)};
   for (const auto& [x, y] : points) {
     const Vector rows{0, 1, x, 1, 0, -y, 0, 0, 0};
     body.J.insert(body.J.end(), rows.begin(), rows.end());
@@ -60,9 +60,9 @@ Mechanism planar_body(double mass, double inertia, const std::vector<std::pair<d
 }
 
 // Balls in a row, of unit mass, each touching its neighbours.
-Mechanism balls(const Vector& u) {
+Dense balls(const Vector& u) {
   const std::size_t n = u.size();
-  Mechanism row{n, Vector(n * n, 0.0), {}, u};
+  Dense row{n, Vector(n * n, 0.0), {}, u};
   for (std::size_t i = 0; i < n; ++i) row.inverse[i * n + i] = 1;
   for (std::size_t i = 0; i + 1 < n; ++i) {
     Vector rows(3 * n, 0.0);
@@ -81,7 +81,7 @@ TEST_CASE("impact: a rod that falls on its end, with every restitution") {
   for (int k = 0; k < 300; ++k) {
     const double angle = random.uniform(0, 1.5), v = random.uniform(0.1, 3), w = random.uniform(-3, 3), e = random.unit();
     const double vx = random.uniform(-2, 2), x = -0.5 * std::cos(angle), y = -0.5 * std::sin(angle);
-    const Mechanism rod = planar_body(1, 1.0 / 12, {{x, y}}, {vx, -v, w});
+    const Dense rod = planar_body(1, 1.0 / 12, {{x, y}}, {vx, -v, w});
     const double un = -v + x * w;
     System system = rod.system(0);
     ImpactLaw law;
@@ -98,7 +98,7 @@ TEST_CASE("impact: Housner's rocking block") {
     const double alpha = std::atan(width / height), a = width / 2, h = height / 2;
     // It rotates about its left corner until the right one hits.
     const double omega = -1;
-    const Mechanism block =
+    const Dense block =
         planar_body(1, (width * width + height * height) / 12, {{-a, -h}, {a, -h}}, {-h * omega, a * omega, omega});
     System system = block.system(1e9);
     ImpactLaw law;
@@ -114,7 +114,7 @@ TEST_CASE("impact: the foot of a rimless wheel that leaves the ground has no imp
   const double omega = -1.6;  // about the old foot, at +a from the vertical through the hub
   const double x0 = -L * std::sin(a), x1 = L * std::sin(a), y = -L * std::cos(a);
   // The velocity of the hub about the old foot, at (x0, y) from it.
-  const Mechanism wheel = planar_body(m, I, {{x0, y}, {x1, y}}, {omega * y, -omega * x0, omega});
+  const Dense wheel = planar_body(m, I, {{x0, y}, {x1, y}}, {omega * y, -omega * x0, omega});
   System system = wheel.system(1e9);
   ImpactLaw law;
   REQUIRE(law.apply(system, all(0, 2)).solved);
@@ -126,7 +126,7 @@ TEST_CASE("impact: the foot of a rimless wheel that leaves the ground has no imp
 TEST_CASE("impact: Newton's cradle, together and in turn") {
   ImpactLaw law;
   const auto after = [&](const Vector& u, double e, Simultaneous how) {
-    const Mechanism row = balls(u);
+    const Dense row = balls(u);
     System system = row.system(0);
     REQUIRE(law.apply(system, all(e, u.size() - 1), how).solved);
     return row.after(system);
@@ -150,7 +150,7 @@ TEST_CASE("impact: a sphere that meets a wall at an angle sticks or slips") {
   for (int k = 0; k < 500; ++k) {
     const double m = random.uniform(0.5, 2), radius = random.uniform(0.1, 1), J = 0.4 * m * radius * radius;
     // Velocities vx, vy, vz, ωx, ωy, ωz; the floor's normal is z.
-    Mechanism ball{6, Vector(36, 0.0), {}, {}};
+    Dense ball{6, Vector(36, 0.0), {}, {}};
     for (std::size_t i = 0; i < 3; ++i) ball.inverse[i * 7] = 1 / m, ball.inverse[(i + 3) * 7] = 1 / J;
     ball.J = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, -radius, 0, 0, 1, 0, radius, 0, 0};
     for (int i = 0; i < 6; ++i) ball.u.push_back(random.uniform(-1, 1));
@@ -176,7 +176,7 @@ TEST_CASE("impact: 10000 random impacts obey the law and never gain energy") {
   double worst = 0, gained = 0;
   for (int k = 0; k < 10000; ++k) {
     const auto n = static_cast<std::size_t>(random.integer(3, 9)), points = static_cast<std::size_t>(random.integer(1, 6));
-    Mechanism m{n, Vector(n * n, 0.0), {}, {}};
+    Dense m{n, Vector(n * n, 0.0), {}, {}};
     Vector L(n * n);
     for (double& x : L) x = random.uniform(-1, 1);
     for (std::size_t i = 0; i < n; ++i)

@@ -23,10 +23,10 @@ struct Solid {
   std::vector<Edge> edges;     ///< without those between faces of one plane
   std::vector<Face> faces;
   std::vector<std::vector<Vec3>> along;  ///< by vertex: unit vectors along its edges
-  double radius = 0;     ///< of the rounding (m)
-  Vec3 centre{};         ///< of a sphere around everything
-  double reach = 0;      ///< and its radius
-  double thickness = 0;  ///< nothing that moves less than this passes through (m)
+  double radius = 0;                     ///< of the rounding (m)
+  Vec3 centre{};                         ///< of a sphere around everything
+  double reach = 0;                      ///< and its radius
+  double thickness = 0;                  ///< nothing that moves less than this passes through (m)
 
   friend bool operator==(const Solid& a, const Solid& b) { return a.vertices == b.vertices && a.radius == b.radius; }
 };

@@ -13,7 +13,7 @@ namespace {
 constexpr int sweeps_before_polish = 16;
 constexpr double solved = 5e-14;       // residual of a solution
 constexpr double good_enough = 1e-11;  // of one that cannot be improved
-constexpr double still = 1e-12;         // sliding velocities below this, relative to the largest |b|, are zero
+constexpr double still = 1e-12;        // sliding velocities below this, relative to the largest |b|, are zero
 
 // The nearest point with N ≥ N0 and |t| ≤ μ N.
 void project_on_cone(const PointLaw& law, double* y) {

@@ -63,8 +63,7 @@ Vec3 acceleration_at(const Tree& tree, const double* q, const Workspace<double>&
 }
 
 ContactWorkspace& memory_of(Workspace<double>& workspace) {
-  if (workspace.contacts == nullptr)
-    workspace.contacts = {new ContactWorkspace, [](ContactWorkspace* all) { delete all; }};
+  if (workspace.contacts == nullptr) workspace.contacts = {new ContactWorkspace, [](ContactWorkspace* all) { delete all; }};
   return *workspace.contacts;
 }
 
@@ -207,8 +206,7 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (contacts[i].mode != Contact::Mode::slip) continue;
     for (std::size_t k = 0; k < 2; ++k)
-      rows.forces[3 * i + k + 1] =
-          -contacts[i].friction * rows.forces[3 * i] * dot(rows.slip[i], rows.touches[i].tangent[k]);
+      rows.forces[3 * i + k + 1] = -contacts[i].friction * rows.forces[3 * i] * dot(rows.slip[i], rows.touches[i].tangent[k]);
   }
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 // Closed contacts: their rows, and the forces with which the accelerations obey them.
 //
-// A contact has a row n along its normal and two tangential ones. While it sticks, all three relative accelerations are zero; while
-// it slips in the direction s, the normal one is zero and the force on body a is N (n − μ s). With J the rows, Y = M⁻¹ Jᵀ (loops
-// included) and w the relative accelerations without contacts, the forces r follow from J Y B r = −w, where B r are the forces
-// along the rows. Redundant contacts are the rule, such as four corners of a box: of all forces with the same effect the least
-// ones are taken.
+// A contact has a row n along its normal and two tangential ones. While it sticks, all three relative accelerations are zero;
+// while it slips in the direction s, the normal one is zero and the force on body a is N (n − μ s). With J the rows, Y = M⁻¹ Jᵀ
+// (loops included) and w the relative accelerations without contacts, the forces r follow from J Y B r = −w, where B r are the
+// forces along the rows. Redundant contacts are the rule, such as four corners of a box: of all forces with the same effect the
+// least ones are taken.
 #include <span>
 #include <vector>
 
@@ -16,8 +16,8 @@ namespace momentree {
 /// Three rows of each contact: along the normal and the tangents of contact::Touch.
 struct ContactRows {
   std::vector<contact::Touch> touches;
-  std::vector<double> J, Y;     ///< by row nv numbers
-  std::vector<double> A;        ///< J Y: rows × rows
+  std::vector<double> J, Y;          ///< by row nv numbers
+  std::vector<double> A;             ///< J Y: rows × rows
   std::vector<double> velocity;      ///< J u
   std::vector<double> acceleration;  ///< its time derivative without forces of contacts
   std::vector<double> forces;        ///< along the rows, on body a
@@ -28,11 +28,11 @@ struct ContactRows {
 /// Memory of contacts, part of a Workspace.
 struct ContactWorkspace {
   ContactRows rows;
-  bool solved = true;                ///< the forces are finite
+  bool solved = true;                                        ///< the forces are finite
   std::vector<double> matrix, right, change, move, missing;  ///< scratch
   std::vector<std::size_t> columns, unknowns;
-  std::vector<Vec3> chosen_slip;     ///< by contact: direction of slip at the last state
-  std::uint64_t topology = 0;        ///< Tree::revision() for which it was chosen
+  std::vector<Vec3> chosen_slip;  ///< by contact: direction of slip at the last state
+  std::uint64_t topology = 0;     ///< Tree::revision() for which it was chosen
 };
 
 /// Geometry and velocities of contacts at q. Requires workspace.bodies of this configuration: locate_stage.

@@ -17,8 +17,8 @@ Motion<double> accelerating_ground(const Tree& tree) { return {-tree.gravity(), 
 // Forces that read poses or motions, and the power of prescribed motions, need what a stage does not store.
 bool stage_keeps(const Tree& tree) { return tree.has_constraints() || tree.has_functions() || !tree.loaded_bodies().empty(); }
 
-// After sweep_velocities: all forces, as joint forces in workspace.a and wrenches in workspace.biases. `contacts`: also the forces
-// of contacts, which are in workspace.contacts.
+// After sweep_velocities: all forces, as joint forces in workspace.a and wrenches in workspace.biases. `contacts`: also the
+// forces of contacts, which are in workspace.contacts.
 template <bool Keep>
 void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, LoopRows rows = LoopRows::kept,
                   bool contacts = false) noexcept {

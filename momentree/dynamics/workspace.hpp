@@ -123,8 +123,8 @@ class Workspace : public WorkspaceStamps {
   detail::Untouched<Force<T>> carried;    ///< momenta of bodies during a change of a state in velocities
   detail::Untouched<int> path;            ///< scratch of topology changes that walk from a root to a body
   detail::Untouched<Kinematics<T>> bodies;
-  std::unique_ptr<PairWorkspace, void (*)(PairWorkspace*)> pairs{nullptr, nullptr};  ///< only for double
-  std::unique_ptr<LoopWorkspace, void (*)(LoopWorkspace*)> loops{nullptr, nullptr};  ///< only with closed loops
+  std::unique_ptr<PairWorkspace, void (*)(PairWorkspace*)> pairs{nullptr, nullptr};           ///< only for double
+  std::unique_ptr<LoopWorkspace, void (*)(LoopWorkspace*)> loops{nullptr, nullptr};           ///< only with closed loops
   std::unique_ptr<ContactWorkspace, void (*)(ContactWorkspace*)> contacts{nullptr, nullptr};  ///< only with contacts
 };
 

@@ -63,6 +63,8 @@ BodyPart PartReader::body(const std::string& name, const Value& table) const {
   read.spec.name = name;
   const bool named = read.bare_joint != read.bare_name;
   read.spec.joint_name = !named ? name : slash == std::string::npos ? read.bare_joint : mechanism + "/" + read.bare_joint;
+  if (!read.collision.empty())
+    throw_error({"collision: not supported here yet", "", "in C++ use Model::add_collider(), in Python a scenario"});
   return {std::move(read.spec), std::move(read.shape)};
 }
 

@@ -87,7 +87,8 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
   chain.angle_growth = fields.boolean("angle_growth").value_or(false);
   chain.radius = fields.number("radius");
   if (chain.radius && !(2 * *chain.radius < chain.length))
-    out.error(fields.place_of("radius"), "radius: the links would be thicker than they are long", "use less than half the length");
+    out.error(fields.place_of("radius"), "radius: the links would be thicker than they are long",
+              "use less than half the length");
   if (chain.parameters.drive && chain.parameters.drive->moves() && fields.has("angle"))
     out.error(fields.place_of("angle"), "angle: the motion of these joints defines where they start", "leave it out");
   fields.finish();

@@ -17,7 +17,8 @@ using namespace type;
 
 constexpr Key world_entries[] = {
     {"gravity", vector(dimension::acceleration), "Gravity", "[0, 0, -9.81]"},
-    {"floor", other(R"({"anyOf": [{"type": "boolean"}, @]})", floor_table), "A plane that bodies with a collision touch", "false"},
+    {"floor", other(R"({"anyOf": [{"type": "boolean"}, @]})", floor_table), "A plane that bodies with a collision touch",
+     "false"},
 };
 std::vector<std::string> ways_to_share() { return {"together", "in_turn"}; }
 

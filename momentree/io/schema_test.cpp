@@ -65,6 +65,11 @@ const std::vector<Table>& tables() {
       {"/properties/world", {one_body + "[world]\n" + value}},
       {"/properties/integrate", {one_body + "[integrate]\n" + value}},
       {"/properties/output", {one_body + "[output]\n" + value}},
+      {"/properties/world/properties/floor/anyOf/1", {one_body + "[world]\nfloor = { " + value + " }"}},
+      {"/properties/world/properties/floor/anyOf/1/properties/friction/anyOf/1",
+       {one_body + "[world]\nfloor = { friction = { kinetic = 1, " + value + " } }"}},
+      {d + "contact", {one_body + "[[contact]]\n" + value}},
+      {d + "contact/properties/friction/anyOf/1", {one_body + "[[contact]]\nfriction = { kinetic = 1, " + value + " }"}},
       {d + "mechanism", {head + value + "\n" + one_body.substr(head.size())}},
       {d + "chain", {chain + value}},
       {d + "body", {one_body + value}},
@@ -171,6 +176,10 @@ const std::map<std::string, std::function<std::string(const std::string&)>>& enu
          return event_of_two("when = { reaction_force = \"m/b\", exceeds = 1, undetermined = " + quoted(word) +
                              " }\nbreak = \"m/b\"");
        }},
+      {d + "body/properties/collision/anyOf/0",
+       [](const std::string& word) { return one_body + "shape = { sphere = 1 }\ncollision = " + quoted(word) + "\n"; }},
+      {"/properties/integrate/properties/simultaneous",
+       [](const std::string& how) { return pinned + "[integrate]\nsimultaneous = " + quoted(how) + "\n"; }},
       {"/properties/integrate/properties/variables",
        [](const std::string& name) { return pinned + "[integrate]\nvariables = " + quoted(name) + "\n"; }},
       {"/properties/integrate/properties/method",

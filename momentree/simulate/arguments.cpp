@@ -33,6 +33,11 @@ const Integration& checked(const Integration& how) {
   return how;
 }
 
+void check_contact_method(const Model& model, const Integration& how) {
+  if (!model.colliders().empty() && !takes_velocities(how.method))
+    throw_error({"the method '" + how.method + "' does not support contact", "", "use \"rk4\", \"dopri5\" or \"dop853\""});
+}
+
 Variables Integration::state_variables() const { return variables.value_or(default_variables(method)); }
 
 Variables Integration::state_variables(const Model& model) const {

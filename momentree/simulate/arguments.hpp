@@ -11,6 +11,10 @@
 namespace momentree {
 
 struct Integration;
+class Model;
+
+/// Throws Error if the model has contact and the method does not support it.
+void check_contact_method(const Model& model, const Integration& how);
 
 namespace detail {
 /// A number for a message.

@@ -11,9 +11,9 @@ namespace momentree {
 
 namespace {
 
-constexpr int most_impacts = 200;         // at one instant
+constexpr int most_impacts = 200;          // at one instant
 constexpr double resolved_flight = 1e-12;  // lower flights, relative to coordinates, are not told from rest (m)
-constexpr double no_approach = 1e-10;     // m/s, relative to the fastest point
+constexpr double no_approach = 1e-10;      // m/s, relative to the fastest point
 
 double largest(const std::vector<double>& all) {
   double most = 0;
@@ -36,7 +36,8 @@ Event Contacts::begin_event(const std::string& name, const Contact& of) {
 }
 
 // Point and normal of several contacts of one pair, each with a weight.
-void Contacts::locate_event(Event& event, const std::vector<Contact>& contacts, const std::vector<double>& weights, int pair) const {
+void Contacts::locate_event(Event& event, const std::vector<Contact>& contacts, const std::vector<double>& weights,
+                            int pair) const {
   double total = 0;
   Vec3 point{}, normal{};
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -81,14 +82,14 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
     restitution_[i] = 0;
     const double ends = world_->time() + last;
     if (!(ends > world_->time() + tolerance_)) continue;
-    const auto known = std::find_if(settling_.begin(), settling_.end(),
-                                    [pair = contacts[i].pair](const auto& s) { return s.first == pair; });
+    const auto known =
+        std::find_if(settling_.begin(), settling_.end(), [pair = contacts[i].pair](const auto& s) { return s.first == pair; });
     if (known == settling_.end())
       settling_.emplace_back(contacts[i].pair, ends);
     else
       known->second = std::max(known->second, ends);
   }
-  const contact::ImpactResult result = law_.apply(system_, restitution_, simultaneous);
+  const contact::ImpactResult result = law_.apply(system_, restitution_, simultaneous_);
   if (!result.solved) {
     failure = "no impulses were found that obey the law of impact";
     return false;
@@ -118,13 +119,14 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
   // One event for each pair of solids; the first one has the certificate of all.
   bool booked = false;
   for (const auto& [number, impulse] : by_pair) {
-    Event event = begin_event(event_name("impact", number), contacts[static_cast<std::size_t>(
-                                                                std::find_if(contacts.begin(), contacts.end(),
-                                                                             [n = number](const Contact& c) { return c.pair == n; }) -
-                                                                contacts.begin())]);
+    Event event =
+        begin_event(event_name("impact", number),
+                    contacts[static_cast<std::size_t>(
+                        std::find_if(contacts.begin(), contacts.end(), [n = number](const Contact& c) { return c.pair == n; }) -
+                        contacts.begin())]);
     locate_event(event, contacts, weights, number);
     event.contact.impulse = impulse, event.contact.scaled = result.scale;
-    event.contact.in_turn = simultaneous == contact::Simultaneous::in_turn || result.separated;
+    event.contact.in_turn = simultaneous_ == contact::Simultaneous::in_turn || result.separated;
     if (!booked) {
       TopologyEditor editor(*world_);
       editor.begin(event, "");
@@ -201,7 +203,20 @@ void Contacts::solve_states(const std::vector<Contact>& contacts) {
     law.friction = law.slipping ? own.friction : own.static_friction;
     if (law.slipping) law.direction = {v1 / speed, v2 / speed};
   }
+  solved_ = system_.solve(contact::Effort::little);
+  if (solved_) return;
+  // With many points that slip the solver may cycle. The velocities after a very short time obey a law without given directions.
+  constexpr double soon = 1e-6;  // s
+  for (std::size_t i = 0; i < system_.unknowns(); ++i) system_.b[i] = rows_.velocity[i] + soon * rows_.acceleration[i];
+  for (std::size_t i = 0; i < contacts.size(); ++i) system_.b[3 * i] = soon * rows_.acceleration[3 * i];
+  for (contact::PointLaw& law : system_.laws) law.slipping = false;
+  std::fill(system_.r.begin(), system_.r.end(), 0.0);
   solved_ = system_.solve();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
+    if (!(speed > at_rest) || !(system_.laws[i].friction > 0)) continue;
+    system_.laws[i].slipping = true, system_.laws[i].direction = {v1 / speed, v2 / speed};
+  }
 }
 
 void Contacts::set(std::vector<Contact> contacts) {
@@ -224,7 +239,9 @@ std::optional<std::string> Contacts::resolve(std::vector<Event>& events) {
   if (!failure.empty()) return failure;
   std::vector<Contact> closed;
   if (!touching.empty() && !choose(touching, closed))
-    return "no forces were found that keep the contacts closed: with this friction none may exist (Painlevé)";
+    return "no forces were found for " + std::to_string(touching.size()) +
+           " points of contact at once: they may be too many, or with this friction no finite forces exist (Painlevé); use fewer "
+           "shapes, or less friction";
   for (Contact& c : closed) {
     const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
     const auto then = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return b.pair == c.pair; });

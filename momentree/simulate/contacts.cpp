@@ -9,8 +9,24 @@
 
 namespace momentree {
 
-Contacts::Contacts(World& world, Evaluator& evaluate, double tolerance)
-    : world_(&world), evaluate_(&evaluate), tolerance_(tolerance) {}
+namespace {
+
+// The name of the last rule that names the pair.
+std::string name_of_rule(const Model& model, BodyId one, BodyId other) {
+  std::string name;
+  const auto holds = [](const std::vector<BodyId>& set, BodyId body) {
+    return set.empty() || std::find(set.begin(), set.end(), body) != set.end();
+  };
+  for (const ContactRule& rule : model.contact_rules())
+    if ((holds(rule.one, one) && holds(rule.other, other)) || (holds(rule.one, other) && holds(rule.other, one)))
+      name = rule.name;
+  return name;
+}
+
+}  // namespace
+
+Contacts::Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how)
+    : world_(&world), evaluate_(&evaluate), tolerance_(tolerance), simultaneous_(how) {}
 Contacts::~Contacts() = default;
 
 bool Contacts::any() {
@@ -33,7 +49,7 @@ void Contacts::find_pairs() {
       const ContactLaw law = model.contact_law(one.body, other.body);
       if (law.off) continue;
       const double thickness = std::min(one.solid.thickness, other.plane ? HUGE_VAL : other.solid.thickness);
-      pairs_.push_back({&one, &other, law, other.plane ? HUGE_VAL : thickness});
+      pairs_.push_back({&one, &other, law, other.plane ? HUGE_VAL : thickness, name_of_rule(model, one.body, other.body)});
     }
 }
 
@@ -142,7 +158,8 @@ std::span<const Watch> Contacts::watches(double& h) {
   for (std::size_t i = 0; i < closed.size(); ++i)
     if (closed[i].mode == Contact::Mode::slip) {
       const Vec3 v = slip_velocity(static_cast<int>(i));
-      if (norm(v) > at_rest) conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), normalized(v)), 0.0, true);
+      if (norm(v) > at_rest)
+        conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), normalized(v)), 0.0, true);
     }
   for (const Condition& condition : conditions_) {
     const double excess = condition.excess(world, {}).value_or(-1);
@@ -206,9 +223,7 @@ Vec3 Contacts::slip_velocity(int contact) const {
   return v - dot(v, touch.normal) * touch.normal;
 }
 
-double Contacts::Pair::size(const Contacts& all) const {
-  return std::max(1.0, norm(all.place(one->body.index).r));
-}
+double Contacts::Pair::size(const Contacts& all) const { return std::max(1.0, norm(all.place(one->body.index).r)); }
 bool Contacts::Pair::alive(const World& world) const {
   return world.alive(one->body) && (other->body == ground || world.alive(other->body));
 }

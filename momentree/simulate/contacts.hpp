@@ -23,7 +23,7 @@ namespace momentree {
 class Contacts {
  public:
   /// Instants are located to `tolerance` seconds.
-  Contacts(World& world, Evaluator& evaluate, double tolerance);
+  Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how = contact::Simultaneous::together);
   ~Contacts();
   Contacts(const Contacts&) = delete;
   Contacts& operator=(const Contacts&) = delete;
@@ -31,7 +31,8 @@ class Contacts {
   /// False if no bodies can touch: no other function of this class needs to be called then.
   bool any();
 
-  /// Resolves the present instant: impacts, and which contacts are closed from now on. Returns an explanation if that is impossible.
+  /// Resolves the present instant: impacts, and which contacts are closed from now on. Returns an explanation if that is
+  /// impossible.
   std::optional<std::string> resolve(std::vector<Event>& events);
 
   /// What is to be located within a step of at most h seconds, which it may shorten so that nothing passes through anything.
@@ -46,8 +47,6 @@ class Contacts {
   /// The pair that overlaps most at present, if any do.
   std::optional<Overlap> overlap();
   static std::optional<Overlap> overlap_of(World& world);
-
-  contact::Simultaneous simultaneous = contact::Simultaneous::together;
 
   /// Energy (J) that velocities below the resolution of coordinates lost since the last call, at instants without an event.
   double take_lost() { return std::exchange(lost_, 0.0); }
@@ -98,6 +97,7 @@ class Contacts {
   World* world_;
   Evaluator* evaluate_;
   double tolerance_;
+  contact::Simultaneous simultaneous_;
   std::optional<std::uint64_t> found_;  // revision of the tree for which pairs were listed
   std::size_t bodies_ = 0;
   std::vector<Pair> pairs_;

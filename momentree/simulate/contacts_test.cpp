@@ -76,7 +76,8 @@ TEST_CASE("contact: a block on an incline stops, or slips on") {
   struct Case {
     double mu, speed, stop, x;  // stop < 0: it does not
   };
-  for (const Case& c : {Case{0.5, 2, 1.5949285114815006, 1.5949285114815006}, {0.5, -3, 0.3766757403915407, -0.565013610587311}}) {
+  for (const Case& c :
+       {Case{0.5, 2, 1.5949285114815006, 1.5949285114815006}, {0.5, -3, 0.3766757403915407, -0.565013610587311}}) {
     const double a = 20 * std::numbers::pi / 180;
     Model model;
     const BodyId block = model.add({.name = "block/block",
@@ -113,7 +114,8 @@ TEST_CASE("contact: a rimless wheel rolls down with the speeds and the period of
                                   .v = {1.3, 0, -1.3 / (L * std::cos(a))}});
   for (int k = 0; k < n; ++k)
     model.add_collider(
-        {.body = wheel, .solid = contact::sphere(1e-12, Pose(Vec3{L * std::sin(a + 2 * a * k), -L * std::cos(a + 2 * a * k), 0}))});
+        {.body = wheel,
+         .solid = contact::sphere(1e-12, Pose(Vec3{L * std::sin(a + 2 * a * k), -L * std::cos(a + 2 * a * k), 0}))});
   model.add_collider({.plane = true});
   model.add_contact_rule({.law = {.friction = 100, .static_friction = 100}});
   Simulation sim(model, {.method = "dop853", .step = 1e-2, .rtol = 1e-12, .atol = 1e-14});

@@ -79,11 +79,11 @@ struct Event {
   std::vector<std::pair<std::string, std::array<double, 6>>> impulse;
   /// Of an event at a contact.
   struct Contact {
-    std::string one, other;      ///< bodies, or "ground"; empty: the event is no such event
-    Vec3 point{}, normal{};      ///< in the world (m); the normal points from `other` to `one`
-    Vec3 impulse{};              ///< on `one` (N s), world axes; of several points of the two bodies, their sum
-    double scaled = 1;           ///< the part of the expansion that the law of impact let happen
-    bool in_turn = false;        ///< simultaneous contacts were taken in turn
+    std::string one, other;  ///< bodies, or "ground"; empty: the event is no such event
+    Vec3 point{}, normal{};  ///< in the world (m); the normal points from `other` to `one`
+    Vec3 impulse{};          ///< on `one` (N s), world axes; of several points of the two bodies, their sum
+    double scaled = 1;       ///< the part of the expansion that the law of impact let happen
+    bool in_turn = false;    ///< simultaneous contacts were taken in turn
   };
   Contact contact{};
   /// The impulse that the ground exerted on the mechanisms: force (N s), then torque (N m s) about the world's origin, in world

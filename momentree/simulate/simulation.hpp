@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include <momentree/contact/impact.hpp>
 #include <momentree/dynamics/evaluation_context.hpp>
 #include <momentree/dynamics/rates_function.hpp>
-#include <momentree/contact/impact.hpp>
 #include <momentree/simulate/action.hpp>
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/event.hpp>

@@ -47,11 +47,9 @@ struct Simulation::Impl {
         evaluate(world.tree_, world.workspace_),
         method(new_method()),
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)),
-        contacts(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)) {
+        contacts(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step), how.simultaneous) {
     if (std::optional<Error> error = undetermined_strength(world)) throw_error(std::move(*error));
-    if (!model.colliders().empty() && !takes_velocities(how.method))
-      throw_error({"the method '" + how.method + "' does not support contact", "", "use \"rk4\", \"dopri5\" or \"dop853\""});
-    contacts.simultaneous = how.simultaneous;
+    check_contact_method(model, how);
     begin();
   }
 
@@ -196,15 +194,9 @@ struct Simulation::Impl {
   // The same for joints with stops or events with conditions: the step may end earlier and an event happen there. `end`: the end
   // of a full step.
   bool step_and_look(double h, double end, Clock::time_point start) {
-    std::span<const Watch> watches = queue.watches(world);
     double most = h;
-    if (contacts.any()) {
-      const std::span<const Watch> more = contacts.watches(most);
-      all_watches.assign(watches.begin(), watches.end());
-      all_watches.insert(all_watches.end(), more.begin(), more.end());
-      watches = all_watches;
-    }
-    const std::optional<double> stepped = stops.step(*method, ledger, most, watches);
+    const std::span<const Watch> watched = watches(most);
+    const std::optional<double> stepped = stops.step(*method, ledger, most, watched);
     if (!stepped) {
       report_divergence(h);
       return false;
@@ -237,17 +229,8 @@ struct Simulation::Impl {
   }
 
   // Impacts of bodies, and contacts that close, open, slip or stick. False: there is no solution, and the run ends.
-  bool resolve_contacts() {
-    const std::size_t before = events.size();
-    const std::optional<std::string> why = contacts.resolve(events);
-    for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
-    balance.lost_in_impacts += contacts.take_lost();
-    queue.forget_looks();
-    if (!why) return true;
-    message = no_progress_at(world.time()) + *why;
-    stalled = true;
-    return false;
-  }
+  bool resolve_contacts();
+  std::span<const Watch> watches(double& h);
 
   // Kinetic energy at the beginning of a step, which has been evaluated: as p·u/2 it costs next to nothing.
   void note_kinetic_energy() {

@@ -90,8 +90,8 @@ class TopologyEditor {
   ActionResult attach(int body, int to, const JointSpec& joint, const std::optional<Pose>& at);
   /// A stop of the joint makes the DoF rebound; locks it; releases it.
   void apply_restitution(int joint, int dof, double restitution);
-  /// Applies impulses of contacts: generalised impulses, packed as p, which are those of `applied` on the bodies and of the opposite
-  /// impulses `on_ground`, for the certificate.
+  /// Applies impulses of contacts: generalised impulses, packed as p, which are those of `applied` on the bodies and of the
+  /// opposite impulses `on_ground`, for the certificate.
   void apply_contact_impulses(const std::vector<double>& generalised, std::span<const AppliedImpulse> applied,
                               std::span<const AppliedImpulse> on_ground);
   void engage_limit(int joint, int dof, int sign);

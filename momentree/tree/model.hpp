@@ -100,12 +100,12 @@ class Model {
   SpringId spring(std::string_view name) const;
   bool has_spring(std::string_view name) const;
 
-  /// Adds a solid, or a plane of the ground, that other bodies can touch. Throws Error: no such body, a plane of a body other than
-  /// the ground, a size that is not positive, a solid without volume.
+  /// Adds a solid, or a plane of the ground, that other bodies can touch. Throws Error: no such body, a plane of a body other
+  /// than the ground, a size that is not positive, a solid without volume.
   ColliderId add_collider(Collider collider);
   const std::vector<Collider>& colliders() const { return colliders_; }
-  /// Adds a rule for contacts of bodies; of several for one pair of bodies the last one applies. Throws Error: a negative friction,
-  /// a restitution outside of 0 to 1, no such body.
+  /// Adds a rule for contacts of bodies; of several for one pair of bodies the last one applies. Throws Error: a negative
+  /// friction, a restitution outside of 0 to 1, no such body.
   void add_contact_rule(ContactRule rule);
   const std::vector<ContactRule>& contact_rules() const { return contact_rules_; }
   /// The rule for contacts between two bodies, or a body and the ground. Neighbours in the tree do not touch unless a rule names

@@ -77,8 +77,8 @@ void fields(Archive& archive, Part<Archive, Event::Contact>& c) {
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Event>& e) {
   archive(e.time, e.name, e.actions, e.topology, e.mechanisms_before, e.mechanisms_after, e.before, e.after, e.released, e.lost,
-          e.work, e.impulse, e.ground_impulse, e.coupling_impulse, e.contact, e.hardest_joint, e.hardest_linear, e.hardest_angular,
-          e.duration_ns);
+          e.work, e.impulse, e.ground_impulse, e.coupling_impulse, e.contact, e.hardest_joint, e.hardest_linear,
+          e.hardest_angular, e.duration_ns);
 }
 
 template <class Archive>

@@ -81,14 +81,14 @@ TEST_CASE("keys of other engines are reported once, with the right key") {
 TEST_CASE("unsupported names are neither suggested nor unknown") {
   CHECK(said(read_scenario_text("foo = 3\n" + pinned, "s.toml")) ==
         "s.toml:1:1: error: unknown key 'foo' in a scenario; known here: format title world state mechanism force loop spring "
-        "coupling event "
+        "coupling contact event "
         "integrate output");
-  for (const char* table : {"[[contact]]", "[[cable]]", "[vary]", "[measure]"}) {
+  for (const char* table : {"[[cable]]", "[vary]", "[measure]"}) {
     const std::string text = said(read_scenario_text(pinned + table + "\nname = \"x\"\n", "s.toml"));
     CHECK_MESSAGE(text.find("is not supported yet") != std::string::npos, text);
   }
-  CHECK(said(read_scenario_text(pinned + "[world]\nfloor = true\n", "s.toml")) ==
-        "s.toml:11:1: error: 'floor' is not supported yet; there is no contact: bodies pass through each other");
+  CHECK(said(read_scenario_text(pinned + "[integrate]\nresolve = true\n", "s.toml")) ==
+        "s.toml:11:1: error: 'resolve' is not supported yet; move bodies that overlap apart");
 }
 
 TEST_CASE("kinds, methods and roots of other engines") {

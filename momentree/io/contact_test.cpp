@@ -1,0 +1,89 @@
+// Contact in scenarios: what is read, what is refused, and events in results.
+#include <doctest/doctest.h>
+
+#include <momentree/io/schedule.hpp>
+#include <momentree/io/session.hpp>
+#include <momentree/io/summary.hpp>
+#include <momentree/io/test_support.hpp>
+#include <tests/bad_input.hpp>
+
+using namespace momentree;
+using namespace momentree::io;
+using namespace momentree::io::bad_input;
+
+namespace {
+
+std::string ball(const std::string& name, double height, const std::string& more = "collision = { sphere = 0.1 }\n") {
+  return "[[mechanism]]\nname = \"" + name + "\"\nroot = \"free\"\npose = { xyz = [0, 0, " + std::to_string(height) +
+         "] }\n[[mechanism.body]]\nname = \"ball\"\nmass = 1\ninertia = 0.004\n" + more;
+}
+Scenario read(const std::string& text) {
+  ReadResult result = read_scenario_text("format = 1\n" + text, "s.toml");
+  INFO(rendered(result.diagnostics));
+  REQUIRE(result.scenario);
+  return std::move(*result.scenario);
+}
+std::string refusal(const std::string& text) { return said(read_scenario_text("format = 1\n" + text, "s.toml")); }
+
+}  // namespace
+
+TEST_CASE("contact: shapes, the floor and rules are read") {
+  const Scenario scenario =
+      read("[world]\nfloor = { height = \"10 cm\", friction = { static = 0.6, kinetic = 0.4 }, restitution = 0.3 }\n" +
+           ball("a", 3, "shape = { box = [1, 2, 3] }\ncollision = \"shape\"\n") +
+           ball("b", 9, "collision = [{ sphere = 0.1 }, { capsule = { radius = 0.1, length = 1 } }]\n") +
+           ball("c", 20, "collision = \"none\"\n") +
+           "[[contact]]\nname = \"hit\"\nbetween = [\"a\", \"b/*\"]\nfriction = 0.2\n[[contact]]\nbetween = [\"b\", "
+           "\"floor\"]\noff = true\n");
+  const Model& model = scenario.model;
+  REQUIRE(model.colliders().size() == 4);
+  CHECK(model.colliders()[0].plane);
+  CHECK(model.colliders()[0].point.z == doctest::Approx(0.1));
+  CHECK(model.colliders()[1].solid.vertices.size() == 8);
+  CHECK(model.colliders()[2].solid.radius == 0.1);
+  CHECK(model.contact_law({0}, ground).friction == 0.4);
+  CHECK(model.contact_law({0}, ground).static_friction == 0.6);
+  CHECK(model.contact_law({0}, {1}).friction == 0.2);
+  CHECK(model.contact_law({1}, ground).off);
+  CHECK(!model.contact_law({2}, {1}).off);
+}
+
+TEST_CASE("contact: links of a chain touch, neighbours do not") {
+  const Scenario scenario = read(
+      "[[mechanism]]\nname = \"chain\"\n[mechanism.chain]\nlinks = 3\nlength = 0.1\nmass = 1\ninertia = 1e-3\nradius = 0.01\n");
+  CHECK(scenario.model.colliders().size() == 3);
+  CHECK(scenario.model.contact_law({0}, {1}).off);
+  CHECK(!scenario.model.contact_law({0}, {2}).off);
+}
+
+TEST_CASE("contact: mistakes are refused with their places") {
+  const std::string floor = "[world]\nfloor = true\n";
+  CHECK(
+      refusal(floor + ball("a", 0.05)) ==
+      "s.toml:9:8: error: 'a/ball' and 'ground' overlap by 0.05 m at the start; move one of them, or let them pass through each "
+      "other: [[contact]] with off = true");
+  CHECK(refusal(ball("a", 1, "collision = \"shape\"\n")).find("the body has no shape") != std::string::npos);
+  CHECK(refusal(ball("a", 1, "collision = \"hull\"\n")).find("expected shapes") != std::string::npos);
+  CHECK(refusal(ball("a", 1, "collision = { cylinder = { radius = 1, length = 1 } }\n")).find("not supported yet") !=
+        std::string::npos);
+  CHECK(refusal("[world]\nfloor = { friction = -1 }\n" + ball("a", 1)).find("can't be negative") != std::string::npos);
+  CHECK(refusal("[world]\nfloor = { restitution = 1.5 }\n" + ball("a", 1)).find("at most 1") != std::string::npos);
+  CHECK(refusal(ball("a", 1) + "[[contact]]\nbetween = [\"x\", \"a\"]\n").find("no body or mechanism") != std::string::npos);
+  CHECK(refusal(ball("a", 1) + "[[contact]]\nbetween = [\"a\"]\n").find("expected two names") != std::string::npos);
+  CHECK(refusal(floor + ball("a", 1) + "[integrate]\nmethod = \"damped\"\n").find("does not support contact") !=
+        std::string::npos);
+}
+
+TEST_CASE("contact: events in results") {
+  const Scenario scenario =
+      read("[world]\nfloor = { restitution = 0.5 }\n" + ball("a", 1) +
+           "[[contact]]\nname = \"hard\"\nbetween = [\"a\", \"floor\"]\nrestitution = 0.5\n[integrate]\nuntil = 0.5\n");
+  Simulation sim(scenario.model, scenario.integration);
+  REQUIRE(sim.run_until(0.5));
+  REQUIRE(!sim.events().empty());
+  CHECK(sim.events()[0].name == "impact hard");
+  const std::string json = event_json(sim.events()[0]);
+  CHECK(json.find("\"bodies\": [\"a/ball\", \"ground\"]") != std::string::npos);
+  for (const char* key : {"\"point\": [", "\"normal\": [0, 0, 1]", "\"impulse\": [", "\"joint_impulse\": {"})
+    CHECK_MESSAGE(json.find(key) != std::string::npos, json);
+}
