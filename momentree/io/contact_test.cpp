@@ -70,6 +70,10 @@ TEST_CASE("contact: mistakes are refused with their places") {
   CHECK(refusal("[world]\nfloor = { restitution = 1.5 }\n" + ball("a", 1)).find("at most 1") != std::string::npos);
   CHECK(refusal(ball("a", 1) + "[[contact]]\nbetween = [\"x\", \"a\"]\n").find("no body or mechanism") != std::string::npos);
   CHECK(refusal(ball("a", 1) + "[[contact]]\nbetween = [\"a\"]\n").find("expected two names") != std::string::npos);
+  CHECK(
+      refusal(
+          "[[mechanism]]\nname = \"c\"\n[mechanism.chain]\nlinks = 1000\nlength = 0.1\nmass = 1\ninertia = 1e-3\nradius = 0.01\n")
+          .find("1000 shapes can touch, and at most 600") != std::string::npos);
   CHECK(refusal(floor + ball("a", 1) + "[integrate]\nmethod = \"damped\"\n").find("does not support contact") !=
         std::string::npos);
 }

@@ -178,10 +178,18 @@ void read_contact(const Value& table, Reading& reading) {
 
 void check_contacts(Reading& reading) {
   const Scenario& scenario = reading.scenario;
-  if (scenario.model.colliders().empty() || !scenario.state_files.empty()) return;
+  if (scenario.model.colliders().empty()) return;
   if (!takes_velocities(scenario.integration.method))
     reading.out.error(reading.integrate.step, "method " + in_quotes(scenario.integration.method) + " does not support contact",
                       "use \"rk4\", \"dopri5\" or \"dop853\"");
+  if (scenario.model.colliders().size() > most_colliders) {
+    reading.out.error(Place{1, 1, 0},
+                      std::to_string(scenario.model.colliders().size()) + " shapes can touch, and at most " +
+                          std::to_string(most_colliders) + " are supported yet",
+                      "give fewer bodies a collision");
+    return;
+  }
+  if (!scenario.state_files.empty()) return;  // which say where bodies are
   const std::optional<Overlap> worst = deepest_overlap(scenario.model);
   if (!worst) return;
   const auto place = reading.bodies.find(worst->one);

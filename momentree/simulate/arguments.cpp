@@ -6,6 +6,7 @@
 
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/instant.hpp>
+#include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/simulation.hpp>
 
 namespace momentree {
@@ -36,6 +37,10 @@ const Integration& checked(const Integration& how) {
 void check_contact_method(const Model& model, const Integration& how) {
   if (!model.colliders().empty() && !takes_velocities(how.method))
     throw_error({"the method '" + how.method + "' does not support contact", "", "use \"rk4\", \"dopri5\" or \"dop853\""});
+  if (model.colliders().size() > most_colliders)
+    throw_error({std::to_string(model.colliders().size()) + " shapes can touch, and at most " + std::to_string(most_colliders) +
+                     " are supported yet",
+                 "", "give fewer bodies a collision"});
 }
 
 Variables Integration::state_variables() const { return variables.value_or(default_variables(method)); }

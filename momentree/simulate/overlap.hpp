@@ -1,5 +1,6 @@
 #pragma once
 // Bodies that overlap at the start.
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -12,6 +13,9 @@ struct Overlap {
   std::string one, other;  ///< bodies, or "ground"
   double depth = 0;        ///< m
 };
+
+/// Colliders of a model at most: all pairs of them are looked at.
+inline constexpr std::size_t most_colliders = 600;
 
 /// The pair of bodies that can touch and overlaps most at the start of the model, if any do. Throws Error where World does.
 std::optional<Overlap> deepest_overlap(const Model& model);
