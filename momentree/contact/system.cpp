@@ -277,6 +277,23 @@ double System::descend() {
   return most;
 }
 
+// All points press and none begins to slip: the least forces, if they obey the law. True for most bodies at rest, where the
+// forces of redundant points are open and projections converge slowly.
+bool System::solve_at_rest() {
+  kept_ = r;
+  for (std::size_t i = 0; i < points(); ++i) {
+    pressed_[i] = true;
+    guess_[i] = laws[i].slipping ? PointState::slip : laws[i].friction > 0 ? PointState::stick : PointState::open;
+  }
+  std::fill(r.begin(), r.end(), 0.0);
+  if (newton_step() && residual() <= solved) {
+    trim();
+    return true;
+  }
+  r = kept_;
+  return false;
+}
+
 bool System::solve(Effort effort) {
   for (std::size_t i = 0; i < points(); ++i) r[3 * i] = std::max(r[3 * i], laws[i].least);
   if (scale() == 0) {
@@ -288,6 +305,7 @@ bool System::solve(Effort effort) {
     }
   }
   if (points() == 1 && solve_point(A.data(), b.data(), laws[0], r.data())) return true;
+  if (solve_at_rest()) return true;
   const double size = scale();
   for (int k = 0; k < (effort == Effort::little ? 50 : 500) && descend() > 1e-6 * size; ++k) {
   }

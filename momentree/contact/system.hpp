@@ -66,6 +66,7 @@ class System {
   void relax_friction(std::size_t point);
   bool sweep(int sweeps, double relaxation);
   double descend();
+  bool solve_at_rest();
   bool polish();
   void trim();
   void classify();

@@ -200,8 +200,8 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
     all.right[i] = -rows.acceleration[of[i]];
   }
   rows.forces.assign(total, 0.0);
-  all.solved = contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant);
-  if (!all.solved) return;
+  if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant))
+    std::fill(all.right.begin(), all.right.end(), NAN);  // the step then says that the motion diverged
   for (std::size_t j = 0; j < n; ++j) rows.forces[of[j]] = all.right[j];
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (contacts[i].mode != Contact::Mode::slip) continue;

@@ -1,8 +1,8 @@
 // What bodies touch with, the floor, and [[contact]]: the laws of contacts.
 #include <cstdio>
 
-#include <momentree/integrate/integrator.hpp>
 #include <momentree/io/read_action.hpp>
+#include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/overlap.hpp>
 
 namespace momentree::io {
@@ -179,16 +179,8 @@ void read_contact(const Value& table, Reading& reading) {
 void check_contacts(Reading& reading) {
   const Scenario& scenario = reading.scenario;
   if (scenario.model.colliders().empty()) return;
-  if (!takes_velocities(scenario.integration.method))
-    reading.out.error(reading.integrate.step, "method " + in_quotes(scenario.integration.method) + " does not support contact",
-                      "use \"rk4\", \"dopri5\" or \"dop853\"");
-  if (scenario.model.colliders().size() > most_colliders) {
-    reading.out.error(Place{1, 1, 0},
-                      std::to_string(scenario.model.colliders().size()) + " shapes can touch, and at most " +
-                          std::to_string(most_colliders) + " are supported yet",
-                      "give fewer bodies a collision");
-    return;
-  }
+  if (const std::optional<Error> error = unfit_for_contact(scenario.model, scenario.integration.method))
+    return reading.out.error({1, 1, 0}, error->problem, error->hint);
   if (!scenario.state_files.empty()) return;  // which say where bodies are
   const std::optional<Overlap> worst = deepest_overlap(scenario.model);
   if (!worst) return;

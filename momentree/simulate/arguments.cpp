@@ -34,13 +34,15 @@ const Integration& checked(const Integration& how) {
   return how;
 }
 
-void check_contact_method(const Model& model, const Integration& how) {
-  if (!model.colliders().empty() && !takes_velocities(how.method))
-    throw_error({"the method '" + how.method + "' does not support contact", "", "use \"rk4\", \"dopri5\" or \"dop853\""});
+std::optional<Error> unfit_for_contact(const Model& model, const std::string& method) {
+  if (model.colliders().empty()) return std::nullopt;
+  if (method != "rk4" && method != "dopri5" && method != "dop853")  // others solve for the end of the step
+    return Error{"the method '" + method + "' does not support contact", "", "use \"rk4\", \"dopri5\" or \"dop853\""};
   if (model.colliders().size() > most_colliders)
-    throw_error({std::to_string(model.colliders().size()) + " shapes can touch, and at most " + std::to_string(most_colliders) +
+    return Error{std::to_string(model.colliders().size()) + " shapes can touch, and at most " + std::to_string(most_colliders) +
                      " are supported yet",
-                 "", "give fewer bodies a collision"});
+                 "", "give fewer bodies a collision"};
+  return std::nullopt;
 }
 
 Variables Integration::state_variables() const { return variables.value_or(default_variables(method)); }

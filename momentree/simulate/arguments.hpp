@@ -13,8 +13,8 @@ namespace momentree {
 struct Integration;
 class Model;
 
-/// Throws Error if the model has contact and the method does not support it.
-void check_contact_method(const Model& model, const Integration& how);
+/// Why a run with contact is impossible; nothing for a model without contact.
+std::optional<Error> unfit_for_contact(const Model& model, const std::string& method);
 
 namespace detail {
 /// A number for a message.

@@ -4,6 +4,7 @@
 #include <map>
 
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/contacts_impl.hpp>
 #include <momentree/simulate/topology_editor.hpp>
 
@@ -230,6 +231,8 @@ std::optional<std::string> Contacts::resolve(std::vector<Event>& events) {
   set({});
   settling_.clear();
   (*evaluate_)(world_->state_);
+  if (const std::optional<Overlap> worst = overlap())
+    return "'" + worst->one + "' and '" + worst->other + "' overlap by " + detail::text(worst->depth) + " m";
   std::vector<Contact> touching = this->touching();
   std::string failure;
   for (int k = 0; !touching.empty() && k < most_impacts; ++k) {

@@ -31,13 +31,13 @@ Contacts::~Contacts() = default;
 
 bool Contacts::any() {
   if (world_->model_.colliders().empty()) return false;
-  if (!found_ || bodies_ != static_cast<std::size_t>(world_->model_.size())) find_pairs();
+  if (bodies_ != world_->model_.size()) find_pairs();
   return !pairs_.empty();
 }
 
 void Contacts::find_pairs() {
   const Model& model = world_->model_;
-  found_ = world_->tree_.revision(), bodies_ = static_cast<std::size_t>(model.size());
+  bodies_ = model.size();
   pairs_.clear();
   const std::vector<Collider>& all = model.colliders();
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -48,8 +48,8 @@ void Contacts::find_pairs() {
       const Collider &one = swap ? all[k] : all[i], &other = swap ? all[i] : all[k];
       const ContactLaw law = model.contact_law(one.body, other.body);
       if (law.off) continue;
-      const double thickness = std::min(one.solid.thickness, other.plane ? HUGE_VAL : other.solid.thickness);
-      pairs_.push_back({&one, &other, law, other.plane ? HUGE_VAL : thickness, name_of_rule(model, one.body, other.body)});
+      const double thickness = other.plane ? HUGE_VAL : std::min(one.solid.thickness, other.solid.thickness);
+      pairs_.push_back({&one, &other, law, thickness, name_of_rule(model, one.body, other.body)});
     }
 }
 
@@ -135,8 +135,7 @@ Contacts::Gap Contacts::gap_of(int number, double within) const {
 std::span<const Watch> Contacts::watches(double& h) {
   watches_.clear(), conditions_.clear();
   const World& world = *world_;
-  double accelerated = 0;  // what gravity may add to speeds within the step
-  accelerated = norm(world.model_.gravity()) * h;
+  const double accelerated = norm(world.model_.gravity()) * h;  // what gravity may add to speeds within the step
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const Pair& pair = pairs_[i];
     if (!pair.alive(world)) continue;
@@ -196,7 +195,7 @@ std::optional<Overlap> Contacts::overlap() {
     const Pair& pair = pairs_[i];
     if (!pair.alive(*world_) || apart(pair) > 0) continue;
     const double depth = -gap_of(static_cast<int>(i), 0).value;
-    if (depth > 1e-9 * pair.size(*this) && (!worst || depth > worst->depth))
+    if (depth > overlapping * pair.size(*this) && (!worst || depth > worst->depth))
       worst = Overlap{name_of(pair.one->body.index), name_of(pair.other->body.index), depth};
   }
   return worst;

@@ -68,6 +68,7 @@ class Contacts {
   };
 
   static constexpr double touching_within = 1e-10;  ///< m, relative to coordinates
+  static constexpr double overlapping = 1e-8;       ///< more cannot come from rounding or tolerances (m, relative to coordinates)
   static constexpr double rounding = 1e-13;
   static constexpr double at_rest = 1e-9;  ///< m/s: slower slip has no direction of its own
 
@@ -98,8 +99,7 @@ class Contacts {
   Evaluator* evaluate_;
   double tolerance_;
   contact::Simultaneous simultaneous_;
-  std::optional<std::uint64_t> found_;  // revision of the tree for which pairs were listed
-  std::size_t bodies_ = 0;
+  int bodies_ = -1;  // of the model when pairs were listed
   std::vector<Pair> pairs_;
   std::vector<std::pair<int, double>> settling_;  // at this instant: pairs whose bounces end later, and when
   std::vector<Watch> watches_;

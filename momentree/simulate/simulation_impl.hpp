@@ -49,7 +49,7 @@ struct Simulation::Impl {
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)),
         contacts(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step), how.simultaneous) {
     if (std::optional<Error> error = undetermined_strength(world)) throw_error(std::move(*error));
-    check_contact_method(model, how);
+    if (std::optional<Error> error = unfit_for_contact(model, how.method)) throw_error(std::move(*error));
     begin();
   }
 
