@@ -11,9 +11,8 @@ namespace momentree::contact {
 namespace {
 
 constexpr int sweeps_before_polish = 16;
-constexpr double solved = 5e-14;       // residual of a solution
-constexpr double good_enough = 1e-11;  // of one that cannot be improved
-constexpr double still = 1e-12;        // sliding velocities below this, relative to the largest |b|, are zero
+constexpr double solved = 5e-14;  // residual of a solution
+constexpr double still = 1e-12;   // sliding velocities below this, relative to the largest |b|, are zero
 
 // The nearest point with N ≥ N0 and |t| ≤ μ N.
 void project_on_cone(const PointLaw& law, double* y) {
@@ -250,7 +249,7 @@ bool System::sweep(int sweeps, double relaxation) {
     next = k + std::max(sweeps_before_polish, k / 2);
     if (polish()) return true;
   }
-  return residual() <= good_enough;
+  return residual() <= acceptable_;
 }
 
 // One sweep towards the minimum of ½ rᵀA r + bᵀr over the cones of friction, whose velocities are unique. Where nothing slips
@@ -286,7 +285,7 @@ bool System::solve_at_rest() {
     guess_[i] = laws[i].slipping ? PointState::slip : laws[i].friction > 0 ? PointState::stick : PointState::open;
   }
   std::fill(r.begin(), r.end(), 0.0);
-  if (newton_step() && residual() <= solved) {
+  if (newton_step() && residual() <= acceptable_) {
     trim();
     return true;
   }
@@ -294,7 +293,8 @@ bool System::solve_at_rest() {
   return false;
 }
 
-bool System::solve(Effort effort) {
+bool System::solve(Effort effort, double acceptable) {
+  acceptable_ = acceptable;
   for (std::size_t i = 0; i < points(); ++i) r[3 * i] = std::max(r[3 * i], laws[i].least);
   if (scale() == 0) {
     bool rests = true;

@@ -41,8 +41,9 @@ class System {
   double& element(std::size_t row, std::size_t column) { return A[row * unknowns() + column]; }
   double element(std::size_t row, std::size_t column) const { return A[row * unknowns() + column]; }
 
-  /// Finds r, from the present one. Returns false if no solution was found: r is then the last iterate.
-  [[nodiscard]] bool solve(Effort effort = Effort::full);
+  /// Finds r, from the present one. Returns false if no solution was found: r is then the last iterate. `acceptable`: the
+  /// residual of a solution that cannot be improved, such as where redundant rows contradict each other by rounding.
+  [[nodiscard]] bool solve(Effort effort = Effort::full, double acceptable = 1e-11);
 
   /// w_i of all unknowns at the present r.
   void velocities(std::vector<double>& w) const;
@@ -73,6 +74,7 @@ class System {
   bool newton_step();
   double scale() const;
 
+  double acceptable_ = 0;
   std::vector<PointState> guess_;
   std::vector<bool> pressed_;
   std::vector<double> matrix_, right_, kept_;
