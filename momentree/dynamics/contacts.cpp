@@ -14,7 +14,6 @@ namespace momentree {
 namespace {
 
 constexpr double redundant = 1e-9;  // pivots of rows that depend on others, relative to the elements of A
-constexpr double at_rest = 1e-9;    // m/s: slower slip has no direction of its own
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -179,7 +178,7 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
     const contact::Touch& touch = rows.touches[i];
     const Vec3 v = rows.velocity[3 * i + 1] * touch.tangent[0] + rows.velocity[3 * i + 2] * touch.tangent[1];
     const double speed = norm(v);
-    const bool moves = speed > at_rest && (at_state ? true : dot(v, all.chosen_slip[i]) > 0);
+    const bool moves = speed > slowest_slip && (at_state || dot(v, all.chosen_slip[i]) > 0);
     Vec3 s = moves ? (1 / speed) * v : all.chosen_slip[i];
     s -= dot(s, touch.normal) * touch.normal;
     rows.slip[i] = norm(s) > 0 ? normalized(s) : touch.tangent[0];

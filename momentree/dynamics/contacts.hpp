@@ -13,6 +13,9 @@
 
 namespace momentree {
 
+/// Slower slip has no direction of its own (m/s).
+inline constexpr double slowest_slip = 1e-9;
+
 /// Three rows of each contact: along the normal and the tangents of contact::Touch.
 struct ContactRows {
   std::vector<contact::Touch> touches;

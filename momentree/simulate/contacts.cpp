@@ -157,7 +157,7 @@ std::span<const Watch> Contacts::watches(double& h) {
   for (std::size_t i = 0; i < closed.size(); ++i)
     if (closed[i].mode == Contact::Mode::slip) {
       const Vec3 v = slip_velocity(static_cast<int>(i));
-      if (norm(v) > at_rest)
+      if (norm(v) > slowest_slip)
         conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), normalized(v)), 0.0, true);
     }
   for (const Condition& condition : conditions_) {
