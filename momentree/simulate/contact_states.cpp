@@ -200,7 +200,7 @@ void Contacts::solve_states(const std::vector<Contact>& contacts) {
     const ContactLaw& own = pairs_[static_cast<std::size_t>(contacts[i].pair)].law;
     contact::PointLaw& law = system_.laws[i];
     const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
-    law.slipping = speed > at_rest && own.friction > 0;
+    law.slipping = speed > slowest_slip && own.friction > 0;
     law.friction = law.slipping ? own.friction : own.static_friction;
     if (law.slipping) law.direction = {v1 / speed, v2 / speed};
   }
@@ -218,7 +218,7 @@ void Contacts::solve_states(const std::vector<Contact>& contacts) {
   solved_ = system_.solve(contact::Effort::full, acceptable);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
-    if (!(speed > at_rest) || !(system_.laws[i].friction > 0)) continue;
+    if (!(speed > slowest_slip) || !(system_.laws[i].friction > 0)) continue;
     system_.laws[i].slipping = true, system_.laws[i].direction = {v1 / speed, v2 / speed};
   }
 }

@@ -178,6 +178,13 @@ bool Contacts::must_resolve() {
   if (next_rest() <= world_->time()) return true;
   for (const Watch& watch : watches_)
     if (watch.condition->excess(*world_, {}).value_or(-1) + watch.offset > -2 * touching_within) return true;
+  // Slip that came to an end just before a step did has no direction left that could be watched.
+  const std::span<const Contact> closed = world_->tree_.contacts();
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    if (closed[i].mode != Contact::Mode::slip) continue;
+    const Vec3 v = slip_velocity(static_cast<int>(i));
+    if (norm(v) <= slowest_slip && dot(v, closed[i].direction) < 0) return true;
+  }
   return false;
 }
 

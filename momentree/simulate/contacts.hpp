@@ -70,7 +70,6 @@ class Contacts {
   static constexpr double touching_within = 1e-10;  ///< m, relative to coordinates
   static constexpr double overlapping = 1e-8;       ///< more cannot come from rounding or tolerances (m, relative to coordinates)
   static constexpr double rounding = 1e-13;
-  static constexpr double at_rest = 1e-5;  ///< m/s: slower slip may end at an event, as flights of that speed do
 
   void find_pairs();
   contact::Place place(int body) const;
