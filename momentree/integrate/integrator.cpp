@@ -136,6 +136,13 @@ bool takes_velocities(std::string_view method) {
 #undef MOMENTREE_METHOD
   return false;
 }
+bool supports_contact(std::string_view method) {
+#define MOMENTREE_METHOD(name, Type) \
+  if (method == #name) return Type::supports_contact;
+  MOMENTREE_METHODS(MOMENTREE_METHOD)
+#undef MOMENTREE_METHOD
+  return false;
+}
 
 const char* name_of(Variables variables) { return variables == Variables::momenta ? "momenta" : "velocities"; }
 std::optional<Variables> variables_of(std::string_view name) {

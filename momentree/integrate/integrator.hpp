@@ -175,6 +175,8 @@ bool is_adaptive(std::string_view method);
 /// The variables that a method integrates by default, and false for a method that solves for momenta.
 Variables default_variables(std::string_view method);
 bool takes_velocities(std::string_view method);
+/// False for a method that solves for the end of its steps: contacts would open and close during the iteration.
+bool supports_contact(std::string_view method);
 /// "momenta" or "velocities"; and the variables of that name, if there are any.
 const char* name_of(Variables variables);
 std::optional<Variables> variables_of(std::string_view name);

@@ -36,8 +36,12 @@ const Integration& checked(const Integration& how) {
 
 std::optional<Error> unfit_for_contact(const Model& model, const std::string& method) {
   if (model.colliders().empty()) return std::nullopt;
-  if (method != "rk4" && method != "dopri5" && method != "dop853")  // others solve for the end of the step
-    return Error{"the method '" + method + "' does not support contact", "", "use \"rk4\", \"dopri5\" or \"dop853\""};
+  if (!supports_contact(method)) {
+    std::string others;
+    for (const std::string& other : integration_methods())
+      if (supports_contact(other)) others += (others.empty() ? "\"" : ", \"") + other + '"';
+    return Error{"the method '" + method + "' does not support contact", "", "use one of " + others};
+  }
   if (model.colliders().size() > most_colliders)
     return Error{std::to_string(model.colliders().size()) + " shapes can touch, and at most " + std::to_string(most_colliders) +
                      " are supported yet",

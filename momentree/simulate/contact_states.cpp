@@ -13,7 +13,7 @@ namespace momentree {
 namespace {
 
 constexpr int most_impacts = 200;          // at one instant
-constexpr double resolved_flight = 1e-12;  // lower flights, relative to coordinates, are not told from rest (m)
+constexpr double resolved_flight = 1e-12;  // lower flights, relative to coordinates, count as rest (m)
 constexpr double no_approach = 1e-10;      // m/s, relative to the fastest point
 
 double largest(const std::vector<double>& all) {
@@ -26,12 +26,12 @@ const Vec3& along(const contact::Touch& touch, std::size_t k) { return k == 0 ? 
 
 }  // namespace
 
-Event Contacts::begin_event(const std::string& name, const Contact& of) {
+Event Contacts::begin_event(const char* what, int number) {
   Event event;
-  event.time = world_->time(), event.name = name;
+  event.time = world_->time(), event.name = event_name(what, number);
   event.mechanisms_before = event.mechanisms_after = world_->mechanism_names();
   event.before = event.after = world_->totals();
-  const Pair& pair = pairs_[static_cast<std::size_t>(of.pair)];
+  const Pair& pair = pairs_[static_cast<std::size_t>(number)];
   event.contact.one = name_of(pair.one->body.index), event.contact.other = name_of(pair.other->body.index);
   return event;
 }
@@ -120,11 +120,7 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
   // One event for each pair of solids; the first one has the certificate of all.
   bool booked = false;
   for (const auto& [number, impulse] : by_pair) {
-    Event event =
-        begin_event(event_name("impact", number),
-                    contacts[static_cast<std::size_t>(
-                        std::find_if(contacts.begin(), contacts.end(), [n = number](const Contact& c) { return c.pair == n; }) -
-                        contacts.begin())]);
+    Event event = begin_event("impact", number);
     locate_event(event, contacts, weights, number);
     event.contact.impulse = impulse, event.contact.scaled = result.scale;
     event.contact.in_turn = simultaneous_ == contact::Simultaneous::in_turn || result.separated;
@@ -155,7 +151,7 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   for (const BodyMotion& m : world_->motions()) fastest = std::max(fastest, norm(m.linear));
   std::vector<Contact> staying;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    // A flight that rounding hides is none.
+    // Flights too low to be resolved count as rest.
     const double size = pairs_[static_cast<std::size_t>(contacts[i].pair)].size(*this);
     const double hidden = std::sqrt(2 * std::max(0.0, -rows_.acceleration[3 * i]) * resolved_flight * size);
     if (rows_.velocity[3 * i] <= std::max(10 * no_approach * fastest, hidden)) staying.push_back(contacts[i]);
@@ -165,8 +161,7 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   find_contact_accelerations(tree, q, workspace, staying, rows_);
   find_contact_mobility(tree, q, workspace, staying, rows_);
   static_cast<void>(world_->state_.edit());
-  solve_states(staying);
-  if (!solved_) return false;
+  if (!solve_states(staying)) return false;
   system_.velocities(after_);
   const double noise = 1e-12 * largest(system_.r);
   for (std::size_t i = 0; i < staying.size(); ++i) {
@@ -193,7 +188,7 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
 }
 
 // The forces of contacts that are placed, with their accelerations and mobility.
-void Contacts::solve_states(const std::vector<Contact>& contacts) {
+bool Contacts::solve_states(const std::vector<Contact>& contacts) {
   system_.resize(contacts.size());
   system_.A = rows_.A, system_.b = rows_.acceleration;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -207,20 +202,20 @@ void Contacts::solve_states(const std::vector<Contact>& contacts) {
   // Contacts that are nearly at rest contradict each other by what is left of their velocities. The result only tells states
   // apart.
   constexpr double acceptable = 1e-8;
-  solved_ = system_.solve(contact::Effort::little, acceptable);
-  if (solved_) return;
+  if (system_.solve(contact::Effort::little, acceptable)) return true;
   // With many points that slip the solver may cycle. The velocities after a very short time obey a law without given directions.
   constexpr double soon = 1e-6;  // s
   for (std::size_t i = 0; i < system_.unknowns(); ++i) system_.b[i] = rows_.velocity[i] + soon * rows_.acceleration[i];
   for (std::size_t i = 0; i < contacts.size(); ++i) system_.b[3 * i] = soon * rows_.acceleration[3 * i];
   for (contact::PointLaw& law : system_.laws) law.slipping = false;
   std::fill(system_.r.begin(), system_.r.end(), 0.0);
-  solved_ = system_.solve(contact::Effort::full, acceptable);
+  const bool solved = system_.solve(contact::Effort::full, acceptable);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
     if (!(speed > slowest_slip) || !(system_.laws[i].friction > 0)) continue;
     system_.laws[i].slipping = true, system_.laws[i].direction = {v1 / speed, v2 / speed};
   }
+  return solved;
 }
 
 void Contacts::set(std::vector<Contact> contacts) {
@@ -299,8 +294,7 @@ void Contacts::report_changes(const std::vector<Contact>& before, std::vector<Ev
                              : change.from == Now::open ? "rest"
                                                         : "stick";
     const std::vector<Contact>& of = change.to == Now::open ? before : closed;
-    const auto first = std::find_if(of.begin(), of.end(), [p = pair](const Contact& c) { return c.pair == p; });
-    Event event = begin_event(event_name(what, pair), *first);
+    Event event = begin_event(what, pair);
     place_contacts(world_->tree_, world_->workspace_, of, rows_);
     locate_event(event, of, std::vector<double>(of.size(), 1.0), pair);
     events.push_back(std::move(event));
@@ -314,8 +308,7 @@ std::string Contacts::event_name(const char* what, int pair) const {
 
 // Of the present forces: how far they are outside of what contacts can exert, relative to the largest force. Where several
 // contacts share a load, others may carry it as well: only if no forces can, the contacts change.
-double Contacts::excess_of_forces() const {
-  Contacts& self = const_cast<Contacts&>(*this);  // scratch
+double Contacts::excess_of_forces() {
   const World& world = *world_;
   world.evaluate();
   const std::vector<double>& r = world.workspace_.contacts->rows.forces;
@@ -329,7 +322,7 @@ double Contacts::excess_of_forces() const {
     worst = std::max(worst, (std::hypot(r[3 * i + 1], r[3 * i + 2]) - most) / size);
   }
   if (worst <= rounding || closed.size() < 2) return worst;
-  return self.excess_of_shared_forces(worst);
+  return excess_of_shared_forces(worst);
 }
 
 // Positive if no forces keep the contacts as they are: the acceleration with which they open or begin to slip.
@@ -337,8 +330,7 @@ double Contacts::excess_of_shared_forces(double otherwise) {
   World& world = *world_;
   const std::vector<Contact> closed(world.tree_.contacts().begin(), world.tree_.contacts().end());
   rows_ = world.workspace_.contacts->rows;
-  solve_states(closed);
-  if (!solved_) return otherwise;
+  if (!solve_states(closed)) return otherwise;
   system_.velocities(after_);
   const double size = std::max(largest(rows_.acceleration), 1e-300);
   double worst = -1;

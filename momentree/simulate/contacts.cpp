@@ -9,22 +9,6 @@
 
 namespace momentree {
 
-namespace {
-
-// The name of the last rule that names the pair.
-std::string name_of_rule(const Model& model, BodyId one, BodyId other) {
-  std::string name;
-  const auto holds = [](const std::vector<BodyId>& set, BodyId body) {
-    return set.empty() || std::find(set.begin(), set.end(), body) != set.end();
-  };
-  for (const ContactRule& rule : model.contact_rules())
-    if ((holds(rule.one, one) && holds(rule.other, other)) || (holds(rule.one, other) && holds(rule.other, one)))
-      name = rule.name;
-  return name;
-}
-
-}  // namespace
-
 Contacts::Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how)
     : world_(&world), evaluate_(&evaluate), tolerance_(tolerance), simultaneous_(how) {}
 Contacts::~Contacts() = default;
@@ -49,7 +33,8 @@ void Contacts::find_pairs() {
       const ContactLaw law = model.contact_law(one.body, other.body);
       if (law.off) continue;
       const double thickness = other.plane ? HUGE_VAL : std::min(one.solid.thickness, other.solid.thickness);
-      pairs_.push_back({&one, &other, law, thickness, name_of_rule(model, one.body, other.body)});
+      const ContactRule* const rule = model.contact_rule(one.body, other.body);
+      pairs_.push_back({&one, &other, law, thickness, rule != nullptr ? rule->name : std::string()});
     }
 }
 

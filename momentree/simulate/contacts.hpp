@@ -83,15 +83,15 @@ class Contacts {
   Contact contact_of(const Pair& pair, int number, const contact::Candidate& candidate) const;
   bool impact(const std::vector<Contact>& contacts, std::vector<Event>& events, std::string& failure);
   bool choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed);
-  void solve_states(const std::vector<Contact>& contacts);
+  [[nodiscard]] bool solve_states(const std::vector<Contact>& contacts);
   void set(std::vector<Contact> contacts);
   double stop(const std::vector<Contact>& closed);
   void report_changes(const std::vector<Contact>& before, std::vector<Event>& events);
-  Event begin_event(const std::string& name, const Contact& of);
+  Event begin_event(const char* what, int pair);
   void locate_event(Event& event, const std::vector<Contact>& contacts, const std::vector<double>& weights, int pair) const;
   std::string name_of(int body) const;
   std::string event_name(const char* what, int pair) const;
-  double excess_of_forces() const;
+  double excess_of_forces();
   double excess_of_shared_forces(double otherwise);
 
   World* world_;
@@ -106,7 +106,6 @@ class Contacts {
   ContactRows rows_;
   contact::System system_;
   contact::ImpactLaw law_;
-  bool solved_ = true;
   double lost_ = 0;
   std::vector<double> restitution_, after_;
   mutable std::vector<contact::Candidate> found_candidates_;

@@ -20,8 +20,8 @@ struct Contacts::PairGap : Quantity {
 
 /// Positive where the closed contacts would have to pull, or to exert more friction than they can.
 struct Contacts::Hold : Quantity {
-  const Contacts* all;
-  explicit Hold(const Contacts& contacts) : all(&contacts) {}
+  Contacts* all;
+  explicit Hold(Contacts& contacts) : all(&contacts) {}
   std::string_view key() const override { return "hold"; }
   const char* summary() const override { return "What contacts lack to stay as they are"; }
   void fields(QuantityFields&) override {}

@@ -12,6 +12,10 @@ namespace {
 
 bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
+bool are_neighbours(const Model& model, BodyId one, BodyId other) {
+  return one != ground && other != ground && (model[one].parent == other || model[other].parent == one);
+}
+
 bool holds(const std::vector<BodyId>& set, BodyId body) {
   return set.empty() || std::find(set.begin(), set.end(), body) != set.end();
 }
@@ -53,16 +57,21 @@ void Model::add_contact_rule(ContactRule rule) {
   contact_rules_.push_back(std::move(rule));
 }
 
-ContactLaw Model::contact_law(BodyId one, BodyId other) const {
-  const auto neighbours = [this](BodyId a, BodyId b) { return a != ground && (*this)[a].parent == b; };
-  ContactLaw law;
-  law.off = (one != ground && other != ground) && (neighbours(one, other) || neighbours(other, one));
-  const bool near = law.off;
+const ContactRule* Model::contact_rule(BodyId one, BodyId other) const {
+  const bool near = are_neighbours(*this, one, other);
+  const ContactRule* found = nullptr;
   for (const ContactRule& rule : contact_rules_) {
-    const bool named = !rule.one.empty() && !rule.other.empty();
-    if (near && !named && !rule.law.off) continue;
-    if ((holds(rule.one, one) && holds(rule.other, other)) || (holds(rule.one, other) && holds(rule.other, one))) law = rule.law;
+    const bool names_both = !rule.one.empty() && !rule.other.empty();
+    if (near && !names_both && !rule.law.off) continue;
+    if ((holds(rule.one, one) && holds(rule.other, other)) || (holds(rule.one, other) && holds(rule.other, one))) found = &rule;
   }
+  return found;
+}
+
+ContactLaw Model::contact_law(BodyId one, BodyId other) const {
+  if (const ContactRule* const rule = contact_rule(one, other)) return rule->law;
+  ContactLaw law;
+  law.off = are_neighbours(*this, one, other);
   return law;
 }
 

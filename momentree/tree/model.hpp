@@ -108,8 +108,10 @@ class Model {
   /// friction, a restitution outside of 0 to 1, no such body.
   void add_contact_rule(ContactRule rule);
   const std::vector<ContactRule>& contact_rules() const { return contact_rules_; }
-  /// The rule for contacts between two bodies, or a body and the ground. Neighbours in the tree do not touch unless a rule names
-  /// both.
+  /// The rule for contacts between two bodies, or a body and the ground; null: none applies. To neighbours in the tree only rules
+  /// apply that name both, or that are off.
+  const ContactRule* contact_rule(BodyId one, BodyId other) const;
+  /// Its law. Without a rule the default law, and neighbours do not touch.
   ContactLaw contact_law(BodyId one, BodyId other) const;
 
   /// Reserves space for that many bodies in total.
