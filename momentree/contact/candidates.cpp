@@ -1,7 +1,9 @@
 #include <momentree/contact/candidates.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include <momentree/contact/indices.hpp>
 
@@ -152,12 +154,38 @@ struct Search {
     return true;
   }
 
+  // Edges of the other solid in the world, some at a time: every edge of the first one meets them.
+  struct WorldLine {
+    Line own;
+    Vec3 along, middle;
+  };
+  static constexpr std::size_t some = 64;
+
   void edges() const {
+    std::array<WorldLine, some> lines;
+    for (std::size_t first = 0; first < other.edges.size(); first += some) {
+      const std::size_t count = std::min(some, other.edges.size() - first);
+      for (std::size_t k = 0; k < count; ++k) {
+        const Line line = line_of(other, other.edges[first + k]);
+        lines[k] = {line, place_other.R * line.along, out_of(place_other, line.from + 0.5 * line.length * line.along)};
+      }
+      edges_before(lines, first, count);
+    }
+  }
+
+  void edges_before(const std::array<WorldLine, some>& lines, std::size_t first, std::size_t count) const {
     for (std::size_t i = 0; i < one.edges.size(); ++i) {
       const Line a = line_of(one, one.edges[i]);
-      for (std::size_t k = 0; k < other.edges.size(); ++k) {
-        const Line b = line_of(other, other.edges[k]);
-        const Vec3 la = place_one.R * a.along, lb = place_other.R * b.along, normal = cross(la, lb);
+      const Vec3 middle = out_of(place_one, a.from + 0.5 * a.length * a.along), la = place_one.R * a.along;
+      const double near = 0.5 * a.length + rounding() + within;
+      const Vec3 from_centre = middle - out_of(place_other, other.centre);
+      if (dot(from_centre, from_centre) > (near + other.reach) * (near + other.reach)) continue;
+      for (std::size_t n_other = 0; n_other < count; ++n_other) {
+        const std::size_t k = first + n_other;
+        const Line& b = lines[n_other].own;
+        const Vec3 between = middle - lines[n_other].middle;
+        if (const double far = near + 0.5 * b.length; dot(between, between) > far * far) continue;
+        const Vec3 &lb = lines[n_other].along, normal = cross(la, lb);
         const double sine = norm(normal);
         if (sine < parallel) continue;
         Features f{FeaturePair::line_line, a.from, a.along, b.from, b.along};
@@ -182,8 +210,78 @@ struct Search {
 
 }  // namespace
 
+double tilt_of(const Solid& cylinder, const Place& place, const Vec3& normal) {
+  return norm(cross(place.R * normalized(cylinder.ends[1] - cylinder.ends[0]), normal));
+}
+
+namespace {
+
+// A cylinder on a plane touches it with the lowest points of its ends, one that stands on it with points around its rim.
+void cylinder_on_plane(const Solid& solid, const Place& place, const Vec3& point, const Vec3& normal, const Place& of_plane,
+                       double within, std::vector<Candidate>& out) {
+  const Vec3 axis = normalized(solid.ends[1] - solid.ends[0]);
+  const bool stands = solid.rim * tilt_of(solid, place, of_plane.R * normal) < standing;
+  Vec3 across[2];
+  perpendiculars(axis, across);
+  for (std::size_t end = 0; end < 2; ++end) {
+    Features f{FeaturePair::circle_plane, solid.ends[end], axis, point, normal};
+    f.rim = solid.rim;
+    if (!stands) {
+      const double gap = touch(f, place, of_plane).gap;
+      if (gap < within) out.push_back({f, false, id_of(f.pair, false, end, 0), gap});
+      continue;
+    }
+    // All of them as low as the lowest: together they are one contact.
+    const double gap = touch(f, place, of_plane).gap;
+    if (!(gap < within)) continue;
+    f.pair = FeaturePair::point_plane, f.line_a = {}, f.rim = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+      const double angle = static_cast<double>(k) * std::numbers::pi / 4;
+      f.point_a = solid.ends[end] + solid.rim * (std::cos(angle) * across[0] + std::sin(angle) * across[1]);
+      out.push_back({f, false, id_of(f.pair, false, 8 * end + k, 0), gap});
+    }
+  }
+}
+
+// A ball, the first solid unless they are swapped, before the side, an end or a rim of a cylinder.
+void ball_before_cylinder(const Solid& ball, const Place& of_ball, const Solid& cylinder, const Place& of_cylinder, bool swapped,
+                          double within, std::vector<Candidate>& out) {
+  const Vec3 axis = normalized(cylinder.ends[1] - cylinder.ends[0]), p = into(of_cylinder, out_of(of_ball, ball.vertices[0]));
+  const double from_low = dot(axis, p - cylinder.ends[0]), from_high = dot(axis, p - cylinder.ends[1]);
+  const double beyond = std::max(-from_low, from_high), aside = norm(p - cylinder.ends[0] - from_low * axis) - cylinder.rim;
+  const std::size_t end = -from_low > from_high ? 0 : 1;
+  Features f;
+  f.point_a = ball.vertices[0], f.radius_a = ball.radius, f.line_b = axis;
+  if (beyond > 0 && aside > 0) {
+    f.pair = FeaturePair::point_circle, f.point_b = cylinder.ends[end], f.rim = cylinder.rim;
+  } else if (beyond > aside) {
+    f.pair = FeaturePair::point_plane, f.point_b = cylinder.ends[end], f.line_b = end == 0 ? -axis : axis;
+  } else {
+    f.pair = FeaturePair::point_line, f.point_b = cylinder.ends[0], f.radius_b = cylinder.rim;
+  }
+  const double gap = touch(f, of_ball, of_cylinder).gap;
+  if (gap < within) out.push_back({f, swapped, id_of(f.pair, swapped, 0, end), gap});
+}
+
+// True if all of a solid is farther than `within` above a face of another one.
+bool is_above_a_face(const Solid& solid, const Place& place, const Solid& other, const Place& of_other, double within) {
+  const Vec3 from = transpose_times(place.R, of_other.r - place.r);
+  for (const Solid::Face& face : solid.faces) {
+    const Vec3 normal = transpose_times(of_other.R, place.R * face.normal);
+    const double least = within + solid.radius + other.radius + face.offset - dot(face.normal, from);
+    const auto near = [&](const Vec3& v) { return dot(normal, v) <= least; };
+    if (std::none_of(other.vertices.begin(), other.vertices.end(), near)) return true;
+  }
+  return false;
+}
+
+bool is_ball(const Solid& solid) { return solid.vertices.size() == 1; }
+
+}  // namespace
+
 void face_plane(const Solid& solid, const Place& place, const Vec3& point, const Vec3& normal, const Place& of_plane,
                 double within, std::vector<Candidate>& out) {
+  if (solid.rim > 0) return cylinder_on_plane(solid, place, point, normal, of_plane, within, out);
   for (std::size_t i = 0; i < solid.vertices.size(); ++i) {
     const Features f{FeaturePair::point_plane, solid.vertices[i], {}, point, normal, solid.radius, 0};
     const double gap = touch(f, place, of_plane).gap;
@@ -195,6 +293,10 @@ void face_each_other(const Solid& one, const Place& place_one, const Solid& othe
                      std::vector<Candidate>& out) {
   const Vec3 apart = out_of(place_one, one.centre) - out_of(place_other, other.centre);
   if (norm(apart) > one.reach + other.reach + within) return;
+  if (is_ball(one) && other.rim > 0) return ball_before_cylinder(one, place_one, other, place_other, false, within, out);
+  if (is_ball(other) && one.rim > 0) return ball_before_cylinder(other, place_other, one, place_one, true, within, out);
+  if (is_above_a_face(one, place_one, other, place_other, within) || is_above_a_face(other, place_other, one, place_one, within))
+    return;
   std::vector<Vec3> scratch;
   const Search search{one, other, place_one, place_other, within, out, scratch};
   search.vertices(false);

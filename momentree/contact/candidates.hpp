@@ -13,12 +13,17 @@ struct Candidate {
   Features features;
   bool swapped = false;  ///< body a of `features` is that of the second solid
   std::uint64_t id = 0;
-  double gap = 0;  ///< m
+  double gap = 0;  ///< m; of points around the rim of a cylinder that stands on its end, that of the lowest
 };
 
 /// A half-space below a plane of the second body's frame: all points of the first solid with a gap below `within`.
 void face_plane(const Solid& solid, const Place& place, const Vec3& point, const Vec3& normal, const Place& of_plane,
                 double within, std::vector<Candidate>& out);
+
+/// A cylinder whose rim is higher on one side by less than twice this stands on its end (m).
+inline constexpr double standing = 1e-9;
+/// Sine of the angle between the axis of a cylinder and a normal, in the world.
+double tilt_of(const Solid& cylinder, const Place& place, const Vec3& normal);
 
 /// All pairs of features with a gap below `within`: vertices before faces, edges that cross, and for rounded solids also vertices
 /// before edges and vertices. The solids overlap by little at most.

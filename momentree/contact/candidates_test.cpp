@@ -169,3 +169,98 @@ TEST_CASE("solids: every vertex faces a plane") {
   REQUIRE(found.size() == 1);
   CHECK(found[0].gap == 0);
 }
+
+TEST_CASE("solids: hulls of points on a grid, given twice, and in any order") {
+  Prng random(6);
+  for (int k = 0; k < 60; ++k) {
+    const int n = random.integer(1, 4);
+    std::vector<Vec3> points;
+    for (int x = 0; x <= n; ++x)
+      for (int y = 0; y <= n; ++y)
+        for (int z = 0; z <= n; ++z) points.insert(points.end(), 2, Vec3{double(x), double(y), double(z)});
+    for (std::size_t i = points.size() - 1; i > 0; --i) {
+      const int j = random.integer(0, static_cast<int>(i));
+      std::swap(points[i], points[static_cast<std::size_t>(j)]);
+    }
+    const Mat3 R = rotation_matrix(random.rotation());
+    for (Vec3& p : points) p = R * p;
+    const Solid solid = hull(points);
+    CHECK(volume(solid) == doctest::Approx(n * n * n));
+    for (const Solid::Face& face : solid.faces)
+      for (const Vec3& p : points) CHECK(dot(face.normal, p) <= face.offset + 1e-11);
+  }
+}
+
+TEST_CASE("solids: hulls reach as far as their points in every direction") {
+  Prng random(9);
+  for (int k = 0; k < 100; ++k) {
+    std::vector<Vec3> points;
+    for (int i = random.integer(4, 2000); i > 0; --i)
+      points.push_back(random.chance(0.5) ? random.direction() : random.vector(1));
+    const Solid whole = hull(points);
+    double beyond = 0;
+    const Solid part = hull_within(points, 20, 1e-6, beyond);
+    CHECK(part.vertices.size() <= 20);
+    for (int i = 0; i < 50; ++i) {
+      const Vec3 n = random.direction();
+      const auto reach = [&](const std::vector<Vec3>& of) {
+        double most = -HUGE_VAL;
+        for (const Vec3& p : of) most = std::max(most, dot(n, p));
+        return most;
+      };
+      CHECK(std::fabs(reach(whole.vertices) - reach(points)) < 1e-12);
+    }
+    for (const Solid::Face& face : part.faces)
+      for (const Vec3& p : points) CHECK(dot(face.normal, p) <= face.offset + beyond + 3e-6);
+  }
+}
+
+TEST_CASE("solids: a cylinder stands on eight points, lies on two and touches with one") {
+  const Solid can = cylinder(0.5, 2);
+  std::vector<Candidate> found;
+  Place a, b;
+  a.r = {0, 0, 1};
+  face_plane(can, a, {}, {0, 0, 1}, b, 0.1, found);
+  CHECK(found.size() == 8);
+  for (const Candidate& c : found) CHECK(std::fabs(c.gap) < 1e-15);
+  found.clear();
+  a.r.z = 0.5, a.R = rotation_matrix(from_axis_angle({1, 0, 0}, std::acos(0.0)));
+  face_plane(can, a, {}, {0, 0, 1}, b, 0.1, found);
+  CHECK(found.size() == 2);
+  for (const Candidate& c : found) CHECK(std::fabs(c.gap) < 1e-15);
+  found.clear();
+  a.R = rotation_matrix(from_axis_angle({1, 0, 0}, 0.5)), a.r.z = std::cos(0.5) + 0.5 * std::sin(0.5);
+  face_plane(can, a, {}, {0, 0, 1}, b, 0.1, found);
+  REQUIRE(found.size() == 1);
+  CHECK(std::fabs(found[0].gap) < 1e-15);
+  CHECK(std::fabs(volume(can) / (3.14159265358979323846 * 0.5) - 1) < 0.01);
+}
+
+TEST_CASE("solids: the distance of a ball from a cylinder is that of a point from a rectangle") {
+  Prng random(10);
+  for (int k = 0; k < 3000; ++k) {
+    const double radius = random.uniform(0.1, 1);
+    const double length = random.uniform(0.1, 2);
+    const double r = random.uniform(0.01, 0.5);
+    const Pose at(random.vector(0.5), random.rotation());
+    Place a, b;
+    a.R = rotation_matrix(random.rotation()), b.R = rotation_matrix(random.rotation());
+    a.r = random.vector(2), b.r = random.vector(0.5);
+    const Vec3 centre = random.vector(0.2);
+    const Vec3 p = rotation_matrix(conjugate(at.rotation)) * (transpose_times(b.R, a.r + a.R * centre - b.r) - at.position);
+    const double aside = std::hypot(p.x, p.y) - radius, above = std::fabs(p.z) - length / 2;
+    if (aside < 0 && above < 0) continue;
+    const double expected = std::hypot(std::max(aside, 0.0), std::max(above, 0.0)) - r;
+    for (const bool swapped : {false, true}) {
+      const Solid ball = sphere(r, Pose(centre)), can = cylinder(radius, length, at);
+      std::vector<Candidate> found;
+      if (swapped)
+        face_each_other(can, b, ball, a, 9, found);
+      else
+        face_each_other(ball, a, can, b, 9, found);
+      REQUIRE(found.size() == 1);
+      CHECK(found[0].swapped == swapped);
+      CHECK(std::fabs(found[0].gap - expected) < 1e-14);
+    }
+  }
+}

@@ -81,6 +81,26 @@ Touch touch(const Features& f, const Place& a, const Place& b) noexcept {
       surface = pa + at.s * la, surface_rate = va + at.s_rate * la + at.s * la_rate;
       break;
     }
+    case FeaturePair::circle_plane: {
+      const Vec3 axis = a.R * f.line_a, axis_rate = cross(a.w, axis);
+      out.normal = b.R * f.line_b;
+      out.normal_rate = cross(b.w, out.normal);
+      // By vector products: perpendicular to the axis also where it is nearly normal to the plane.
+      const Vec3 level = cross(axis, out.normal), level_rate = cross(axis_rate, out.normal) + cross(axis, out.normal_rate);
+      Direction down = direction_of(cross(axis, level), cross(axis_rate, level) + cross(axis, level_rate));
+      if (!(down.length > 0)) perpendiculars(axis, out.tangent), down.n = out.tangent[0];
+      surface = pa + f.rim * down.n, surface_rate = va + f.rim * down.rate;
+      out.gap = dot(out.normal, surface - pb);
+      break;
+    }
+    case FeaturePair::point_circle: {
+      const Vec3 axis = b.R * f.line_b, axis_rate = cross(b.w, axis), from = pa - pb, from_rate = va - vb;
+      const double s = dot(axis, from), s_rate = dot(axis_rate, from) + dot(axis, from_rate);
+      const Direction out_from = direction_of(from - s * axis, from_rate - s_rate * axis - s * axis_rate);
+      const Direction d = direction_of(from - f.rim * out_from.n, from_rate - f.rim * out_from.rate);
+      out.normal = d.n, out.normal_rate = d.rate, out.gap = d.length;
+      break;
+    }
   }
   out.gap -= f.radius_a + f.radius_b;
   out.point = surface - f.radius_a * out.normal;

@@ -10,7 +10,9 @@ enum class FeaturePair : unsigned char {
   point_plane,  ///< a point of body a, a plane of body b
   point_point,
   point_line,  ///< a point of body a, a line of body b
-  line_line
+  line_line,
+  circle_plane,  ///< the lowest point of a circle of body a, a plane of body b
+  point_circle   ///< a point of body a, a circle of body b
 };
 
 /// Two features, each in the frame of its body.
@@ -20,6 +22,7 @@ struct Features {
   Vec3 point_b{}, line_b{};           ///< of body b: a point, and the unit vector along a line or normal to a plane, outward
   double radius_a = 0, radius_b = 0;  ///< m
   double side = 1;                    ///< of line_line: the sign with which side·(line_a × line_b) points from b to a
+  double rim = 0;                     ///< radius of a circle, whose centre is the point and whose axis is the line (m)
 };
 
 /// Pose and velocity of a body's frame, in world axes.

@@ -45,16 +45,22 @@ TEST_CASE("contact features: gap, point and normal move as their rates say") {
   Prng random(7);
   for (int k = 0; k < 2000; ++k) {
     Features f;
-    f.pair = static_cast<FeaturePair>(random.integer(0, 3));
+    f.pair = static_cast<FeaturePair>(random.integer(0, 5));
+    const bool on_plane = f.pair == FeaturePair::point_plane || f.pair == FeaturePair::circle_plane;
     f.point_a = random.vector(1), f.point_b = random.vector(1);
     f.line_a = random.direction(), f.line_b = random.direction();
-    f.radius_a = random.uniform(0, 0.5), f.radius_b = f.pair == FeaturePair::point_plane ? 0 : random.uniform(0, 0.5);
+    f.radius_a = random.uniform(0, 0.5), f.radius_b = on_plane ? 0 : random.uniform(0, 0.5);
+    if (f.pair == FeaturePair::circle_plane || f.pair == FeaturePair::point_circle) f.rim = random.uniform(0.1, 1);
+    if (f.pair == FeaturePair::circle_plane) f.radius_a = 0;
     f.side = random.chance(0.5) ? 1 : -1;
     const Moving a = random_body(random), b = random_body(random);
     const auto at = [&](double t) { return touch(f, a.place(t), b.place(t)); };
     const Touch now = at(0);
     const Vec3 la = a.place(0).R * f.line_a, lb = b.place(0).R * f.line_b;
-    if (now.gap + f.radius_a + f.radius_b < 0.3 && f.pair != FeaturePair::point_plane && f.pair != FeaturePair::line_line)
+    if (now.gap + f.radius_a + f.radius_b < 0.3 && !on_plane && f.pair != FeaturePair::line_line) continue;
+    if (f.pair == FeaturePair::circle_plane && norm(cross(la, lb)) < 0.3) continue;
+    if (f.pair == FeaturePair::point_circle &&
+        norm(cross(lb, a.place(0).r + a.place(0).R * f.point_a - b.place(0).r - b.place(0).R * f.point_b)) < 0.3)
       continue;
     if (f.pair == FeaturePair::line_line && norm(cross(la, lb)) < 0.4) continue;
     CHECK(norm(now.normal) == doctest::Approx(1));
@@ -76,6 +82,29 @@ TEST_CASE("contact features: gap, point and normal move as their rates say") {
       CHECK(norm(cross(now.normal, qa - qb)) < 1e-10);
     }
     CHECK(std::fabs(dot(now.normal, relative_velocity(middle, pa, pb)) - rate) < 1e-6 * (1 + std::fabs(rate)));
+  }
+}
+
+TEST_CASE("contact features: the lowest point of a circle, and its distance from a point, against many of its points") {
+  Prng random(8);
+  for (int k = 0; k < 200; ++k) {
+    const Place a = random_body(random).place(0), b = random_body(random).place(0);
+    Features f{FeaturePair::circle_plane, random.vector(1), random.direction(), random.vector(1), random.direction()};
+    f.rim = random.uniform(0.1, 1);
+    Features near = f;
+    near.pair = FeaturePair::point_circle;
+    double lowest = HUGE_VAL, nearest = HUGE_VAL;
+    Vec3 of_a[2], of_b[2];
+    perpendiculars(f.line_a, of_a), perpendiculars(f.line_b, of_b);
+    for (int i = 0; i < 4000; ++i) {
+      const double angle = i * (3.14159265358979323846 / 2000), c = f.rim * std::cos(angle), s = f.rim * std::sin(angle);
+      const Vec3 on_a = a.r + a.R * (f.point_a + c * of_a[0] + s * of_a[1]);
+      const Vec3 on_b = b.r + b.R * (f.point_b + c * of_b[0] + s * of_b[1]);
+      lowest = std::min(lowest, dot(b.R * f.line_b, on_a - b.r - b.R * f.point_b));
+      nearest = std::min(nearest, norm(a.r + a.R * f.point_a - on_b));
+    }
+    CHECK(std::fabs(touch(f, a, b).gap - lowest) < 2e-6);
+    CHECK(std::fabs(touch(near, a, b).gap - nearest) < 2e-6);
   }
 }
 

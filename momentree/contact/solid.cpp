@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <set>
+#include <numbers>
 #include <utility>
 
 #include <momentree/contact/indices.hpp>
+#include <momentree/contact/quick_hull.hpp>
 
 namespace momentree::contact {
 
@@ -63,67 +65,6 @@ Solid::Face face_of(const std::vector<Vec3>& vertices, std::vector<int> corners)
   return face;
 }
 
-// Four points that are far from lying in a plane, or none.
-std::vector<int> first_tetrahedron(std::span<const Vec3> points, double size) {
-  const auto farthest = [&](auto distance) {
-    int best = 0;
-    for (std::size_t i = 1; i < points.size(); ++i)
-      if (distance(points[i]) > distance(points[at(best)])) best = static_cast<int>(i);
-    return best;
-  };
-  const int a = farthest([&](const Vec3& p) { return -p.x; });
-  const Vec3 pa = points[at(a)];
-  const int b = farthest([&](const Vec3& p) { return norm(p - pa); });
-  const Vec3 ab = points[at(b)] - pa;
-  if (!(norm(ab) > 1e-9 * size)) return {};
-  const int c = farthest([&](const Vec3& p) { return norm(cross(p - pa, ab)); });
-  const Vec3 normal = cross(ab, points[at(c)] - pa);
-  if (!(norm(normal) > 1e-9 * size * size)) return {};
-  const int d = farthest([&](const Vec3& p) { return std::fabs(dot(p - pa, normal)); });
-  const double height = dot(points[at(d)] - pa, normal);
-  if (!(std::fabs(height) > 1e-9 * size * norm(normal))) return {};
-  return height > 0 ? std::vector{a, c, b, d} : std::vector{a, b, c, d};
-}
-
-// Points are added one by one: the faces that a point sees are replaced by triangles from their outline to the point.
-std::vector<std::array<int, 3>> triangles_of_hull(std::span<const Vec3> points, double size) {
-  const std::vector<int> start = first_tetrahedron(points, size);
-  if (start.empty()) return {};
-  struct Triangle {
-    std::array<int, 3> corners;
-    Vec3 normal;
-    double offset;
-  };
-  const auto make = [&](int a, int b, int c) {
-    const Vec3 n = normalized(cross(points[at(b)] - points[at(a)], points[at(c)] - points[at(a)]));
-    return Triangle{{a, b, c}, n, dot(n, points[at(a)])};
-  };
-  const int a = start[0], b = start[1], c = start[2], d = start[3];
-  std::vector<Triangle> all{make(a, b, c), make(a, d, b), make(b, d, c), make(c, d, a)};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    std::set<std::pair<int, int>> outline;
-    std::vector<Triangle> kept;
-    for (const Triangle& t : all) {
-      if (dot(t.normal, points[i]) - t.offset <= 1e-12 * size) {
-        kept.push_back(t);
-        continue;
-      }
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::pair side{t.corners[k], t.corners[(k + 1) % 3]};
-        if (outline.erase({side.second, side.first}) == 0) outline.insert(side);
-      }
-    }
-    for (const auto& [from, to] : outline) {
-      const Vec3 n = cross(points[at(to)] - points[at(from)], points[i] - points[at(from)]);
-      if (norm(n) > 0) kept.push_back(make(from, to, static_cast<int>(i)));
-    }
-    all = std::move(kept);
-  }
-  std::vector<std::array<int, 3>> corners;
-  for (const Triangle& t : all) corners.push_back(t.corners);
-  return corners;
-}
-
 }  // namespace
 
 Solid sphere(double radius, const Pose& at_pose) {
@@ -153,17 +94,42 @@ Solid box(const Vec3& size, const Pose& at_pose) {
   return solid;
 }
 
-Solid hull(std::span<const Vec3> points) {
+Solid cylinder(double radius, double length, const Pose& at_pose) {
   Solid solid;
-  if (points.size() < 4) return solid;
-  double size = 0;
-  for (const Vec3& p : points) size = std::max(size, norm(p - points[0]));
+  // Edges outside by as much as the sides are inside.
+  constexpr double step = 2 * std::numbers::pi / cylinder_sides;
+  const double edge = 2 * radius / (1 + std::cos(step / 2));
+  std::vector<int> low, high;
+  for (int k = 0; k < cylinder_sides; ++k) {
+    const Vec3 across{edge * std::cos(k * step), edge * std::sin(k * step), 0};
+    low.insert(low.begin(), 2 * k), high.push_back(2 * k + 1);
+    for (const double z : {-length / 2, length / 2}) solid.vertices.push_back(at_pose * (across + Vec3{0, 0, z}));
+    const int next = (k + 1) % cylinder_sides;
+    solid.faces.push_back({{}, 0, {2 * k, 2 * next, 2 * next + 1, 2 * k + 1}});
+  }
+  solid.faces.push_back({{}, 0, low}), solid.faces.push_back({{}, 0, high});
+  for (Solid::Face& face : solid.faces) face = face_of(solid.vertices, std::move(face.corners));
+  find_edges(solid);
+  find_reach(solid);
+  solid.rim = radius, solid.ends = {at_pose * Vec3{0, 0, -length / 2}, at_pose * Vec3{0, 0, length / 2}};
+  return solid;
+}
+
+Solid hull(std::span<const Vec3> points) {
+  double beyond = 0;
+  return hull_within(points, std::numeric_limits<std::size_t>::max(), 1e-12, beyond);
+}
+
+Solid hull_within(std::span<const Vec3> points, std::size_t most, double tolerance, double& beyond) {
+  Solid solid;
+  const Hull found = quick_hull(points, tolerance, most);
+  beyond = found.beyond;
   std::map<int, int> number;
-  for (std::array<int, 3> corners : triangles_of_hull(points, size)) {
+  for (std::array<int, 3> corners : found.triangles) {
     for (int& corner : corners) {
-      const auto [found, first] = number.try_emplace(corner, static_cast<int>(solid.vertices.size()));
+      const auto [known, first] = number.try_emplace(corner, static_cast<int>(solid.vertices.size()));
       if (first) solid.vertices.push_back(points[at(corner)]);
-      corner = found->second;
+      corner = known->second;
     }
     solid.faces.push_back(face_of(solid.vertices, {corners[0], corners[1], corners[2]}));
   }
@@ -171,6 +137,16 @@ Solid hull(std::span<const Vec3> points) {
   find_edges(solid);
   find_reach(solid);
   return solid;
+}
+
+double volume(const Solid& solid) {
+  double six = 0;
+  for (const Solid::Face& face : solid.faces)
+    for (std::size_t k = 2; k < face.corners.size(); ++k) {
+      const Vec3 &a = solid.vertices[at(face.corners[0])], &b = solid.vertices[at(face.corners[k - 1])];
+      six += dot(a - solid.centre, cross(b - solid.centre, solid.vertices[at(face.corners[k])] - solid.centre));
+    }
+  return six / 6;
 }
 
 }  // namespace momentree::contact

@@ -1,6 +1,6 @@
 #pragma once
 // Convex solids that can touch: a point, a line or a polyhedron, rounded by a radius. A sphere is a rounded point, a capsule a
-// rounded line, a box and a convex mesh are polyhedra.
+// rounded line, a box and a convex mesh are polyhedra. A cylinder is one, too, but touches planes and spheres as what it is.
 #include <array>
 #include <span>
 #include <vector>
@@ -27,8 +27,12 @@ struct Solid {
   Vec3 centre{};                         ///< of a sphere around everything
   double reach = 0;                      ///< and its radius
   double thickness = 0;                  ///< nothing that moves less than this passes through (m)
+  double rim = 0;                        ///< radius of a cylinder (m); 0: it is none
+  std::array<Vec3, 2> ends{};            ///< of a cylinder: the centres of its ends (m)
 
-  friend bool operator==(const Solid& a, const Solid& b) { return a.vertices == b.vertices && a.radius == b.radius; }
+  friend bool operator==(const Solid& a, const Solid& b) {
+    return a.vertices == b.vertices && a.radius == b.radius && a.rim == b.rim;
+  }
 };
 
 /// Solids with their centres at `at` in the body's frame. Sizes must be positive.
@@ -36,7 +40,15 @@ Solid sphere(double radius, const Pose& at = {});
 /// Along z, of that length between the centres of its caps.
 Solid capsule(double radius, double length, const Pose& at = {});
 Solid box(const Vec3& size, const Pose& at = {});
+/// Along z. Its polyhedron is a prism of `cylinder_sides` sides, which are as far inside of it as its edges are outside.
+Solid cylinder(double radius, double length, const Pose& at = {});
+inline constexpr int cylinder_sides = 16;
 /// The convex hull of points; without vertices if they lie in a plane.
 Solid hull(std::span<const Vec3> points);
+/// The hull of some of them: at most so many, and none that is closer to it than `tolerance` times its size. `beyond`: how far
+/// points are outside of it (m).
+Solid hull_within(std::span<const Vec3> points, std::size_t most, double tolerance, double& beyond);
+/// Of a polyhedron (m³).
+double volume(const Solid& solid);
 
 }  // namespace momentree::contact

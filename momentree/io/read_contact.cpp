@@ -77,53 +77,43 @@ std::vector<BodyId> bodies_of(const Value& value, Reading& reading) {
   return {};
 }
 
-contact::Solid solid_of(const Shape& shape) {
-  if (shape.kind == Shape::Kind::sphere) return contact::sphere(shape.radius, shape.at);
-  if (shape.kind == Shape::Kind::capsule) return contact::capsule(shape.radius, shape.length, shape.at);
-  return contact::box(shape.size, shape.at);
-}
-
-bool may_touch(const Shape& shape, Place place, Diagnostics& out) {
-  if (shape.kind == Shape::Kind::sphere || shape.kind == Shape::Kind::capsule) return true;
-  if (shape.kind == Shape::Kind::box) return shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0;
-  if (shape.kind == Shape::Kind::none) return false;  // reported already
-  const bool mesh = shape.kind == Shape::Kind::mesh;
-  not_supported_yet(place, mesh ? "collision: a mesh" : "collision: a cylinder", out, "use spheres, capsules and boxes");
-  return false;
-}
-
 }  // namespace
 
 constinit const KeyTable contact_table{"[[contact]]", "contact", "Friction and restitution of contacts", contact_entries};
 constinit const KeyTable floor_table{"floor", "", "A plane with the ground below it", floor_entries};
 
-std::vector<Shape> read_collision(const Value& value, const Shape& drawn, Reading& reading) {
-  std::vector<Shape> all;
+std::vector<contact::Solid> read_collision(const Value& value, const Shape& drawn, Reading& reading) {
+  std::vector<contact::Solid> all;
   const auto add = [&](const Shape& shape) {
-    Shape one = shape;
-    one.more.clear();
-    if (may_touch(one, value.place, reading.out)) all.push_back(std::move(one));
-    for (const Shape& more : shape.more)
-      if (may_touch(more, value.place, reading.out)) all.push_back(more);
+    if (shape.kind == Shape::Kind::none) return;  // reported already
+    auto solid = solid_of(
+        shape,
+        [&](const std::string& what, const std::string& hint) { reading.out.error(value.place, "collision: " + what, hint); },
+        [&](const std::string& what, const std::string& hint) { reading.out.warning(value.place, "collision: " + what, hint); });
+    if (solid) all.push_back(std::move(*solid));
+  };
+  const auto add_all = [&](const Shape& shape) {
+    add(shape);
+    for (const Shape& more : shape.more) add(more);
   };
   const std::string* const word = value.string();
   if (word == nullptr) {
-    add(read_shape(value, reading));
+    add_all(read_shape(value, reading));
   } else if (*word == "shape") {
     if (drawn.kind == Shape::Kind::none)
       reading.out.error(value.place, "collision: the body has no shape", "give it one, or a list of shapes as its collision");
     else
-      add(drawn);
+      add_all(drawn);
   } else if (*word != "none") {
     reading.out.error(value.place, "collision: expected shapes, \"shape\" or \"none\", not " + in_quotes(*word));
   }
   return all;
 }
 
-void add_colliders(BodyId body, const std::vector<Shape>& shapes, Model& model) {
-  for (const Shape& shape : shapes) {
+void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model& model) {
+  for (const contact::Solid& solid : solids) {
     Collider collider;
-    collider.body = body, collider.solid = solid_of(shape);
+    collider.body = body, collider.solid = solid;
     model.add_collider(std::move(collider));
   }
 }
@@ -153,7 +143,7 @@ void read_floor(const Value& value, Reading& reading) {
   fields.finish();
   if (errors != reading.out.errors()) return;
   model.add_collider(floor);
-  model.add_contact_rule(std::move(rule));
+  reading.floor_rule = std::move(rule);
 }
 
 void read_contact(const Value& table, Reading& reading) {
@@ -182,7 +172,7 @@ void check_contacts(Reading& reading) {
   if (const std::optional<Error> error = unfit_for_contact(scenario.model, scenario.integration.method))
     return reading.out.error({1, 1, 0}, error->problem, error->hint);
   if (!scenario.state_files.empty()) return;  // which say where bodies are
-  const std::optional<Overlap> worst = deepest_overlap(scenario.model);
+  const std::optional<Overlap> worst = overlap_between_models(reading);
   if (!worst) return;
   const auto place = reading.bodies.find(worst->one);
   char depth[40];

@@ -40,6 +40,9 @@ constexpr Key mechanism_entries[] = {
     {"joint", other(R"({"type": "object", "additionalProperties": @})", joint_override_table),
      "For joints of a model or a chain, by their names; a * matches all joints that support the key"},
     {"limits", boolean, "Whether the limits of the model file are stops", "false"},
+    {"collision", choice("file|none"),
+     "Whether the collision elements of the model file touch other bodies; default: if there is a floor, "
+     "a [[contact]], or a body with a collision"},
     {"mimic", other(R"({"anyOf": [{"const": "exact"}, {"const": "independent"}, @]})", mimic_table),
      "How joints that follow others according to the model file do so: exactly, not at all, or by a spring"},
 };
@@ -278,6 +281,16 @@ void read_mechanism(const Value& table, Reading& reading) {
   const auto limits = fields.boolean("limits",
                                      "true or false: whether the model's limits are used; give other limits to the joints: "
                                      "[mechanism.joint.elbow] with limits = { lower = …, upper = … }");
+  std::optional<bool> collision;
+  if (const auto word = fields.string("collision")) {
+    if (*word != "file" && *word != "none")
+      out.error(fields.place_of("collision"), "collision: expected \"file\" or \"none\", found " + in_quotes(*word),
+                did_you_mean(*word, {"file", "none"}));
+    collision = *word == "file";
+    if (!model)
+      out.warning(fields.place_of("collision"), "collision: only a model file has collision elements",
+                  "give the bodies their collision, or the chain a radius");
+  }
   std::optional<Mimic> mimic;
   if (const Value* spring = fields.find("mimic")) {
     if (const std::string* word = spring->string()) {
@@ -320,7 +333,7 @@ void read_mechanism(const Value& table, Reading& reading) {
   JointTables tables(model || chain ? joints : nullptr, model ? "model" : "chain", reading);
   if (model)
     read_model(*model, name,
-               {held, pose, state, limits, mimic, model->place, fields.place_of("root"), fields.place_of("limits"),
+               {held, pose, state, limits, mimic, collision, model->place, fields.place_of("root"), fields.place_of("limits"),
                 fields.place_of("mimic")},
                tables, errors, reading);
   else if (chain)

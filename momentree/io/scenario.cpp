@@ -127,6 +127,7 @@ void read_document(const Value& document, Reading& reading) {
       read_coupling(*coupling, reading);
     }
   }
+  add_model_colliders(document.find("contact") != nullptr, reading);
   if (const Value* contacts = fields.find("contact")) {
     for (const Value* contact : tables_of(*contacts, "contact", out)) {
       if (out.full()) break;

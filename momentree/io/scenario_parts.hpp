@@ -1,5 +1,6 @@
 #pragma once
 // The parts of a scenario file, one reader each. Internal to the reader: other code uses scenario.hpp.
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include <momentree/io/fields.hpp>
 #include <momentree/io/model/model_file.hpp>
 #include <momentree/io/scenario.hpp>
+#include <momentree/simulate/overlap.hpp>
 
 namespace momentree::io {
 
@@ -62,6 +64,16 @@ struct Reading {
     double time = 0;
   };
   std::vector<JointUse> joint_uses{};
+  /// Collision elements of model files: they count only if there is something else to touch, or the mechanism asks for them.
+  struct ModelColliders {
+    std::shared_ptr<Import> import;
+    std::string mechanism;
+    int first = 0;  ///< number of its first body
+    Place place{};
+    bool always = false;
+  };
+  std::vector<ModelColliders> model_colliders{};
+  std::optional<ContactRule> floor_rule{};
   std::vector<Place> coupling_places{};       ///< places of the scenario's couplings by springs
   std::vector<CouplingPlace> exact_places{};  ///< places of the model's exact couplings
   std::vector<LateEntry> late{};
@@ -90,7 +102,7 @@ struct Reading {
 struct BodyEntry {
   BodySpec spec;
   Shape shape;
-  std::vector<Shape> collision;  ///< what it touches with
+  std::vector<contact::Solid> collision;  ///< what it touches with
   const Value* table = nullptr;
   const Value* joint = nullptr;  ///< the joint's table, or null
   std::string bare_name, bare_joint, parent;
@@ -120,8 +132,9 @@ struct ModelChoice {
   Held held = Held::unsaid;
   Pose pose{};
   MechanismState state{};
-  std::optional<bool> limits{};  ///< whether the file's limits are used
-  std::optional<Mimic> mimic{};  ///< how joints follow others according to the file
+  std::optional<bool> limits{};     ///< whether the file's limits are used
+  std::optional<Mimic> mimic{};     ///< how joints follow others according to the file
+  std::optional<bool> collision{};  ///< whether its collision elements are used
   Place model_place{}, root_place{}, limits_place{}, mimic_place{};
 };
 
@@ -187,10 +200,18 @@ void read_force(const Value& table, Reading& reading);
 void read_spring(const Value& table, Reading& reading);
 
 /// The value of a body's `collision`. `drawn`: its shape.
-std::vector<Shape> read_collision(const Value& value, const Shape& drawn, Reading& reading);
-void add_colliders(BodyId body, const std::vector<Shape>& shapes, Model& model);
+std::vector<contact::Solid> read_collision(const Value& value, const Shape& drawn, Reading& reading);
+void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model& model);
+/// What a shape touches with, in the body's frame; nothing, with `refuse` told why, if it has no volume or cannot be read.
+/// `warn` is told where a mesh differs from its hull.
+using ToldOfShape = std::function<void(const std::string& what, const std::string& hint)>;
+std::optional<contact::Solid> solid_of(const Shape& shape, const ToldOfShape& refuse, const ToldOfShape& warn);
+/// Adds the collision elements of model files and their friction, then the floor's friction. `[[contact]]` comes after it.
+void add_model_colliders(bool rules, Reading& reading);
 void read_floor(const Value& value, Reading& reading);
 void read_contact(const Value& table, Reading& reading);
+/// The pair that overlaps most at the start. Pairs within one model file are let pass through each other, with a warning.
+std::optional<Overlap> overlap_between_models(Reading& reading);
 /// What can be checked only once the whole model is read.
 void check_contacts(Reading& reading);
 

@@ -186,6 +186,8 @@ const std::map<std::string, std::function<std::string(const std::string&)>>& enu
        [](const std::string& method) { return pinned + "[integrate]\nmethod = " + quoted(method) + "\n"; }},
       {d + "mechanism/properties/root",
        [](const std::string& root) { return head + "root = " + quoted(root) + "\n" + one_body.substr(head.size()); }},
+      {d + "mechanism/properties/collision",
+       [](const std::string& word) { return head + "collision = " + quoted(word) + "\n" + one_body.substr(head.size()); }},
       {d + "signal/properties/ends",
        [](const std::string& ends) {
          return pinned + "drive = { motion = { table = [[0, 0], [1, 1]], ends = " + quoted(ends) + " } }\n";

@@ -10,32 +10,71 @@
 namespace momentree {
 
 Contacts::Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how)
-    : world_(&world), evaluate_(&evaluate), tolerance_(tolerance), simultaneous_(how) {}
+    : world_(&world), evaluate_(&evaluate), tolerance_(tolerance), simultaneous_(how), pairs_(world.model_) {}
 Contacts::~Contacts() = default;
 
 bool Contacts::any() {
   if (world_->model_.colliders().empty()) return false;
   if (bodies_ != world_->model_.size()) find_pairs();
-  return !pairs_.empty();
+  return any_;
 }
 
+// Whether any two bodies can touch.
 void Contacts::find_pairs() {
   const Model& model = world_->model_;
   bodies_ = model.size();
   pairs_.clear();
+  any_ = false;
   const std::vector<Collider>& all = model.colliders();
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      if (all[i].plane || all[i].body == all[k].body || (!all[k].plane && k <= i)) continue;
-      // The ground is the second one.
-      const bool swap = all[i].body == ground;
-      const Collider &one = swap ? all[k] : all[i], &other = swap ? all[i] : all[k];
-      const ContactLaw law = model.contact_law(one.body, other.body);
-      if (law.off) continue;
-      const double thickness = other.plane ? HUGE_VAL : std::min(one.solid.thickness, other.solid.thickness);
-      const ContactRule* const rule = model.contact_rule(one.body, other.body);
-      pairs_.push_back({&one, &other, law, thickness, rule != nullptr ? rule->name : std::string()});
-    }
+  for (std::size_t i = 0; i < all.size() && !any_; ++i)
+    for (std::size_t k = 0; k < i && !any_; ++k)
+      any_ = all[i].body != all[k].body && !model.contact_law(all[i].body, all[k].body).off;
+}
+
+const Contacts::Pair& Contacts::Pairs::operator[](std::size_t number) const {
+  const auto found = known_.find(number);
+  if (found != known_.end()) return found->second;
+  const std::vector<Collider>& all = model_->colliders();
+  const Collider &first = all[number / all.size()], &second = all[number % all.size()];
+  // The ground is the second one.
+  const bool swap = first.body == ground;
+  const Collider &one = swap ? second : first, &other = swap ? first : second;
+  Pair pair{&one, &other, model_->contact_law(one.body, other.body), HUGE_VAL};
+  if (!other.plane) pair.thickness = std::min(one.solid.thickness, other.solid.thickness);
+  if (const ContactRule* const rule = model_->contact_rule(one.body, other.body)) pair.law_name = rule->name;
+  return known_.emplace(number, std::move(pair)).first->second;
+}
+
+// Pairs that can touch within h seconds, or are nearer than `margin` (m), in ascending order.
+const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
+  const std::vector<Collider>& all = world_->model_.colliders();
+  const double accelerated = norm(world_->model_.gravity()) * h;
+  balls_.clear(), solids_.clear(), near_.clear();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].plane || (all[i].body != ground && !world_->alive(all[i].body))) continue;
+    const contact::Place at = place(all[i].body.index);
+    const contact::Solid& solid = all[i].solid;
+    const Vec3 arm = at.R * solid.centre;
+    const double speed = 2 * (norm(at.v + cross(at.w, arm)) + norm(at.w) * solid.reach) + accelerated;
+    balls_.push_back({at.r + arm, solid.reach + speed * h + margin * std::max(1.0, norm(at.r))});
+    solids_.push_back(static_cast<int>(i));
+  }
+  const int count = static_cast<int>(all.size());
+  const auto add = [&](int one, int other) {
+    const int number = one * count + other;
+    if (all[static_cast<std::size_t>(one)].body == all[static_cast<std::size_t>(other)].body) return;
+    if (!pairs_[static_cast<std::size_t>(number)].law.off) near_.push_back(number);
+  };
+  for (const auto& [one, other] : broad_phase_.find(balls_))
+    add(solids_[static_cast<std::size_t>(one)], solids_[static_cast<std::size_t>(other)]);
+  for (int plane = 0; plane < count; ++plane) {
+    const Collider& floor = all[static_cast<std::size_t>(plane)];
+    if (!floor.plane) continue;
+    for (std::size_t i = 0; i < balls_.size(); ++i)
+      if (!(dot(floor.normal, balls_[i].centre - floor.point) > balls_[i].radius)) add(solids_[i], plane);
+  }
+  std::sort(near_.begin(), near_.end());
+  return near_;
 }
 
 contact::Place Contacts::place(int body) const {
@@ -70,14 +109,13 @@ Contact Contacts::contact_of(const Pair& pair, int number, const contact::Candid
 // All contacts that touch at present, whether they are closed or not.
 std::vector<Contact> Contacts::touching() {
   std::vector<Contact> all;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const Pair& pair = pairs_[i];
-    if (!pair.alive(*world_)) continue;
+  for (const int i : near_pairs(0, touching_within)) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     const double size = pair.size(*this);
     if (apart(pair) > touching_within * size) continue;
     found_candidates_.clear();
     candidates(pair, touching_within * size, found_candidates_);
-    for (const contact::Candidate& found : found_candidates_) all.push_back(contact_of(pair, static_cast<int>(i), found));
+    for (const contact::Candidate& found : found_candidates_) all.push_back(contact_of(pair, i, found));
   }
   return all;
 }
@@ -101,6 +139,21 @@ double Contacts::speed_bound(const Pair& pair) const {
   return norm(va - vb) + norm(a.w) * one.reach + (pair.other->plane ? 0.0 : norm(b.w) * other.reach);
 }
 
+// The lowest point of a cylinder's rim jumps to the other side where an end is parallel to the plane. A time in which the tilt
+// does not get that far, or infinity once the cylinder stands.
+double Contacts::time_to_stand(const Pair& pair, double acceleration) const {
+  const contact::Solid& solid = pair.one->solid;
+  const contact::Place a = place(pair.one->body.index);
+  const Vec3& n = pair.other->normal;
+  const double tilt = contact::tilt_of(solid, a, n);
+  if (solid.rim * tilt < contact::standing) return HUGE_VAL;
+  const Vec3 axis = a.R * normalized(solid.ends[1] - solid.ends[0]);
+  const double along = dot(n, axis), rate = -along * dot(n, cross(a.w, axis)) / tilt;  // of the tilt: its square is 1 − along²
+  const double falling = std::max(0.0, -rate), quicker = acceleration / solid.rim;
+  if (!(quicker > 0)) return falling > 0 ? 0.9 * tilt / falling : HUGE_VAL;
+  return (std::sqrt(falling * falling + 3.6 * tilt * quicker) - falling) / (2 * quicker);
+}
+
 // Negative where the solids of a pair overlap, apart from contacts that are closed; `within` if nothing is that near.
 Contacts::Gap Contacts::gap_of(int number, double within) const {
   const Pair& pair = pairs_[static_cast<std::size_t>(number)];
@@ -112,7 +165,7 @@ Contacts::Gap Contacts::gap_of(int number, double within) const {
     const contact::Place a = place(pair.one->body.index), b = place(pair.other->body.index);
     const contact::Place &first = c.swapped ? b : a, &second = c.swapped ? a : b;
     const contact::Touch touch = contact::touch(c.features, first, second);
-    least = {touch.gap, dot(touch.normal, contact::relative_velocity(touch, first, second))};
+    least = {c.gap, dot(touch.normal, contact::relative_velocity(touch, first, second))};
   }
   return least;
 }
@@ -121,9 +174,8 @@ std::span<const Watch> Contacts::watches(double& h) {
   watches_.clear(), conditions_.clear();
   const World& world = *world_;
   const double accelerated = norm(world.model_.gravity()) * h;  // what gravity may add to speeds within the step
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const Pair& pair = pairs_[i];
-    if (!pair.alive(world)) continue;
+  for (const int i : near_pairs(h, 0)) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     const double speed = 2 * speed_bound(pair) + 2 * accelerated, distance = apart(pair);
     if (distance > speed * h) continue;
     // Not farther than through a part of the thinner solid, so that its end is not beyond it. Above a plane not through an angle
@@ -133,9 +185,10 @@ std::span<const Watch> Contacts::watches(double& h) {
       longest = std::max(longest, 0.3 / norm(place(pair.one->body.index).w));
     else
       longest += 0.5 * std::min({pair.thickness, pair.one->solid.reach, pair.other->solid.reach}) / speed;
+    if (pair.one->solid.rim > 0 && pair.other->plane) longest = std::min(longest, time_to_stand(pair, accelerated / h));
     if (h > longest) h = std::max(longest, 1e-9 * h);
     const double within = std::isfinite(pair.thickness) ? 0.5 * pair.thickness + 1e-9 : pair.one->solid.reach;
-    conditions_.emplace_back(std::make_shared<PairGap>(*this, static_cast<int>(i), within), 0.0, false);
+    conditions_.emplace_back(std::make_shared<PairGap>(*this, i, within), 0.0, false);
   }
   const std::span<const Contact> closed = world.tree_.contacts();
   if (!closed.empty()) conditions_.emplace_back(std::make_shared<Hold>(*this), 0.0, true);
@@ -183,10 +236,10 @@ double Contacts::next_rest() const {
 std::optional<Overlap> Contacts::overlap() {
   if (!any()) return std::nullopt;
   std::optional<Overlap> worst;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const Pair& pair = pairs_[i];
-    if (!pair.alive(*world_) || apart(pair) > 0) continue;
-    const double depth = -gap_of(static_cast<int>(i), 0).value;
+  for (const int i : near_pairs(0, 0)) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
+    if (apart(pair) > 0) continue;
+    const double depth = -gap_of(i, 0).value;
     if (depth > overlapping * pair.size(*this) && (!worst || depth > worst->depth))
       worst = Overlap{name_of(pair.one->body.index), name_of(pair.other->body.index), depth};
   }

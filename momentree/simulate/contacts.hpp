@@ -8,9 +8,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include <momentree/contact/broad_phase.hpp>
 #include <momentree/contact/candidates.hpp>
 #include <momentree/contact/impact.hpp>
 #include <momentree/dynamics/contacts.hpp>
@@ -63,6 +65,17 @@ class Contacts {
     bool alive(const World& world) const;
     double size(const Contacts& all) const;  ///< of coordinates, for tolerances (m)
   };
+  // Pairs of colliders by number: that of the first one times the number of colliders, plus that of the second one.
+  class Pairs {
+   public:
+    explicit Pairs(const Model& model) : model_(&model) {}
+    const Pair& operator[](std::size_t number) const;
+    void clear() { known_.clear(); }
+
+   private:
+    const Model* model_;
+    mutable std::unordered_map<std::size_t, Pair> known_;  // those that were near so far
+  };
   struct Gap {
     double value, rate;
   };
@@ -72,10 +85,12 @@ class Contacts {
   static constexpr double rounding = 1e-13;
 
   void find_pairs();
+  const std::vector<int>& near_pairs(double h, double margin) const;
   contact::Place place(int body) const;
   void candidates(const Pair& pair, double within, std::vector<contact::Candidate>& out) const;
   double apart(const Pair& pair) const;
   double speed_bound(const Pair& pair) const;
+  double time_to_stand(const Pair& pair, double acceleration) const;
   Gap gap_of(int pair, double within) const;
   Vec3 slip_velocity(int contact) const;
   bool is_closed(int pair, std::uint64_t id) const;
@@ -98,8 +113,12 @@ class Contacts {
   Evaluator* evaluate_;
   double tolerance_;
   contact::Simultaneous simultaneous_;
-  int bodies_ = -1;  // of the model when pairs were listed
-  std::vector<Pair> pairs_;
+  int bodies_ = -1;  // of the model when pairs were looked for
+  bool any_ = false;
+  Pairs pairs_;
+  mutable contact::BroadPhase broad_phase_;
+  mutable std::vector<contact::Ball> balls_;
+  mutable std::vector<int> near_, solids_;
   std::vector<std::pair<int, double>> settling_;  // at this instant: pairs whose bounces end later, and when
   std::vector<Watch> watches_;
   std::vector<Condition> conditions_;

@@ -14,8 +14,8 @@ struct Overlap {
   double depth = 0;        ///< m
 };
 
-/// Colliders of a model at most: all pairs of them are looked at.
-inline constexpr std::size_t most_colliders = 600;
+/// Colliders of a model at most: pairs of them have a number of 31 bits.
+inline constexpr std::size_t most_colliders = 40'000;
 
 /// The pair of bodies that can touch and overlaps most at the start of the model, if any do. Throws Error where World does.
 std::optional<Overlap> deepest_overlap(const Model& model);

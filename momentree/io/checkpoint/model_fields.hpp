@@ -141,9 +141,9 @@ void fields(Archive& archive, Part<Archive, Loop>& l) {
 template <class Archive>
 void fields(Archive& archive, Part<Archive, contact::Features>& f) {
   auto pair = static_cast<unsigned>(f.pair);
-  archive(pair, f.point_a, f.line_a, f.point_b, f.line_b, f.radius_a, f.radius_b, f.side);
+  archive(pair, f.point_a, f.line_a, f.point_b, f.line_b, f.radius_a, f.radius_b, f.side, f.rim);
   if constexpr (!Archive::writes) {
-    archive.require(pair <= static_cast<unsigned>(contact::FeaturePair::line_line));
+    archive.require(pair <= static_cast<unsigned>(contact::FeaturePair::point_circle));
     f.pair = static_cast<contact::FeaturePair>(pair);
   }
 }

@@ -74,7 +74,9 @@ constexpr Mistake mistakes_in_models[] = {
     {"[[mechanism.body]]", "velocity linearvelocity angularvelocity v omega speed", "",
      "bodies move with their joints: speed or v in [mechanism.body.joint]"},
     {"[[mechanism.body]]", "fixed static", "", "write kind = \"weld\" in its joint; a root body without a joint is fixed anyway"},
-    {"[[mechanism.body]]", "collider colliders contact", "", "contact is not supported yet"},
+    {"[[mechanism.body]]", "collider colliders collisions", "collision", "collision = { box = [1, 0.1, 0.1] }, or \"shape\"",
+     false},
+    {"[[mechanism.body]]", "contact", "", "bodies touch with their collision; [[contact]] gives pairs their friction"},
 
     {"[mechanism.body.joint]", "id label", "name", "name = \"elbow\""},
     {"[mechanism.body.joint]|change|attach|[[loop]]", "type jointtype class", "kind", "kind = \"revolute\""},

@@ -223,6 +223,7 @@ class BodyReader {
     body.spec.com = mass.com;
     body.spec.inertia = mass.inertia;
     const auto drawn = [](const Shape& shape) { return shape.kind != Shape::Kind::mesh || shape.source; };
+    body.collision = std::move(collision_), body.friction = friction_;
     body.shapes = std::move(shapes_);
     if (std::none_of(body.shapes.begin(), body.shapes.end(), drawn))
       body.shapes.insert(body.shapes.end(), hidden_shapes_.begin(), hidden_shapes_.end());
@@ -260,6 +261,10 @@ class BodyReader {
       Geom geom = read_geom(child, childclass_, reading_);
       if (geom.without_inertia && !without_inertia_) without_inertia_ = child;
       if (geom.mass.mass > 0) masses_.push_back(geom.mass);
+      if (geom.shape.kind != Shape::Kind::none && geom.touches) {
+        collision_.push_back(geom.shape);
+        friction_ = std::max(friction_, geom.friction);
+      }
       if (geom.shape.kind != Shape::Kind::none) (geom.hidden ? hidden_shapes_ : shapes_).push_back(std::move(geom.shape));
     } else if (name == "inertial") {
       if (inertial_) return reading_.file_of(child).error({child}, "a second <inertial> in one body", "leave one of them out");
@@ -338,6 +343,8 @@ class BodyReader {
   Pose pose_{};
   std::vector<Joint> joints_;
   std::vector<Mass> masses_;
+  std::vector<Shape> collision_;
+  double friction_ = -1;                       ///< negative: nothing touches
   std::vector<Shape> shapes_, hidden_shapes_;  ///< the hidden ones are drawn if there are no others
   std::vector<XmlElement> inner_, sites_;
   XmlElement inertial_{}, without_inertia_{};

@@ -146,6 +146,13 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
   else if (const auto material = attributes.string("material"); material && reading.colours.contains(*material))
     geom.shape.colour = reading.colours.at(*material);
 
+  const double contype = attributes.number("contype").value_or(1), conaffinity = attributes.number("conaffinity").value_or(1);
+  geom.touches = contype != 0 || conaffinity != 0;
+  if (geom.touches && (contype != 1 || conaffinity != 1))
+    reading.file_of(element).once(Severity::note,
+                                  "contype and conaffinity of a geom count only if both are 0: it then touches nothing",
+                                  "[[contact]] with off = true lets bodies pass through each other", {element});
+  if (const auto friction = attributes.numbers("friction", 1, 3)) geom.friction = friction->front();
   const auto mass = attributes.not_negative("mass"), density = attributes.not_negative("density");
   const double group = attributes.number("group").value_or(0);
   geom.hidden = group >= 3;

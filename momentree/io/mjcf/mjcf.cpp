@@ -37,6 +37,20 @@ void leave_out(XmlElement section, const std::string& why, Reading& reading) {
     reading.file_of(each).once(Severity::note, each.tag() + " in " + section.tag() + " is ignored", why, {each});
 }
 
+// <exclude> in <contact>.
+void read_contacts(XmlElement contact, Reading& reading) {
+  for (const XmlElement each : children_of(contact, reading)) {
+    XmlFile& file = reading.file_of(each);
+    const auto one = each.find("body1"), other = each.find("body2");
+    if (each.name() != "exclude")
+      file.once(Severity::note, each.tag() + " in <contact> is ignored", "[[contact]] gives pairs their friction", {each});
+    else if (one && other)
+      reading.import.model.excluded.emplace_back(each.attribute(*one), each.attribute(*other));
+    else
+      file.error({each}, "<exclude> names two bodies", "body1 and body2");
+  }
+}
+
 void scale_mass(ImportedModel& model, double total) {
   double sum = 0;
   for (const ImportedBody& body : model.bodies) sum += body.spec.mass;
@@ -62,6 +76,7 @@ void name_joints(ImportedModel& model, Reading& reading) {
 
 void Mjcf::read(XmlElement mujoco, Import& import) {
   Reading reading{import};
+  import.model.friction_of_two = FrictionOfTwo::larger;
   if (const auto title = mujoco.find("model")) import.model.title = mujoco.attribute(*title);
   const std::vector<XmlElement> sections = children_of(mujoco, reading);
   // Sections that others refer to are read first, wherever they are.
@@ -85,7 +100,7 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
     } else if (tag == "equality") {
       equalities.push_back(each);
     } else if (tag == "contact") {
-      leave_out(each, "contact is not simulated", reading);
+      read_contacts(each, reading);
     } else if (tag == "tendon") {
       tendons.push_back(each);
     } else if (tag == "actuator" || tag == "sensor") {

@@ -76,14 +76,14 @@ TEST_CASE("MJCF: shapes are kept, with the colour of their material") {
 }
 
 TEST_CASE("MJCF: ignored elements are reported once, with their lines") {
-  const ReadResult result = read_scenario_text(
-      mujoco("<body name='a'>" + geom + "<joint name='j'/></body>", "",
-             "<contact><exclude/></contact>\n<tendon><fixed/>\n<fixed/></tendon>\n<actuator><muscle/></actuator>\n"
-             "<equality><weld body1='a' active='false'/></equality>"),
-      "m.xml");
+  const ReadResult result =
+      read_scenario_text(mujoco("<body name='a'>" + geom + "<joint name='j'/></body>", "",
+                                "<contact><exclude body1='a' "
+                                "body2='a'/></contact>\n<tendon><fixed/>\n<fixed/></tendon>\n<actuator><muscle/></actuator>\n"
+                                "<equality><weld body1='a' active='false'/></equality>"),
+                         "m.xml");
   REQUIRE(result.scenario);
   CHECK(said(result, Severity::note) ==
-        "m.xml:5:10: note: <exclude> in <contact> is ignored; contact is not simulated\n"
         "m.xml:6:9: note: <fixed> in <tendon> is ignored (lines 6 and 7)\n"
         "m.xml:8:11: note: <muscle> in <actuator> is ignored; an event's set = { joint, drive } drives a joint\n"
         "m.xml:9:11: note: <weld> in <equality> is left out: it is not active");

@@ -97,6 +97,8 @@ struct Geom {
   Mass mass{};
   Shape shape{};
   bool without_inertia = false;  ///< a mesh, whose inertia is not computed
+  bool touches = false;          ///< its contype or conaffinity is not 0
+  double friction = 1;           ///< coefficient of sliding
   bool hidden = false;           ///< in a group from 3 on, which is for collisions
 };
 Geom read_geom(XmlElement element, const std::string& childclass, Reading& reading);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <momentree/io/shape.hpp>
@@ -25,6 +26,8 @@ struct ImportedBody {
   bool floats = false;    ///< such a root is free, not fixed, unless `root` is given
   JointLimits limits{};   ///< as in the file; used if the mechanism requests it
   std::vector<Shape> shapes{};
+  std::vector<Shape> collision{};  ///< what it touches with
+  double friction = -1;            ///< coefficient of its contacts; negative: the file gives none
   BodySpots spots{};
 };
 
@@ -61,6 +64,9 @@ struct ImportedSpring {
 /// Files give dry friction without the speed over which it builds up (rad/s or m/s); this speed is used.
 inline constexpr double imported_friction_speed = 1e-2;
 
+/// Of two bodies with coefficients of their own, the file's format takes this one.
+enum class FrictionOfTwo { larger, smaller };
+
 struct ImportedModel {
   std::string title;  ///< the model's name in the file
   /// parents before their children; a deque, since the elements are large and should not be moved
@@ -69,6 +75,8 @@ struct ImportedModel {
   std::vector<Follower> followers;
   std::vector<ImportedSpring> springs;
   std::optional<Vec3> gravity;  ///< if the file has one (m/s²)
+  FrictionOfTwo friction_of_two = FrictionOfTwo::smaller;
+  std::vector<std::pair<std::string, std::string>> excluded;  ///< bodies that pass through each other
 };
 
 }  // namespace momentree::io

@@ -148,6 +148,11 @@ class Builder {
       const int base = frames_.look_up(scope, pose.relative_to, pose.location, "pose");
       if (base >= 0) body.shapes[shape].at = frames_.between(frame, base) * pose.pose;
     }
+    body.collision = part->collision, body.friction = part->friction;
+    for (const auto& [shape, pose] : part->placed_collision) {
+      const int base = frames_.look_up(scope, pose.relative_to, pose.location, "pose");
+      if (base >= 0) body.collision[shape].at = frames_.between(frame, base) * pose.pose;
+    }
     body_of_[link] = static_cast<int>(import_.model.bodies.size()) - 1;
     if (tree.joint[link] >= 0) {
       const auto j = static_cast<std::size_t>(tree.joint[link]);

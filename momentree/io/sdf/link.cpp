@@ -104,7 +104,8 @@ void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& f
       file.error({mesh}, "<mesh> has no <uri>");
   }
   fields.known_children({"empty"});
-  fields.leave_out({"ellipsoid", "plane", "heightmap", "polyline", "image", "cone"}, "pictures do not show it");
+  fields.leave_out({"ellipsoid", "plane", "heightmap", "polyline", "image", "cone"},
+                   "pictures do not show it, and it touches nothing");
   fields.finish();
 }
 
@@ -138,6 +139,42 @@ void read_visual(XmlElement visual, Version version, LinkPart& link, Import& imp
   if (shape.kind == Shape::Kind::none) return;
   if (!pose.relative_to.empty()) link.placed_shapes.emplace_back(link.shapes.size(), std::move(pose));
   link.shapes.push_back(std::move(shape));
+}
+
+// The coefficient of <surface>, or nothing.
+std::optional<double> read_surface(XmlElement surface, XmlFile& file) {
+  std::optional<double> friction;
+  Texts texts(surface, file);
+  if (const XmlElement element = texts.fields.child("friction")) {
+    Texts of(element, file);
+    if (const XmlElement ode = of.fields.child("ode")) {
+      Texts coefficients(ode, file);
+      friction = coefficients.not_negative("mu");
+      coefficients.fields.known_children({"mu2", "fdir1", "slip1", "slip2"});
+      coefficients.fields.finish();
+    }
+    of.fields.known_children({"bullet", "torsional"});
+    of.fields.finish();
+  }
+  texts.fields.known_children({"bounce", "contact", "soft_contact"});
+  texts.fields.finish();
+  return friction;
+}
+
+void read_collision(XmlElement collision, Version version, LinkPart& link, Import& import, XmlFile& file) {
+  XmlFields fields(collision, file);
+  fields.known({"name"});
+  Shape shape;
+  FramedPose pose = read_pose(fields, version, file);
+  shape.at = pose.pose;
+  if (const XmlElement geometry = fields.child("geometry")) read_geometry(geometry, shape, import, file);
+  if (const XmlElement surface = fields.child("surface"))
+    if (const auto friction = read_surface(surface, file)) link.friction = std::max(link.friction, *friction);
+  fields.known_children({"max_contacts", "laser_retro", "density", "auto_inertia_params"});
+  fields.finish();
+  if (shape.kind == Shape::Kind::none) return;
+  if (!pose.relative_to.empty()) link.placed_collision.emplace_back(link.collision.size(), std::move(pose));
+  link.collision.push_back(std::move(shape));
 }
 
 // Warns of settings by which a link moves differently than by masses and joints.
@@ -175,7 +212,7 @@ LinkPart read_link(XmlElement element, Version version, Import& import, XmlFile&
   for (const XmlElement visual : fields.children("visual")) read_visual(visual, version, link, import, file);
   warn_of_special(texts, file);
   fields.known_children({"self_collide", "enable_wind", "must_be_base_link"});
-  fields.leave_out({"collision"}, "contact is not simulated");
+  for (const XmlElement collision : fields.children("collision")) read_collision(collision, version, link, import, file);
   fields.leave_out({"sensor", "projector", "audio_sink", "audio_source", "battery", "light", "particle_emitter", "plugin"},
                    "it belongs to another program");
   fields.finish();

@@ -59,6 +59,9 @@ struct LinkPart {
   Sym3 inertia = diagonal(1);
   std::vector<Shape> shapes{};
   std::vector<std::pair<std::size_t, FramedPose>> placed_shapes{};  ///< shapes whose poses name a frame
+  std::vector<Shape> collision{};
+  std::vector<std::pair<std::size_t, FramedPose>> placed_collision{};  ///< of them, whose poses name a frame
+  double friction = -1;                                                ///< negative: none is given
   XmlElement element{}, inertial{};
 };
 

@@ -175,6 +175,17 @@ void read_visual(XmlElement visual, const Materials& materials, ImportedBody& bo
   if (shape.kind != Shape::Kind::none) body.shapes.push_back(std::move(shape));
 }
 
+void read_collision(XmlElement collision, ImportedBody& body, Import& import, XmlFile& file) {
+  XmlFields fields(collision, file);
+  fields.known({"name"});
+  fields.known_children({"verbose", "contact_coefficients"});
+  Shape shape;
+  shape.at = read_origin(fields, file);
+  if (const XmlElement geometry = fields.child("geometry")) read_geometry(geometry, shape, import, file);
+  fields.finish();
+  if (shape.kind != Shape::Kind::none) body.collision.push_back(std::move(shape));
+}
+
 }  // namespace
 
 ImportedBody read_link(XmlElement link, const Materials& materials, Import& import) {
@@ -189,7 +200,8 @@ ImportedBody read_link(XmlElement link, const Materials& materials, Import& impo
     read_inertial(inertial, body.spec, file);
   }
   for (const XmlElement visual : fields.children("visual")) read_visual(visual, materials, body, import, file);
-  fields.leave_out({"collision", "self_collision_checking", "collision_checking", "contact"}, "contact is not simulated");
+  for (const XmlElement collision : fields.children("collision")) read_collision(collision, body, import, file);
+  fields.leave_out({"self_collision_checking", "collision_checking", "contact"}, "[[contact]] tells what touches what");
   fields.finish();
   return body;
 }

@@ -132,7 +132,6 @@ TEST_CASE("URDF: ignored elements are reported once, with their lines") {
       "r.urdf");
   REQUIRE(result.scenario);
   CHECK(said(result, Severity::note) ==
-        "r.urdf:2:16: note: <collision> is ignored (lines 2 and 3); contact is not simulated\n"
         "r.urdf:4:75: note: unknown attribute 'D' of <dynamics> is ignored\n"
         "r.urdf:4:81: note: unknown attribute 'K' of <dynamics> is ignored\n"
         "r.urdf:5:1: note: <transmission> is ignored (lines 5 and 7); efforts act on joints directly\n"

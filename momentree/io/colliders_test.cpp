@@ -1,0 +1,189 @@
+// Meshes and collision elements of model files as colliders.
+#include <cmath>
+#include <fstream>
+
+#include <doctest/doctest.h>
+
+#include <momentree/io/test_support.hpp>
+#include <momentree/simulate/simulation.hpp>
+#include <tests/bad_input.hpp>
+
+using namespace momentree;
+using namespace momentree::io;
+using namespace momentree::io::bad_input;
+
+namespace {
+
+void write(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
+
+std::string warnings(const ReadResult& result) {
+  std::string text;
+  for (const Diagnostic& each : result.diagnostics)
+    if (each.severity == Severity::warning) text += each.message() + "\n";
+  return text;
+}
+
+// An OBJ file of a box from −half to half, with every corner twice.
+std::string box_mesh(const Vec3& half) {
+  std::string text;
+  for (int copy = 0; copy < 2; ++copy)
+    for (int i = 0; i < 8; ++i)
+      text += "v " + std::to_string((i & 1) != 0 ? half.x : -half.x) + " " + std::to_string((i & 2) != 0 ? half.y : -half.y) +
+              " " + std::to_string((i & 4) != 0 ? half.z : -half.z) + "\n";
+  text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n";
+  return text + "f 2 4 8 6\n";
+}
+
+const std::string a_floor = "format = 1\n[world]\nfloor = true\n";
+const std::string a_mesh_above =
+    "[[mechanism]]\nname = \"m\"\nroot = \"free\"\npose = { xyz = [0, 0, 1] }\n[[mechanism.body]]\nname = \"m\"\nmass = 1\n"
+    "inertia = [0.1, 0.1, 0.1]\n";
+
+std::string link(const std::string& name, const std::string& collision) {
+  return "<link name='" + name + "'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial>" + collision +
+         "</link>\n";
+}
+std::string collision(const std::string& geometry, const std::string& at = "0 0 0") {
+  return "<collision><origin xyz='" + at + "'/><geometry>" + geometry + "</geometry></collision>";
+}
+std::string revolute(const std::string& parent, const std::string& child, const std::string& at) {
+  return "<joint name='to_" + child + "' type='continuous'><parent link='" + parent + "'/><child link='" + child +
+         "'/><origin xyz='" + at + "'/><axis xyz='0 1 0'/></joint>\n";
+}
+
+// An arm of three links, whose first and last overlap, and a ball far out.
+std::string arm() {
+  const std::string ball = collision("<sphere radius='0.3'/>");
+  return "<robot name='arm'>\n" + link("base", ball) + link("mid", ball) + link("end", ball) +
+         link("out", collision("<cylinder radius='0.1' length='0.5'/>")) + revolute("base", "mid", "0 0 0.2") +
+         revolute("mid", "end", "0 0 0.2") + revolute("end", "out", "3 0 0") + "</robot>\n";
+}
+
+}  // namespace
+
+TEST_CASE("colliders: a mesh touches with its hull") {
+  test::TemporaryFolder folder;
+  write(folder / "box.obj", box_mesh({0.5, 0.25, 0.1}));
+  write(folder / "s.toml", a_floor + a_mesh_above + "collision = { mesh = \"box.obj\", scale = [1, 2, 1] }\n");
+  const ReadResult result = read_scenario(folder / "s.toml");
+  INFO(rendered(result.diagnostics));
+  REQUIRE(result.scenario);
+  CHECK(warnings(result) == "");
+  const Model& model = result.scenario->model;
+  REQUIRE(model.colliders().size() == 2);
+  CHECK(model.colliders()[1].solid.vertices.size() == 8);
+  CHECK(contact::volume(model.colliders()[1].solid) == doctest::Approx(1 * 1 * 0.2));
+  Simulation sim(model, {.step = 1e-2});
+  REQUIRE(sim.run_until(1));
+  CHECK(std::fabs(sim.world().motions()[0].pose.position.z - 0.1) < 1e-11);
+}
+
+TEST_CASE("colliders: meshes that are flat, not convex or have many corners are named") {
+  test::TemporaryFolder folder;
+  const auto read = [&](const std::string& mesh) {
+    write(folder / "m.obj", mesh);
+    write(folder / "s.toml", a_floor + a_mesh_above + "collision = { mesh = \"m.obj\" }\n");
+    return read_scenario(folder / "s.toml");
+  };
+  const ReadResult flat = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n");
+  CHECK(!flat.scenario);
+  CHECK(said(flat).find(": error: collision: the mesh 'm.obj' is flat; a collider has a volume: use a thin box") !=
+        std::string::npos);
+  // Two boxes, apart from each other.
+  std::string two = box_mesh({0.1, 0.1, 0.1});
+  for (int i = 0; i < 8; ++i)
+    two += "v " + std::to_string((i & 1) != 0 ? 1.1 : 0.9) + " " + std::to_string((i & 2) != 0 ? 0.1 : -0.1) + " " +
+           std::to_string((i & 4) != 0 ? 0.1 : -0.1) + "\n";
+  two += "f 17 19 20 18\nf 21 22 24 23\nf 17 18 22 21\nf 19 23 24 20\nf 17 21 23 19\nf 18 20 24 22\n";
+  const ReadResult concave = read(two);
+  REQUIRE(concave.scenario);
+  CHECK(warnings(concave).find("is not convex: its hull touches, of which it fills 33 %") != std::string::npos);
+  std::string round;
+  for (int i = 0; i < 500; ++i) {
+    const double z = -1 + i / 250.0, r = std::sqrt(1 - z * z);
+    round += "v " + std::to_string(r * std::cos(2.4 * i)) + " " + std::to_string(r * std::sin(2.4 * i)) + " " +
+             std::to_string(z) + "\n";
+  }
+  for (int i = 1; i < 499; ++i)
+    round += "f " + std::to_string(i) + " " + std::to_string(i + 1) + " " + std::to_string(i + 2) + "\n";
+  const ReadResult many = read(round);
+  CHECK(said(many).find("many corners: 64 of them touch") != std::string::npos);
+}
+
+TEST_CASE("colliders: collision elements of a model count where there is something to touch") {
+  test::TemporaryFolder folder;
+  write(folder / "arm.urdf", arm());
+  const std::string mechanism = "[[mechanism]]\nname = \"arm\"\nmodel = \"arm.urdf\"\npose = { xyz = [0, 0, 2] }\n";
+  const auto read = [&](const std::string& text) {
+    write(folder / "s.toml", text);
+    ReadResult result = read_scenario(folder / "s.toml");
+    INFO(rendered(result.diagnostics));
+    REQUIRE(result.scenario);
+    return result;
+  };
+  CHECK(read("format = 1\n" + mechanism).scenario->model.colliders().empty());
+  CHECK(read(a_floor + mechanism + "collision = \"none\"\n").scenario->model.colliders().size() == 1);
+  CHECK(read("format = 1\n" + mechanism + "collision = \"file\"\n").scenario->model.colliders().size() == 4);
+  const ReadResult on_floor = read(a_floor + mechanism);
+  const Model& model = on_floor.scenario->model;
+  REQUIRE(model.colliders().size() == 5);
+  CHECK(model.colliders()[4].solid.rim == 0.1);
+  const BodyId base = model.body("arm/base"), mid = model.body("arm/mid"), end = model.body("arm/end"),
+               out = model.body("arm/out");
+  CHECK(model.contact_law(base, ground).off);  // welded to it
+  CHECK(!model.contact_law(mid, ground).off);
+  CHECK(model.contact_law(base, mid).off);
+  CHECK(model.contact_law(base, end).off);  // they overlap at the start
+  CHECK(!model.contact_law(base, out).off);
+  CHECK(warnings(on_floor).find("'arm/base' and 'arm/end'") != std::string::npos);
+}
+
+TEST_CASE("colliders: friction and exclusions of SDF and MJCF files") {
+  test::TemporaryFolder folder;
+  const auto link_of = [](const std::string& name, const std::string& mu, const std::string& z) {
+    return "<link name='" + name + "'><pose>0 0 " + z +
+           " 0 0 0</pose><inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>"
+           "<collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry><surface><friction><ode><mu>" +
+           mu + "</mu></ode></friction></surface></collision></link>";
+  };
+  write(folder / "m.sdf",
+        "<sdf version='1.7'><model name='m'>" + link_of("a", "0.3", "1") + link_of("b", "0.7", "2") + "</model></sdf>");
+  write(folder / "m.xml",
+        "<mujoco><worldbody>"
+        "<body name='a' pos='0 0 1'><freejoint/><geom size='0.1' friction='0.3'/></body>"
+        "<body name='b' pos='0 0 2'><freejoint/><geom size='0.1' friction='0.7'/></body>"
+        "<body name='c' pos='0 0 3'><freejoint/><geom size='0.1'/><geom size='1' contype='0' conaffinity='0' mass='0'/></body>"
+        "</worldbody><contact><exclude body1='a' body2='c'/></contact></mujoco>");
+  for (const char* file : {"m.sdf", "m.xml"}) {
+    write(folder / "s.toml", "format = 1\n[world]\nfloor = { friction = 0.9 }\n[[mechanism]]\nname = \"m\"\nmodel = \"" +
+                                 std::string(file) + "\"\n");
+    const ReadResult result = read_scenario(folder / "s.toml");
+    CAPTURE(file);
+    INFO(rendered(result.diagnostics));
+    REQUIRE(result.scenario);
+    const Model& model = result.scenario->model;
+    const bool larger = std::string(file) == "m.xml";
+    CHECK(model.colliders().size() == (larger ? 4 : 3));
+    CHECK(model.contact_law(model.body("m/a"), model.body("m/b")).friction == (larger ? 0.7 : 0.3));
+    CHECK(model.contact_law(model.body("m/a"), ground).friction == 0.9);
+    if (larger) CHECK(model.contact_law(model.body("m/a"), model.body("m/c")).off);
+  }
+}
+
+TEST_CASE("colliders: robots of the repository above a floor") {
+  test::TemporaryFolder folder;
+  const std::string models = MOMENTREE_SOURCE_DIR "/scenarios/models/";
+  const std::pair<const char*, std::size_t> cases[] = {{"simple_humanoid/simple_humanoid.urdf", 1}, {"cassie/cassie_v2.sdf", 1}};
+  for (const auto& [file, least] : cases) {
+    write(folder / "s.toml", a_floor + "[[mechanism]]\nname = \"m\"\nlimits = false\nroot = \"free\"\nmodel = \"" + models +
+                                 file + "\"\npose = { xyz = [0, 0, 3] }\n");
+    const ReadResult result = read_scenario(folder / "s.toml");
+    CAPTURE(file);
+    INFO(rendered(result.diagnostics));
+    REQUIRE(result.scenario);
+    CHECK(result.scenario->model.colliders().size() > least);
+    Simulation sim(result.scenario->model, {.step = 1e-3});
+    REQUIRE(sim.run_until(0.01));
+    CHECK(std::fabs(sim.energy().error) < 1e-6);
+  }
+}

@@ -1,0 +1,152 @@
+// Collision elements of model files as colliders: which of them count, their friction, and pairs that do not touch.
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+#include <momentree/io/read_action.hpp>
+#include <momentree/io/scenario_parts.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+using Set = Reading::ModelColliders;
+
+// By body of the model: the first one of those that are welded together; −1: they are part of the ground.
+std::vector<int> rigid_groups(const Model& model, int first, int count) {
+  std::vector<int> group(static_cast<std::size_t>(count));
+  for (int b = 0; b < count; ++b) {
+    const BodySpec& spec = model[BodyId{first + b}];
+    int own = b;
+    if (spec.joint.kind == Kind::weld)
+      own = spec.parent == ground ? -1 : group[static_cast<std::size_t>(spec.parent.index - first)];
+    group[static_cast<std::size_t>(b)] = own;
+  }
+  return group;
+}
+
+void let_pass(Model& model, BodyId one, BodyId other) {
+  ContactRule rule;
+  rule.one = {one}, rule.other = {other}, rule.law.off = true;
+  model.add_contact_rule(std::move(rule));
+}
+
+// Friction of single bodies. Where two bodies have coefficients, the last rule counts.
+void add_friction(const ImportedModel& imported, int first, Model& model) {
+  std::map<double, std::vector<BodyId>> by_friction;
+  for (std::size_t b = 0; b < imported.bodies.size(); ++b)
+    if (imported.bodies[b].friction >= 0) by_friction[imported.bodies[b].friction].push_back({first + static_cast<int>(b)});
+  const auto add = [&](const auto& entry) {
+    ContactRule rule;
+    rule.one = entry.second;
+    rule.law.friction = rule.law.static_friction = entry.first;
+    model.add_contact_rule(std::move(rule));
+  };
+  if (imported.friction_of_two == FrictionOfTwo::larger)
+    std::for_each(by_friction.begin(), by_friction.end(), add);
+  else
+    std::for_each(by_friction.rbegin(), by_friction.rend(), add);
+}
+
+// Bodies that are welded together, neighbours across joints of such groups, and pairs that the file excludes.
+void add_exclusions(const ImportedModel& imported, int first, const std::vector<bool>& touches, Model& model) {
+  const int count = static_cast<int>(imported.bodies.size());
+  const std::vector<int> group = rigid_groups(model, first, count);
+  const auto group_of = [&](int b) { return b < 0 ? -1 : group[static_cast<std::size_t>(b)]; };
+  const auto parent_of = [&](int g) {
+    if (g < 0) return -2;
+    const BodyId parent = model[BodyId{first + g}].parent;
+    return parent == ground ? -1 : group_of(parent.index - first);
+  };
+  for (int b = 0; b < count; ++b) {
+    if (!touches[static_cast<std::size_t>(b)]) continue;
+    if (group_of(b) == -1) let_pass(model, {first + b}, ground);
+    for (int other = 0; other < b; ++other) {
+      if (!touches[static_cast<std::size_t>(other)]) continue;
+      const int g = group_of(b), h = group_of(other);
+      if (g == h || parent_of(g) == h || parent_of(h) == g) let_pass(model, {first + b}, {first + other});
+    }
+  }
+  for (const auto& [one, other] : imported.excluded) {
+    int numbers[2] = {-1, -1};
+    for (int b = 0; b < count; ++b) {
+      const std::string& name = imported.bodies[static_cast<std::size_t>(b)].spec.name;
+      if (name == one) numbers[0] = b;
+      if (name == other) numbers[1] = b;
+    }
+    if (numbers[0] >= 0 && numbers[1] >= 0) let_pass(model, {first + numbers[0]}, {first + numbers[1]});
+  }
+}
+
+}  // namespace
+
+void add_model_colliders(bool rules, Reading& reading) {
+  Model& model = reading.scenario.model;
+  const bool something =
+      rules || !model.colliders().empty() ||
+      std::any_of(reading.model_colliders.begin(), reading.model_colliders.end(), [](const Set& set) { return set.always; });
+  if (!something) reading.model_colliders.clear();
+  for (const Set& set : reading.model_colliders) {
+    const ImportedModel& imported = set.import->model;
+    std::vector<bool> touches;
+    int left_out = 0;
+    std::string first_left_out;
+    for (std::size_t b = 0; b < imported.bodies.size(); ++b) {
+      const ImportedBody& body = imported.bodies[b];
+      std::vector<contact::Solid> solids;
+      for (const Shape& shape : body.collision) {
+        const auto tell = [&](const std::string& what, const std::string& hint) {
+          reading.out.warning(set.place, "collision of " + in_quotes(set.mechanism + "/" + body.spec.name) + ": " + what, hint);
+        };
+        const auto leave_out = [&](const std::string& what, const std::string&) {
+          if (++left_out == 1) first_left_out = in_quotes(set.mechanism + "/" + body.spec.name) + ": " + what;
+        };
+        if (auto solid = solid_of(shape, leave_out, tell)) solids.push_back(std::move(*solid));
+      }
+      touches.push_back(!solids.empty());
+      add_colliders({set.first + static_cast<int>(b)}, solids, model);
+    }
+    if (left_out > 0)
+      reading.out.warning(set.place,
+                          std::to_string(left_out) +
+                              (left_out == 1 ? " collision element touches" : " collision elements touch") +
+                              " nothing, such as that of " + first_left_out,
+                          "collision = \"none\" in the mechanism leaves all of them out");
+    add_friction(imported, set.first, model);
+    add_exclusions(imported, set.first, touches, model);
+  }
+  if (reading.floor_rule) model.add_contact_rule(std::move(*reading.floor_rule));
+}
+
+std::optional<Overlap> overlap_between_models(Reading& reading) {
+  Model& model = reading.scenario.model;
+  constexpr int most_pairs = 300;
+  constexpr int shown = 3;
+  std::map<const Set*, std::pair<int, std::string>> left_out;
+  const auto set_of = [&](const std::string& name) -> const Set* {
+    for (const Set& set : reading.model_colliders)
+      if (mechanism_of(name) == set.mechanism) return &set;
+    return nullptr;
+  };
+  std::optional<Overlap> worst = deepest_overlap(model);
+  for (int k = 0; worst && k < most_pairs; ++k) {
+    const Set* const set = set_of(worst->one);
+    if (set == nullptr || set_of(worst->other) != set) break;
+    let_pass(model, model.body(worst->one), model.body(worst->other));
+    auto& [count, names] = left_out[set];
+    if (++count <= shown) names += (names.empty() ? "" : ", ") + in_quotes(worst->one) + " and " + in_quotes(worst->other);
+    worst = deepest_overlap(model);
+  }
+  for (const Set& set : reading.model_colliders) {
+    const auto found = left_out.find(&set);
+    if (found == left_out.end()) continue;
+    const auto& [count, names] = found->second;
+    reading.out.warning(set.place,
+                        "bodies of the model overlap at the start and pass through each other: " + names +
+                            (count > shown ? " and " + std::to_string(count - shown) + " more pairs" : ""),
+                        "[[contact]] with off = true says so");
+  }
+  return worst;
+}
+
+}  // namespace momentree::io
