@@ -1,5 +1,5 @@
 #pragma once
-// The shape of a body, for pictures only: it has no mass and no contact.
+// The shape of a body, for pictures, or for what it touches with. It has no mass.
 #include <memory>
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// Triangle meshes of model files, for pictures only.
+// Triangle meshes, for pictures and for what bodies touch with.
 #include <array>
 #include <cstdint>
 #include <string>
