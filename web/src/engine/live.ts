@@ -1,5 +1,6 @@
 // The motion of a world that runs: it grows, can be truncated, and has branches.
 import type { Topology, WorldTotals } from "../../../wasm/host.mjs";
+import { textOf } from "../contacts";
 import type { Model, Motion, Phase, RunEvent } from "../recording";
 import { lastNotAfter } from "../viewer/frames";
 import { withHistory } from "../viewer/joints";
@@ -49,7 +50,7 @@ export class LiveRecording implements Motion {
     return [...this.others].map(([number, { frames, events }]) => ({
       number,
       end: frames[frames.length - 1].time,
-      lastAction: events[events.length - 1]?.actions[0] ?? "no events",
+      lastAction: events.length > 0 ? (events[events.length - 1].actions[0] ?? textOf(events[events.length - 1])) : "no events",
     }));
   }
 

@@ -1,6 +1,7 @@
 // A world that runs in real time, in the worker: frames, snapshots to go back to, branches. It has no clock: the caller
 // passes the elapsed time to tick().
 import { jointSize, motionSize, status, type Engine, type Outcome, type World } from "../../../wasm/host.mjs";
+import { isContact } from "../contacts";
 import type { RunEvent } from "../recording";
 import type { ModelFile } from "../result_files";
 import { loadSize, type Frame, type FromWorker, type ToWorker, type UserAction } from "./messages";
@@ -10,6 +11,8 @@ const snapshotInterval = 0.25;
 const framesPerSecond = 60;
 /** The part of the page's frame time that the engine may use (s). */
 const budget = 0.012;
+/** A world that needs more than this for a thousandth of a frame does not get on (s). */
+const patience = 4;
 
 interface TimedSnapshot {
   readonly time: number;
@@ -59,6 +62,8 @@ export class Session {
   private step = 1e-3;
   private revision = -1;
   private eventsPosted = 0;
+  /** When the world last got on: its time, and how long it has computed since (s). */
+  private progress = { time: 0, seconds: 0 };
 
   constructor(
     private readonly engine: Engine,
@@ -130,8 +135,18 @@ export class Session {
       Math.max(Math.floor((from + this.due) / this.step + 1e-6), Math.floor(from / this.step + 1e-6) + 1) * this.step;
     const outcome = this.world.run(target, budget);
     this.due = outcome.status === status.interrupted ? 0 : Math.max(0, this.due - (this.world.time - from));
-    this.report((performance.now() - began) / 1000);
-    if (outcome.status === status.diverged || outcome.status === status.refused) this.stop(outcome.message);
+    const used = (performance.now() - began) / 1000;
+    this.report(used);
+    if (outcome.status === status.diverged || outcome.status === status.refused) return this.stop(outcome.message);
+    this.progress.seconds += used;
+    if (this.world.time < this.progress.time || this.world.time > this.progress.time + 1e-3 * frame)
+      this.progress = { time: this.world.time, seconds: 0 };
+    if (this.progress.seconds > patience) {
+      this.progress.seconds = 0;
+      this.stop(
+        `It does not get on at t = ${this.world.time.toPrecision(6)} s: too much happens at once. Go back, or restart.`,
+      );
+    }
   }
 
   private load(text: string) {
@@ -180,12 +195,14 @@ export class Session {
 
   private report(seconds: number) {
     const { world } = this;
+    const events = world.eventCount > this.eventsPosted ? (world.events(this.eventsPosted) as RunEvent[]) : [];
     if (world.revision !== this.revision) {
       this.revision = world.revision;
-      this.post({ type: "topology", time: world.time, topology: world.topology() });
+      // Contacts do not change the topology, and there may be many.
+      if (events.length === 0 || !events.every(isContact))
+        this.post({ type: "topology", time: world.time, topology: world.topology() });
     }
-    if (world.eventCount > this.eventsPosted)
-      this.post({ type: "events", events: world.events(this.eventsPosted) as RunEvent[] });
+    if (events.length > 0) this.post({ type: "events", events });
     this.eventsPosted = world.eventCount;
     this.post({ type: "frame", frame: frameOf(world), seconds });
     if (world.time > (this.times[this.times.length - 1] ?? -1)) this.times.push(world.time);
