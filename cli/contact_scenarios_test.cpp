@@ -105,4 +105,24 @@ TEST_CASE("chimney_comes_to_rest: it breaks once, and its parts come to lie flat
   CHECK(std::abs(run.energy("error")) < 1e-6);
 }
 
+TEST_CASE("hanging_boxes_fall: the link parts at its strength, and the linked crates come to lie on the floor") {
+  const Run run("hanging_boxes_fall");
+  REQUIRE(run.events.size() > 10);
+  CHECK(run.events[0].at("event") == "strength of crates/worn link");
+  CHECK(run.events[0].at("mechanisms").at("after") == Json{"crates", "crates/middle"});
+  for (const char* crate : {"crates/middle", "crates/bottom"}) CHECK(speed_of(run.final_state, crate) < 1e-3);
+  // No corner was ever below the floor.
+  const auto bodies = run.table("bodies.csv");
+  for (const std::string crate : {"crates/middle", "crates/bottom"})
+    for (std::size_t k = 0; k < bodies.at("time").size(); ++k) {
+      const auto at = [&](const char* column) { return bodies.at(crate + column).at(k); };
+      const Pose pose{{at(".x"), at(".y"), at(".z")}, {at(".qw"), at(".qx"), at(".qy"), at(".qz")}};
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 point{corner & 1 ? 0.2 : -0.2, corner & 2 ? 0.2 : -0.2, corner & 4 ? -0.1 : -0.5};
+        CHECK((pose * point).z > -1e-9);
+      }
+    }
+  CHECK(std::abs(run.energy("error")) < 1e-5);
+}
+
 }  // namespace momentree
