@@ -188,6 +188,12 @@ export interface Summary {
   readonly warnings?: readonly string[];
 }
 
+/** A contact that is closed: its place (m), and the force on its first body (N). */
+export interface ContactForce {
+  readonly point: Vec3;
+  readonly force: Vec3;
+}
+
 /** The motion of a run; it may grow while it is shown. */
 export interface Motion {
   readonly model: Model;
@@ -199,6 +205,8 @@ export interface Motion {
   poses(frame: number): ArrayLike<number>;
   /** Whether the motion between a frame and the next is unknown: the run diverged there. */
   gapAfter?(frame: number): boolean;
+  /** Of a frame; absent: contact forces are unknown. */
+  contacts?(frame: number): readonly ContactForce[];
   readonly events: readonly RunEvent[];
   /** At least one; the first is valid from the start. */
   readonly phases: readonly Phase[];
