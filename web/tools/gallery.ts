@@ -26,7 +26,7 @@ const scenes: readonly (readonly [string, number])[] = [
   ["humanoid_loses_a_forearm", 0.6],
   ["iiwa_falls_to_its_stops", 0.6],
   ["tree_of_joints", 1.0],
-  ["hanging_boxes_fall", 1.3],
+  ["hanging_boxes_fall", 1.27],
   ["crane_sets_down", 2.57],
   ["leaking_gripper", 2.54],
   ["chimney_comes_to_rest", 5.1],
