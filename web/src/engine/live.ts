@@ -1,10 +1,10 @@
 // The motion of a world that runs: it grows, can be truncated, and has branches.
 import type { Topology, WorldTotals } from "../../../wasm/host.mjs";
 import { textOf } from "../contacts";
-import type { Model, Motion, Phase, RunEvent } from "../recording";
+import type { ContactForce, Model, Motion, Phase, RunEvent } from "../recording";
 import { lastNotAfter } from "../viewer/frames";
 import { withHistory } from "../viewer/joints";
-import type { Frame } from "./messages";
+import { contactForceSize, type Frame } from "./messages";
 
 interface BranchData {
   frames: Frame[];
@@ -62,6 +62,13 @@ export class LiveRecording implements Motion {
   }
   poses(frame: number) {
     return this.frame(frame).poses;
+  }
+  contacts(frame: number): ContactForce[] {
+    const numbers = this.frame(frame).contacts ?? new Float32Array();
+    return Array.from({ length: numbers.length / contactForceSize }, (_, c) => {
+      const [x, y, z, fx, fy, fz] = numbers.subarray(contactForceSize * c);
+      return { point: [x, y, z], force: [fx, fy, fz] };
+    });
   }
   totals(frame: number): WorldTotals {
     return this.frame(frame).totals;

@@ -4,7 +4,7 @@ import { jointSize, motionSize, status, type Engine, type Outcome, type World } 
 import { isContact } from "../contacts";
 import type { RunEvent } from "../recording";
 import type { ModelFile } from "../result_files";
-import { loadSize, type Frame, type FromWorker, type ToWorker, type UserAction } from "./messages";
+import { contactForceSize, loadSize, type Frame, type FromWorker, type ToWorker, type UserAction } from "./messages";
 
 /** Interval of snapshots (s of simulated time), and frames per second of simulated time. */
 const snapshotInterval = 0.25;
@@ -36,6 +36,19 @@ export function posesOf(motions: Float64Array): Float32Array {
   return poses;
 }
 
+/** Undefined with an engine that does not report them. */
+function contactForces(world: World & { contacts?(): Float64Array }): Float32Array | undefined {
+  const rows = world.contacts?.();
+  if (!rows) return undefined;
+  const width = 15; // of World.contacts()
+  const forces = new Float32Array((contactForceSize * rows.length) / width);
+  for (let c = 0; c < rows.length / width; c++) {
+    forces.set(rows.subarray(width * c + 2, width * c + 5), contactForceSize * c);
+    forces.set(rows.subarray(width * c + 8, width * c + 11), contactForceSize * c + 3);
+  }
+  return forces;
+}
+
 export function frameOf(world: World): Frame {
   const poses = posesOf(world.motions());
   const rows = world.joints(true);
@@ -46,7 +59,8 @@ export function frameOf(world: World): Frame {
     const [fx, fy, fz] = row.subarray(21, 24);
     loads.set(row[0] < 0 ? [NaN, NaN, 1, NaN, NaN, NaN] : [row[27], Math.hypot(fx, fy, fz), row[28], fx, fy, fz], loadSize * j);
   }
-  return { time: world.time, poses, loads, totals: world.totals() };
+  const contacts = contactForces(world);
+  return { time: world.time, poses, loads, totals: world.totals(), ...(contacts && { contacts }) };
 }
 
 export class Session {
