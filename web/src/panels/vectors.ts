@@ -41,10 +41,11 @@ export class Vectors {
   show(run: Motion, time: number, poses: ArrayLike<number>, force: (joint: Joint) => readonly number[] | null) {
     const momenta = this.visible ? momentaAt(run, time, poses) : [];
     const forces = this.visible ? forcesAt(run, time, poses, force) : [];
+    const roundOff = 1e-9 * this.stage.size * run.model.bodies.reduce((sum, { mass }) => sum + mass, 0);
     const contacts = this.visible ? contactsAt(run, time) : [];
     const longest = 0.22 * this.stage.size;
     const colour = (number: number) => mechanismColour(this.stage.theme, number);
-    this.momenta.set(momenta, this.scales.momenta.for(momenta, longest), colour(momentumColour));
+    this.momenta.set(momenta, this.scales.momenta.for(momenta, longest, roundOff), colour(momentumColour));
     const scale = this.scales.forces.for([...forces, ...contacts], longest); // forces of both kinds can be compared
     this.forces.set(forces, scale, colour(forceColour));
     this.contacts.set(contacts, scale, colour(contactColour));
