@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include <momentree/io/collider_shapes.hpp>
 #include <momentree/io/joint_json.hpp>
 #include <momentree/io/mesh/source.hpp>
 #include <momentree/simulate/topology_record.hpp>
@@ -90,6 +91,18 @@ void write_mechanisms(JsonWriter& json, const World& world) {
   json.end_array();
 }
 
+// `model.json` of a model without planes has no such member.
+void write_planes(JsonWriter& json, const Model& model) {
+  bool any = false;
+  for (const Collider& collider : model.colliders()) {
+    if (!collider.plane) continue;
+    if (!any) json.key("planes").begin_array();
+    any = true;
+    json.begin_object().member("point", collider.point).member("normal", collider.normal).end_object();
+  }
+  if (any) json.end_array();
+}
+
 // `model.json` of a model without springs has no such member.
 void write_springs(JsonWriter& json, const World& world) {
   const Model& model = world.model();
@@ -111,8 +124,9 @@ void write_springs(JsonWriter& json, const World& world) {
 
 }  // namespace
 
-std::string model_json(const World& world, const std::string& title, const std::vector<Shape>& shapes) {
+std::string model_json(const World& world, const std::string& title, const std::vector<Shape>& given) {
   const Model& model = world.model();
+  const std::vector<Shape> shapes = drawn_shapes(model, given);
   std::string text;
   JsonWriter json(text, 2);
   json.begin_object().member("format", 1).member("title", title).member("gravity", model.gravity());
@@ -152,6 +166,7 @@ std::string model_json(const World& world, const std::string& title, const std::
     json.end_object();
   }
   json.end_object();
+  write_planes(json, model);
   write_springs(json, world);
   json.end_object();
   text += '\n';

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/io/collider_shapes.hpp>
 #include <momentree/joint/kinds/free.hpp>
 #include <momentree/joint/kinds/helical.hpp>
 #include <momentree/joint/kinds/revolute.hpp>
@@ -66,6 +67,40 @@ TEST_CASE("bodies that were removed are not in the document") {
   const std::string text = model_json(simulation.world(), "");
   CHECK(!mentions(text, "arm/nut"));
   CHECK(mentions(text, R"("arm/<link>": {)"));
+}
+
+TEST_CASE("bodies without shapes have those of their colliders, and the planes of the ground are listed") {
+  Model model;
+  const Pose at{{1, 2, 3}, from_rpy(0.3, -0.4, 0.5)};
+  const BodyId box = model.add({.name = "box", .mass = 1, .inertia = diagonal(1, 1, 1), .joint = Free{}});
+  const BodyId pin = model.add({.name = "pin", .mass = 1, .inertia = diagonal(1, 1, 1), .joint = Free{}});
+  const BodyId ball = model.add({.name = "ball", .mass = 1, .inertia = diagonal(1, 1, 1), .joint = Free{}});
+  model.add_collider({.body = box, .solid = contact::box({0.5, 2, 3}, at)});
+  model.add_collider({.body = box, .solid = contact::sphere(0.25, at)});
+  model.add_collider({.body = pin, .solid = contact::capsule(0.125, 4, at)});
+  model.add_collider({.body = ball, .solid = contact::sphere(7)});
+  model.add_collider({.plane = true, .point = {0, 0, -2}, .normal = {0, 1, 0}});
+  Shape own;
+  own.kind = Shape::Kind::sphere;
+  own.radius = 8;
+  const std::vector<Shape> shapes = drawn_shapes(model, {{}, {}, own});
+  REQUIRE(shapes.size() == 3);
+  CHECK(shapes[0].kind == Shape::Kind::box);
+  CHECK(norm(shapes[0].size - Vec3{0.5, 2, 3}) < 1e-14);
+  REQUIRE(shapes[0].more.size() == 1);
+  CHECK(shapes[0].more[0].kind == Shape::Kind::sphere);
+  CHECK(norm(shapes[0].more[0].at.position - at.position) < 1e-14);
+  CHECK(shapes[1].kind == Shape::Kind::capsule);
+  CHECK(shapes[1].length == doctest::Approx(4).epsilon(1e-14));
+  for (const Vec3& corner : {Vec3{0.25, 1, 1.5}, {-0.25, 1, -1.5}, {0.25, -1, 1.5}})
+    CHECK(norm(shapes[0].at * corner - at * corner) < 1e-14);
+  for (const double end : {-2, 2}) CHECK(norm(shapes[1].at * Vec3{0, 0, end} - at * Vec3{0, 0, end}) < 1e-14);
+  CHECK(shapes[2].radius == 8);
+  CHECK(shapes[2].more.empty());
+  const std::string text = model_json(World(model, Variables::velocities), "", {{}, {}, own});
+  CHECK(mentions(text, R"({"point": [0, 0, -2], "normal": [0, 1, 0]})"));
+  CHECK(mentions(text, R"("kind": "capsule", "radius": 0.125)"));
+  CHECK(!mentions(model_json(World(arm()), ""), "planes"));
 }
 
 TEST_CASE("the document lists joints and bodies in the order of the model") {

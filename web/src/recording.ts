@@ -73,6 +73,12 @@ export interface Spring {
   readonly strength: number | null;
 }
 
+/** A plane that bodies can lie on, such as the floor. */
+export interface Plane {
+  readonly point: Vec3;
+  readonly normal: Vec3;
+}
+
 /** A model at the start of a run. */
 export interface Model {
   readonly title: string;
@@ -80,6 +86,7 @@ export interface Model {
   readonly bodies: readonly Body[];
   readonly joints: readonly Joint[];
   readonly springs?: readonly Spring[];
+  readonly planes?: readonly Plane[];
 }
 
 /** The topology from a time on until the next phase. */
@@ -121,6 +128,14 @@ export interface RunEvent {
   readonly work: number;
   readonly hardest: { readonly joint: string; readonly linear: number; readonly angular: number } | null;
   readonly duration_ns: number;
+  /** Of a contact that closes, opens, slips or sticks: its bodies, its point (m), and its normal to the first body. */
+  readonly bodies?: readonly string[];
+  readonly point?: Vec3;
+  readonly normal?: Vec3;
+  /** On the first body (N s). */
+  readonly impulse?: Vec3;
+  /** The share of its restitution that the impact has; absent: all of it. */
+  readonly scaled?: number;
 }
 
 /** Values by frame; NaN if there is none at that time. */
@@ -173,6 +188,12 @@ export interface Summary {
   readonly warnings?: readonly string[];
 }
 
+/** A contact that is closed: its place (m), and the force on its first body (N). */
+export interface ContactForce {
+  readonly point: Vec3;
+  readonly force: Vec3;
+}
+
 /** The motion of a run; it may grow while it is shown. */
 export interface Motion {
   readonly model: Model;
@@ -184,6 +205,8 @@ export interface Motion {
   poses(frame: number): ArrayLike<number>;
   /** Whether the motion between a frame and the next is unknown: the run diverged there. */
   gapAfter?(frame: number): boolean;
+  /** Of a frame; absent: contact forces are unknown. */
+  contacts?(frame: number): readonly ContactForce[];
   readonly events: readonly RunEvent[];
   /** At least one; the first is valid from the start. */
   readonly phases: readonly Phase[];

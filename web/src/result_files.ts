@@ -1,7 +1,7 @@
 // The documents of a result that pages read: model.json, and the topology records of events.jsonl (docs/results.md).
 import { partsFrom, type Meshes } from "./meshes";
 import { withHistory } from "./viewer/joints";
-import type { Joint, Model, Phase, Pose, RunEvent, Shape, Spring, Vec3 } from "./recording";
+import type { Joint, Model, Phase, Plane, Pose, RunEvent, Shape, Spring, Vec3 } from "./recording";
 
 interface JointFile {
   kind: string;
@@ -33,6 +33,7 @@ export interface ModelFile {
   >;
   joints: Record<string, JointFile>;
   springs?: Record<string, SpringFile>;
+  planes?: Plane[];
 }
 
 export interface EventFile extends RunEvent {
@@ -91,7 +92,8 @@ export function modelOf(file: ModelFile, names: readonly string[] = Object.keys(
   });
   const numbers = numbered(names);
   const [joints, springs] = [jointsOf(file.joints, numbers), springsOf(file.springs ?? {}, numbers)];
-  return { title: file.title, gravity: file.gravity, bodies, joints, springs };
+  const planes = file.planes && { planes: file.planes };
+  return { title: file.title, gravity: file.gravity, bodies, joints, springs, ...planes };
 }
 
 /** The phases of a run, and its mechanisms in the order of appearance. */

@@ -26,6 +26,12 @@ const scenes: readonly (readonly [string, number])[] = [
   ["humanoid_loses_a_forearm", 0.6],
   ["iiwa_falls_to_its_stops", 0.6],
   ["tree_of_joints", 1.0],
+  ["hanging_boxes_fall", 1.27],
+  ["crane_sets_down", 2.57],
+  ["leaking_gripper", 2.54],
+  ["chimney_comes_to_rest", 5.1],
+  ["rocking_block", 0.9],
+  ["rimless_wheel", 3.5],
 ];
 
 export async function drawGallery(browser: Browser, folder: string, webp: (png: Buffer) => Promise<Buffer>) {

@@ -72,6 +72,10 @@ void append_events(std::string& svg, const Scene& scene, Row& row) {
     const std::string text = std::to_string(scene.impacts) + (scene.impacts == 1 ? " impact on a stop" : " impacts on stops");
     svg += svg_words(text, row.take(18 + text_width(text, 13)), {.colour = pale});
   }
+  if (scene.contacts > 0) {
+    const std::string text = std::to_string(scene.contacts) + (scene.contacts == 1 ? " impact of bodies" : " impacts of bodies");
+    svg += svg_words(text, row.take(18 + text_width(text, 13)), {.colour = pale});
+  }
   if (scene.events.size() > most_named) {
     const std::string text = "and " + std::to_string(scene.events.size() - most_named) + " more events";
     svg += svg_words(text, row.take(18 + text_width(text, 13)), {.colour = pale});
@@ -114,7 +118,7 @@ double append_header(std::string& svg, const Recording& run, const Scene& scene,
                    {.colour = pale});
   Row mechanisms(page, 92);
   append_mechanisms(svg, run, mechanisms);
-  if (scene.events.empty()) return mechanisms.bottom();
+  if (scene.events.empty() && scene.impacts == 0 && scene.contacts == 0) return mechanisms.bottom();
   Row events(page, mechanisms.bottom() + 22);
   append_events(svg, scene, events);
   return events.bottom();

@@ -111,6 +111,14 @@ void append_frame(std::string& svg, const SceneFrame& frame, const Placement& pl
   svg += "</g>\n";
 }
 
+void append_planes(std::string& svg, const Scene& scene, const Placement& placement) {
+  for (const std::vector<Point2>& corners : scene.planes) {
+    svg += "<path d=\"";
+    for (std::size_t i = 0; i < corners.size(); ++i) svg += (i == 0 ? "M" : i == 1 ? "L" : " ") + pixels(placement(corners[i]));
+    svg += "Z\" fill=\"#eef0f3\" stroke=\"#aab2bd\"/>\n";
+  }
+}
+
 std::vector<Point2> convex_hull(std::vector<Point2> points) {
   std::sort(points.begin(), points.end(), [](const Point2& a, const Point2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
   points.erase(std::unique(points.begin(), points.end(),

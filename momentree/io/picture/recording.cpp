@@ -134,6 +134,18 @@ void read_model(const Value& document, const Numbers& numbers, Recording& run, s
   }
 }
 
+void read_planes(const Value& document, Recording& run, Diagnostics& out) {
+  Record model(document, "the model", out);
+  if (!model.find("planes")) return;
+  for (const Value& value : model.list("planes")) {
+    Record plane(value, "plane", out);
+    run.planes.push_back({plane.vec("point"), plane.vec("normal")});
+    if (norm(run.planes.back().normal) > 0) continue;
+    out.error(value.place, "normal: it is zero", damaged);
+    run.planes.pop_back();
+  }
+}
+
 void read_springs(const Value& document, const Numbers& numbers, Recording& run, Diagnostics& out) {
   Record model(document, "the model", out);
   if (!model.find("springs")) return;
@@ -220,7 +232,7 @@ Recording read_world(const std::filesystem::path& directory, const BodyTable& ta
   const std::optional<Value> model = parse_file(directory / "model.json"), final_state = parse_file(directory / "final.json");
   Diagnostics out((directory / (model ? "model.json" : "final.json")).string(), "");
   if (model)
-    read_model(*model, numbers, run, mechanism_of, out), read_springs(*model, numbers, run, out);
+    read_model(*model, numbers, run, mechanism_of, out), read_springs(*model, numbers, run, out), read_planes(*model, run, out);
   else if (final_state)
     read_joints(Record(*final_state, "the state", out).table("joints"), numbers, run, out), guess_extents(run);
   out.throw_first();

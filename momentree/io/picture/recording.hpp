@@ -38,6 +38,11 @@ struct RecordedSpring {
   double until = HUGE_VAL;        ///< when it broke (s)
 };
 
+/// A plane that bodies can lie on.
+struct RecordedPlane {
+  Vec3 point{}, normal{0, 0, 1};  ///< world axes (m)
+};
+
 struct RecordedFrame {
   double time = 0;
   std::vector<Pose> poses;  ///< by body
@@ -65,6 +70,7 @@ struct RecordedEvent {
   std::string name;
   std::vector<std::string> actions;
   int impacts = 0;                  ///< on joint limits
+  bool contact = false;             ///< of bodies that touch
   std::vector<int> broken;          ///< bodies whose inboard joint it broke
   std::vector<int> opened;          ///< joints that closed loops and that it broke: indices in Recording::loops
   std::vector<int> broken_springs;  ///< indices in Recording::springs
@@ -76,6 +82,7 @@ struct Recording {
   Vec3 gravity{};
   std::vector<RecordedBody> bodies;
   std::vector<RecordedSpring> springs;
+  std::vector<RecordedPlane> planes;
   std::vector<RecordedFrame> frames;
   std::vector<RecordedEvent> events;
   std::vector<RecordedLoop> loops;      ///< all joints of the run that close loops

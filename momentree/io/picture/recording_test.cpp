@@ -247,6 +247,31 @@ TEST_CASE("all shapes of a body are drawn, each in its colour") {
   CHECK(mentions(svg, "gold"));
 }
 
+TEST_CASE("the floor is drawn where it is, and impacts of bodies are counted") {
+  Directory directory;
+  directory.write("bodies.csv", header_of_two + row(0, 1) + row(1, 2));
+  std::string model = model_of_two("Two");
+  const std::size_t end = model.rfind('}');
+  directory.write("model.json", model.insert(end, R"(, "planes": [{"point": [5, -2, 3], "normal": [0, 2, 0]}])"));
+  const auto contact = [](double time, const std::string& name) {
+    std::string line = event(time, "");
+    return line.replace(line.find("#1"), 2, name).insert(1, R"("bodies":["a/2","ground"],)");
+  };
+  directory.write("events.jsonl",
+                  contact(0.5, "impact") + contact(0.6, "impact grip") + contact(0.7, "rest") + contact(0.8, "slip grip"));
+  const Recording run = read_recording(directory.path());
+  REQUIRE(run.planes.size() == 1);
+  const Scene scene = build_scene(run, view_along({0, 0, -1}, run.gravity));
+  REQUIRE(scene.planes.size() == 1);
+  for (const Point2& corner : scene.planes[0]) CHECK(corner.y == doctest::Approx(2));  // edge on; y is down
+  CHECK(scene.bounds.low.x <= 0);
+  CHECK(scene.contacts == 2);
+  CHECK(scene.events.empty());
+  CHECK(mentions(draw_svg(run), "2 impacts of bodies"));
+  directory.write("model.json", model.replace(model.find("[0, 2, 0]"), 9, "[0, 0, 0]"));
+  CHECK(mentions(complaint(directory), "normal: it is zero"));
+}
+
 TEST_CASE("a title cannot break the picture") {
   Directory directory;
   directory.write("bodies.csv", header_of_two + row(0, 1));

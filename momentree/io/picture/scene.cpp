@@ -207,6 +207,34 @@ double median_length(const SceneFrame& frame) {
   return lengths[lengths.size() / 2];
 }
 
+/// Rectangles of the planes around what is drawn; a plane that is far from it is left out.
+void add_planes(const Recording& run, Scene& scene) {
+  if (run.planes.empty()) return;
+  const std::vector<Vec3> points = drawn_points(run);
+  for (const RecordedPlane& plane : run.planes) {
+    const Vec3 n = (1 / norm(plane.normal)) * plane.normal;
+    Vec3 a = cross(n, std::abs(n.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0});
+    a = (1 / norm(a)) * a;
+    const Vec3 b = cross(n, a);
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, nearest = HUGE_VAL;
+    for (const Vec3& p : points) {
+      nearest = std::min(nearest, std::abs(dot(n, p - plane.point)));
+      const double along[2] = {dot(a, p - plane.point), dot(b, p - plane.point)};
+      for (int k = 0; k < 2; ++k) low[k] = std::min(low[k], along[k]), high[k] = std::max(high[k], along[k]);
+    }
+    const double margin = 0.1 * std::max(high[0] - low[0], high[1] - low[1]);
+    if (!(nearest < scene.bounds.width() + scene.bounds.height())) continue;
+    std::vector<Point2> corners;
+    for (const auto& [x, y] : {std::pair{low[0] - margin, low[1] - margin},
+                               {high[0] + margin, low[1] - margin},
+                               {high[0] + margin, high[1] + margin},
+                               {low[0] - margin, high[1] + margin}})
+      corners.push_back(scene.view(plane.point + x * a + y * b));
+    for (const Point2& corner : corners) scene.bounds.add(corner);
+    scene.planes.push_back(std::move(corners));
+  }
+}
+
 }  // namespace
 
 void Box2::add(const Point2& p, double radius) {
@@ -253,9 +281,14 @@ Scene build_scene(const Recording& run, const View& view) {
     scene.anchors.push_back(view(loop.at));
     scene.bounds.add(scene.anchors.back());
   }
+  add_planes(run, scene);
   for (const RecordedEvent& event : run.events) {
     if (event.name == "stop") {  // joints bounce on their stops many times: these impacts are counted, not listed
       scene.impacts += event.impacts;
+      continue;
+    }
+    if (event.contact) {
+      scene.contacts += event.name.rfind("impact", 0) == 0 ? 1 : 0;
       continue;
     }
     SceneEvent shown{event.time, {}, {}};

@@ -46,7 +46,10 @@ struct Scene {
   std::vector<SceneFrame> frames;
   std::vector<Point2> anchors;  ///< points where a mechanism is joined to the ground
   std::vector<SceneEvent> events;
-  int impacts = 0;  ///< of joints on their stops
+  int impacts = 0;   ///< of joints on their stops
+  int contacts = 0;  ///< impacts of bodies on each other
+  /// Corners of a part of each plane below the motion, in order; edge on, they are on a line.
+  std::vector<std::vector<Point2>> planes;
   Box2 bounds;
   bool has_areas = false;     ///< bodies with shapes, which cover what is behind them
   double typical_length = 0;  ///< median length of the lines in the picture (m)

@@ -99,6 +99,7 @@ void TopologyHistory::add(Record& line, RecordedEvent& event, Diagnostics& out) 
   phase.mechanism = run_.phases.back().mechanism;
   phase.joined = run_.phases.back().joined;
   phase.loops = run_.phases.back().loops;
+  event.contact = line.find("bodies") != nullptr;
   if (line.find("changes"))
     for (const Value& value : line.list("changes")) {
       Record change(value, "change", out);

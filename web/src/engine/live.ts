@@ -1,9 +1,10 @@
 // The motion of a world that runs: it grows, can be truncated, and has branches.
 import type { Topology, WorldTotals } from "../../../wasm/host.mjs";
-import type { Model, Motion, Phase, RunEvent } from "../recording";
+import { textOf } from "../contacts";
+import type { ContactForce, Model, Motion, Phase, RunEvent } from "../recording";
 import { lastNotAfter } from "../viewer/frames";
 import { withHistory } from "../viewer/joints";
-import type { Frame } from "./messages";
+import { contactForceSize, type Frame } from "./messages";
 
 interface BranchData {
   frames: Frame[];
@@ -49,7 +50,7 @@ export class LiveRecording implements Motion {
     return [...this.others].map(([number, { frames, events }]) => ({
       number,
       end: frames[frames.length - 1].time,
-      lastAction: events[events.length - 1]?.actions[0] ?? "no events",
+      lastAction: events.length > 0 ? (events[events.length - 1].actions[0] ?? textOf(events[events.length - 1])) : "no events",
     }));
   }
 
@@ -61,6 +62,13 @@ export class LiveRecording implements Motion {
   }
   poses(frame: number) {
     return this.frame(frame).poses;
+  }
+  contacts(frame: number): ContactForce[] {
+    const numbers = this.frame(frame).contacts ?? new Float32Array();
+    return Array.from({ length: numbers.length / contactForceSize }, (_, c) => {
+      const [x, y, z, fx, fy, fz] = numbers.subarray(contactForceSize * c);
+      return { point: [x, y, z], force: [fx, fy, fz] };
+    });
   }
   totals(frame: number): WorldTotals {
     return this.frame(frame).totals;

@@ -44,6 +44,8 @@ export type ToWorker =
 
 /** Numbers per joint in `Frame.loads`. */
 export const loadSize = 6;
+/** Numbers per contact in `Frame.contacts`. */
+export const contactForceSize = 6;
 
 export interface Frame {
   readonly time: number;
@@ -55,6 +57,8 @@ export interface Frame {
    */
   readonly loads: Float32Array;
   readonly totals: WorldTotals;
+  /** Per closed contact its point (m) and the force on its first body (N); absent: unknown. */
+  readonly contacts?: Float32Array;
 }
 
 export interface LoadedWorld {

@@ -1,15 +1,18 @@
 // A world that runs in real time, in the worker: frames, snapshots to go back to, branches. It has no clock: the caller
 // passes the elapsed time to tick().
 import { jointSize, motionSize, status, type Engine, type Outcome, type World } from "../../../wasm/host.mjs";
+import { isContact } from "../contacts";
 import type { RunEvent } from "../recording";
 import type { ModelFile } from "../result_files";
-import { loadSize, type Frame, type FromWorker, type ToWorker, type UserAction } from "./messages";
+import { contactForceSize, loadSize, type Frame, type FromWorker, type ToWorker, type UserAction } from "./messages";
 
 /** Interval of snapshots (s of simulated time), and frames per second of simulated time. */
 const snapshotInterval = 0.25;
 const framesPerSecond = 60;
 /** The part of the page's frame time that the engine may use (s). */
 const budget = 0.012;
+/** A world that needs more than this for a thousandth of a frame does not get on (s). */
+const patience = 4;
 
 interface TimedSnapshot {
   readonly time: number;
@@ -33,6 +36,19 @@ export function posesOf(motions: Float64Array): Float32Array {
   return poses;
 }
 
+/** Undefined with an engine that does not report them. */
+function contactForces(world: World & { contacts?(): Float64Array }): Float32Array | undefined {
+  const rows = world.contacts?.();
+  if (!rows) return undefined;
+  const width = 15; // of World.contacts()
+  const forces = new Float32Array((contactForceSize * rows.length) / width);
+  for (let c = 0; c < rows.length / width; c++) {
+    forces.set(rows.subarray(width * c + 2, width * c + 5), contactForceSize * c);
+    forces.set(rows.subarray(width * c + 8, width * c + 11), contactForceSize * c + 3);
+  }
+  return forces;
+}
+
 export function frameOf(world: World): Frame {
   const poses = posesOf(world.motions());
   const rows = world.joints(true);
@@ -43,7 +59,8 @@ export function frameOf(world: World): Frame {
     const [fx, fy, fz] = row.subarray(21, 24);
     loads.set(row[0] < 0 ? [NaN, NaN, 1, NaN, NaN, NaN] : [row[27], Math.hypot(fx, fy, fz), row[28], fx, fy, fz], loadSize * j);
   }
-  return { time: world.time, poses, loads, totals: world.totals() };
+  const contacts = contactForces(world);
+  return { time: world.time, poses, loads, totals: world.totals(), ...(contacts && { contacts }) };
 }
 
 export class Session {
@@ -59,6 +76,8 @@ export class Session {
   private step = 1e-3;
   private revision = -1;
   private eventsPosted = 0;
+  /** When the world last got on: its time, and how long it has computed since (s). */
+  private progress = { time: 0, seconds: 0 };
 
   constructor(
     private readonly engine: Engine,
@@ -130,8 +149,18 @@ export class Session {
       Math.max(Math.floor((from + this.due) / this.step + 1e-6), Math.floor(from / this.step + 1e-6) + 1) * this.step;
     const outcome = this.world.run(target, budget);
     this.due = outcome.status === status.interrupted ? 0 : Math.max(0, this.due - (this.world.time - from));
-    this.report((performance.now() - began) / 1000);
-    if (outcome.status === status.diverged || outcome.status === status.refused) this.stop(outcome.message);
+    const used = (performance.now() - began) / 1000;
+    this.report(used);
+    if (outcome.status === status.diverged || outcome.status === status.refused) return this.stop(outcome.message);
+    this.progress.seconds += used;
+    if (this.world.time < this.progress.time || this.world.time > this.progress.time + 1e-3 * frame)
+      this.progress = { time: this.world.time, seconds: 0 };
+    if (this.progress.seconds > patience) {
+      this.progress.seconds = 0;
+      this.stop(
+        `It does not get on at t = ${this.world.time.toPrecision(6)} s: too much happens at once. Go back, or restart.`,
+      );
+    }
   }
 
   private load(text: string) {
@@ -180,12 +209,14 @@ export class Session {
 
   private report(seconds: number) {
     const { world } = this;
+    const events = world.eventCount > this.eventsPosted ? (world.events(this.eventsPosted) as RunEvent[]) : [];
     if (world.revision !== this.revision) {
       this.revision = world.revision;
-      this.post({ type: "topology", time: world.time, topology: world.topology() });
+      // Contacts do not change the topology, and there may be many.
+      if (events.length === 0 || !events.every(isContact))
+        this.post({ type: "topology", time: world.time, topology: world.topology() });
     }
-    if (world.eventCount > this.eventsPosted)
-      this.post({ type: "events", events: world.events(this.eventsPosted) as RunEvent[] });
+    if (events.length > 0) this.post({ type: "events", events });
     this.eventsPosted = world.eventCount;
     this.post({ type: "frame", frame: frameOf(world), seconds });
     if (world.time > (this.times[this.times.length - 1] ?? -1)) this.times.push(world.time);

@@ -1,4 +1,6 @@
-// The list of events: each with its certificate, and on a click the pair of pictures before and after it.
+// The list of events: each with its certificate, and on a click the pair of pictures before and after it. Contacts in quick
+// succession are one line, which opens when it is chosen.
+import { groupsOf, groupText, impulseOf, isContact, pairText, textOf, type Group } from "../contacts";
 import type { Motion, RunEvent, Totals, Vec3 } from "../recording";
 import { drawBeforeAfter } from "../viewer/before_after";
 import type { Player } from "../viewer/player";
@@ -40,6 +42,13 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
     loops("residual of loops", ({ residual }) => digits(residual, 2));
   }
   const notes: string[] = [];
+  if (isContact(event) && event.point) {
+    const at = event.point.map((x) => digits(Math.abs(x) < 1e-9 ? 0 : x, 4)).join(", ");
+    notes.push(`${pairText(event)} at (${at}) m`);
+    if (impulseOf(event) > 0) notes.push(`Impulse: ${digits(impulseOf(event))} N s`);
+  }
+  if (event.scaled !== undefined)
+    notes.push(`Expansion reduced to ${digits(event.scaled, 3)} of its restitution: no energy gained`);
   const least = before ? 1e-14 * Math.max(Math.abs(before.kinetic + before.potential), before.kinetic) : 0;
   const significant = (energy: number) => Math.abs(energy) > least; // otherwise it is round-off
   if (significant(event.lost)) notes.push(`Lost in the impact: ${digits(event.lost)} J`);
@@ -57,6 +66,12 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
   return { rows, notes };
 }
 
+function titleOf(event: RunEvent): string {
+  if (event.actions.length === 0) return textOf(event);
+  const actions = event.actions.join("; ");
+  return event.event.startsWith("#") ? actions : `${event.event}: ${actions}`;
+}
+
 const mechanismsText = (names: readonly string[]) =>
   names.length > 6 ? `${names.slice(0, 6).join(", ")}, … (${names.length})` : names.join(", ");
 
@@ -71,6 +86,10 @@ export class EventList {
     tabindex: 0,
   });
   private chosen = -1;
+  private groups: readonly Group[] = [];
+  /** By event, those that have one at present. */
+  private readonly buttons = new Map<number, HTMLButtonElement>();
+  private readonly openers = new Map<Group, () => void>();
 
   constructor(
     private readonly run: Motion,
@@ -82,29 +101,66 @@ export class EventList {
   }
 
   refresh() {
-    const span = endTime(this.run) - startTime(this.run);
+    const { events } = this.run;
     const most = 1000;
-    this.list.replaceChildren(
-      ...this.run.events
-        .slice(0, most)
-        .map((event, index) =>
-          h(
-            "li",
-            {},
-            h(
-              "button",
-              { type: "button", "aria-pressed": String(index === this.chosen), onclick: () => this.choose(index) },
-              h("span", { class: "time" }, instant(event.time, span)),
-              h("span", { class: "description" }, event.actions.join("; ") || event.event),
-            ),
-          ),
-        ),
-    );
-    const more = this.run.events.length - most;
+    this.groups = groupsOf(events, 0.01 * (endTime(this.run) - startTime(this.run)));
+    this.buttons.clear();
+    this.openers.clear();
+    const shown = this.groups.slice(0, most);
+    this.list.replaceChildren(...shown.map((group) => this.line(group)));
+    const more = events.length - (shown[shown.length - 1]?.end ?? 0);
     if (more > 0) this.list.append(h("li", {}, `and ${count(more, "event", "events")} more, in events.jsonl`));
     this.list.hidden = this.run.events.length === 0;
     if (this.run.events.length === 0) this.detail.replaceChildren(h("p", { class: "nothing" }, "This run has no events."));
     else if (this.chosen < 0) this.detail.replaceChildren(h("p", { class: "nothing" }, "Choose an event to go there."));
+  }
+
+  private button(index: number, text: string): HTMLButtonElement {
+    const span = endTime(this.run) - startTime(this.run);
+    const button = h(
+      "button",
+      { type: "button", "aria-pressed": String(index === this.chosen), title: text, onclick: () => this.choose(index) },
+      h("span", { class: "time" }, instant(this.run.events[index].time, span)),
+      h("span", { class: "description" }, text),
+    );
+    this.buttons.set(index, button);
+    return button;
+  }
+
+  /** The line of a group: of several events, it opens the list of them and goes to the hardest impact. */
+  private line(group: Group): HTMLLIElement {
+    const { events } = this.run;
+    const text = groupText(events, group);
+    if (group.end - group.first === 1) return h("li", {}, this.button(group.first, text));
+    const most = 200;
+    const span = endTime(this.run) - startTime(this.run);
+    const inside = h("ol", { class: "group" });
+    const open = () => {
+      if (inside.childElementCount > 0) return;
+      for (let index = group.first; index < Math.min(group.end, group.first + most); index++) {
+        const impulse = impulseOf(events[index]);
+        const strength = impulse > 0 ? `, ${digits(impulse, 3)} N s` : "";
+        inside.append(h("li", {}, this.button(index, textOf(events[index]) + strength)));
+      }
+      const more = group.end - group.first - most;
+      if (more > 0) inside.append(h("li", {}, `and ${count(more, "event", "events")} more, in events.jsonl`));
+    };
+    const details = h(
+      "details",
+      { ontoggle: () => details.open && open() },
+      h(
+        "summary",
+        { title: text },
+        h("span", { class: "time" }, instant(events[group.first].time, span)),
+        h("span", { class: "description" }, text),
+      ),
+      inside,
+    );
+    this.openers.set(group, () => {
+      details.open = true;
+      open();
+    });
+    return h("li", {}, details);
   }
 
   /** Goes to the event, pauses there, and shows it from nearby. */
@@ -113,19 +169,21 @@ export class EventList {
     const event = this.run.events[index];
     this.player.pause();
     this.player.seek(event.time);
-    [...this.list.querySelectorAll("button")].forEach((button, i) => button.setAttribute("aria-pressed", String(i === index)));
-    this.list.querySelectorAll("button")[index]?.scrollIntoView({ block: "nearest" });
+    const group = this.groups.find(({ first, end }) => index >= first && index < end);
+    if (group) this.openers.get(group)?.();
+    for (const [i, button] of this.buttons) button.setAttribute("aria-pressed", String(i === index));
+    this.buttons.get(index)?.scrollIntoView({ block: "nearest" });
     this.show();
   }
 
-  /** The next or the previous event, relative to the clock. */
+  /** The next or the previous event, relative to the clock; of contacts in quick succession, the hardest impact. */
   step(forward: boolean) {
     const now = this.player.time;
-    const { events } = this.run;
-    const later = events.findIndex((event) => event.time > now + 1e-9);
-    const earlier = events.filter((event) => event.time < now - 1e-9).length - 1;
-    const next = forward ? later : earlier;
-    if (next >= 0) this.choose(next);
+    const times = this.groups.map(({ main }) => this.run.events[main].time);
+    const later = times.findIndex((time) => time > now + 1e-9);
+    const earlier = times.filter((time) => time < now - 1e-9).length - 1;
+    const next = this.groups[forward ? later : earlier];
+    if (next) this.choose(next.main);
   }
 
   /** Redraws the chosen event after a change of colours or size. */
@@ -157,7 +215,7 @@ export class EventList {
       h(
         "div",
         { class: "certificate" },
-        h("h2", {}, event.event.startsWith("#") ? event.actions.join("; ") : `${event.event}: ${event.actions.join("; ")}`),
+        h("h2", {}, titleOf(event)),
         h("p", {}, `${before.length === 1 && after.length === 1 ? "Mechanism" : "Mechanisms"}: ${names}${timing}`),
         rows.length > 0 && table("Conservation", ["", "before", "after", "difference", "relative"], rows),
         notes.length > 0 && h("p", { class: "notes" }, notes.join(" · ")),

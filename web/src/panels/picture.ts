@@ -4,6 +4,7 @@ import type { Joint, Motion } from "../recording";
 import { mechanismColour, themeOf, type Theme } from "../viewer/colours";
 import { endTime, phaseAt, posesAt, startTime } from "../viewer/frames";
 import { Ghosts } from "../viewer/ghosts";
+import { Impacts } from "../viewer/impacts";
 import type { Player } from "../viewer/player";
 import { typicalLength } from "../viewer/mechanisms";
 import type { Stage } from "../viewer/stage";
@@ -24,6 +25,7 @@ interface Drawn {
   readonly ghosts: Ghosts;
   readonly trails: Trails;
   readonly vectors: Vectors;
+  readonly impacts: Impacts;
 }
 
 /** At a time, the force of a joint on its child, in the child's axes; null: unknown. */
@@ -58,6 +60,7 @@ export class Picture {
       ghosts: new Ghosts(stage, run),
       trails: new Trails(stage, run),
       vectors: new Vectors(stage),
+      impacts: new Impacts(stage, Math.min(0.3, 0.1 * (endTime(run) - startTime(run)))),
     };
     host.append(h("div", { class: "over" }, this.names, this.drawn && this.tools(this.drawn)), this.description);
     if (stage) {
@@ -108,7 +111,7 @@ export class Picture {
     if (!this.options.static)
       buttons.push(
         this.toggle("Ghosts", `Earlier poses, every ${instant(ghosts.every, ghosts.every * 10)}`, "G", ghosts),
-        this.toggle("Arrows", "Momenta of bodies and forces of joints", "V", vectors),
+        this.toggle("Arrows", "Momenta of bodies, forces of joints and of contacts", "V", vectors),
         this.followButton(stage),
         this.toggle("Trails", "Paths of the outermost bodies and of the selected body", "T", trails),
       );
@@ -166,6 +169,7 @@ export class Picture {
       this.drawn.ghosts.show(time);
       this.drawn.trails.show(time);
       this.drawn.stage.show(posesAt(this.run, time, this.poses), phase);
+      this.drawn.impacts.show(this.run, time);
       this.drawn.vectors.show(this.run, time, this.poses, this.options.forces?.(time) ?? (() => null));
     }
     this.showNames(phase.mechanism);

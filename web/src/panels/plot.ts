@@ -3,12 +3,13 @@
 import type uPlot from "uplot";
 import type { Column, Recording } from "../recording";
 import type { Theme } from "../viewer/colours";
-import { frameAt } from "../viewer/frames";
+import { endTime, frameAt, startTime } from "../viewer/frames";
 import type { Player } from "../viewer/player";
 import { axisRange, fillLegend, newPlot } from "./curves";
 import { h } from "./dom";
 import { digits } from "./numbers";
 import { rangeOf } from "./scales";
+import { marked } from "./timeline";
 
 /** Columns that are negligible compared with the largest are left out, but at least one stays. */
 export function significantColumns(columns: readonly Column[], share = 1e-7): readonly Column[] {
@@ -33,12 +34,14 @@ export class Plot {
   private title = "";
   private scale = 0;
   private precision = 0;
+  private readonly marked: readonly number[];
   private readonly resizeObserver = new ResizeObserver(() => this.resize());
 
   constructor(
     private readonly run: Recording,
     private readonly player: Player,
   ) {
+    this.marked = marked(run.events, startTime(run), endTime(run), 0.002);
     this.resizeObserver.observe(this.element);
     player.listen(() => this.follow());
   }
@@ -113,8 +116,8 @@ export class Plot {
     ctx.lineWidth = devicePixelRatio;
     ctx.setLineDash([3 * devicePixelRatio, 3 * devicePixelRatio]);
     ctx.beginPath();
-    for (const event of this.run.events.slice(0, 500)) {
-      const x = Math.round(chart.valToPos(event.time, "x", true));
+    for (const index of this.marked) {
+      const x = Math.round(chart.valToPos(this.run.events[index].time, "x", true));
       ctx.moveTo(x, bbox.top);
       ctx.lineTo(x, bbox.top + bbox.height);
     }

@@ -1,20 +1,38 @@
 // Play button, slider, speed, and events as marks: a click on a mark goes to its time.
+import { impulseOf, isContact, textOf } from "../contacts";
 import type { Motion, RunEvent } from "../recording";
 import { endTime, startTime } from "../viewer/frames";
 import { h } from "./dom";
 import { instant } from "./numbers";
 
-/** The events on the line that have marks; those closer to the previous mark than `apart` of the line could not be told apart. */
+/**
+ * The events on the line that have marks; those closer to another mark than `apart` of the line could not be told apart. Contacts
+ * have marks where there is room between those of other events, hard impacts first.
+ */
 export function marked(events: readonly RunEvent[], from: number, to: number, apart = 0.008): number[] {
+  const at = (index: number) => (events[index].time - from) / (to - from || 1);
+  const all = events.map((_event, index) => index).filter((index) => at(index) >= -1e-9);
   const indices: number[] = [];
   let last = -Infinity;
-  events.forEach((event, index) => {
-    const at = (event.time - from) / (to - from || 1);
-    if (at < -1e-9 || at - last < apart) return;
-    last = at;
+  for (const index of all) {
+    if (isContact(events[index]) || at(index) - last < apart) continue;
+    last = at(index);
     indices.push(index);
-  });
-  return indices;
+  }
+  // By cells that are as wide as a mark: only the marks of three of them can be too close.
+  const cells = new Map<number, number[]>();
+  const cell = (index: number) => Math.floor(at(index) / apart);
+  const put = (index: number) => cells.set(cell(index), [...(cells.get(cell(index)) ?? []), index]);
+  for (const index of indices) put(index);
+  const contacts = all.filter((index) => isContact(events[index]));
+  contacts.sort((a, b) => impulseOf(events[b]) - impulseOf(events[a]) || a - b);
+  for (const index of contacts) {
+    const near = [-1, 0, 1].flatMap((k) => cells.get(cell(index) + k) ?? []);
+    if (near.some((other) => Math.abs(at(other) - at(index)) < apart)) continue;
+    put(index);
+    indices.push(index);
+  }
+  return indices.sort((a, b) => a - b);
 }
 
 /** What a timeline shows and controls. */
@@ -131,11 +149,12 @@ export class Timeline {
     this.marks.replaceChildren(
       ...marked(run.events, from, to).map((index) => {
         const event = run.events[index];
-        const label = `${this.instant(event.time)}: ${event.actions.join("; ") || event.event}`;
+        const label = `${this.instant(event.time)}: ${textOf(event)}`;
         const mark = h("button", {
           type: "button",
           title: label,
           "aria-label": `Event at ${label}`,
+          ...(isContact(event) && { class: "contact" }),
           onclick: () => this.options.choose(index),
         });
         mark.style.left = `${(100 * (event.time - from)) / (to - from || 1)}%`;

@@ -1,4 +1,5 @@
 // The panel next to the picture: joints, sliders, events and branches.
+import { groupsOf, groupText } from "../contacts";
 import { h } from "../panels/dom";
 import { typicalLength } from "../viewer/mechanisms";
 import { massOf, type App } from "./app";
@@ -134,14 +135,15 @@ export function history(app: App): HTMLElement {
     if (changed !== "world" && changed !== "branch" && from === shownFrom) return;
     shownFrom = from;
     const most = 200;
-    const events = (run?.events ?? [])
-      .map((event, index) => ({ event, index }))
-      .filter(({ event }) => !event.changes.every(({ kind }) => kind === "set"));
+    const all = run?.events ?? [];
+    const events = groupsOf(all, 0.25)
+      .map((group) => ({ group, event: all[group.first], index: group.first }))
+      .filter(({ event }) => event.bodies || !event.changes.every(({ kind }) => kind === "set"));
     list.replaceChildren(
       ...events
         .slice(-most)
         .reverse()
-        .map(({ event, index }) =>
+        .map(({ group, event, index }) =>
           h(
             "li",
             {},
@@ -155,7 +157,7 @@ export function history(app: App): HTMLElement {
                 onclick: () => app.seek(event.time),
               },
               h("span", { class: "time" }, `${event.time.toFixed(3)} s`),
-              ` ${event.actions.join("; ")}`,
+              ` ${groupText(all, group)}`,
             ),
             !app.live &&
               h("button", { type: "button", title: "Go back to just before it", onclick: () => app.undo(index) }, "Undo"),

@@ -10,6 +10,7 @@ import { Strays } from "../panels/strays";
 import { tabs } from "../panels/tabs";
 import { Timeline } from "../panels/timeline";
 import { Vectors } from "../panels/vectors";
+import { Impacts } from "../viewer/impacts";
 import { themeButton } from "../panels/theme_button";
 import { turnByKeys } from "../panels/turn_by_keys";
 import { viewMenu } from "../panels/view_menu";
@@ -51,6 +52,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
   let stage: Stage | null = null;
   let pointer: PointerTools | null = null;
   let vectors: Vectors | null = null;
+  let impacts: Impacts | null = null;
   let frameRate: FrameRate | null = null;
   let shownParts: HTMLElement[] = [];
   let theme: Theme | null = null;
@@ -103,7 +105,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
   });
   const arrows = h(
     "button",
-    { type: "button", title: "Momenta of bodies and forces of joints (V)", "aria-pressed": "false" },
+    { type: "button", title: "Momenta of bodies, forces of joints and of contacts (V)", "aria-pressed": "false" },
     "Arrows",
   );
   arrows.addEventListener("click", () => {
@@ -212,6 +214,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     const now = () => app.run && { poses: scene.poses(), phase: scene.phase(), names: app.run.mechanisms };
     const arrows = vectors?.visible ?? false;
     vectors = new Vectors(stage);
+    impacts = new Impacts(stage);
     const counter = (frameRate = new FrameRate());
     stage.onDrawn = (began, ended) => counter.add(began, ended);
     vectors.visible = arrows;
@@ -235,6 +238,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
       stage.mechanisms.colourJoints(carried?.colours ?? new Map());
       stage.mechanisms.highlighted = first;
       stage.show(frame.poses, phaseAt(run, frame.time));
+      impacts?.show(run, frame.time);
       vectors?.show(run, frame.time, frame.poses, forcesOf(frame, run.topology));
     }
     pointer?.show();

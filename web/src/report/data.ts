@@ -1,8 +1,14 @@
 // Makes a Recording from the data of a report, as momentree writes them into the page.
 import type { Meshes } from "../meshes";
-import type { Column, JointQuantity, Recording, Summary, WorldQuantity } from "../recording";
+import type { Column, ContactForce, JointQuantity, Recording, Summary, WorldQuantity } from "../recording";
 import { modelOf, phasesOf, type EventFile, type ModelFile } from "../result_files";
 import { column, doubles, floats } from "./tables";
+
+export interface ContactRows {
+  counts: number[];
+  bodies: number[];
+  rows: string;
+}
 
 export interface ReportData {
   format: 1;
@@ -21,8 +27,27 @@ export interface ReportData {
   poses: string;
   /** Rows of these columns (docs/results.md), f32. */
   joints?: { columns: string[]; rows: string };
+  /** How many contacts are closed at each frame, and of each its bodies (−1: the ground) and contactWidth numbers, f32. */
+  contacts?: ContactRows;
   /** Rows of energy.csv without their time, f64. */
   energy?: { columns: string[]; rows: string };
+}
+
+/** Per contact: point, normal, force on the first body, speed of slip. */
+const contactWidth = 10;
+
+/** By frame, the forces of the contacts that are closed. */
+function contactsOf({ counts, rows }: ContactRows): (frame: number) => ContactForce[] {
+  const numbers = floats(rows);
+  const ends: number[] = [];
+  for (const count of counts) ends.push((ends[ends.length - 1] ?? 0) + count);
+  return (frame) => {
+    const count = counts[frame] ?? 0;
+    return Array.from({ length: count }, (_, k) => {
+      const [x, y, z, , , , fx, fy, fz] = numbers.subarray(contactWidth * (ends[frame] - count + k));
+      return { point: [x, y, z], force: [fx, fy, fz] };
+    });
+  };
 }
 
 const energyColumns: Record<WorldQuantity, { unit: string; names: readonly string[] }> = {
@@ -92,5 +117,6 @@ export function recordingOf(data: ReportData): Recording {
           values: column(table!.values, table!.columns.length, place),
         })),
     summary: data.summary,
+    ...(data.contacts && { contacts: contactsOf(data.contacts) }),
   };
 }

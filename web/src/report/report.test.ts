@@ -63,6 +63,26 @@ describe("tables", () => {
   });
 });
 
+describe("contacts in a report", () => {
+  it("have their points and forces at each frame", () => {
+    const rows = new Float32Array([1, 2, 3, 0, 0, 1, 4, 5, 6, 0, 7, 8, 9, 0, 0, 1, 10, 11, 12, 0.5]);
+    const contacts = { counts: [0, 2], bodies: [0, -1, 1, -1], rows: base64(rows) };
+    const run = recordingOf({ ...data, contacts });
+    expect(run.contacts!(0)).toEqual([]);
+    expect(run.contacts!(1)).toEqual([
+      { point: [1, 2, 3], force: [4, 5, 6] },
+      { point: [7, 8, 9], force: [10, 11, 12] },
+    ]);
+    expect(recordingOf(data).contacts).toBeUndefined();
+  });
+
+  it("lie on the planes of the model", () => {
+    const planes = [{ point: [0, 0, -1], normal: [0, 0, 1] }] as const;
+    expect(recordingOf({ ...data, model: { ...data.model, planes: [...planes] } }).model.planes).toEqual(planes);
+    expect(recordingOf(data).model.planes).toBeUndefined();
+  });
+});
+
 describe("the data of a report as a recording", () => {
   const run = recordingOf(data);
 

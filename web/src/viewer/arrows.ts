@@ -14,10 +14,10 @@ const up = new THREE.Vector3(0, 1, 0);
 export class ArrowScale {
   private largest = 0;
 
-  /** Zero before there was any vector. */
-  for(arrows: readonly Arrow[], longest: number): number {
+  /** Zero before there was any vector longer than `least`: shorter ones are round-off. */
+  for(arrows: readonly Arrow[], longest: number, least = 0): number {
     for (const { vector } of arrows) this.largest = Math.max(this.largest, vector.length());
-    return this.largest > 0 ? longest / this.largest : 0;
+    return this.largest > least ? longest / this.largest : 0;
   }
   get most() {
     return this.largest;

@@ -1,8 +1,9 @@
-// The floor: a grid with squares of a round size, which receives shadows. Planar motion is seen along the floor; then the grid
-// stands behind the motion instead.
+// The floor: a grid with squares of a round size, which receives shadows. It lies on the plane of the world, which is a slab
+// then, or below all motion if there is none. Planar motion is seen along the floor; then the grid stands behind the motion.
 import * as THREE from "three";
 import type { View } from "./camera";
-import type { Theme } from "./colours";
+import type { Plane } from "../recording";
+import { mixed, type Theme } from "./colours";
 
 /** A round length, at least eight of which fit into `size`. */
 export function roundLength(size: number): number {
@@ -23,14 +24,33 @@ export function lengthText(length: number): string {
   return `${Number((length / size).toPrecision(3))} ${unit}`;
 }
 
+/** The point of a plane that is nearest to a point. */
+export function onPlane(point: THREE.Vector3, { point: at, normal }: Plane): THREE.Vector3 {
+  const n = new THREE.Vector3(...normal).normalize();
+  return point.clone().addScaledVector(n, n.dot(new THREE.Vector3(...at)) - n.dot(point));
+}
+
 export class Floor {
   readonly group = new THREE.Group();
   /** Side of a square (m). */
   square = 0;
   private readonly shadow = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), new THREE.ShadowMaterial({ depthWrite: false }));
   private grid: THREE.GridHelper | null = null;
+  private readonly slab = new THREE.Mesh(
+    new THREE.BoxGeometry(1, 1, 1).translate(0, 0, -0.5),
+    new THREE.MeshBasicMaterial({ depthWrite: false }),
+  );
+  private readonly slabs: THREE.Mesh[] = [];
 
-  constructor() {
+  /** `planes`: of the world; the grid lies on the first. */
+  constructor(private readonly planes: readonly Plane[] = []) {
+    for (const { normal } of planes) {
+      const slab = this.slab.clone();
+      slab.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), new THREE.Vector3(...normal).normalize());
+      slab.renderOrder = -3;
+      this.slabs.push(slab);
+      this.group.add(slab);
+    }
     this.shadow.receiveShadow = true;
     this.shadow.renderOrder = -2;
     this.group.add(this.shadow);
@@ -46,7 +66,15 @@ export class Floor {
     this.grid = new THREE.GridHelper(count * this.square, count, theme.grid, theme.grid);
     this.grid.renderOrder = -1;
     this.grid.material.depthWrite = false;
-    const normal = upright ? view.direction : view.up;
+    const plane = this.planes[0];
+    const level = plane ? new THREE.Vector3(...plane.normal).normalize() : view.up;
+    const normal = upright ? view.direction : level;
+    const side = count * this.square;
+    this.slab.material.color.set(mixed(theme.grid, theme.ground, 0.45));
+    this.slabs.forEach((slab, i) => {
+      slab.position.copy(onPlane(view.centre, this.planes[i]));
+      slab.scale.set(side, side, 0.04 * view.radius);
+    });
     this.grid.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), normal);
     const centre = view.centre.clone();
     if (upright) {
@@ -55,7 +83,8 @@ export class Floor {
       centre.addScaledVector(view.direction, -depth - 0.02 * view.radius);
       this.grid.material.transparent = true;
       this.grid.material.opacity = 0.55;
-    } else centre.addScaledVector(view.up, view.lowest - centre.dot(view.up) - 1e-3 * view.radius);
+    } else if (plane) centre.copy(onPlane(view.centre, plane));
+    else centre.addScaledVector(view.up, view.lowest - centre.dot(view.up) - 1e-3 * view.radius);
     this.grid.position.copy(centre);
     this.shadow.visible = !upright;
     this.shadow.material.opacity = theme.dark ? 0.5 : 0.2;
@@ -73,6 +102,8 @@ export class Floor {
     this.grid?.dispose();
     this.shadow.geometry.dispose();
     this.shadow.material.dispose();
+    this.slab.geometry.dispose();
+    this.slab.material.dispose();
     this.group.removeFromParent();
   }
 }

@@ -1,7 +1,7 @@
 import * as THREE from "three";
 import { describe, expect, it } from "vitest";
 import type { Body, Joint, Model } from "../recording";
-import { lengthText, roundLength } from "./floor";
+import { lengthText, onPlane, roundLength } from "./floor";
 import { ellipsoidOf, principal, roomAround } from "./inertia";
 
 let seed = 7;
@@ -97,5 +97,24 @@ describe("the scale of the floor", () => {
       expect(["1", "2", "5"]).toContain(square.toExponential()[0]);
     }
     expect([0.5, 0.02, 2000, 0.001].map(lengthText)).toEqual(["50 cm", "2 cm", "2 km", "1 mm"]);
+  });
+});
+
+describe("the floor of the world", () => {
+  it("is the plane, whatever its normal's length and wherever one looks", () => {
+    const plane = { point: [1, 2, 3], normal: [0, 3, 4] } as const;
+    const at = onPlane(new THREE.Vector3(7, -1, 5), plane);
+    expect(
+      at
+        .clone()
+        .sub(new THREE.Vector3(...plane.point))
+        .dot(new THREE.Vector3(...plane.normal)),
+    ).toBeCloseTo(0, 12);
+    expect(
+      new THREE.Vector3(7, -1, 5)
+        .sub(at)
+        .cross(new THREE.Vector3(...plane.normal))
+        .length(),
+    ).toBeCloseTo(0, 12);
   });
 });

@@ -32,7 +32,7 @@ export class Stage {
   private readonly light = new THREE.DirectionalLight(0xffffff, 1.2);
   private readonly sky = new THREE.HemisphereLight(0xffffff, 0x9aa4b2, 1.9);
   private view: View | null = null;
-  private readonly floor = new Floor();
+  private readonly floor: Floor;
   private readonly sun = new Sun();
   private readonly scale = document.createElement("p");
   private scheduled = false;
@@ -66,6 +66,7 @@ export class Stage {
     this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
     this.scale.className = "scale";
     host.append(this.renderer.domElement, this.scale);
+    this.floor = new Floor(model.planes);
     this.shapes = new ShapeLibrary(model);
     this.mechanisms = new MechanismsView(model, this.shapes, { faded: 0, pixels: 4, joints: true });
     this.camera.add(this.light);

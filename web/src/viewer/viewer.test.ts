@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Motion } from "../recording";
+import { ArrowScale } from "./arrows";
 import { BoxGeometry, Vector3 } from "three";
 import { hexOf, mixed, shapeColour, themeOf } from "./colours";
 import { frameAt, isGap, lastNotAfter, phaseAt, pointOf, posesAt } from "./frames";
@@ -186,4 +187,12 @@ describe("ghosts, trails and outlines", () => {
         expect(outward.array[3 * i + k]).toBeCloseTo(Math.sign(corner[axis]) / Math.sqrt(3), 5);
     }
   });
+});
+
+it("arrows of round-off have no scale, and those of the same kind keep theirs", () => {
+  const arrow = (x: number) => ({ from: new Vector3(), vector: new Vector3(x, 0, 0) });
+  const scale = new ArrowScale();
+  expect(scale.for([arrow(1e-16)], 2, 1e-9)).toBe(0);
+  expect(scale.for([arrow(4)], 2, 1e-9)).toBe(0.5);
+  expect(scale.for([arrow(1)], 2, 1e-9)).toBe(0.5);
 });

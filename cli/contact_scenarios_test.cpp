@@ -1,0 +1,128 @@
+// The scenarios with contact in scenarios/, run by the program as a user would, with their physics checked.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <tests/scenario_run.hpp>
+
+namespace momentree {
+namespace {
+
+using test::Json;
+using test::Run;
+
+std::vector<Json> named(const Run& run, const std::string& event) {
+  std::vector<Json> found;
+  std::copy_if(run.events.begin(), run.events.end(), std::back_inserter(found),
+               [&](const Json& each) { return each.at("event") == event; });
+  return found;
+}
+
+double time_of(const Json& event) { return event.at("time").get<double>(); }
+
+/// The share of its speed that a system keeps, of which all kinetic energy is that of one rotation.
+double kept(const Json& impact) {
+  return std::sqrt(impact.at("after").at("kinetic").get<double>() / impact.at("before").at("kinetic").get<double>());
+}
+
+double speed_of(const Json& state, const std::string& body) {
+  return norm(test::vec(state.at("bodies").at(body).at("linear"))) + norm(test::vec(state.at("bodies").at(body).at("angular")));
+}
+
+}  // namespace
+
+TEST_CASE("rocking_block: each impact keeps the share of the speed that Housner gives, and it comes to stand again") {
+  const Run run("rocking_block");
+  const double housner = 1 - 1.5 * 0.1;  // 1 − 3/2 sin²α, tan α = 1/3
+  int impacts = 0;
+  for (const Json& impact : named(run, "impact")) {
+    if (time_of(impact) < 0.8 || impact.at("before").at("kinetic").get<double>() < 1e-6)
+      continue;  // the table moves, or round-off
+    CHECK(kept(impact) == doctest::Approx(housner).epsilon(1e-9));
+    ++impacts;
+  }
+  CHECK(impacts > 20);
+  for (const Json& slip : named(run, "slip")) CHECK(slip.at("before").at("kinetic").get<double>() < 1e-20);  // round-off at rest
+  CHECK(speed_of(run.final_state, "block/block") < 1e-10);
+  CHECK(std::abs(run.energy("final") - run.energy("initial")) < 1e-6);
+  CHECK(run.energy("work") == doctest::Approx(run.energy("lost_in_impacts")).epsilon(1e-9));
+  CHECK(std::abs(run.energy("error")) < 1e-8);
+}
+
+TEST_CASE("rimless_wheel: a step keeps the share of the speed that the angular momentum about the new foot gives") {
+  const Run run("rimless_wheel");
+  const double half = std::numbers::pi / 12, height = 0.98 * std::cos(half) + 0.02, side = 0.98 * std::sin(half);
+  const double share = (1.5 + 10 * (height * height - side * side)) / (1.5 + 10 * (height * height + side * side));
+  const std::vector<Json> impacts = named(run, "impact");
+  REQUIRE(impacts.size() > 12);
+  for (const Json& impact : impacts) CHECK(kept(impact) == doctest::Approx(share).epsilon(1e-10));
+  // The gait: what a step downhill gives is what its impact takes.
+  const double gained = 10 * 9.81 * std::sin(std::numbers::pi / 30) * (2 * side + 0.02 * 2 * half);
+  const double before = impacts.back().at("before").at("kinetic").get<double>();
+  CHECK(before == doctest::Approx(gained / (1 - share * share)).epsilon(0.05));
+  CHECK(before > impacts[impacts.size() - 2].at("before").at("kinetic").get<double>());
+  CHECK(std::abs(run.energy("error")) < 1e-10);
+}
+
+TEST_CASE("leaking_gripper: the can slips at the force that friction gives, and lands on its side") {
+  const Run run("leaking_gripper");
+  const std::vector<Json> slips = named(run, "slip grip");
+  REQUIRE(slips.size() == 2);
+  const double force = 0.3 * 9.81 / (2 * 0.6);  // of 12 to 2 N within a second
+  for (const Json& slip : slips) CHECK(time_of(slip) == doctest::Approx(1.2 + (12 - force) / 10).epsilon(1e-9));
+  CHECK(named(run, "lift grip").size() == 2);
+  CHECK(run.final_state.at("bodies").at("can/can").at("position").at(2).get<double>() == doctest::Approx(0.03).epsilon(1e-9));
+  CHECK(speed_of(run.final_state, "can/can") < 1e-9);
+  CHECK(std::abs(run.energy("error")) < 1e-9);
+}
+
+TEST_CASE("crane_sets_down: the crate lands on an edge, tips flat, slides, and stays") {
+  const Run run("crane_sets_down");
+  CHECK(named(run, "impact").size() > 4);
+  CHECK_FALSE(named(run, "slip").empty());
+  const Json& crate = run.final_state.at("bodies").at("crate/crate");
+  CHECK(crate.at("position").at(2).get<double>() == doctest::Approx(0.6).epsilon(1e-9));
+  CHECK(crate.at("quaternion").at(0).get<double>() == doctest::Approx(1).epsilon(1e-12));
+  CHECK(speed_of(run.final_state, "crate/crate") < 1e-9);
+  for (const Json& impact : named(run, "impact")) CHECK(impact.at("lost").get<double>() > 0);
+  CHECK(std::abs(run.energy("error")) < 0.01);  // slings that go slack have a bend in their force
+}
+
+TEST_CASE("chimney_comes_to_rest: it breaks once, and its parts come to lie flat on the ground") {
+  const Run run("chimney_comes_to_rest");
+  REQUIRE(run.events.size() > 10);
+  CHECK(run.events[0].at("actions") == Json{"break chimney/piece3"});  // 10 of 30 m
+  for (int piece = 1; piece <= 6; ++piece) CHECK(speed_of(run.final_state, "chimney/piece" + std::to_string(piece)) < 1e-9);
+  CHECK(run.final_state.at("joints").at("chimney/foot").at("q").at(0).get<double>() ==
+        doctest::Approx(std::numbers::pi / 2).epsilon(1e-9));
+  CHECK(run.energy("final") == doctest::Approx(60'000 * 9.81 * 0.8).epsilon(1e-9));
+  CHECK(run.energy("lost_in_impacts") == doctest::Approx(run.energy("initial") - run.energy("final")).epsilon(1e-9));
+  CHECK(std::abs(run.energy("error")) < 1e-6);
+}
+
+TEST_CASE("hanging_boxes_fall: the link parts at its strength, and the linked crates come to lie on the floor") {
+  const Run run("hanging_boxes_fall");
+  REQUIRE(run.events.size() > 10);
+  CHECK(run.events[0].at("event") == "strength of crates/worn link");
+  CHECK(run.events[0].at("mechanisms").at("after") == Json{"crates", "crates/middle"});
+  for (const char* crate : {"crates/middle", "crates/bottom"}) CHECK(speed_of(run.final_state, crate) < 1e-3);
+  // No corner was ever below the floor.
+  const auto bodies = run.table("bodies.csv");
+  for (const std::string crate : {"crates/middle", "crates/bottom"})
+    for (std::size_t k = 0; k < bodies.at("time").size(); ++k) {
+      const auto at = [&](const char* column) { return bodies.at(crate + column).at(k); };
+      const Pose pose{{at(".x"), at(".y"), at(".z")}, {at(".qw"), at(".qx"), at(".qy"), at(".qz")}};
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 point{corner & 1 ? 0.2 : -0.2, corner & 2 ? 0.2 : -0.2, corner & 4 ? -0.1 : -0.5};
+        CHECK((pose * point).z > -1e-9);
+      }
+    }
+  CHECK(std::abs(run.energy("error")) < 1e-5);
+}
+
+}  // namespace momentree

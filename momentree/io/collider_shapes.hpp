@@ -1,0 +1,14 @@
+#pragma once
+// The shapes of colliders, for pictures of bodies that have no others.
+#include <vector>
+
+#include <momentree/io/shape.hpp>
+#include <momentree/tree/model.hpp>
+
+namespace momentree::io {
+
+/// By body, its shape, or those of its colliders if it has none. Of colliders, boxes, capsules and spheres are drawn.
+/// `shapes`: by body; may be shorter than the list of bodies.
+std::vector<Shape> drawn_shapes(const Model& model, const std::vector<Shape>& shapes);
+
+}  // namespace momentree::io

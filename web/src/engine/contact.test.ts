@@ -1,0 +1,118 @@
+// Worlds with contact in a session: what is thrown lands, and a world that does not get on is stopped with a message.
+import { readFileSync } from "node:fs";
+import { afterEach, describe, expect, it, vi } from "vitest";
+import { Engine, status, type World } from "../../../wasm/host.mjs";
+import { isContact } from "../contacts";
+import { modelOf } from "../result_files";
+import { LiveRecording } from "./live";
+import type { FromWorker } from "./messages";
+import { Session } from "./session";
+
+const engine = await Engine.of(readFileSync(new URL("../../engine/momentree.wasm", import.meta.url)));
+const crates = readFileSync(new URL("../../../scenarios/hanging_boxes_fall.toml", import.meta.url), "utf8");
+
+function opened(text: string, by: Engine = engine) {
+  const posted: FromWorker[] = [];
+  const shown: { run: LiveRecording | null } = { run: null };
+  const session = new Session(by, (message) => {
+    posted.push(message);
+    if (message.type === "loaded" && message.world)
+      shown.run = new LiveRecording(modelOf(message.world.model), message.world.topology, message.world.frame);
+    else if (message.type === "frame") shown.run!.addFrame(message.frame);
+    else if (message.type === "topology") shown.run!.addTopology(message.time, message.topology);
+    else if (message.type === "events") shown.run!.addEvents(message.events);
+  });
+  session.handle({ type: "load", text });
+  const play = (frames: number, each: (frame: number) => void = () => undefined) => {
+    session.handle({ type: "play", on: true });
+    for (let i = 0; i < frames; i++) {
+      each(i);
+      session.tick(1 / 60);
+    }
+  };
+  return { posted, session, play, run: () => shown.run! };
+}
+
+/** Height of the lowest corner of a crate (m), a cube of 40 cm around (0, 0, −0.3). */
+function lowest(poses: ArrayLike<number>, body: number): number {
+  const [, , z, w, x, y, q] = Array.from(poses).slice(7 * body, 7 * body + 7);
+  const row = [2 * (x * q - w * y), 2 * (y * q + w * x), 1 - 2 * (x * x + y * y)]; // of the rotation matrix: world z
+  return z - 0.3 * row[2] - 0.2 * row.reduce((sum, each) => sum + Math.abs(each), 0);
+}
+
+describe("contact in a session", () => {
+  it("a crate that is grabbed and thrown lands on the floor and stays above it", () => {
+    const { session, play, run, posted } = opened(crates);
+    /** However slow the machine is. */
+    const playTo = (time: number, each: (time: number) => void = () => undefined) => {
+      for (let i = 0; run().last.time < time && i < 5000; i++) play(1, () => each(run().last.time));
+    };
+    playTo(1.5);
+    session.handle({ type: "grab", body: 2, point: [0, 0, -0.3], target: [0, 0, 1.5] });
+    playTo(2, (time) => session.handle({ type: "pull", target: [3.6 * (time - 1.5), 0, 1.5] }));
+    session.handle({ type: "release" });
+    playTo(5);
+    expect(posted.filter(({ type }) => type === "stopped")).toEqual([]);
+    for (let frame = 0; frame < run().frames; frame++)
+      for (const body of [1, 2]) expect(lowest(run().poses(frame), body)).toBeGreaterThan(-1e-5); // poses are in single precision
+    expect(lowest(run().last.poses, 2)).toBeLessThan(0.05);
+    expect(run().events.filter(isContact).length).toBeGreaterThan(10);
+    // Contacts are no changes of the topology: only the link that parted is one.
+    expect(run().phases).toHaveLength(2);
+  });
+
+  it("the forces of contacts are in the frames, if the engine reports them", () => {
+    const reporting = {
+      world: () =>
+        Object.assign(engine.world(), { contacts: () => Float64Array.from([1, -1, 2, 3, 4, 0, 0, 1, 5, 6, 7, 0, 0, 0, 1]) }),
+    };
+    expect(
+      opened(crates, reporting as unknown as Engine)
+        .run()
+        .contacts(0),
+    ).toEqual([{ point: [2, 3, 4], force: [5, 6, 7] }]);
+  });
+
+  it("an overlap at the start is a problem with its line, in words", () => {
+    const { posted } = opened(crates.replace("xyz = [0, 0, 3]", "xyz = [0, 0, 1]"));
+    const [loaded] = posted;
+    if (loaded.type !== "loaded") throw new Error("nothing was loaded");
+    expect(loaded.world).toBeNull();
+    expect(loaded.diagnostics[0].what).toMatch(/overlap/);
+    expect(loaded.diagnostics[0].line).toBeGreaterThan(1);
+  });
+
+  it("a method that has no contact is a problem, in words", () => {
+    const { posted } = opened(crates.replace('"dop853"', '"midpoint"').replace("rtol   = 1e-6\n", ""));
+    const [loaded] = posted;
+    if (loaded.type !== "loaded") throw new Error("nothing was loaded");
+    expect(loaded.diagnostics.map(({ what, hint }) => `${what} ${hint}`).join()).toMatch(/dop853/);
+  });
+});
+
+describe("a world that does not get on", () => {
+  afterEach(() => vi.restoreAllMocks());
+
+  it("is stopped after a while, with a message", () => {
+    let now = 0;
+    vi.spyOn(performance, "now").mockImplementation(() => now);
+    const stuck = {
+      world: () => {
+        const world: World = engine.world();
+        world.run = () => {
+          now += 20; // ms
+          return { status: status.interrupted, message: "" };
+        };
+        return world;
+      },
+    };
+    const { posted, play } = opened(crates, stuck as unknown as Engine);
+    play(190);
+    expect(posted.filter(({ type }) => type === "stopped")).toEqual([]);
+    play(20);
+    expect(posted.filter(({ type }) => type === "stopped")).toEqual([
+      { type: "stopped", message: "It does not get on at t = 0.00000 s: too much happens at once. Go back, or restart." },
+    ]);
+    expect(posted.filter(({ type }) => type === "playing")).toEqual([{ type: "playing", on: false }]);
+  });
+});
