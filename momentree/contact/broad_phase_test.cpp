@@ -13,19 +13,19 @@ using namespace momentree::contact;
 TEST_CASE("contact broad phase: it finds all pairs that overlap, in order, as balls move, come and go") {
   oracle::Prng random(12);
   BroadPhase broad_phase;
-  std::vector<Ball> balls;
+  std::vector<contact::Ball> balls;
   std::size_t found = 0;
   for (int k = 0; k < 300; ++k) {
     if (k % 50 == 0) {
       balls.clear();
       for (int i = random.integer(0, 120); i > 0; --i) balls.push_back({random.vector(2), random.uniform(0, 0.5)});
     }
-    for (Ball& ball : balls) ball.centre += random.vector(0.05);
+    for (contact::Ball& ball : balls) ball.centre += random.vector(0.05);
     if (k % 7 == 0 && !balls.empty()) balls.front() = balls.back();
     std::vector<std::pair<int, int>> expected;
     for (int i = 0; i < static_cast<int>(balls.size()); ++i)
       for (int j = i + 1; j < static_cast<int>(balls.size()); ++j) {
-        const Ball &a = balls[static_cast<std::size_t>(i)], &b = balls[static_cast<std::size_t>(j)];
+        const contact::Ball &a = balls[static_cast<std::size_t>(i)], &b = balls[static_cast<std::size_t>(j)];
         if (dot(a.centre - b.centre, a.centre - b.centre) <= (a.radius + b.radius) * (a.radius + b.radius))
           expected.emplace_back(i, j);
       }

@@ -49,12 +49,17 @@ std::optional<contact::Solid> hull_of(const Shape& shape, const ToldOfShape& ref
   if (shape.source->path.empty()) {
     add(shape.source->inside);
   } else {
+#ifdef __cpp_exceptions
     try {
       for (const MeshPart& part : read_mesh_file(shape.source->path, shape.source->submesh).parts) add(part);
     } catch (const Error& error) {
       refuse(name + ": " + error.problem, error.hint);
       return std::nullopt;
     }
+#else  // the engine for browsers has no files
+    refuse(name + " cannot be read in a browser", "touch with boxes, spheres, capsules or cylinders, or run it with the command");
+    return std::nullopt;
+#endif
   }
   double beyond = 0;
   contact::Solid hull = contact::hull_within(points, most_hull_corners, hull_tolerance, beyond);
