@@ -94,7 +94,9 @@ test("crates in the playground fall, and the list of events shows their impacts"
   await page.waitForFunction(() => document.title.startsWith("Hanging crates"));
   await page.getByRole("button", { name: "Play", exact: true }).click();
   await page.waitForFunction(() => window.playground.app.run!.last.time > 1.5, undefined, { timeout: 60_000 });
-  await expect.poll(() => page.getByRole("list", { name: "Events" }).textContent(), { timeout: 30_000 }).toMatch(/\d+ × impact/);
+  await expect
+    .poll(() => page.getByRole("list", { name: "Events" }).textContent(), { timeout: 30_000 })
+    .toMatch(/\d+ × impact/);
   expect(complaints).toEqual([]);
   await keep(page, "contact_playground");
 });
