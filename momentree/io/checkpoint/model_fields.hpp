@@ -40,17 +40,17 @@ void fields(Archive& archive, Part<Archive, Signal::Knot>& knot) {
   archive(knot.time, knot.value);
 }
 
-struct SignalParts {
+struct SavedSignal {
   double offset = 0, amplitude = 0, frequency = 0, phase = 0, ramp = 0;
   bool free_ends = false, from_here = false;
   std::vector<Signal::Knot> knots;
 };
 template <class Archive>
-void fields(Archive& archive, Part<Archive, SignalParts>& s) {
+void fields(Archive& archive, Part<Archive, SavedSignal>& s) {
   archive(s.offset, s.amplitude, s.frequency, s.phase, s.ramp, s.free_ends, s.from_here, s.knots);
 }
 inline void fields(ArchiveWriter& archive, const Signal& s) {
-  archive(SignalParts{s.offset(),
+  archive(SavedSignal{s.offset(),
                       s.amplitude(),
                       s.frequency(),
                       s.phase(),
@@ -60,7 +60,7 @@ inline void fields(ArchiveWriter& archive, const Signal& s) {
                       {s.knots().begin(), s.knots().end()}});
 }
 inline void fields(ArchiveReader& archive, Signal& signal) {
-  SignalParts s;
+  SavedSignal s;
   archive(s);
   if (!s.knots.empty())
     signal = Signal::table(std::move(s.knots), s.free_ends ? Signal::Ends::free : Signal::Ends::rest);
