@@ -32,14 +32,14 @@ int widest_axis(std::span<const Ball> balls) {
 std::span<const std::pair<int, int>> BroadPhase::find(std::span<const Ball> balls) {
   found_.clear();
   if (balls.empty()) return found_;
-  axis_ = widest_axis(balls);
+  const int axis = widest_axis(balls);
   if (order_.size() != balls.size()) {
     order_.resize(balls.size());
     for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<int>(i);
   }
   const auto low = [&](int i) {
-    const double x = along_axis(balls[at(i)].centre, axis_) - balls[at(i)].radius;
-    return x == x ? x : -HUGE_VAL;  // of motions that diverged
+    const double x = along_axis(balls[at(i)].centre, axis) - balls[at(i)].radius;
+    return std::isnan(x) ? -HUGE_VAL : x;  // of motions that diverged
   };
   const auto before = [&](int i, int k) {
     const double a = low(i), b = low(k);
@@ -48,7 +48,7 @@ std::span<const std::pair<int, int>> BroadPhase::find(std::span<const Ball> ball
   if (!std::is_sorted(order_.begin(), order_.end(), before)) std::sort(order_.begin(), order_.end(), before);
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const Ball& one = balls[at(order_[i])];
-    const double end = along_axis(one.centre, axis_) + one.radius;
+    const double end = along_axis(one.centre, axis) + one.radius;
     for (std::size_t k = i + 1; k < order_.size() && low(order_[k]) <= end; ++k) {
       const Ball& other = balls[at(order_[k])];
       const Vec3 apart = one.centre - other.centre;

@@ -22,7 +22,6 @@ class BroadPhase {
   std::span<const std::pair<int, int>> find(std::span<const Ball> balls);
 
  private:
-  int axis_ = 0;
   std::vector<int> order_;
   std::vector<std::pair<int, int>> found_;
 };

@@ -27,7 +27,7 @@ struct Solid {
   Vec3 centre{};                         ///< of a sphere around everything
   double reach = 0;                      ///< and its radius
   double thickness = 0;                  ///< nothing that moves less than this passes through (m)
-  double rim = 0;                        ///< radius of a cylinder (m); 0: it is none
+  double rim = 0;                        ///< radius of a cylinder (m); 0: not a cylinder
   std::array<Vec3, 2> ends{};            ///< of a cylinder: the centres of its ends (m)
 
   friend bool operator==(const Solid& a, const Solid& b) {

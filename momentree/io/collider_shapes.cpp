@@ -4,35 +4,42 @@
 #include <utility>
 
 namespace momentree::io {
+
 namespace {
 
 Quat from_axes(const Vec3& x, const Vec3& y, const Vec3& z) {
   return quaternion_of({x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z});
 }
 
-/// The shape of a solid; none for a hull that is not a box.
+/// A placement with z from one point to another, in the middle.
+Pose along_z(const Vec3& from, const Vec3& to) {
+  const Vec3 z = normalized(to - from);
+  Vec3 across[2];
+  contact::perpendiculars(z, across);
+  return {0.5 * (from + to), from_axes(across[0], across[1], z)};
+}
+
+/// The shape of a solid; none for a hull.
 Shape solid_shape(const contact::Solid& solid) {
   const std::vector<Vec3>& points = solid.vertices;
   Shape shape;
   shape.radius = solid.radius;
-  if (points.size() == 1) {
+  if (solid.rim > 0) {
+    shape.kind = Shape::Kind::cylinder;
+    shape.radius = solid.rim, shape.length = norm(solid.ends[1] - solid.ends[0]);
+    shape.at = along_z(solid.ends[0], solid.ends[1]);
+  } else if (points.size() == 1) {
     shape.kind = Shape::Kind::sphere;
     shape.at.position = points[0];
   } else if (points.size() == 2) {
-    const Vec3 along = points[1] - points[0];
     shape.kind = Shape::Kind::capsule;
-    shape.length = norm(along);
-    const Vec3 z = (1 / shape.length) * along;
-    Vec3 x = cross(z, std::abs(z.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0});
-    x = (1 / norm(x)) * x;
-    const Vec3 y = cross(z, x);
-    shape.at = {0.5 * (points[0] + points[1]), from_axes(x, y, z)};
-  } else if (points.size() == 8 && solid.faces.size() == 6) {  // as contact::box makes them
+    shape.length = norm(points[1] - points[0]);
+    shape.at = along_z(points[0], points[1]);
+  } else if (points.size() == 8 && solid.faces.size() == 6) {  // as contact::box makes them; hulls have triangles
     const Vec3 sides[] = {points[1] - points[0], points[2] - points[0], points[4] - points[0]};
     shape.kind = Shape::Kind::box;
     shape.size = {norm(sides[0]), norm(sides[1]), norm(sides[2])};
-    shape.at = {0.5 * (points[0] + points[7]),
-                from_axes((1 / shape.size.x) * sides[0], (1 / shape.size.y) * sides[1], (1 / shape.size.z) * sides[2])};
+    shape.at = {0.5 * (points[0] + points[7]), from_axes(normalized(sides[0]), normalized(sides[1]), normalized(sides[2]))};
   }
   return shape;
 }

@@ -1,6 +1,6 @@
 // Collision elements of model files as colliders: which of them count, their friction, and pairs that do not touch.
 #include <algorithm>
-#include <cstdio>
+#include <functional>
 #include <map>
 
 #include <momentree/io/read_action.hpp>
@@ -25,7 +25,7 @@ std::vector<int> rigid_groups(const Model& model, int first, int count) {
   return group;
 }
 
-void let_pass(Model& model, BodyId one, BodyId other) {
+void exclude_pair(Model& model, BodyId one, BodyId other) {
   ContactRule rule;
   rule.one = {one}, rule.other = {other}, rule.law.off = true;
   model.add_contact_rule(std::move(rule));
@@ -49,7 +49,8 @@ void add_friction(const ImportedModel& imported, int first, Model& model) {
 }
 
 // Bodies that are welded together, neighbours across joints of such groups, and pairs that the file excludes.
-void add_exclusions(const ImportedModel& imported, int first, const std::vector<bool>& touches, Model& model) {
+void add_exclusions(const ImportedModel& imported, int first, const std::vector<bool>& touches, Model& model,
+                    const std::function<void(const std::string&)>& unknown) {
   const int count = static_cast<int>(imported.bodies.size());
   const std::vector<int> group = rigid_groups(model, first, count);
   const auto group_of = [&](int b) { return b < 0 ? -1 : group[static_cast<std::size_t>(b)]; };
@@ -60,22 +61,22 @@ void add_exclusions(const ImportedModel& imported, int first, const std::vector<
   };
   for (int b = 0; b < count; ++b) {
     if (!touches[static_cast<std::size_t>(b)]) continue;
-    if (group_of(b) == -1) let_pass(model, {first + b}, ground);
+    if (group_of(b) == -1) exclude_pair(model, {first + b}, ground);
     for (int other = 0; other < b; ++other) {
       if (!touches[static_cast<std::size_t>(other)]) continue;
       const int g = group_of(b), h = group_of(other);
-      if (g == h || parent_of(g) == h || parent_of(h) == g) let_pass(model, {first + b}, {first + other});
+      if (g == h || parent_of(g) == h || parent_of(h) == g) exclude_pair(model, {first + b}, {first + other});
     }
   }
-  for (const auto& [one, other] : imported.excluded) {
-    int numbers[2] = {-1, -1};
-    for (int b = 0; b < count; ++b) {
-      const std::string& name = imported.bodies[static_cast<std::size_t>(b)].spec.name;
-      if (name == one) numbers[0] = b;
-      if (name == other) numbers[1] = b;
-    }
-    if (numbers[0] >= 0 && numbers[1] >= 0) let_pass(model, {first + numbers[0]}, {first + numbers[1]});
-  }
+  const auto body_of = [&](const std::string& name) -> std::optional<BodyId> {
+    if (name == "world") return ground;
+    for (int b = 0; b < count; ++b)
+      if (imported.bodies[static_cast<std::size_t>(b)].spec.name == name) return BodyId{first + b};
+    unknown(name);
+    return std::nullopt;
+  };
+  for (const auto& [one, other] : imported.excluded)
+    if (const auto a = body_of(one), b = body_of(other); a && b) exclude_pair(model, *a, *b);
 }
 
 }  // namespace
@@ -113,7 +114,9 @@ void add_model_colliders(bool rules, Reading& reading) {
                               " nothing, such as that of " + first_left_out,
                           "collision = \"none\" in the mechanism leaves all of them out");
     add_friction(imported, set.first, model);
-    add_exclusions(imported, set.first, touches, model);
+    add_exclusions(imported, set.first, touches, model, [&](const std::string& name) {
+      reading.out.warning(set.place, "<exclude> names " + in_quotes(name) + ", which is not a body of the model", "");
+    });
   }
   if (reading.floor_rule) model.add_contact_rule(std::move(*reading.floor_rule));
 }
@@ -132,7 +135,7 @@ std::optional<Overlap> overlap_between_models(Reading& reading) {
   for (int k = 0; worst && k < most_pairs; ++k) {
     const Set* const set = set_of(worst->one);
     if (set == nullptr || set_of(worst->other) != set) break;
-    let_pass(model, model.body(worst->one), model.body(worst->other));
+    exclude_pair(model, model.body(worst->one), model.body(worst->other));
     auto& [count, names] = left_out[set];
     if (++count <= shown) names += (names.empty() ? "" : ", ") + in_quotes(worst->one) + " and " + in_quotes(worst->other);
     worst = deepest_overlap(model);

@@ -103,6 +103,28 @@ TEST_CASE("bodies without shapes have those of their colliders, and the planes o
   CHECK(!mentions(model_json(World(arm()), ""), "planes"));
 }
 
+TEST_CASE("of the colliders of bodies without shapes cylinders are drawn, hulls are not") {
+  Model model;
+  const Pose at{{1, 2, 3}, from_rpy(0.3, -0.4, 0.5)};
+  const auto add = [&](const char* name, const contact::Solid& solid) {
+    const BodyId body = model.add({.name = name, .mass = 1, .inertia = diagonal(1, 1, 1), .joint = Free{}});
+    model.add_collider({.body = body, .solid = solid});
+  };
+  add("can", contact::cylinder(0.5, 3, at));
+  std::vector<Vec3> frustum;
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      for (const double z : {0.0, 1.0}) frustum.push_back(at * Vec3{(1 - 0.5 * z) * x, (1 - 0.5 * z) * y, z});
+  add("frustum", contact::hull(frustum));
+  const std::vector<Shape> shapes = drawn_shapes(model, {});
+  REQUIRE(shapes.size() == 2);
+  CHECK(shapes[0].kind == Shape::Kind::cylinder);
+  CHECK(shapes[0].radius == 0.5);
+  CHECK(shapes[0].length == doctest::Approx(3).epsilon(1e-14));
+  for (const double end : {-1.5, 1.5}) CHECK(norm(shapes[0].at * Vec3{0, 0, end} - at * Vec3{0, 0, end}) < 1e-14);
+  CHECK(shapes[1].kind == Shape::Kind::none);
+}
+
 TEST_CASE("the document lists joints and bodies in the order of the model") {
   Shape box;
   box.kind = Shape::Kind::box;

@@ -202,15 +202,15 @@ void read_spring(const Value& table, Reading& reading);
 /// The value of a body's `collision`. `drawn`: its shape.
 std::vector<contact::Solid> read_collision(const Value& value, const Shape& drawn, Reading& reading);
 void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model& model);
-/// What a shape touches with, in the body's frame; nothing, with `refuse` told why, if it has no volume or cannot be read.
-/// `warn` is told where a mesh differs from its hull.
-using ToldOfShape = std::function<void(const std::string& what, const std::string& hint)>;
-std::optional<contact::Solid> solid_of(const Shape& shape, const ToldOfShape& refuse, const ToldOfShape& warn);
+/// What a shape touches with, in the body's frame. If it has no volume or cannot be read: nothing, and `refuse` is called.
+/// `warn` is called where a mesh differs from its hull.
+using ReportOnShape = std::function<void(const std::string& what, const std::string& hint)>;
+std::optional<contact::Solid> solid_of(const Shape& shape, const ReportOnShape& refuse, const ReportOnShape& warn);
 /// Adds the collision elements of model files and their friction, then the floor's friction. `[[contact]]` comes after it.
 void add_model_colliders(bool rules, Reading& reading);
 void read_floor(const Value& value, Reading& reading);
 void read_contact(const Value& table, Reading& reading);
-/// The pair that overlaps most at the start. Pairs within one model file are let pass through each other, with a warning.
+/// The pair that overlaps most at the start. Pairs within one model file pass through each other, with a warning.
 std::optional<Overlap> overlap_between_models(Reading& reading);
 /// What can be checked only once the whole model is read.
 void check_contacts(Reading& reading);

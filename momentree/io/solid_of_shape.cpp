@@ -32,7 +32,7 @@ std::optional<double> volume_of(const std::vector<Vec3>& points, const std::vect
   return std::fabs(six) / 6;
 }
 
-std::optional<contact::Solid> hull_of(const Shape& shape, const ToldOfShape& refuse, const ToldOfShape& warn) {
+std::optional<contact::Solid> hull_of(const Shape& shape, const ReportOnShape& refuse, const ReportOnShape& warn) {
   const std::string name = shape.mesh.empty() ? std::string("the mesh") : "the mesh " + in_quotes(shape.mesh);
   if (!shape.source) {
     refuse(name + " cannot be read", "keep it in the folder of the file that names it");
@@ -83,7 +83,7 @@ std::optional<contact::Solid> hull_of(const Shape& shape, const ToldOfShape& ref
 
 }  // namespace
 
-std::optional<contact::Solid> solid_of(const Shape& shape, const ToldOfShape& refuse, const ToldOfShape& warn) {
+std::optional<contact::Solid> solid_of(const Shape& shape, const ReportOnShape& refuse, const ReportOnShape& warn) {
   const bool has_size = shape.kind == Shape::Kind::box    ? shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0
                         : shape.kind == Shape::Kind::mesh ? true
                                                           : shape.radius > 0;

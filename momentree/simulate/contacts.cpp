@@ -15,12 +15,12 @@ Contacts::~Contacts() = default;
 
 bool Contacts::any() {
   if (world_->model_.colliders().empty()) return false;
-  if (bodies_ != world_->model_.size()) find_pairs();
+  if (bodies_ != world_->model_.size()) find_any();
   return any_;
 }
 
 // Whether any two bodies can touch.
-void Contacts::find_pairs() {
+void Contacts::find_any() {
   const Model& model = world_->model_;
   bodies_ = model.size();
   pairs_.clear();

@@ -84,7 +84,7 @@ class Contacts {
   static constexpr double overlapping = 1e-8;       ///< more cannot come from rounding or tolerances (m, relative to coordinates)
   static constexpr double rounding = 1e-13;
 
-  void find_pairs();
+  void find_any();
   const std::vector<int>& near_pairs(double h, double margin) const;
   contact::Place place(int body) const;
   void candidates(const Pair& pair, double within, std::vector<contact::Candidate>& out) const;
@@ -113,8 +113,8 @@ class Contacts {
   Evaluator* evaluate_;
   double tolerance_;
   contact::Simultaneous simultaneous_;
-  int bodies_ = -1;  // of the model when pairs were looked for
-  bool any_ = false;
+  int bodies_ = -1;   // of the model when any_ was found
+  bool any_ = false;  // two bodies can touch
   Pairs pairs_;
   mutable contact::BroadPhase broad_phase_;
   mutable std::vector<contact::Ball> balls_;

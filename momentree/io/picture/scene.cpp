@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string_view>
 
+#include <momentree/contact/feature.hpp>
 #include <momentree/joint/joint.hpp>
 
 namespace momentree::io {
@@ -212,10 +213,10 @@ void add_planes(const Recording& run, Scene& scene) {
   if (run.planes.empty()) return;
   const std::vector<Vec3> points = drawn_points(run);
   for (const RecordedPlane& plane : run.planes) {
-    const Vec3 n = (1 / norm(plane.normal)) * plane.normal;
-    Vec3 a = cross(n, std::abs(n.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0});
-    a = (1 / norm(a)) * a;
-    const Vec3 b = cross(n, a);
+    const Vec3 n = normalized(plane.normal);
+    Vec3 across[2];
+    contact::perpendiculars(n, across);
+    const auto& [a, b] = across;
     double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, nearest = HUGE_VAL;
     for (const Vec3& p : points) {
       nearest = std::min(nearest, std::abs(dot(n, p - plane.point)));

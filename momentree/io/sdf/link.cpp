@@ -123,6 +123,14 @@ std::string colour_of(Texts& material, XmlFile& file) {
   return colour;
 }
 
+// A shape with its pose, which may name a frame.
+void keep_shape(Shape shape, FramedPose pose, std::vector<Shape>& shapes,
+                std::vector<std::pair<std::size_t, FramedPose>>& placed) {
+  if (shape.kind == Shape::Kind::none) return;
+  if (!pose.relative_to.empty()) placed.emplace_back(shapes.size(), std::move(pose));
+  shapes.push_back(std::move(shape));
+}
+
 void read_visual(XmlElement visual, Version version, LinkPart& link, Import& import, XmlFile& file) {
   XmlFields fields(visual, file);
   fields.known({"name"});
@@ -136,9 +144,7 @@ void read_visual(XmlElement visual, Version version, LinkPart& link, Import& imp
   }
   fields.known_children({"cast_shadows", "transparency", "laser_retro", "meta", "visibility_flags", "plugin"});
   fields.finish();
-  if (shape.kind == Shape::Kind::none) return;
-  if (!pose.relative_to.empty()) link.placed_shapes.emplace_back(link.shapes.size(), std::move(pose));
-  link.shapes.push_back(std::move(shape));
+  keep_shape(std::move(shape), std::move(pose), link.shapes, link.placed_shapes);
 }
 
 // The coefficient of <surface>, or nothing.
@@ -156,7 +162,8 @@ std::optional<double> read_surface(XmlElement surface, XmlFile& file) {
     of.fields.known_children({"bullet", "torsional"});
     of.fields.finish();
   }
-  texts.fields.known_children({"bounce", "contact", "soft_contact"});
+  texts.fields.leave_out({"bounce"}, "[[contact]] gives pairs their restitution");
+  texts.fields.known_children({"contact", "soft_contact"});
   texts.fields.finish();
   return friction;
 }
@@ -172,9 +179,7 @@ void read_collision(XmlElement collision, Version version, LinkPart& link, Impor
     if (const auto friction = read_surface(surface, file)) link.friction = std::max(link.friction, *friction);
   fields.known_children({"max_contacts", "laser_retro", "density", "auto_inertia_params"});
   fields.finish();
-  if (shape.kind == Shape::Kind::none) return;
-  if (!pose.relative_to.empty()) link.placed_collision.emplace_back(link.collision.size(), std::move(pose));
-  link.collision.push_back(std::move(shape));
+  keep_shape(std::move(shape), std::move(pose), link.collision, link.placed_collision);
 }
 
 // Warns of settings by which a link moves differently than by masses and joints.

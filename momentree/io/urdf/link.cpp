@@ -201,7 +201,7 @@ ImportedBody read_link(XmlElement link, const Materials& materials, Import& impo
   }
   for (const XmlElement visual : fields.children("visual")) read_visual(visual, materials, body, import, file);
   for (const XmlElement collision : fields.children("collision")) read_collision(collision, body, import, file);
-  fields.leave_out({"self_collision_checking", "collision_checking", "contact"}, "[[contact]] tells what touches what");
+  fields.leave_out({"self_collision_checking", "collision_checking", "contact"}, "[[contact]] says what touches what");
   fields.finish();
   return body;
 }

@@ -11,7 +11,7 @@ const snapshotInterval = 0.25;
 const framesPerSecond = 60;
 /** The part of the page's frame time that the engine may use (s). */
 const budget = 0.012;
-/** A world that needs more than this for a thousandth of a frame does not get on (s). */
+/** A world that needs more than this for a thousandth of a frame makes no progress (s). */
 const patience = 4;
 
 interface TimedSnapshot {
@@ -76,7 +76,7 @@ export class Session {
   private step = 1e-3;
   private revision = -1;
   private eventsPosted = 0;
-  /** When the world last got on: its time, and how long it has computed since (s). */
+  /** When the world last made progress: its time, and how long it has computed since (s). */
   private progress = { time: 0, seconds: 0 };
 
   constructor(
@@ -158,7 +158,7 @@ export class Session {
     if (this.progress.seconds > patience) {
       this.progress.seconds = 0;
       this.stop(
-        `It does not get on at t = ${this.world.time.toPrecision(6)} s: too much happens at once. Go back, or restart.`,
+        `No progress at t = ${this.world.time.toPrecision(6)} s: too much happens at once. Go back, or restart.`,
       );
     }
   }
