@@ -71,6 +71,7 @@ struct Search {
   double within;
   std::vector<Candidate>& out;
   std::vector<Vec3>& scratch;
+  double deepest = 0;  ///< overlaps of edges up to this count
 
   double rounding() const { return one.radius + other.radius; }
 
@@ -177,7 +178,7 @@ struct Search {
     for (std::size_t i = 0; i < one.edges.size(); ++i) {
       const Line a = line_of(one, one.edges[i]);
       const Vec3 middle = out_of(place_one, a.from + 0.5 * a.length * a.along), la = place_one.R * a.along;
-      const double near = 0.5 * a.length + rounding() + within;
+      const double near = 0.5 * a.length + rounding() + std::max(within, deepest);
       const Vec3 from_centre = middle - out_of(place_other, other.centre);
       if (dot(from_centre, from_centre) > (near + other.reach) * (near + other.reach)) continue;
       for (std::size_t n_other = 0; n_other < count; ++n_other) {
@@ -194,7 +195,7 @@ struct Search {
         const double end_a = edge_slack * one.reach, end_b = edge_slack * other.reach;
         if (!(where.a > end_a && where.a < a.length - end_a && where.b > end_b && where.b < b.length - end_b)) continue;
         const Vec3 apart = out_of(place_one, a.from) + where.a * la - out_of(place_other, b.from) - where.b * lb;
-        if (norm(apart) - rounding() >= within) continue;
+        if (norm(apart) - rounding() >= std::max(within, deepest)) continue;
         for (const double side : {1.0, -1.0}) {
           const Vec3 n = (side / sine) * normal;
           if (rounding() > 0 && one.faces.empty() && other.faces.empty() && dot(n, apart) < 0) continue;
@@ -302,6 +303,12 @@ void face_each_other(const Solid& one, const Place& place_one, const Solid& othe
   search.vertices(false);
   search.vertices(true);
   search.edges();
+}
+
+void cross_edges(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other, double within,
+                 double deepest, std::vector<Candidate>& out) {
+  std::vector<Vec3> none;
+  Search{one, other, place_one, place_other, within, out, none, deepest}.edges();
 }
 
 }  // namespace momentree::contact

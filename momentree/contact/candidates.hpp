@@ -30,4 +30,8 @@ double tilt_of(const Solid& cylinder, const Place& place, const Vec3& normal);
 void face_each_other(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other, double within,
                      std::vector<Candidate>& out);
 
+/// Edges that cross, with a gap between −deepest and `within`: directions in which the solids can be separated.
+void cross_edges(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other, double within,
+                 double deepest, std::vector<Candidate>& out);
+
 }  // namespace momentree::contact

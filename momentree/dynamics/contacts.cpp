@@ -34,12 +34,6 @@ contact::Place place_of(const Tree& tree, const Workspace<double>& workspace, in
 // Direction of row i of a touch: the normal and the tangents.
 const Vec3& direction(const contact::Touch& touch, std::size_t i) { return i == 0 ? touch.normal : touch.tangent[i - 1]; }
 
-// A force at a point of the world as a wrench on a body, in its kernel frame.
-Force<double> wrench_on(const Workspace<double>& workspace, int body, const Vec3& force, const Vec3& point) {
-  const Kinematics<double>& k = workspace.bodies[at(body)];
-  return {transpose_times(k.R, force), transpose_times(k.R, cross(point - k.r, force))};
-}
-
 // Adds the joint forces of a wrench on a body, sign·Σ Eᵀ W along its path to the ground.
 void add_joint_forces_of(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, Force<double> W,
                          double sign, double* force) {
@@ -95,6 +89,18 @@ double energy_of(const Tree& tree, const Workspace<double>& workspace) {
 
 }  // namespace
 
+Force<double> contact_wrench(const Workspace<double>& workspace, int body, const Vec3& force, const Vec3& point) {
+  const Kinematics<double>& k = workspace.bodies[at(body)];
+  return {transpose_times(k.R, force), transpose_times(k.R, cross(point - k.r, force))};
+}
+
+void add_contact_row(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, const Vec3& along,
+                     const Vec3& point, double sign, double* row) {
+  add_joint_forces_of(tree, q, workspace, body, contact_wrench(workspace, body, along, point), sign, row);
+}
+
+std::vector<HeldForce>& held_forces(Workspace<double>& workspace) { return memory_of(workspace).held; }
+
 void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::span<const Contact> contacts, ContactRows& rows) {
   rows.touches.resize(contacts.size()), rows.velocity.resize(3 * contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -116,7 +122,7 @@ void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>&
       const contact::Touch& touch = rows.touches[i];
       const Vec3& along = direction(touch, k);
       const auto add = [&](int body, double sign) {
-        if (body >= 0) add_joint_forces_of(tree, q, workspace, body, wrench_on(workspace, body, along, touch.point), sign, J);
+        if (body >= 0) add_contact_row(tree, q, workspace, body, along, touch.point, sign, J);
       };
       add(contacts[i].a, 1), add(contacts[i].b, -1);
     }
@@ -216,8 +222,8 @@ void add_contact_loads(const Tree& tree, Workspace<double>& workspace) noexcept 
     const contact::Touch& touch = rows.touches[i];
     Vec3 force{};
     for (std::size_t k = 0; k < 3; ++k) force += rows.forces[3 * i + k] * direction(touch, k);
-    if (contacts[i].a >= 0) workspace.loads[at(contacts[i].a)] += wrench_on(workspace, contacts[i].a, force, touch.point);
-    if (contacts[i].b >= 0) workspace.loads[at(contacts[i].b)] += wrench_on(workspace, contacts[i].b, -force, touch.point);
+    if (contacts[i].a >= 0) workspace.loads[at(contacts[i].a)] += contact_wrench(workspace, contacts[i].a, force, touch.point);
+    if (contacts[i].b >= 0) workspace.loads[at(contacts[i].b)] += contact_wrench(workspace, contacts[i].b, -force, touch.point);
     if (contacts[i].mode == Contact::Mode::slip)
       for (std::size_t k = 1; k < 3; ++k) workspace.power.dissipated -= rows.forces[3 * i + k] * rows.velocity[3 * i + k];
   }

@@ -28,10 +28,17 @@ struct ContactRows {
   std::size_t contacts() const { return touches.size(); }
 };
 
+/// A force at a point, world axes, on body a and its opposite on body b; −1: the ground.
+struct HeldForce {
+  int a = -1, b = -1;
+  Vec3 point{}, force{};  ///< m, N
+};
+
 /// Memory of contacts, part of a Workspace.
 struct ContactWorkspace {
   ContactRows rows;
-  bool solved = true;                                        ///< the forces are finite
+  std::vector<HeldForce> held;  ///< in evaluations of states, but not in stages: the forces of contacts that are stepped through
+  bool solved = true;           ///< the forces are finite
   std::vector<double> matrix, right, change, move, missing;  ///< scratch
   std::vector<std::size_t> columns, unknowns;
   std::vector<Vec3> chosen_slip;  ///< by contact: direction of slip at the last state
@@ -50,6 +57,16 @@ void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>&
 void find_contact_accelerations(const Tree& tree, const double* q, const Workspace<double>& workspace,
                                 std::span<const Contact> contacts, ContactRows& rows);
 
+/// Adds to `row`, packed as p, the joint forces of a unit force along a direction at a point (world axes), times `sign`.
+void add_contact_row(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, const Vec3& along,
+                     const Vec3& point, double sign, double* row);
+
+/// The workspace's held forces, which it then has memory for.
+std::vector<HeldForce>& held_forces(Workspace<double>& workspace);
+/// Calls add(body, wrench in its kernel frame) for each of them. Requires workspace.bodies of this configuration.
+template <class Add>
+void for_held_forces(const Tree& tree, const Workspace<double>& workspace, Add add);
+
 /// Finds the forces of the tree's contacts, from an evaluation without them, in workspace.contacts. `at_state`: the directions of
 /// slip are chosen; stages keep to their half-plane.
 void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& workspace, bool at_state);
@@ -63,5 +80,17 @@ void add_contact_loads(const Tree& tree, Workspace<double>& workspace) noexcept;
 
 /// The second part alone: removes the velocities that contacts do not allow.
 [[nodiscard]] bool stop_contacts(const Tree& tree, double t, const double* q, double* u, Workspace<double>& workspace);
+
+/// A force at a point of the world as a wrench on a body, in its kernel frame.
+Force<double> contact_wrench(const Workspace<double>& workspace, int body, const Vec3& force, const Vec3& point);
+
+template <class Add>
+void for_held_forces(const Tree& tree, const Workspace<double>& workspace, Add add) {
+  if (workspace.contacts == nullptr) return;
+  for (const HeldForce& held : workspace.contacts->held) {
+    if (held.a >= 0 && tree.alive(held.a)) add(held.a, contact_wrench(workspace, held.a, held.force, held.point));
+    if (held.b >= 0 && tree.alive(held.b)) add(held.b, contact_wrench(workspace, held.b, -held.force, held.point));
+  }
+}
 
 }  // namespace momentree

@@ -1,3 +1,4 @@
+#include <momentree/dynamics/contacts.hpp>
 #include <momentree/dynamics/equations.hpp>
 
 #include <algorithm>
@@ -65,6 +66,7 @@ void newton_euler(const Tree& tree, const State& state, Workspace<double>& works
         momentum(all.link(b).body, accelerations[i]) + gyroscopic_wrench(all.link(b).body, workspace.motions[i].velocity);
   }
   for (const int b : all.loaded_bodies()) wrenches[b] = wrenches[b] - workspace.loads[static_cast<std::size_t>(b)];
+  for_held_forces(tree, workspace, [&](int b, const Force<double>& force) { wrenches[b] = wrenches[b] - force; });
   std::fill_n(workspace.impulse.get(), tree.nv(), 0.0);  // the result, because `a` and `effort` may be the same
   const auto order = all.order();
   for (std::size_t k = order.size(); k-- > 0;) {

@@ -68,6 +68,9 @@ void evaluate_accelerations(const Tree& tree, const T* q, Workspace<T>& workspac
 /// prescribed motion get zero. Requires evaluate_motions at q. Overwrites the scratch of the second recursion.
 template <class T>
 void solve_with_factors(const Tree& tree, const T* q, Workspace<T>& workspace, T* u) noexcept;
+/// The same for one mechanism, the bodies begin … end − 1 of the tree's order: only its numbers of `u` are read and written.
+template <class T>
+void solve_mechanism(const Tree& tree, const T* q, Workspace<T>& workspace, T* u, int begin, int end) noexcept;
 
 /// Ω̇ of body b less gravity, in its kernel frame (39). Requires accelerate or evaluate_accelerations.
 Motion<double> felt_acceleration(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept;
@@ -98,5 +101,6 @@ extern template void evaluate_rates<double>(const Tree&, const double*, const do
 extern template void evaluate_motions<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 extern template void evaluate_accelerations<double>(const Tree&, const double*, Workspace<double>&) noexcept;
 extern template void solve_with_factors<double>(const Tree&, const double*, Workspace<double>&, double*) noexcept;
+extern template void solve_mechanism<double>(const Tree&, const double*, Workspace<double>&, double*, int, int) noexcept;
 
 }  // namespace momentree

@@ -18,7 +18,7 @@ Motion<double> accelerating_ground(const Tree& tree) { return {-tree.gravity(), 
 bool stage_keeps(const Tree& tree) { return tree.has_constraints() || tree.has_functions() || !tree.loaded_bodies().empty(); }
 
 // After sweep_velocities: all forces, as joint forces in workspace.a and wrenches in workspace.biases. `contacts`: also the
-// forces of contacts, which are in workspace.contacts.
+// forces of contacts, which are in workspace.contacts: those of the tree's contacts, and those that are held.
 template <bool Keep>
 void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, LoopRows rows = LoopRows::kept,
                   bool contacts = false) noexcept {
@@ -32,11 +32,16 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
   workspace.power = joint_forces(tree, t, q, workspace, tau, workspace.passive.get());
   if constexpr (Keep) {
     find_loads(tree, t, q, workspace);
-    if (contacts) add_contact_loads(tree, workspace);
+    if (contacts && !tree.contacts().empty()) add_contact_loads(tree, workspace);
     for (const int b : tree.loaded_bodies()) {
       Force<double>& wrench = workspace.biases[static_cast<std::size_t>(b)].wrench;
       wrench = wrench - workspace.loads[static_cast<std::size_t>(b)];
     }
+    if (contacts)
+      for_held_forces(tree, workspace, [&](int b, const Force<double>& force) {
+        Force<double>& wrench = workspace.biases[static_cast<std::size_t>(b)].wrench;
+        wrench = wrench - force;
+      });
     if (tree.has_loops()) {
       add_loop_forces(tree, t, q, workspace);
       detail::add_extra_efforts(tree, *workspace.loops, tau);
@@ -88,9 +93,10 @@ void evaluate_velocities_without_contacts(const Tree& tree, double t, const doub
 void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                                  LoopRows rows) noexcept {
   evaluate_keeping(tree, t, q, u, workspace, rows, false);
-  if (tree.contacts().empty()) return;
+  const bool held = rows == LoopRows::choose && workspace.contacts != nullptr && !workspace.contacts->held.empty();
+  if (tree.contacts().empty() && !held) return;
   locate_stage(tree, q, workspace);
-  find_contact_forces(tree, q, workspace, rows == LoopRows::choose);
+  if (!tree.contacts().empty()) find_contact_forces(tree, q, workspace, rows == LoopRows::choose);
   evaluate_keeping(tree, t, q, u, workspace, LoopRows::kept, true);
 }
 
@@ -157,6 +163,7 @@ void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>
     Tb[b] = {all.link(b).body.m * g, cross(all.link(b).body.mc, g)};
   }
   for (const int b : tree.loaded_bodies()) Tb[b] += workspace.loads[static_cast<std::size_t>(b)];
+  for_held_forces(tree, workspace, [&](int b, const Force<double>& force) { Tb[b] += force; });
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
     const Force<double> W = as_force(loop_reaction(tree, state.time(), workspace, static_cast<int>(i)).total);

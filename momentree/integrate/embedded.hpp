@@ -25,7 +25,7 @@ namespace momentree {
 template <class Tableau>
 class Embedded : public Integrator {
  public:
-  static constexpr bool chooses_steps = true, takes_velocities = true, supports_contact = true;
+  static constexpr bool chooses_steps = true, takes_velocities = true, supports_contact = true, steps_through_contacts = false;
   static constexpr Variables default_variables = Variables::velocities;
   static constexpr double damper_limit = HUGE_VAL, spring_limit = HUGE_VAL;  // it shortens its steps instead
   Embedded(const Tree& tree, const StepControl& control)

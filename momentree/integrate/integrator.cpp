@@ -144,6 +144,19 @@ bool supports_contact(std::string_view method) {
   return false;
 }
 
+bool steps_through_contacts(std::string_view method) {
+#define MOMENTREE_METHOD(name, Type) \
+  if (method == #name) return Type::steps_through_contacts;
+  MOMENTREE_METHODS(MOMENTREE_METHOD)
+#undef MOMENTREE_METHOD
+  return false;
+}
+std::string contact_stepping_method() {
+  for (const std::string& method : integration_methods())
+    if (steps_through_contacts(method)) return method;
+  return {};
+}
+
 const char* name_of(Variables variables) { return variables == Variables::momenta ? "momenta" : "velocities"; }
 std::optional<Variables> variables_of(std::string_view name) {
   for (const Variables one : {Variables::momenta, Variables::velocities})

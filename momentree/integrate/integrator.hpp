@@ -61,7 +61,8 @@ class Evaluator {
 /// Energy ledger, integrated with the method: energy dissipated and work done since the start (J).
 struct EnergyLedger {
   double dissipated = 0, work = 0;
-  double projection = 0;  ///< brought in by closing loops after steps
+  double projection = 0;  ///< brought in by closing loops after steps, and by removing overlaps
+  double impacts = 0;     ///< lost at contacts that are stepped through: in their impacts, and by friction
 };
 
 /// Subtracts from `dissipated` the energy that a step from coordinates q0 to q1 stored in soft stops.
@@ -75,6 +76,8 @@ struct StepControl {
   double rtol = 1e-8, atol = 1e-10;
   double max_step = HUGE_VAL;  ///< s
 };
+
+class StepContacts;
 
 class Integrator {
  public:
@@ -94,6 +97,8 @@ class Integrator {
     return step(evaluate, state, ledger, h) ? h : 0;
   }
   virtual bool adaptive() const { return false; }
+  /// Sets what completes the steps of a method that steps through contacts; others ignore it.
+  virtual void use([[maybe_unused]] StepContacts* contacts) {}
   /// Whether the steps of lanes (batch/stepper.hpp) are those of this method.
   virtual bool is_that_of_lanes() const { return false; }
 
@@ -177,6 +182,10 @@ Variables default_variables(std::string_view method);
 bool takes_velocities(std::string_view method);
 /// False for a method that solves for the end of its steps: contacts would open and close during the iteration.
 bool supports_contact(std::string_view method);
+/// True for a method that does not locate contacts: see step_contacts.hpp. There is one.
+bool steps_through_contacts(std::string_view method);
+/// The name of that method.
+std::string contact_stepping_method();
 /// "momenta" or "velocities"; and the variables of that name, if there are any.
 const char* name_of(Variables variables);
 std::optional<Variables> variables_of(std::string_view name);

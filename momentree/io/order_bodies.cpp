@@ -71,9 +71,10 @@ std::vector<std::size_t> order_of(const std::vector<BodyEntry>& bodies, const st
     std::string hint = reading.suggest(body.parent, names);
     if (hint.empty() && means_ground(body.parent)) hint = "write parent = \"ground\"";
     if (body.parent.find('/') != std::string::npos) hint = "a parent is a body of the same mechanism";
+    const auto* const parent_entry = body.joint != nullptr && body.joint->table() ? body.joint->find("parent") : nullptr;
     if (!body.parent.empty())
       out.error(body.parent_place, "unknown parent " + in_quotes(body.parent), std::move(hint));
-    else if (body.joint->find("parent")->value.string())
+    else if (parent_entry != nullptr && parent_entry->value.string())
       out.error(body.parent_place, "parent: expected the name of a body");
     sound = false;
   }

@@ -1,12 +1,39 @@
-// Contacts in the steps of a simulation.
+// Contacts in the steps of a simulation, and when they are stepped through instead of being located.
+//
+// Contacts are located one by one as long as that goes on: time stepping begins where no forces are found, where too many points
+// touch, or where contacts change too often. It ends when no bodies have hit each other for a while.
 #include <momentree/simulate/simulation_impl.hpp>
 
 namespace momentree {
 
+namespace {
+
+// Changes of contacts within these times are a flood (s).
+constexpr int most_changes = 1000, most_changes_at_once = 300;
+constexpr double window_length = 1e-2, instant_length = 1e-6;
+constexpr double longest_patience = 10;  // s
+
+}  // namespace
+
+void Simulation::Impl::make_methods() {
+  const auto make = [&](const std::string& name) {
+    std::unique_ptr<Integrator> made =
+        make_integrator(name, world.tree_, {integration.step, integration.rtol, integration.atol, integration.max_step});
+    made->use(&contact_steps);
+    return made;
+  };
+  method = make(integration.method);
+  method_steps = steps_through_contacts(integration.method);
+  stepper = world.model_.colliders().empty() ? nullptr : make(contact_stepping_method());
+  if (stepper == nullptr) stepping = {};
+  if (!contact_steps.points().empty()) contact_steps.set_points({});  // their numbers are those of the former bodies
+}
+
 // Events with conditions, and contacts, to be located within a step of at most h seconds, which contacts may shorten.
 std::span<const Watch> Simulation::Impl::watches(double& h) {
+  if (contacts.any() && steps_through()) h = contacts.limit_step(h);
   const std::span<const Watch> of_events = queue.watches(world);
-  if (!contacts.any()) return of_events;
+  if (!contacts.any() || steps_through()) return of_events;
   const std::span<const Watch> of_contacts = contacts.watches(h);
   all_watches.assign(of_events.begin(), of_events.end());
   all_watches.insert(all_watches.end(), of_contacts.begin(), of_contacts.end());
@@ -14,15 +41,89 @@ std::span<const Watch> Simulation::Impl::watches(double& h) {
 }
 
 bool Simulation::Impl::resolve_contacts() {
+  if (steps_through()) return true;
   const std::size_t before = events.size();
-  const std::optional<std::string> why = contacts.resolve(events);
+  const std::optional<Contacts::Unresolved> failed = contacts.resolve(events);
   for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
   balance.lost_in_impacts += contacts.take_lost();
   queue.forget_looks();
-  if (!why) return true;
-  message = no_progress_at(world.time()) + *why;
-  stalled = true;
-  return false;
+  if (failed && !failed->can_be_stepped) {
+    message = no_progress_at(world.time()) + failed->why;
+    stalled = true;
+    return false;
+  }
+  if (failed)
+    begin_stepping(failed->why);
+  else if (flood_of_changes())
+    begin_stepping("contacts change too often");
+  return true;
+}
+
+bool Simulation::Impl::flood_of_changes() {
+  const double now = world.time();
+  if (!(now <= stepping.window + window_length)) stepping.window = now, stepping.changes = 0;
+  if (!(now <= stepping.instant + instant_length)) stepping.instant = now, stepping.changes_at_once = 0;
+  return ++stepping.changes > most_changes || ++stepping.changes_at_once > most_changes_at_once;
+}
+
+void Simulation::Impl::begin_stepping(const std::string& why) {
+  contacts.open();
+  contact_steps.set_points({});
+  stepping.on = true, stepping.since_impact = world.time();
+  stepping.changes = stepping.changes_at_once = 0;
+  evaluate_state();
+  Event event;
+  event.time = world.time(), event.name = "stepping", event.reason = why;
+  event.mechanisms_before = event.mechanisms_after = world.mechanism_names();
+  event.before = event.after = world.totals();
+  events.push_back(std::move(event));
+}
+
+void Simulation::Impl::after_contact_step() {
+  if (!stepping.on) return;  // the method itself steps
+  if (contact_steps.hit()) stepping.since_impact = world.time();
+  if (world.time() - stepping.since_impact < stepping.patience || contact_steps.points().size() > Contacts::most_points) return;
+  try_to_locate();
+}
+
+void Simulation::Impl::try_to_locate() {
+  const std::vector<SteppedContact> points = contact_steps.points();
+  contact_steps.set_points({});
+  std::vector<Event> changes;
+  const std::optional<Contacts::Unresolved> failed = contacts.resolve(changes);
+  // Each attempt that does not last is followed by a longer wait.
+  stepping.patience = std::min(2 * stepping.patience, longest_patience);
+  stepping.since_impact = world.time();
+  if (failed) {
+    contacts.open();
+    contact_steps.set_points(points);
+    evaluate_state();
+    return;
+  }
+  stepping.on = false;
+  Event event;
+  event.time = world.time(), event.name = "resume";
+  event.mechanisms_before = event.mechanisms_after = world.mechanism_names();
+  event.before = event.after = world.totals();
+  events.push_back(std::move(event));
+  for (Event& change : changes) {
+    add_to_balance(change);
+    events.push_back(std::move(change));
+  }
+  balance.lost_in_impacts += contacts.take_lost();
+  queue.forget_looks();
+}
+
+SteppingState Simulation::Impl::stepping_state() const {
+  SteppingState now = stepping;
+  now.points = contact_steps.points();
+  return now;
+}
+
+void Simulation::Impl::continue_stepping(const SteppingState& from) {
+  stepping = from;
+  stepping.points.clear();
+  if (steps_through() || !contact_steps.points().empty()) contact_steps.set_points(from.points);
 }
 
 }  // namespace momentree

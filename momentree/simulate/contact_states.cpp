@@ -224,25 +224,24 @@ void Contacts::set(std::vector<Contact> contacts) {
   world_->state_.replace(0, 0, {}, 0, 0, {}, world_->tree_);
 }
 
-std::optional<std::string> Contacts::resolve(std::vector<Event>& events) {
+std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events) {
   const std::vector<Contact> before(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
   set({});
   settling_.clear();
   (*evaluate_)(world_->state_);
   if (const std::optional<Overlap> worst = overlap())
-    return "'" + worst->one + "' and '" + worst->other + "' overlap by " + detail::text(worst->depth) + " m";
+    return Unresolved{"'" + worst->one + "' and '" + worst->other + "' overlap by " + detail::text(worst->depth) + " m", false};
   std::vector<Contact> touching = this->touching();
+  if (touching.size() > most_points) return Unresolved{std::to_string(touching.size()) + " points touch at once"};
   std::string failure;
   for (int k = 0; !touching.empty() && k < most_impacts; ++k) {
     if (!impact(touching, events, failure)) break;
     (*evaluate_)(world_->state_);
   }
-  if (!failure.empty()) return failure;
+  if (!failure.empty()) return Unresolved{failure};
   std::vector<Contact> closed;
   if (!touching.empty() && !choose(touching, closed))
-    return "no forces were found for " + std::to_string(touching.size()) +
-           " points of contact at once: they may be too many, or with this friction no finite forces exist (Painlevé); use fewer "
-           "shapes, or less friction";
+    return Unresolved{"no forces were found for " + std::to_string(touching.size()) + " points of contact at once"};
   for (Contact& c : closed) {
     const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
     const auto then = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return b.pair == c.pair; });

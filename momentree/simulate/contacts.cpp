@@ -170,6 +170,48 @@ Contacts::Gap Contacts::gap_of(int number, double within) const {
   return least;
 }
 
+// How far a solid may move towards another one: not farther than through a part of the thinner one, so that its end is not beyond
+// it (m).
+double Contacts::margin_within(const Pair& pair) const {
+  return 0.5 * std::min({pair.thickness, pair.one->solid.reach, pair.other->solid.reach});
+}
+
+double Contacts::limit_step(double h) const {
+  const double accelerated = norm(world_->model_.gravity()) * h;
+  for (const int i : near_pairs(h, 0)) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
+    if (pair.other->plane) continue;
+    const double speed = 2 * speed_bound(pair) + 2 * accelerated, distance = apart(pair);
+    if (distance > speed * h) continue;
+    h = std::min(h, std::max((2 * std::max(distance, 0.0) + margin_within(pair)) / speed, 1e-3 * h));
+  }
+  return h;
+}
+
+double Contacts::fastest() const {
+  double most = 0;
+  for (const Collider& collider : world_->model_.colliders()) {
+    if (collider.plane || collider.body == ground || !world_->alive(collider.body)) continue;
+    const contact::Place at = place(collider.body.index);
+    most = std::max(most, norm(at.v + cross(at.w, at.R * collider.solid.centre)) + norm(at.w) * collider.solid.reach);
+  }
+  return most;
+}
+
+void Contacts::add_near(double within, std::vector<Contact>& out) const {
+  for (const int i : near_pairs(0, within)) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
+    if (apart(pair) > within) continue;
+    found_candidates_.clear();
+    const contact::Solid &one = pair.one->solid, &other = pair.other->solid;
+    if (!pair.other->plane && !one.faces.empty() && !other.faces.empty())
+      overlap_.find(one, place(pair.one->body.index), other, place(pair.other->body.index), within, found_candidates_);
+    else
+      candidates(pair, within, found_candidates_);
+    for (const contact::Candidate& found : found_candidates_) out.push_back(contact_of(pair, i, found));
+  }
+}
+
 std::span<const Watch> Contacts::watches(double& h) {
   watches_.clear(), conditions_.clear();
   const World& world = *world_;
@@ -178,13 +220,12 @@ std::span<const Watch> Contacts::watches(double& h) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     const double speed = 2 * speed_bound(pair) + 2 * accelerated, distance = apart(pair);
     if (distance > speed * h) continue;
-    // Not farther than through a part of the thinner solid, so that its end is not beyond it. Above a plane not through an angle
-    // within which points come near and leave again unseen.
+    // Above a plane not through an angle within which points come near and leave again unseen.
     double longest = 2 * std::max(distance, 0.0) / speed;
     if (pair.other->plane)
       longest = std::max(longest, 0.3 / norm(place(pair.one->body.index).w));
     else
-      longest += 0.5 * std::min({pair.thickness, pair.one->solid.reach, pair.other->solid.reach}) / speed;
+      longest += margin_within(pair) / speed;
     if (pair.one->solid.rim > 0 && pair.other->plane) longest = std::min(longest, time_to_stand(pair, accelerated / h));
     if (h > longest) h = std::max(longest, 1e-9 * h);
     const double within = std::isfinite(pair.thickness) ? 0.5 * pair.thickness + 1e-9 : pair.one->solid.reach;

@@ -15,6 +15,7 @@
 #include <momentree/contact/broad_phase.hpp>
 #include <momentree/contact/candidates.hpp>
 #include <momentree/contact/impact.hpp>
+#include <momentree/contact/overlap_points.hpp>
 #include <momentree/dynamics/contacts.hpp>
 #include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/stops.hpp>
@@ -33,12 +34,30 @@ class Contacts {
   /// False if no bodies can touch: no other function of this class needs to be called then.
   bool any();
 
-  /// Resolves the present instant: impacts, and which contacts are closed from now on. Returns an explanation if that is
-  /// impossible.
-  std::optional<std::string> resolve(std::vector<Event>& events);
+  /// Why an instant can't be resolved.
+  struct Unresolved {
+    std::string why;
+    bool can_be_stepped = true;  ///< time stepping goes on from there
+  };
+  /// Resolves the present instant: impacts, and which contacts are closed from now on.
+  std::optional<Unresolved> resolve(std::vector<Event>& events);
+
+  /// More points at once are stepped through: their forces follow from dense systems of equations.
+  static constexpr std::size_t most_points = 64;
 
   /// What is to be located within a step of at most h seconds, which it may shorten so that nothing passes through anything.
   std::span<const Watch> watches(double& h);
+
+  // For time stepping, which follows no closed contacts.
+  /// Opens all contacts.
+  void open() { set({}); }
+  /// A step of at most h seconds in which no body passes through another.
+  double limit_step(double h) const;
+  /// The fastest point of any solid (m/s).
+  double fastest() const;
+  /// Appends the points at which solids overlap at present, or are nearer than `within` (m).
+  void add_near(double within, std::vector<Contact>& out) const;
+  const ContactLaw& law_of(int pair) const { return pairs_[static_cast<std::size_t>(pair)].law; }
 
   /// True after a step that ended at such an instant.
   bool must_resolve();
@@ -90,6 +109,7 @@ class Contacts {
   void candidates(const Pair& pair, double within, std::vector<contact::Candidate>& out) const;
   double apart(const Pair& pair) const;
   double speed_bound(const Pair& pair) const;
+  double margin_within(const Pair& pair) const;
   double time_to_stand(const Pair& pair, double acceleration) const;
   Gap gap_of(int pair, double within) const;
   Vec3 slip_velocity(int contact) const;
@@ -117,6 +137,7 @@ class Contacts {
   bool any_ = false;  // two bodies can touch
   Pairs pairs_;
   mutable contact::BroadPhase broad_phase_;
+  mutable contact::OverlapPoints overlap_;
   mutable std::vector<contact::Ball> balls_;
   mutable std::vector<int> near_, solids_;
   std::vector<std::pair<int, double>> settling_;  // at this instant: pairs whose bounces end later, and when

@@ -86,6 +86,7 @@ struct Event {
     bool in_turn = false;    ///< simultaneous contacts were taken in turn
   };
   Contact contact{};
+  std::string reason{};  ///< of an event that changes how contacts are computed
   /// The impulse that the ground exerted on the mechanisms: force (N s), then torque (N m s) about the world's origin, in world
   /// axes.
   std::array<double, 6> ground_impulse{};

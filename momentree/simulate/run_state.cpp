@@ -11,6 +11,8 @@ SimulationSnapshot Simulation::Impl::snapshot() {
   all.balance.dissipated = ledger.dissipated;
   all.balance.work = ledger.work;
   all.balance.projection = ledger.projection;
+  all.balance.lost_in_impacts += ledger.impacts;
+  all.stepping = stepping_state();
   all.impulsive_work = balance.work;
   all.armed = queue.armed();
   return all;
@@ -20,12 +22,14 @@ void Simulation::Impl::go_back(const SimulationSnapshot& to) {
   unadjusted.reset();
   const int bodies = world.tree_.bodies();
   world.restore(to.world);
-  if (world.tree_.bodies() != bodies) method = new_method();
+  if (world.tree_.bodies() != bodies) make_methods();
   method->set_proposal(to.proposal);
+  continue_stepping(to.stepping);
   balance = to.balance;
   ledger.dissipated = to.balance.dissipated;
   ledger.work = to.balance.work;
   ledger.projection = to.balance.projection;
+  ledger.impacts = 0;  // they are in the balance
   balance.dissipated = 0;
   balance.work = to.impulsive_work;
   queue.restore(to.armed, world.time());
@@ -46,6 +50,8 @@ RunState Simulation::Impl::run_state() {
   all.dissipated = ledger.dissipated, all.work = ledger.work;
   all.balance.projection = ledger.projection;
   all.proposal = method->proposal();
+  all.impacts = ledger.impacts;
+  all.stepping = stepping_state();
   all.evaluated = world.workspace_.evaluated == world.state_.stamp();
   all.evaluations = evaluate.count, all.evaluation_seconds = evaluate.seconds;
   all.statistics = statistics;
@@ -62,12 +68,14 @@ void Simulation::Impl::continue_from(const RunState& from) {
   history.clear();
   recover();
   world.restore(from.world);
-  method = new_method();
+  make_methods();
   method->set_proposal(from.proposal);
+  continue_stepping(from.stepping);
   queue.continue_from(from.queue, world);
   balance = from.balance;
   ledger = {from.dissipated, from.work};
   ledger.projection = from.balance.projection;
+  ledger.impacts = from.impacts;
   if (from.evaluated) evaluate_state();
   evaluate.count = from.evaluations, evaluate.seconds = from.evaluation_seconds;
   statistics = from.statistics;

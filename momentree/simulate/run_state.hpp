@@ -35,16 +35,18 @@ struct RunState {
   EnergyBalance balance;            ///< without the ledger of the method:
   double dissipated = 0, work = 0;  ///< energy dissipated and work done in steps since the start (J)
   double proposal = 0;              ///< the next step of an adaptive method (s)
-  bool evaluated = false;           ///< the state has been evaluated, and that was counted
-  long evaluations = 0;             ///< not yet in `statistics`
-  double evaluation_seconds = 0;    ///< likewise (s)
-  RunStatistics statistics;         ///< including the wall-clock time up to now
-  ProgressMonitor::Mark progress;   ///< where the run was when its progress was last checked
-  bool within_run = false;          ///< run_until() was in progress: the next one continues it
-  bool observed = false;            ///< the observer has been called,
-  double observed_at = 0;           ///< last at this time (s)
-  double next_observation = 0;      ///< s
-  std::vector<Event> events;        ///< those that happened
+  double impacts = 0;               ///< energy lost at contacts in steps since the start (J)
+  SteppingState stepping{};
+  bool evaluated = false;          ///< the state has been evaluated, and that was counted
+  long evaluations = 0;            ///< not yet in `statistics`
+  double evaluation_seconds = 0;   ///< likewise (s)
+  RunStatistics statistics;        ///< including the wall-clock time up to now
+  ProgressMonitor::Mark progress;  ///< where the run was when its progress was last checked
+  bool within_run = false;         ///< run_until() was in progress: the next one continues it
+  bool observed = false;           ///< the observer has been called,
+  double observed_at = 0;          ///< last at this time (s)
+  double next_observation = 0;     ///< s
+  std::vector<Event> events;       ///< those that happened
 };
 
 }  // namespace momentree

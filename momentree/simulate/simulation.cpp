@@ -184,7 +184,7 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   act();  // throws if nothing happened
   if (past) history.push_back({events.size(), std::move(*past), {}});
   world.take_variables(world.own_variables());
-  method = new_method();
+  make_methods();
   evaluate_state();
   event.after = world.totals();
   event.mechanisms_after = world.mechanism_names();
@@ -337,7 +337,7 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
 #else
   changing().world.restore(time, forest, joints);  // an error ends the program
 #endif
-  impl_->method = impl_->new_method();
+  impl_->make_methods();
   impl_->begin();
 }
 
@@ -346,7 +346,7 @@ void Simulation::set_state(double time, std::span<const double> q, std::span<con
   const double before = impl.world.time();
   impl.world.set_values(time, q, y, given);  // may throw
   impl.queue.restart(before, time);
-  impl.method = impl.new_method();
+  impl.make_methods();
   impl.begin();
 }
 
@@ -419,6 +419,7 @@ EnergyBalance Simulation::energy() const {
   b.dissipated = impl_->ledger.dissipated;
   b.work += impl_->ledger.work;
   b.projection = impl_->ledger.projection;
+  b.lost_in_impacts += impl_->ledger.impacts;
   b.error = b.final + b.dissipated + b.lost_in_impacts + b.released - b.initial - b.work - b.projection;
   return b;
 }

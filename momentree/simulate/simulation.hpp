@@ -15,6 +15,7 @@
 #include <momentree/simulate/action.hpp>
 #include <momentree/simulate/condition.hpp>
 #include <momentree/simulate/event.hpp>
+#include <momentree/simulate/stepping_state.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
@@ -92,6 +93,7 @@ struct SimulationSnapshot {
   EnergyBalance balance;           ///< with the energy dissipated and the work done by forces since the start
   double impulsive_work = 0;
   double proposal = 0;  ///< the next step of an adaptive method (s)
+  SteppingState stepping{};
 };
 
 struct RunState;

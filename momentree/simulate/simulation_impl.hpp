@@ -15,6 +15,7 @@
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/arguments.hpp>
+#include <momentree/simulate/contact_steps.hpp>
 #include <momentree/simulate/contacts.hpp>
 #include <momentree/simulate/event_queue.hpp>
 #include <momentree/simulate/failure.hpp>
@@ -45,9 +46,10 @@ struct Simulation::Impl {
       : integration(checked(how)),
         world(model, integration.state_variables(model), integration.loop_variables()),
         evaluate(world.tree_, world.workspace_),
-        method(new_method()),
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)),
-        contacts(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step), how.simultaneous) {
+        contacts(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step), how.simultaneous),
+        contact_steps(world, evaluate, contacts) {
+    make_methods();
     if (std::optional<Error> error = undetermined_strength(world)) throw_error(std::move(*error));
     if (std::optional<Error> error = unfit_for_contact(model, how.method)) throw_error(std::move(*error));
     begin();
@@ -60,13 +62,14 @@ struct Simulation::Impl {
   bool idle() const { return doing == Doing::nothing && !world.workspace_.in_function; }
   bool steady() const { return doing != Doing::working && !world.workspace_.in_function; }
 
-  std::unique_ptr<Integrator> new_method() const {
-    return make_integrator(integration.method, world.tree_,
-                           {integration.step, integration.rtol, integration.atol, integration.max_step});
-  }
+  // The method of steps, and the one that takes its place while contacts are stepped through.
+  void make_methods();
+  Integrator& present_method() { return stepping.on ? *stepper : *method; }
+  const Integrator& present_method() const { return stepping.on ? *stepper : *method; }
 
   void begin() {
     unadjusted.reset();
+    stepping = {};
     evaluate_state();
     balance = {};
     ledger = {};
@@ -150,64 +153,14 @@ struct Simulation::Impl {
     bool last;  // it ends at the target
   };
   NextStep step_from(double time, double target) const {
-    const double left = target - time, usual = method->next_step(left);
+    const double left = target - time, usual = present_method().next_step(left);
     // The state must advance by exactly the rounded advance of the clock: otherwise the two drift apart by up to an ulp of the
     // time per step, always in the same direction.
     return usual == left ? NextStep{left, true} : NextStep{(time + usual) - time, false};
   }
-  void note_short_step(double target) {
-    const double usual = method->next_step(target - world.time());
-    message = no_progress_at(world.time()) + "a step of " + detail::text(usual) + " s is too short to move the clock";
-    stalled = true;
-  }
-
-  // One step towards `end`.
-  bool step_towards(double end) {
-    const Leg leg = leg_to(end);
-    end = leg.end;
-    if (leg.target <= world.time()) {
-      set_time(end);
-      return true;
-    }
-    const auto [h, last] = step_from(world.time(), leg.target);
-    if (!(h > 0)) {
-      note_short_step(leg.target);
-      return false;
-    }
-    ask_for_generated();
-    const auto start = Clock::now();
-    evaluate_state();
-    note_kinetic_energy();
-    if (stops.any() || contacts.any() || queue.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
-    const double stepped = method->advance(evaluate, world.state_, ledger, h);
-    if (stepped == 0) {
-      report_divergence(h);
-      return false;
-    }
-    if (last && stepped == h) set_time(end);
-    ++statistics.steps;
-    const double taken = detail::seconds_since(start);
-    statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, taken);
-    return true;
-  }
-
-  // The same for joints with stops or events with conditions: the step may end earlier and an event happen there. `end`: the end
-  // of a full step.
-  bool step_and_look(double h, double end, Clock::time_point start) {
-    double most = h;
-    const std::span<const Watch> watched = watches(most);
-    const std::optional<double> stepped = stops.step(*method, ledger, most, watched);
-    if (!stepped) {
-      report_divergence(h);
-      return false;
-    }
-    if (*stepped == h && std::isfinite(end)) set_time(end);
-    ++statistics.steps;
-    resolve_limits();
-    if (contacts.any() && contacts.must_resolve() && !resolve_contacts()) return false;
-    statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, detail::seconds_since(start));
-    return true;
-  }
+  void note_short_step(double target);
+  bool step_towards(double end);
+  bool step_and_look(double h, double end, Clock::time_point start);
 
   /// The number of a joint that a function may drive; throws Error.
   int to_drive(std::string_view joint, bool function) const;
@@ -232,6 +185,15 @@ struct Simulation::Impl {
   bool resolve_contacts();
   std::span<const Watch> watches(double& h);
 
+  // contact_runs.cpp: contacts that are stepped through instead of being located.
+  bool steps_through() const { return stepping.on || method_steps; }
+  void begin_stepping(const std::string& why);
+  void try_to_locate();
+  void after_contact_step();
+  bool flood_of_changes();
+  SteppingState stepping_state() const;
+  void continue_stepping(const SteppingState& from);
+
   // Kinetic energy at the beginning of a step, which has been evaluated: as p·u/2 it costs next to nothing.
   void note_kinetic_energy() {
     double kinetic = 0;
@@ -254,7 +216,7 @@ struct Simulation::Impl {
 
   void report_divergence(double h) {
     evaluate_state();  // of the last good state
-    message = divergence_text(world, *method, integration, h);
+    message = divergence_text(world, present_method(), integration, h);
     diverged = true;
   }
 
@@ -401,7 +363,7 @@ struct Simulation::Impl {
   }
   // After each step.
   Status note_progress(double until) {
-    const auto why = progress.step(world, *method, integration, events, until);
+    const auto why = progress.step(world, present_method(), integration, events, until);
     if (why) message = *why;
     return why ? Status::stalled : Status::ok;
   }
@@ -448,6 +410,10 @@ struct Simulation::Impl {
   std::unique_ptr<Integrator> method;
   Stops stops;
   Contacts contacts;
+  ContactSteps contact_steps;
+  std::unique_ptr<Integrator> stepper;  // only with contacts
+  bool method_steps = false;            // the method itself steps through contacts
+  SteppingState stepping;
   std::vector<Watch> all_watches;
   EnergyLedger ledger;
   EnergyBalance balance;

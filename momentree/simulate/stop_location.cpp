@@ -204,7 +204,8 @@ std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end
   if (trial.at != between.outside && !trial.go(between.outside)) return std::nullopt;
   const double rate = w.side != nullptr ? speed(*w.side) : w.watch->rate(*world_).value_or(NAN);
   const double at = between.outside - excess(w) / rate;
-  return at > between.inside && at < between.outside ? at : between.outside;
+  // The inner end may be the crossing to within rounding: then the Newton step ends just before it.
+  return at > std::max(0.0, between.inside - tolerance) && at < between.outside ? at : between.outside;
 }
 
 // Puts a joint that hit a stop exactly onto it. All flights then begin and end at the same position: if each impact were slightly

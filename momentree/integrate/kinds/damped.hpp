@@ -21,7 +21,7 @@ namespace momentree {
 
 class Damped final : public Integrator {
  public:
-  static constexpr bool chooses_steps = false, takes_velocities = false, supports_contact = false;
+  static constexpr bool chooses_steps = false, takes_velocities = false, supports_contact = false, steps_through_contacts = false;
   static constexpr Variables default_variables = Variables::momenta;
   // Dampers at any step; springs as in its explicit part.
   static constexpr double damper_limit = HUGE_VAL, spring_limit = 1.57;

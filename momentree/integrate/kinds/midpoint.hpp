@@ -10,7 +10,7 @@ namespace momentree {
 
 class Midpoint final : public Integrator {
  public:
-  static constexpr bool chooses_steps = false, takes_velocities = true, supports_contact = false;
+  static constexpr bool chooses_steps = false, takes_velocities = true, supports_contact = false, steps_through_contacts = false;
   static constexpr Variables default_variables = Variables::momenta;
   // Above these the iteration does not converge.
   static constexpr double damper_limit = 2, spring_limit = 2;

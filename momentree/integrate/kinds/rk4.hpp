@@ -9,7 +9,7 @@ namespace momentree {
 
 class Rk4 final : public Integrator {
  public:
-  static constexpr bool chooses_steps = false, takes_velocities = true, supports_contact = true;
+  static constexpr bool chooses_steps = false, takes_velocities = true, supports_contact = true, steps_through_contacts = false;
   static constexpr Variables default_variables = Variables::momenta;
   // Stability limits of step times the rate of a damper, or the frequency of a spring (the furthest extent of the stability
   // region).

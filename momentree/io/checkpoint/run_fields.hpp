@@ -78,13 +78,21 @@ template <class Archive>
 void fields(Archive& archive, Part<Archive, Event>& e) {
   archive(e.time, e.name, e.actions, e.topology, e.mechanisms_before, e.mechanisms_after, e.before, e.after, e.released, e.lost,
           e.work, e.impulse, e.ground_impulse, e.coupling_impulse, e.contact, e.hardest_joint, e.hardest_linear,
-          e.hardest_angular, e.duration_ns);
+          e.hardest_angular, e.duration_ns, e.reason);
 }
 
 template <class Archive>
+void fields(Archive& archive, Part<Archive, SteppedContact>& c) {
+  archive(c.pair, c.id, c.a, c.b, c.point, c.normal, c.force, c.slip);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, SteppingState>& s) {
+  archive(s.on, s.since_impact, s.patience, s.changes, s.changes_at_once, s.window, s.instant, s.points);
+}
+template <class Archive>
 void fields(Archive& archive, Part<Archive, RunState>& r) {
-  archive(r.world, r.queue, r.balance, r.dissipated, r.work, r.proposal, r.evaluated, r.evaluations, r.evaluation_seconds,
-          r.statistics, r.progress, r.within_run, r.observed, r.observed_at, r.next_observation, r.events);
+  archive(r.world, r.queue, r.balance, r.dissipated, r.work, r.proposal, r.impacts, r.stepping, r.evaluated, r.evaluations,
+          r.evaluation_seconds, r.statistics, r.progress, r.within_run, r.observed, r.observed_at, r.next_observation, r.events);
 }
 
 }  // namespace momentree::io

@@ -1,0 +1,310 @@
+#include <momentree/contact/many_points.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+namespace momentree::contact {
+
+namespace {
+
+constexpr int most_sweeps = 100;
+constexpr int sweeps_between_looks = 8;  // in which the changes have to halve, or the sweeps end
+constexpr double converged = 1e-6;       // change of a velocity in one sweep, relative to the largest one before
+constexpr int most_separations = 50;
+constexpr int bisections = 8;  // of the part of the expansion that the energy permits
+
+// Of a symmetric 3×3 block; zero if it is nearly singular.
+std::array<double, 9> inverse_of(const std::array<double, 9>& A) {
+  const double a = A[4] * A[8] - A[5] * A[7], b = A[5] * A[6] - A[3] * A[8], c = A[3] * A[7] - A[4] * A[6];
+  const double determinant = A[0] * a + A[1] * b + A[2] * c;
+  if (!(determinant > 1e-9 * A[0] * A[4] * A[8])) return {};
+  const double d = 1 / determinant;
+  return {d * a, d * (A[2] * A[7] - A[1] * A[8]), d * (A[1] * A[5] - A[2] * A[4]),
+          d * b, d * (A[0] * A[8] - A[2] * A[6]), d * (A[2] * A[3] - A[0] * A[5]),
+          d * c, d * (A[1] * A[6] - A[0] * A[7]), d * (A[0] * A[4] - A[1] * A[3])};
+}
+
+}  // namespace
+
+void ManyPoints::clear(int dofs, int groups) {
+  dofs_ = dofs;
+  blocks_.clear();
+  points.clear(), J.clear(), Y.clear(), b.clear(), r.clear();
+  parent_.resize(static_cast<std::size_t>(groups));
+  std::iota(parent_.begin(), parent_.end(), 0);
+}
+
+int ManyPoints::root(int group) {
+  while (parent_[static_cast<std::size_t>(group)] != group) {
+    int& up = parent_[static_cast<std::size_t>(group)];
+    up = parent_[static_cast<std::size_t>(up)];
+    group = up;
+  }
+  return group;
+}
+
+// Groups that share a point are in one island. Islands, and the points in them, are in the order of the points.
+void ManyPoints::find_islands() {
+  for (const Point& point : points) {
+    if (point.parts[0].group < 0 || point.parts[1].group < 0) continue;
+    const int one = root(point.parts[0].group), other = root(point.parts[1].group);
+    parent_[static_cast<std::size_t>(std::max(one, other))] = std::min(one, other);
+  }
+  const auto island = [&](std::size_t i) {
+    const auto& parts = points[i].parts;
+    return root(parts[0].group >= 0 ? parts[0].group : parts[1].group);
+  };
+  order_.resize(points.size());
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  std::stable_sort(order_.begin(), order_.end(), [&](std::size_t i, std::size_t j) { return island(i) < island(j); });
+  ends_.clear();
+  for (std::size_t k = 1; k <= order_.size(); ++k)
+    if (k == order_.size() || island(order_[k]) != island(order_[k - 1])) ends_.push_back(k);
+}
+
+void ManyPoints::find_blocks() {
+  blocks_.assign(points.size(), {});
+  slide_.resize(points.size()), inverses_.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::array<double, 9>& A = blocks_[i];
+    for (const Part& part : points[i].parts) {
+      const auto n = static_cast<std::size_t>(part.count);
+      for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t column = 0; column < 3; ++column)
+          A[3 * row + column] += std::inner_product(J.begin() + static_cast<std::ptrdiff_t>(part.at + row * n),
+                                                    J.begin() + static_cast<std::ptrdiff_t>(part.at + (row + 1) * n),
+                                                    Y.begin() + static_cast<std::ptrdiff_t>(part.at + column * n), 0.0);
+    }
+    inverses_[i] = inverse_of(A);
+    slide_[i] = 0.5 * (A[4] + A[8] + std::hypot(A[4] - A[8], A[5] + A[7]));
+  }
+}
+
+double ManyPoints::along(std::size_t point, std::size_t row, const std::vector<double>& x) const {
+  double sum = 0;
+  for (const Part& part : points[point].parts) {
+    const double* const j = J.data() + part.at + row * static_cast<std::size_t>(part.count);
+    const double* const of = x.data() + part.first;
+    for (int k = 0; k < part.count; ++k) sum += j[k] * of[k];
+  }
+  return sum;
+}
+
+// All three rows in one pass: most of the time of the sweeps is spent here.
+void ManyPoints::moved_along(std::size_t point, double* w) const {
+  double sum[3] = {};
+  for (const Part& part : points[point].parts) {
+    const auto n = static_cast<std::size_t>(part.count);
+    const double *const j = J.data() + part.at, *const x = change_.data() + part.first;
+    for (std::size_t k = 0; k < n; ++k) sum[0] += j[k] * x[k], sum[1] += j[n + k] * x[k], sum[2] += j[2 * n + k] * x[k];
+  }
+  w[0] = sum[0], w[1] = sum[1], w[2] = sum[2];
+}
+
+void ManyPoints::add(std::size_t point, const double* impulse, std::vector<double>& x) const {
+  for (const Part& part : points[point].parts) {
+    const auto n = static_cast<std::size_t>(part.count);
+    const double* const y = Y.data() + part.at;
+    double* const of = x.data() + part.first;
+    for (std::size_t k = 0; k < n; ++k) of[k] += y[k] * impulse[0] + y[n + k] * impulse[1] + y[2 * n + k] * impulse[2];
+  }
+}
+
+// The law at one point, for the present impulses of all others. Returns the largest change as a velocity.
+double ManyPoints::relax(std::size_t point, double least, const std::vector<double>& start, double* own) {
+  const std::array<double, 9>& A = blocks_[point];
+  if (!(A[0] > 0) || points[point].slack == HUGE_VAL) return 0;
+  double w[3], before[3] = {own[0], own[1], own[2]};
+  moved_along(point, w);
+  for (std::size_t k = 0; k < 3; ++k) w[k] += start[3 * point + k];
+  w[0] += points[point].slack;
+  const double friction = points[point].friction, size = slide_[point];
+  // First as if it stuck.
+  const std::array<double, 9>& inverse = inverses_[point];
+  const double stick[3] = {own[0] - inverse[0] * w[0] - inverse[1] * w[1] - inverse[2] * w[2],
+                           own[1] - inverse[3] * w[0] - inverse[4] * w[1] - inverse[5] * w[2],
+                           own[2] - inverse[6] * w[0] - inverse[7] * w[1] - inverse[8] * w[2]};
+  if (inverse[0] > 0 && stick[0] >= least &&
+      stick[1] * stick[1] + stick[2] * stick[2] <= friction * friction * stick[0] * stick[0]) {
+    const double to_stick[3] = {stick[0] - own[0], stick[1] - own[1], stick[2] - own[2]};
+    std::copy_n(stick, 3, own);
+    add(point, to_stick, change_);
+    return std::max({std::fabs(to_stick[0]) * A[0], std::fabs(to_stick[1]) * size, std::fabs(to_stick[2]) * size});
+  }
+  for (int inner = 0; inner < 2; ++inner) {
+    double moved[3] = {own[0], own[1], own[2]};
+    own[0] = std::max(least, own[0] - w[0] / A[0]);
+    for (std::size_t k = 1; k < 3; ++k) w[k] += A[3 * k] * (own[0] - moved[0]);
+    w[0] += A[0] * (own[0] - moved[0]);
+    const double most = friction * own[0];
+    if (!(most > 0) || !(size > 0)) {
+      own[1] = own[2] = 0;
+    } else {
+      const double t1 = own[1] - w[1] / size, t2 = own[2] - w[2] / size, square = t1 * t1 + t2 * t2;
+      const double shorten = square > most * most ? most / std::sqrt(square) : 1;
+      own[1] = shorten * t1, own[2] = shorten * t2;
+    }
+    const double d1 = own[1] - moved[1], d2 = own[2] - moved[2];
+    for (std::size_t k = 0; k < 3; ++k) w[k] += A[3 * k + 1] * d1 + A[3 * k + 2] * d2;
+    if (friction == 0) break;
+  }
+  const double change[3] = {own[0] - before[0], own[1] - before[1], own[2] - before[2]};
+  add(point, change, change_);
+  return std::max({std::fabs(change[0]) * A[0], std::fabs(change[1]) * size, std::fabs(change[2]) * size});
+}
+
+// Sweeps in both directions, which carry loads down and up a pile.
+void ManyPoints::sweep(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                       std::vector<double>& impulses) {
+  double scale = 0;
+  for (const std::size_t* p = first; p != last; ++p)
+    for (std::size_t k = 0; k < 3; ++k) scale = std::max(scale, std::fabs(start[3 * *p + k]));
+  double before = HUGE_VAL;
+  for (int k = 0; k < most_sweeps; ++k) {
+    double most = 0;
+    const auto visit = [&](std::size_t i) { most = std::max(most, relax(i, least_[i], start, impulses.data() + 3 * i)); };
+    if (k % 2 == 0)
+      std::for_each(first, last, visit);
+    else
+      std::for_each(std::make_reverse_iterator(last), std::make_reverse_iterator(first), visit);
+    if (!(most > converged * scale)) break;
+    if ((k + 1) % sweeps_between_looks != 0) continue;
+    if (most > 0.5 * before) break;
+    before = most;
+  }
+}
+
+double ManyPoints::energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                                 const std::vector<double>& impulses) const {
+  double sum = 0;
+  for (const std::size_t* p = first; p != last; ++p)
+    for (std::size_t k = 0; k < 3; ++k) sum += impulses[3 * *p + k] * (start[3 * *p + k] + 0.5 * along(*p, k, change_));
+  return sum;
+}
+
+// change_ of the points of an island.
+void ManyPoints::restart(const std::size_t* first, const std::size_t* last, const std::vector<double>& impulses) {
+  for (const std::size_t* p = first; p != last; ++p)
+    for (const Part& part : points[*p].parts) std::fill_n(change_.begin() + part.first, part.count, 0.0);
+  for (const std::size_t* p = first; p != last; ++p) add(*p, impulses.data() + 3 * *p, change_);
+}
+
+// Sweeps that did not converge may leave impulses that add energy: then less of them is applied.
+void ManyPoints::lose_energy(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                             std::vector<double>& impulses) {
+  if (!(energy_change(first, last, start, impulses) > 0)) return;
+  double rate = 0, size = 0;
+  for (const std::size_t* p = first; p != last; ++p)
+    for (std::size_t k = 0; k < 3; ++k)
+      rate += impulses[3 * *p + k] * start[3 * *p + k], size += impulses[3 * *p + k] * along(*p, k, change_);
+  const double part = rate < 0 && size > 0 ? std::min(1.0, -rate / size) : 0.0;
+  for (const std::size_t* p = first; p != last; ++p)
+    for (std::size_t k = 0; k < 3; ++k) impulses[3 * *p + k] *= part;
+  restart(first, last, impulses);
+}
+
+void ManyPoints::velocities(std::vector<double>& w) const {
+  w.resize(b.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) w[3 * i + k] = b[3 * i + k] + along(i, k, change_);
+}
+
+const std::vector<double>& ManyPoints::displacement(const std::vector<double>& factors) {
+  shift_.assign(static_cast<std::size_t>(dofs_), 0.0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double scaled[3] = {factors[i] * r[3 * i], factors[i] * r[3 * i + 1], factors[i] * r[3 * i + 2]};
+    add(i, scaled, shift_);
+  }
+  return shift_;
+}
+
+// Of each normal impulse the restitution returns a part; see ImpactLaw.
+void ManyPoints::expand(const std::size_t* first, const std::size_t* last) {
+  double most_work = 0;
+  bool elastic = false;
+  for (const std::size_t* p = first; p != last; ++p) {
+    const std::size_t n = 3 * *p;
+    for (std::size_t k = 0; k < 3; ++k) after_[n + k] = b[n + k] + along(*p, k, change_);
+    const double e = points[*p].restitution;
+    most_work -= e * e * 0.5 * r[n] * (b[n] + after_[n]);
+    elastic = elastic || e * r[n] > 0;
+  }
+  if (!elastic) return;
+  const double lost = -energy_change(first, last, b, r), tolerance = 1e-12 * (std::fabs(lost) + std::fabs(most_work));
+  const auto expanded = [&](double part) {
+    for (const std::size_t* p = first; p != last; ++p) {
+      least_[*p] = part * points[*p].restitution * r[3 * *p];
+      for (std::size_t k = 0; k < 3; ++k) rebound_[3 * *p + k] = 0;
+      rebound_[3 * *p] = least_[*p];
+    }
+    restart(first, last, rebound_);
+    sweep(first, last, after_, rebound_);
+    double work = 0;
+    for (const std::size_t* p = first; p != last; ++p) work += rebound_[3 * *p] * (after_[3 * *p] + 0.5 * along(*p, 0, change_));
+    return work <= std::max(most_work, 0.0) + tolerance && energy_change(first, last, after_, rebound_) <= lost + tolerance;
+  };
+  const auto keep = [&] {
+    for (const std::size_t* p = first; p != last; ++p)
+      std::copy_n(rebound_.begin() + static_cast<std::ptrdiff_t>(3 * *p), 3, best_.begin() + static_cast<std::ptrdiff_t>(3 * *p));
+  };
+  if (expanded(1)) {
+    keep();
+  } else {
+    double low = 0, high = 1;
+    for (int k = 0; k < bisections; ++k) {
+      const double part = 0.5 * (low + high);
+      if (expanded(part))
+        low = part, keep();
+      else
+        high = part;
+    }
+  }
+  for (const std::size_t* p = first; p != last; ++p)
+    for (std::size_t k = 0; k < 3; ++k) r[3 * *p + k] += best_[3 * *p + k];
+  restart(first, last, r);
+}
+
+void ManyPoints::solve() {
+  r.resize(3 * points.size());
+  find_islands();
+  find_blocks();
+  change_.assign(static_cast<std::size_t>(dofs_), 0.0);
+  least_.assign(points.size(), 0.0);
+  after_.assign(b.size(), 0.0), rebound_.assign(b.size(), 0.0), best_.assign(b.size(), 0.0);
+  std::size_t begin = 0;
+  for (const std::size_t end : ends_) {
+    const std::size_t *const first = order_.data() + begin, *const last = order_.data() + end;
+    restart(first, last, r);
+    sweep(first, last, b, r);
+    lose_energy(first, last, b, r);
+    expand(first, last);
+    begin = end;
+  }
+}
+
+const std::vector<double>& ManyPoints::separate(const std::vector<double>& gaps, std::vector<double>& pushes) {
+  if (blocks_.size() != points.size()) find_blocks();
+  moved_.assign(static_cast<std::size_t>(dofs_), 0.0);
+  pushes.assign(points.size(), 0.0);
+  const double deepest = -std::min(0.0, *std::min_element(gaps.begin(), gaps.end()));
+  double push[3] = {};
+  for (int k = 0; k < most_separations; ++k) {
+    double most = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double a = blocks_[i][0];
+      if (!(a > 0)) continue;
+      const double after = std::max(0.0, pushes[i] - (gaps[i] + along(i, 0, moved_)) / a);
+      push[0] = after - std::exchange(pushes[i], after);
+      if (push[0] == 0) continue;
+      add(i, push, moved_);
+      most = std::max(most, std::fabs(push[0]) * a);
+    }
+    if (!(most > 1e-3 * deepest)) break;
+  }
+  return moved_;
+}
+
+}  // namespace momentree::contact

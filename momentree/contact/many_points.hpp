@@ -1,0 +1,73 @@
+#pragma once
+// Impulses at many contact points at once, without the dense matrix of all of them: each point acts on the degrees of freedom of
+// two mechanisms only. The law is that of System and ImpactLaw; projected Gauss–Seidel sweeps solve it, to the accuracy of a time
+// step rather than to rounding. Whatever the sweeps reach, momentum is exact and the kinetic energy does not grow.
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace momentree::contact {
+
+class ManyPoints {
+ public:
+  /// The degrees of freedom of one mechanism on which a point acts.
+  struct Part {
+    int group = -1;            ///< number of the mechanism; −1: none, such as the ground
+    int first = 0, count = 0;  ///< its degrees of freedom
+    std::size_t at = 0;        ///< where its three rows of `count` numbers begin in J and in Y
+  };
+  struct Point {
+    std::array<Part, 2> parts{};
+    double friction = 0, restitution = 0;
+    double slack = 0;  ///< the speed with which it may approach afterwards, because a gap is left (m/s)
+  };
+
+  /// Forgets all points. `dofs` and `groups`: how many there are.
+  void clear(int dofs, int groups);
+
+  std::vector<Point> points;
+  std::vector<double> J;  ///< the rows of each point, along its normal and two tangents
+  std::vector<double> Y;  ///< M⁻¹ Jᵀ, by row
+  std::vector<double> b;  ///< velocities before, three of each point
+  std::vector<double> r;  ///< impulses; on entry of solve() a guess
+
+  /// Finds the impulses of an impact, islands one by one.
+  void solve();
+  /// M⁻¹ Jᵀ r, the change of all velocities.
+  const std::vector<double>& change() const { return change_; }
+  /// Velocities after the impact, three of each point.
+  void velocities(std::vector<double>& w) const;
+  /// M⁻¹ Jᵀ of the impulses times a factor for each point.
+  const std::vector<double>& displacement(const std::vector<double>& factors);
+  /// The part of a motion x of all degrees of freedom along the normal of a point.
+  double along_normal(std::size_t point, const std::vector<double>& x) const { return along(point, 0, x); }
+
+  /// The smallest motion that removes negative gaps (m, one of each point), by displacements along the normals. `pushes`: its
+  /// multipliers (kg m, rad in generalised terms), one of each point; returns the displacement of all degrees of freedom.
+  const std::vector<double>& separate(const std::vector<double>& gaps, std::vector<double>& pushes);
+
+ private:
+  void find_islands();
+  void find_blocks();
+  int root(int group);
+  double along(std::size_t point, std::size_t row, const std::vector<double>& x) const;
+  void moved_along(std::size_t point, double* w) const;
+  void add(std::size_t point, const double* r, std::vector<double>& x) const;
+  double relax(std::size_t point, double least, const std::vector<double>& start, double* own);
+  void sweep(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, std::vector<double>& impulses);
+  double energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                       const std::vector<double>& impulses) const;
+  void lose_energy(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                   std::vector<double>& impulses);
+  void restart(const std::size_t* first, const std::size_t* last, const std::vector<double>& impulses);
+  void expand(const std::size_t* first, const std::size_t* last);
+
+  int dofs_ = 0;
+  std::vector<int> parent_;                               // of groups, for the islands
+  std::vector<std::size_t> order_, ends_;                 // points island by island, and where each island ends
+  std::vector<std::array<double, 9>> blocks_, inverses_;  // A of each point, and its inverse
+  std::vector<double> slide_;                             // the larger eigenvalue of its tangential part
+  std::vector<double> change_, least_, after_, rebound_, best_, moved_, shift_;
+};
+
+}  // namespace momentree::contact

@@ -1,0 +1,40 @@
+#pragma once
+// The rows of many contacts, each with the degrees of freedom of its two mechanisms only.
+#include <span>
+#include <vector>
+
+#include <momentree/contact/many_points.hpp>
+#include <momentree/dynamics/contacts.hpp>
+
+namespace momentree {
+
+/// Degrees of freedom numbered mechanism by mechanism. With closed loops all mechanisms count as one.
+class ContactParts {
+ public:
+  /// Numbers those of the tree's present topology.
+  void number(const Tree& tree);
+  int dofs() const { return static_cast<int>(dof_.size()); }
+  int mechanisms() const { return static_cast<int>(ranges_.size()); }
+
+  /// Adds the points of contacts that are placed: their rows J and Y = M⁻¹ Jᵀ. Requires the factors of an evaluation at q.
+  void add_points(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
+                  const ContactRows& rows, contact::ManyPoints& many);
+
+  /// Numbers by degree of freedom, in the order of this class, added to an array packed as p.
+  void add_to(const std::vector<double>& x, double* packed) const;
+
+ private:
+  struct Range {
+    int begin, end;          ///< bodies in the tree's order
+    int first_dof, end_dof;  ///< in dof_
+  };
+  void add_part(const Tree& tree, const double* q, Workspace<double>& workspace, int mechanism, const Contact& contact,
+                const contact::Touch& touch, contact::ManyPoints& many, contact::ManyPoints::Part& part);
+
+  std::vector<Range> ranges_;
+  std::vector<int> dof_;           // places in arrays packed as p
+  std::vector<int> mechanism_of_;  // by body
+  std::vector<double> row_;        // packed as p; zero between calls
+};
+
+}  // namespace momentree

@@ -1,0 +1,170 @@
+#include <momentree/simulate/contact_steps.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/dynamics/energy.hpp>
+#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/momentum.hpp>
+
+namespace momentree {
+
+namespace {
+
+constexpr double slow_impact = 1e-3;  // m/s: bodies that approach more slowly do not hit each other
+constexpr double least_depth = 1e-9;  // m, relative to coordinates: deeper overlaps are removed after a step
+
+bool earlier(const SteppedContact& x, const SteppedContact& y) { return x.pair != y.pair ? x.pair < y.pair : x.id < y.id; }
+
+const Vec3& row_direction(const contact::Touch& touch, std::size_t k) { return k == 0 ? touch.normal : touch.tangent[k - 1]; }
+
+}  // namespace
+
+// The points of solids that overlap, or are nearer than `within`. The state has been evaluated without contacts.
+void ContactSteps::find_points(double within) {
+  const Tree& tree = world_->tree_;
+  Workspace<double>& workspace = world_->workspace_;
+  near_.clear();
+  contacts_->add_near(within, near_);
+  if (near_.empty()) return;
+  accelerate(tree, world_->state_, workspace);
+  locate_bodies(tree, world_->state_, workspace);
+  place_contacts(tree, workspace, near_, rows_);
+  const double* const q = world_->state_.q().data();
+  find_contact_accelerations(tree, q, workspace, near_, rows_);
+  parts_.number(tree);
+  many_.clear(parts_.dofs(), parts_.mechanisms());
+  parts_.add_points(tree, q, workspace, near_, rows_, many_);
+}
+
+// The impulse of the last step.
+void ContactSteps::guess(std::size_t i, double h) {
+  const Contact& c = near_[i];
+  const SteppedContact key{.pair = c.pair, .id = c.id};
+  const auto known = std::lower_bound(points_.begin(), points_.end(), key, earlier);
+  if (known == points_.end() || known->pair != c.pair || known->id != c.id) return;
+  for (std::size_t k = 0; k < 3; ++k) many_.r[3 * i + k] = h * dot(known->force, row_direction(rows_.touches[i], k));
+  many_.r[3 * i] = std::max(0.0, many_.r[3 * i]);
+}
+
+// When each point was reached, its restitution, and a first guess.
+void ContactSteps::set_law(double h) {
+  reached_.resize(near_.size());
+  hit_ = false;
+  many_.r.assign(3 * near_.size(), 0.0);
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    const Contact& c = near_[i];
+    const ContactLaw& law = contacts_->law_of(c.pair);
+    guess(i, h);
+    const double depth = std::max(0.0, -rows_.touches[i].gap), v = rows_.velocity[3 * i], a = rows_.acceleration[3 * i];
+    const double gap = rows_.touches[i].gap;
+    if (gap > 0) {
+      // It must not be reached in the next step by what others do to it in this one.
+      reached_[i] = 0;
+      many_.points[i].friction = law.friction;
+      many_.points[i].slack = v >= -gap / h ? gap / h : HUGE_VAL;
+      continue;
+    }
+    reached_[i] = v < 0 ? std::min(h, depth / -v) : 0.5 * h;
+    // The speed with which it was reached: the approach since then was accelerated.
+    const double square = v < 0 ? v * v + 2 * a * depth : 0.0, speed = square > 0 ? std::sqrt(square) : 0.0;
+    const bool hits = speed > std::max(slow_impact, std::fabs(a) * h);
+    hit_ = hit_ || hits;
+    many_.points[i].friction = law.friction;
+    many_.points[i].restitution = hits ? law.restitution * speed / -v : 0.0;
+  }
+}
+
+// Work of the impulses by the mean velocities at the instants at which the points were reached.
+void ContactSteps::book(EnergyLedger& ledger) const {
+  for (std::size_t row = 0; row < many_.r.size(); ++row)
+    ledger.impacts -= many_.r[row] * (0.5 * (many_.b[row] + after_[row]) - rows_.acceleration[row] * reached_[row / 3]);
+}
+
+void ContactSteps::move(State& state, EnergyLedger& ledger) {
+  const Tree& tree = world_->tree_;
+  // Displacements: of each point by the time since it was reached, and then those that remove what is left of overlaps.
+  for (std::size_t i = 0; i < near_.size(); ++i) shift_[i] = reached_[i];
+  const std::vector<double>& moved = many_.displacement(shift_);
+  packed_.assign(static_cast<std::size_t>(tree.nv()), 0.0);
+  parts_.add_to(moved, packed_.data());
+  double deepest = 0, size = 1;
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    gaps_[i] = rows_.touches[i].gap + many_.along_normal(i, moved);
+    deepest = std::max(deepest, -gaps_[i]), size = std::max(size, norm(rows_.touches[i].point));
+  }
+  if (deepest > least_depth * size) {
+    parts_.add_to(many_.separate(gaps_, pushes_), packed_.data());
+    for (std::size_t i = 0; i < near_.size(); ++i) ledger.projection -= pushes_[i] * rows_.acceleration[3 * i];
+  }
+  const double before = tree.driven_joints().empty() ? 0.0 : world_->totals().kinetic;
+  const double t = state.time();
+  {
+    const State::Edit edit = state.edit();
+    parts_.add_to(many_.change(), edit.u.data());
+    if (!tree.driven_joints().empty()) {
+      // Prescribed motions take up impulses without moving differently: what the other bodies gain is their work.
+      double by_points = 0;
+      for (std::size_t row = 0; row < many_.r.size(); ++row) by_points += 0.5 * many_.r[row] * (many_.b[row] + after_[row]);
+      ledger.work -= by_points;
+    }
+  }
+  if (!tree.driven_joints().empty()) ledger.work += world_->totals().kinetic - before;
+  const State::Edit edit = state.edit();
+  detail::displace(tree, packed_.data(), 1, edit.q.data());
+  normalise(tree, edit.q.data());
+  double energy = 0;
+  if (tree.has_loops() && evaluate_->close(t, edit.q.data(), edit.u.data(), energy)) ledger.projection += energy;
+}
+
+// The points for the next step, and for evaluations of the state until then.
+void ContactSteps::remember(double h) {
+  points_.clear();
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    const Contact& c = near_[i];
+    if (!(many_.r[3 * i] > 0)) continue;
+    const contact::Touch& touch = rows_.touches[i];
+    SteppedContact point{c.pair, c.id, c.a, c.b, touch.point, touch.normal, {}, {}};
+    for (std::size_t k = 0; k < 3; ++k) point.force += (many_.r[3 * i + k] / h) * row_direction(touch, k);
+    for (std::size_t k = 1; k < 3; ++k) point.slip += after_[3 * i + k] * row_direction(touch, k);
+    points_.push_back(point);
+  }
+  std::stable_sort(points_.begin(), points_.end(), earlier);
+}
+
+void ContactSteps::hold() {
+  std::vector<HeldForce>& held = held_forces(world_->workspace_);
+  held.clear();
+  for (const SteppedContact& point : points_) held.push_back({point.a, point.b, point.point, point.force});
+}
+
+void ContactSteps::set_points(std::vector<SteppedContact> points) {
+  points_ = std::move(points);
+  hold();
+  static_cast<void>(world_->state_.edit());  // its evaluation is without them
+}
+
+void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
+  held_forces(world_->workspace_).clear();
+  (*evaluate_)(state);
+  {
+    // Points that others push towards each other in this step count, too.
+    const double speed = contacts_->fastest() + norm(world_->model_.gravity()) * h;
+    find_points(h * speed);
+  }
+  hit_ = false;
+  if (near_.empty()) {
+    points_.clear();
+    return;
+  }
+  set_law(h);
+  many_.solve();
+  many_.velocities(after_);
+  shift_.resize(near_.size()), gaps_.resize(near_.size());
+  book(ledger);
+  move(state, ledger);
+  remember(h);
+  hold();
+}
+
+}  // namespace momentree

@@ -1,0 +1,55 @@
+#pragma once
+// Time stepping through contacts, as a method of its own and as what is left when contacts can't be located one by one.
+//
+// After a step without contacts, the points that bodies have reached get impulses by the law of impact (contact::ManyPoints). A
+// point that was reached a time τ before the end of the step moves by τ times the change of its velocity: the instant of touching
+// is estimated instead of located, and a body at rest stays where it is.
+#include <memory>
+#include <vector>
+
+#include <momentree/contact/many_points.hpp>
+#include <momentree/dynamics/contact_parts.hpp>
+#include <momentree/integrate/step_contacts.hpp>
+#include <momentree/simulate/contacts.hpp>
+#include <momentree/simulate/stepping_state.hpp>
+
+namespace momentree {
+
+class ContactSteps final : public StepContacts {
+ public:
+  ContactSteps(World& world, Evaluator& evaluate, Contacts& contacts)
+      : world_(&world), evaluate_(&evaluate), contacts_(&contacts) {}
+
+  void apply(State& state, EnergyLedger& ledger, double h) override;
+
+  /// Points with impulses in the last step.
+  const std::vector<SteppedContact>& points() const { return points_; }
+  /// Continues with these points, or without any.
+  void set_points(std::vector<SteppedContact> points);
+
+  /// True if bodies hit each other in the last step, rather than to lie on each other.
+  bool hit() const { return hit_; }
+
+ private:
+  void find_points(double within);
+  void guess(std::size_t point, double h);
+  void set_law(double h);
+  void book(EnergyLedger& ledger) const;
+  void move(State& state, EnergyLedger& ledger);
+  void remember(double h);
+  void hold();
+
+  World* world_;
+  Evaluator* evaluate_;
+  Contacts* contacts_;
+  ContactParts parts_;
+  std::vector<Contact> near_;
+  ContactRows rows_;
+  contact::ManyPoints many_;
+  std::vector<double> reached_;  // by point: the time since it was reached (s)
+  std::vector<double> after_, gaps_, pushes_, shift_, packed_, before_;
+  std::vector<SteppedContact> points_;
+  bool hit_ = false;
+};
+
+}  // namespace momentree

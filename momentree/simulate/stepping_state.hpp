@@ -1,0 +1,32 @@
+#pragma once
+// What a run that steps through contacts remembers between steps.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <momentree/math/vec.hpp>
+
+namespace momentree {
+
+/// A point of contact in the last step.
+struct SteppedContact {
+  int pair = -1;           ///< number of the pair of solids
+  std::uint64_t id = 0;    ///< of its features in that pair
+  int a = -1, b = -1;      ///< bodies; −1: the ground
+  Vec3 point{}, normal{};  ///< in the world (m); the normal points from b to a
+  Vec3 force{};            ///< on a: mean over the step (N), world axes
+  Vec3 slip{};             ///< velocity of a, less that of b, along the surface at the end of the step (m/s)
+};
+
+/// Whether contacts are stepped through at present, although the method locates them.
+struct SteppingState {
+  bool on = false;
+  double since_impact = 0;  ///< when bodies last hit each other, or stepping began (s)
+  double patience = 0.1;    ///< time without impacts after which contacts are located again (s)
+  // Changes of contacts in a short time, and in a very short one, and when these times began (s).
+  int changes = 0, changes_at_once = 0;
+  double window = 0, instant = 0;
+  std::vector<SteppedContact> points;  ///< of the last step
+};
+
+}  // namespace momentree

@@ -1,0 +1,65 @@
+// Steps of a simulation, from one instant at which something may happen to the next.
+#include <momentree/simulate/simulation_impl.hpp>
+
+namespace momentree {
+
+void Simulation::Impl::note_short_step(double target) {
+  const double usual = present_method().next_step(target - world.time());
+  message = no_progress_at(world.time()) + "a step of " + detail::text(usual) + " s is too short to move the clock";
+  stalled = true;
+}
+
+// One step towards `end`.
+bool Simulation::Impl::step_towards(double end) {
+  const Leg leg = leg_to(end);
+  end = leg.end;
+  if (leg.target <= world.time()) {
+    set_time(end);
+    return true;
+  }
+  const auto [h, last] = step_from(world.time(), leg.target);
+  if (!(h > 0)) {
+    note_short_step(leg.target);
+    return false;
+  }
+  ask_for_generated();
+  const auto start = Clock::now();
+  evaluate_state();
+  note_kinetic_energy();
+  if (stops.any() || contacts.any() || queue.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
+  const double stepped = method->advance(evaluate, world.state_, ledger, h);
+  if (stepped == 0) {
+    report_divergence(h);
+    return false;
+  }
+  if (last && stepped == h) set_time(end);
+  ++statistics.steps;
+  const double taken = detail::seconds_since(start);
+  statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, taken);
+  return true;
+}
+
+// The same for joints with stops or events with conditions: the step may end earlier and an event happen there. `end`: the end
+// of a full step.
+bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point start) {
+  double most = h;
+  const std::span<const Watch> watched = watches(most);
+  const std::optional<double> stepped = stops.step(present_method(), ledger, most, watched);
+  if (!stepped) {
+    report_divergence(h);
+    return false;
+  }
+  if (*stepped == h && std::isfinite(end)) set_time(end);
+  ++statistics.steps;
+  resolve_limits();
+  if (contacts.any()) {
+    if (steps_through())
+      after_contact_step();
+    else if (contacts.must_resolve() && !resolve_contacts())
+      return false;
+  }
+  statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, detail::seconds_since(start));
+  return true;
+}
+
+}  // namespace momentree
