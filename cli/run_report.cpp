@@ -86,7 +86,7 @@ std::string energy_text(const EnergyBalance& e, const Style& style) {
   row("work of efforts", e.work);
   if (e.lost_in_impacts != 0) row("lost in impacts", e.lost_in_impacts);
   if (e.released != 0) row("released by topology changes", e.released);
-  if (e.projection != 0) row("brought in by closing loops", e.projection);
+  if (e.projection != 0) row("by closing loops and removing overlaps", e.projection);
   std::string text = style.heading("Energy balance") + '\n' + table.text("  ");
   text += format("  error of the integration: %.2e J", e.error);
   if (e.largest_kinetic > 0)

@@ -122,7 +122,15 @@ double ManyPoints::relax(std::size_t point, double least, const std::vector<doub
   for (std::size_t k = 0; k < 3; ++k) w[k] += start[3 * point + k];
   w[0] += points[point].slack;
   const double friction = points[point].friction, size = slide_[point];
-  // First as if it stuck.
+  // Open, if it then separates: friction must not wedge what no load presses.
+  if (least == 0 && w[0] - A[0] * own[0] - A[1] * own[1] - A[2] * own[2] >= 0) {
+    const double opened[3] = {-own[0], -own[1], -own[2]};
+    own[0] = own[1] = own[2] = 0;
+    if (opened[0] == 0 && opened[1] == 0 && opened[2] == 0) return 0;
+    add(point, opened, change_);
+    return std::max({-opened[0] * A[0], std::fabs(opened[1]) * size, std::fabs(opened[2]) * size});
+  }
+  // Then as if it stuck.
   const std::array<double, 9>& inverse = inverses_[point];
   const double stick[3] = {own[0] - inverse[0] * w[0] - inverse[1] * w[1] - inverse[2] * w[2],
                            own[1] - inverse[3] * w[0] - inverse[4] * w[1] - inverse[5] * w[2],

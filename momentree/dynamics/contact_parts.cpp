@@ -1,12 +1,20 @@
 #include <momentree/dynamics/contact_parts.hpp>
 
 #include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/velocity.hpp>
+#include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
 
 namespace {
 
 std::size_t index_of(int i) { return static_cast<std::size_t>(i); }
+
+void normalise_quaternions(const Tree& tree, double* q) {
+  for (const int b : tree.quaternion_joints())
+    dispatch(tree.kind(b), [&](auto tag) { decltype(tag)::type::Kernels::normalise(q + tree.first_q(b)); });
+}
 
 }  // namespace
 
@@ -64,6 +72,33 @@ void ContactParts::add_points(const Tree& tree, const double* q, Workspace<doubl
 
 void ContactParts::add_to(const std::vector<double>& x, double* packed) const {
   for (std::size_t i = 0; i < dof_.size(); ++i) packed[dof_[i]] += x[i];
+}
+
+void MomentumKeepingDisplacement::apply(const Tree& tree, double t, const double* shift, double* q, double* u,
+                                        Workspace<double>& workspace) {
+  kept_.resize(index_of(tree.bodies()));
+  const auto place = [&] {
+    sweep_velocities<double, true>(tree, q, u, workspace);
+    locate_stage(tree, q, workspace);
+  };
+  const auto centre = [&](int b) { return (1 / tree.link(b).body.m) * tree.link(b).body.mc; };
+  place();
+  for (const int b : tree.order()) {
+    const Kinematics<double>& k = workspace.bodies[index_of(b)];
+    const RigidMass& mass = tree.link(b).body;
+    const Force<double> own = momentum(mass, k.velocity);
+    kept_[index_of(b)] = {k.R * own.l, mass.m > 0 ? k.R * (own.h - cross(centre(b), own.l)) : k.R * own.h};
+  }
+  detail::displace(tree, shift, 1, q);
+  normalise_quaternions(tree, q);
+  place();
+  for (const int b : tree.order()) {
+    const Mat3& R = workspace.bodies[index_of(b)].R;
+    const Force<double>& kept = kept_[index_of(b)];
+    const Vec3 l = transpose_times(R, kept.l);
+    workspace.carried[index_of(b)] = {l, transpose_times(R, kept.h) + (tree.link(b).body.m > 0 ? cross(centre(b), l) : Vec3{})};
+  }
+  project_velocities(tree, q, u, workspace, t);
 }
 
 }  // namespace momentree

@@ -37,4 +37,15 @@ class ContactParts {
   std::vector<double> row_;        // packed as p; zero between calls
 };
 
+/// Displaces coordinates by small motions of all degrees of freedom, packed as p, in place. Velocities u are in the axes of
+/// bodies, which turn: each body keeps its linear momentum, and its angular momentum about its centre of mass, up to impulses of
+/// joints. `t`: the time (s), for prescribed motions.
+class MomentumKeepingDisplacement {
+ public:
+  void apply(const Tree& tree, double t, const double* shift, double* q, double* u, Workspace<double>& workspace);
+
+ private:
+  std::vector<Force<double>> kept_;  // by body, world axes, about the centre of mass
+};
+
 }  // namespace momentree

@@ -147,6 +147,7 @@ std::string event_json(const Event& event) {
     if (contact.scaled < 1) json.member("scaled", contact.scaled);
     if (contact.in_turn) json.member("in_turn", true);
   }
+  if (!event.reason.empty()) json.member("reason", event.reason);
   json.key(at_contact ? "joint_impulse" : "impulse").begin_object();
   for (const auto& [joint, impulse] : event.impulse) json.member(joint, std::span<const double>(impulse));
   json.end_object();

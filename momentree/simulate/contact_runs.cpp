@@ -1,7 +1,8 @@
 // Contacts in the steps of a simulation, and when they are stepped through instead of being located.
 //
-// Contacts are located one by one as long as that goes on: time stepping begins where no forces are found, where too many points
-// touch, or where contacts change too often. It ends when no bodies have hit each other for a while.
+// Contacts are located one by one as long as that goes on: time stepping begins where no forces are found, or where these grow
+// without bounds, where too many points touch, and where contacts change too often. It ends when no bodies have hit each other
+// for a while.
 #include <momentree/simulate/simulation_impl.hpp>
 
 namespace momentree {
@@ -40,14 +41,14 @@ std::span<const Watch> Simulation::Impl::watches(double& h) {
   return all_watches;
 }
 
-bool Simulation::Impl::resolve_contacts() {
+bool Simulation::Impl::resolve_contacts(bool after_step) {
   if (steps_through()) return true;
   const std::size_t before = events.size();
   const std::optional<Contacts::Unresolved> failed = contacts.resolve(events);
   for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
   balance.lost_in_impacts += contacts.take_lost();
   queue.forget_looks();
-  if (failed && !failed->can_be_stepped) {
+  if (failed && !failed->can_be_stepped && !after_step) {
     message = no_progress_at(world.time()) + failed->why;
     stalled = true;
     return false;
@@ -64,6 +65,26 @@ bool Simulation::Impl::flood_of_changes() {
   if (!(now <= stepping.window + window_length)) stepping.window = now, stepping.changes = 0;
   if (!(now <= stepping.instant + instant_length)) stepping.instant = now, stepping.changes_at_once = 0;
   return ++stepping.changes > most_changes || ++stepping.changes_at_once > most_changes_at_once;
+}
+
+void Simulation::Impl::note_before_contact_step() {
+  before_step.state = world.state_;
+  before_step.ledger = ledger, before_step.energy = total_energy(), before_step.proposal = method->proposal();
+}
+
+// Where friction leaves hardly any force that keeps a contact closed, forces grow within a step to whatever the arithmetic allows
+// (Painlevé). The energy shows it.
+bool Simulation::Impl::contacts_gained_energy() {
+  constexpr double most = 1e-2;  // of the largest kinetic energy
+  const auto brought_in = [](const EnergyLedger& l) { return l.work + l.projection - l.dissipated - l.impacts; };
+  const double gained = total_energy() - before_step.energy - (brought_in(ledger) - brought_in(before_step.ledger));
+  return !(gained <= most * balance.largest_kinetic);
+}
+
+void Simulation::Impl::undo_contact_step() {
+  world.state_ = before_step.state;
+  ledger = before_step.ledger;
+  method->set_proposal(before_step.proposal);
 }
 
 void Simulation::Impl::begin_stepping(const std::string& why) {

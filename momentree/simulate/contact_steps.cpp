@@ -66,12 +66,15 @@ void ContactSteps::set_law(double h) {
       continue;
     }
     reached_[i] = v < 0 ? std::min(h, depth / -v) : 0.5 * h;
-    // The speed with which it was reached: the approach since then was accelerated.
-    const double square = v < 0 ? v * v + 2 * a * depth : 0.0, speed = square > 0 ? std::sqrt(square) : 0.0;
-    const bool hits = speed > std::max(slow_impact, std::fabs(a) * h);
-    hit_ = hit_ || hits;
     many_.points[i].friction = law.friction;
-    many_.points[i].restitution = hits ? law.restitution * speed / -v : 0.0;
+    // The speed with which it was reached: the approach since then was accelerated, and so is the flight until the end.
+    const double square = v < 0 ? v * v + 2 * a * depth : 0.0, speed = square > 0 ? std::sqrt(square) : 0.0;
+    if (!(speed > std::max(slow_impact, std::fabs(a) * h))) continue;
+    hit_ = true;
+    const double since = std::min(h, 2 * depth / (speed - v)), leaves = law.restitution * speed + a * since;
+    if (!(law.restitution > 0 && leaves > 0)) continue;
+    many_.points[i].restitution = leaves / -v;
+    reached_[i] = since;
   }
 }
 
@@ -111,8 +114,7 @@ void ContactSteps::move(State& state, EnergyLedger& ledger) {
   }
   if (!tree.driven_joints().empty()) ledger.work += world_->totals().kinetic - before;
   const State::Edit edit = state.edit();
-  detail::displace(tree, packed_.data(), 1, edit.q.data());
-  normalise(tree, edit.q.data());
+  displace_.apply(tree, t, packed_.data(), edit.q.data(), edit.u.data(), world_->workspace_);
   double energy = 0;
   if (tree.has_loops() && evaluate_->close(t, edit.q.data(), edit.u.data(), energy)) ledger.projection += energy;
 }

@@ -43,6 +43,7 @@ class ContactSteps final : public StepContacts {
   Evaluator* evaluate_;
   Contacts* contacts_;
   ContactParts parts_;
+  MomentumKeepingDisplacement displace_;
   std::vector<Contact> near_;
   ContactRows rows_;
   contact::ManyPoints many_;

@@ -12,6 +12,7 @@ namespace {
 
 // Beyond this fraction of the largest kinetic energy the computed motion is not trusted.
 constexpr double tolerated = 1e-3;
+constexpr double tolerated_of_steps = 2e-2;  // where contacts were stepped through, which is of order 1
 constexpr double rounding = 1e-12;
 
 std::string formatted(const char* pattern, double a) {
@@ -45,12 +46,20 @@ std::string EnergyBalance::advice(const Integration& how) const {
     return "the energies overflow: masses, lengths or speeds are too large";
   double turned_over = 0;  // its rounding is not an integration error
   for (const double part : {initial, final, work, dissipated, lost_in_impacts, released}) turned_over += std::fabs(part);
-  if (!(std::fabs(error) > std::max(tolerated * largest_kinetic, rounding * turned_over)))
-    return advice_on_loops(projection, largest_kinetic, is_adaptive(how.method), how);
+  const bool stepped = lost_in_steps != 0;
+  const double most = (stepped ? tolerated_of_steps : tolerated) * largest_kinetic;
+  if (stepped && !(std::fabs(projection) <= most))
+    return "removing overlaps changed the energy by " + formatted("%.3g J", projection) + ", " +
+           share_text(std::fabs(projection) / largest_kinetic) +
+           " the largest kinetic energy: contacts were stepped through with too long steps; use a smaller step, such as " +
+           formatted("%.3g s", how.step / 4);
+  if (!(std::fabs(error) > std::max(most, rounding * turned_over)))
+    return stepped ? std::string() : advice_on_loops(projection, largest_kinetic, is_adaptive(how.method), how);
   std::string what = "the energy balance is off by " + formatted("%.3g J", error) + ", " +
                      (largest_kinetic > 0 ? share_text(std::fabs(error) / largest_kinetic) + " the largest kinetic energy"
                                           : std::string("although nothing moves")) +
                      ": the motion is not computed accurately";
+  if (stepped) return what + ": contacts were stepped through; use a smaller step, such as " + formatted("%.3g s", how.step / 4);
   if (is_adaptive(how.method)) return what + "; use smaller tolerances, such as " + formatted("rtol = %.0e", how.rtol / 100);
   what += "; use a smaller step, such as " + formatted("%.3g s", how.step / 4);
   return how.method == "damped" ? what : what + ", or an adaptive method: dop853";

@@ -11,7 +11,7 @@ SimulationSnapshot Simulation::Impl::snapshot() {
   all.balance.dissipated = ledger.dissipated;
   all.balance.work = ledger.work;
   all.balance.projection = ledger.projection;
-  all.balance.lost_in_impacts += ledger.impacts;
+  all.balance.lost_in_steps = ledger.impacts;
   all.stepping = stepping_state();
   all.impulsive_work = balance.work;
   all.armed = queue.armed();
@@ -29,7 +29,7 @@ void Simulation::Impl::go_back(const SimulationSnapshot& to) {
   ledger.dissipated = to.balance.dissipated;
   ledger.work = to.balance.work;
   ledger.projection = to.balance.projection;
-  ledger.impacts = 0;  // they are in the balance
+  ledger.impacts = to.balance.lost_in_steps;
   balance.dissipated = 0;
   balance.work = to.impulsive_work;
   queue.restore(to.armed, world.time());

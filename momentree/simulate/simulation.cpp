@@ -419,7 +419,8 @@ EnergyBalance Simulation::energy() const {
   b.dissipated = impl_->ledger.dissipated;
   b.work += impl_->ledger.work;
   b.projection = impl_->ledger.projection;
-  b.lost_in_impacts += impl_->ledger.impacts;
+  b.lost_in_steps = impl_->ledger.impacts;
+  b.lost_in_impacts += b.lost_in_steps;
   b.error = b.final + b.dissipated + b.lost_in_impacts + b.released - b.initial - b.work - b.projection;
   return b;
 }

@@ -66,6 +66,7 @@ struct RunStatistics {
 struct EnergyBalance {
   double initial = 0, final = 0, dissipated = 0, work = 0, lost_in_impacts = 0, released = 0, error = 0;
   double projection = 0;       ///< energy that closing the loops after steps brought in
+  double lost_in_steps = 0;    ///< the part of lost_in_impacts at contacts that were stepped through
   double largest_kinetic = 0;  ///< the largest kinetic energy at the beginning of a step or at an event
 
   /// A warning with a suggested remedy if the error or the projection exceeds a thousandth of `largest_kinetic`; empty otherwise.

@@ -182,7 +182,8 @@ struct Simulation::Impl {
   }
 
   // Impacts of bodies, and contacts that close, open, slip or stick. False: there is no solution, and the run ends.
-  bool resolve_contacts();
+  // `after_step`: not at the start, nor after an action, where an overlap is a mistake.
+  bool resolve_contacts(bool after_step = false);
   std::span<const Watch> watches(double& h);
 
   // contact_runs.cpp: contacts that are stepped through instead of being located.
@@ -191,6 +192,9 @@ struct Simulation::Impl {
   void try_to_locate();
   void after_contact_step();
   bool flood_of_changes();
+  void note_before_contact_step();
+  bool contacts_gained_energy();
+  void undo_contact_step();
   SteppingState stepping_state() const;
   void continue_stepping(const SteppingState& from);
 
@@ -414,6 +418,12 @@ struct Simulation::Impl {
   std::unique_ptr<Integrator> stepper;  // only with contacts
   bool method_steps = false;            // the method itself steps through contacts
   SteppingState stepping;
+  struct BeforeStep {
+    State state{};
+    EnergyLedger ledger{};
+    double energy = 0, proposal = 0;
+  };
+  BeforeStep before_step;  // of a step with closed contacts
   std::vector<Watch> all_watches;
   EnergyLedger ledger;
   EnergyBalance balance;

@@ -44,7 +44,14 @@ bool Simulation::Impl::step_towards(double end) {
 bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point start) {
   double most = h;
   const std::span<const Watch> watched = watches(most);
+  const bool closed = !world.tree_.contacts().empty();
+  if (closed) note_before_contact_step();
   const std::optional<double> stepped = stops.step(present_method(), ledger, most, watched);
+  if (closed && (!stepped || contacts_gained_energy())) {
+    undo_contact_step();
+    begin_stepping("the forces of contacts grow without bounds");
+    return true;
+  }
   if (!stepped) {
     report_divergence(h);
     return false;
@@ -55,7 +62,7 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   if (contacts.any()) {
     if (steps_through())
       after_contact_step();
-    else if (contacts.must_resolve() && !resolve_contacts())
+    else if (contacts.must_resolve() && !resolve_contacts(true))
       return false;
   }
   statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, detail::seconds_since(start));

@@ -75,7 +75,7 @@ class Simulation(_core.SimulationBase):
 
     Args:
         model: What moves. Later changes of the model do not affect the simulation.
-        method: ``"rk4"``, ``"midpoint"`` and ``"damped"`` have fixed steps; ``"dopri5"`` and ``"dop853"`` are adaptive.
+        method: ``"rk4"``, ``"midpoint"``, ``"damped"`` and ``"stepping"`` (through contacts) have fixed steps; ``"dopri5"`` and ``"dop853"`` are adaptive.
         variables: Of the state, ``"momenta"`` or ``"velocities"``; default: velocities for adaptive methods, else momenta.
         step: s; the first step of adaptive methods.
         rtol: Relative error per step of adaptive methods.

@@ -134,6 +134,8 @@ export interface RunEvent {
   readonly normal?: Vec3;
   /** On the first body (N s). */
   readonly impulse?: Vec3;
+  /** Why contacts are stepped through from now on. */
+  readonly reason?: string;
   /** The share of its restitution that the impact has; absent: all of it. */
   readonly scaled?: number;
 }

@@ -88,7 +88,7 @@ describe("the report of a run with a closed loop", () => {
     await page.getByLabel("Joint", { exact: true }).selectOption("bearing");
     expect(await page.getByLabel("Quantity of the joint").locator("option").allInnerTexts()).toContain("reaction force");
     await page.getByRole("tab", { name: "Times and energy" }).click();
-    expect(await page.locator(".summary").innerText()).toContain("brought in by closing loops");
+    expect(await page.locator(".summary").innerText()).toContain("by closing loops and removing overlaps");
     expect(complaints).toEqual([]);
     await page.context().close();
   });

@@ -194,7 +194,7 @@ describe("the summary", () => {
       ["error of the balance", "0 J"],
     ]);
     expect(energyTable({ ...summary, energy: { initial: 8, projection: 2e-9, error: 0 } })[1]).toEqual([
-      "brought in by closing loops",
+      "by closing loops and removing overlaps",
       "2e−9 J",
     ]);
   });

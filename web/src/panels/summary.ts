@@ -33,7 +33,7 @@ const energyNames: Record<string, string> = {
   work: "work done on it",
   lost_in_impacts: "lost in impacts",
   released: "released by changes",
-  projection: "brought in by closing loops",
+  projection: "by closing loops and removing overlaps",
   error: "error of the balance",
   largest_kinetic: "largest kinetic energy",
 };
