@@ -55,6 +55,7 @@ void add_conserved(Table& table, const char* what, const char* unit, const Vec3&
 std::string event_text(const Event& event, const Style& style) {
   std::string text = "  " + style.heading(format("%.9g s  %s", event.time, event.name.c_str())) + "  ";
   for (std::size_t i = 0; i < event.actions.size(); ++i) text += (i > 0 ? "; " : "") + event.actions[i].text();
+  text += event.reason;
   if (event.duration_ns > 0) text += "  " + style.dim("in " + duration_text(event.duration_ns * 1e-9));
   if (event.mechanisms_before != event.mechanisms_after)
     text += "\n    mechanisms: " + joined(event.mechanisms_before) + "  →  " + joined(event.mechanisms_after);

@@ -10,7 +10,7 @@ namespace momentree {
 namespace {
 
 // Changes of contacts within these times are a flood (s).
-constexpr int most_changes = 1000, most_changes_at_once = 300;
+constexpr int most_changes = 200, most_changes_at_once = 300;
 constexpr double window_length = 1e-2, instant_length = 1e-6;
 constexpr double longest_patience = 10;  // s
 
@@ -55,16 +55,20 @@ bool Simulation::Impl::resolve_contacts(bool after_step) {
   }
   if (failed)
     begin_stepping(failed->why);
-  else if (flood_of_changes())
+  else if (flood_of_changes(before))
     begin_stepping("contacts change too often");
   return true;
 }
 
-bool Simulation::Impl::flood_of_changes() {
+// Impacts of one pair of bodies after the other are those of a body that bounces until it rests, which is followed to the end.
+bool Simulation::Impl::flood_of_changes(std::size_t first) {
   const double now = world.time();
   if (!(now <= stepping.window + window_length)) stepping.window = now, stepping.changes = 0;
   if (!(now <= stepping.instant + instant_length)) stepping.instant = now, stepping.changes_at_once = 0;
-  return ++stepping.changes > most_changes || ++stepping.changes_at_once > most_changes_at_once;
+  const auto pair_of = [&](std::size_t event) { return std::pair(events[event].contact.one, events[event].contact.other); };
+  const bool bounces = first > 0 && first + 1 == events.size() && pair_of(first) == pair_of(first - 1);
+  if (!bounces) ++stepping.changes;
+  return stepping.changes > most_changes || ++stepping.changes_at_once > most_changes_at_once;
 }
 
 void Simulation::Impl::note_before_contact_step() {

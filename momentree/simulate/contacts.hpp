@@ -43,7 +43,7 @@ class Contacts {
   std::optional<Unresolved> resolve(std::vector<Event>& events);
 
   /// More points at once are stepped through: their forces follow from dense systems of equations.
-  static constexpr std::size_t most_points = 64;
+  static constexpr std::size_t most_points = 32;
 
   /// What is to be located within a step of at most h seconds, which it may shorten so that nothing passes through anything.
   std::span<const Watch> watches(double& h);

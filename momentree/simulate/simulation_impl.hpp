@@ -191,7 +191,7 @@ struct Simulation::Impl {
   void begin_stepping(const std::string& why);
   void try_to_locate();
   void after_contact_step();
-  bool flood_of_changes();
+  bool flood_of_changes(std::size_t first);
   void note_before_contact_step();
   bool contacts_gained_energy();
   void undo_contact_step();
