@@ -150,6 +150,7 @@ std::shared_ptr<momentree::Quantity> PartReader::quantity(const Value& table, co
     } else if (!part.reading.joints.contains(use.name))
       part.out.error(use.place, use.key + ": there is no joint " + in_quotes(use.name),
                      part.reading.suggest(use.name, part.reading.joints));
+  check_solid_uses(world.model(), part.reading.solid_uses, part.out);
   part.check();
   return found;
 }

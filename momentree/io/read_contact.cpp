@@ -166,8 +166,19 @@ void read_contact(const Value& table, Reading& reading) {
   if (errors == out.errors()) reading.scenario.model.add_contact_rule(std::move(rule));
 }
 
+void check_solid_uses(const Model& model, const std::vector<Reading::SolidUse>& uses, Diagnostics& out) {
+  for (const Reading::SolidUse& use : uses) {
+    const auto is_of = [&](const Collider& c) { return use.body == "ground" ? c.body == ground : c.body == model.body(use.body); };
+    if (use.body != "ground" && !model.has_body(use.body)) continue;  // reported already
+    if (std::any_of(model.colliders().begin(), model.colliders().end(), is_of)) continue;
+    out.error(use.place, use.key + ": " + (use.body == "ground" ? "the ground" : in_quotes(use.body)) + " touches nothing",
+              use.body == "ground" ? "give the world a floor" : "give the body a collision");
+  }
+}
+
 void check_contacts(Reading& reading) {
   const Scenario& scenario = reading.scenario;
+  check_solid_uses(scenario.model, reading.solid_uses, reading.out);
   if (scenario.model.colliders().empty()) return;
   if (const std::optional<Error> error = unfit_for_contact(scenario.model, scenario.integration.method))
     return reading.out.error({1, 1, 0}, error->problem, error->hint);

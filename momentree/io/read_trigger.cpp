@@ -97,6 +97,22 @@ class QuantityReader final : public QuantityFields {
       out_.error(place, key_ + ": there is no body " + in_quotes(body), reading_.suggest(body, reading_.bodies));
   }
 
+  void solid(int number, std::string& body) override {
+    if (!value_.array() || value_.array()->size() != 2) {
+      if (number == 0)
+        out_.error(value_.place, key_ + ": expected a list of two bodies", "for example [\"crate/crate\", \"ground\"]");
+      return;
+    }
+    const Value& entry = (*value_.array())[static_cast<std::size_t>(number)];
+    const auto name = read_string(entry, key_, out_);
+    if (!name) return;
+    body = *name == "floor" ? "ground" : matched(*name, &TriggerMatch::body);
+    if (body != "ground" && !reading_.bodies.contains(body))
+      out_.error(entry.place, key_ + ": there is no body " + in_quotes(body), reading_.suggest(body, reading_.bodies));
+    else
+      reading_.solid_uses.push_back({body, key_, entry.place});
+  }
+
   void component(std::string& name) override {
     const Value* value = field("component");
     const auto text = value ? read_string(*value, "component", out_) : std::nullopt;
@@ -176,8 +192,6 @@ std::shared_ptr<momentree::Quantity> quantity_in(Fields& fields, const std::stri
     reader.finish();
     if (out.errors() == errors) set_unit(*quantity, *value, reading);
   }
-  fields.later({"touch", "gap", "contact_force", "contact_impulse", "slip"},
-               "impacts are events of their own: see docs/contact.md");
   return quantity;
 }
 
@@ -202,6 +216,12 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
     out.error(fields.place_of("undetermined"), "undetermined: there is no " + in_quotes(*undetermined), "\"least_norm\"");
   fields.finish();
   if (!quantity && out.errors() == errors) out.error(fields.place(), "when: names no quantity", one_of(keys));
+  if (quantity && !quantity->has_threshold()) {
+    if ((above || below) && out.errors() == errors)
+      out.error(threshold->place, "when: " + std::string(quantity->key()) + " takes no threshold", "leave it out");
+    if (out.errors() != errors) return std::nullopt;
+    return Condition(quantity, 0.5, true);
+  }
   if (above == below && out.errors() == errors)
     out.error(fields.place(), above ? "when: both 'exceeds' and 'below'" : "when: has no threshold", "exceeds = … or below = …");
   if (out.errors() != errors || !quantity) return std::nullopt;
@@ -222,6 +242,7 @@ struct Subject final : QuantityFields {
   void mechanism(std::string&) override {}
   void point(int, int, std::string&, Vec3&) override { bodies = true; }
   void component(std::string&) override {}
+  void solid(int, std::string&) override { bodies = true; }
   bool joints = false, bodies = false;
 };
 
@@ -239,7 +260,7 @@ bool fits_unit(const Value& when, momentree::Quantity& quantity, bool along_axis
 }  // namespace
 
 constinit const KeyTable condition_table{
-    "when", "condition", "A quantity and its threshold", condition_entries, {{KeyRule::How::one, "exceeds below"}}};
+    "when", "condition", "A quantity and its threshold", condition_entries, {{KeyRule::How::not_two, "exceeds below"}}};
 constinit const KeyTable event_table{"[[event]]",
                                      "event",
                                      "An event: its instant, and one or more actions",

@@ -6,6 +6,7 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/io/contact_columns.hpp>
 #include <momentree/io/energy_columns.hpp>
 #include <momentree/io/hdf5_results.hpp>
 #include <momentree/io/spring_columns.hpp>
@@ -14,10 +15,15 @@ namespace momentree::io {
 
 namespace {
 
+bool writes_contacts(const Simulation& simulation, const RecordOptions& options) {
+  return options.reactions && !simulation.world().model().colliders().empty();
+}
+
 std::vector<std::string> files_of(const Simulation& simulation, const RecordOptions& options) {
   std::vector<std::string> files = {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv", "final.json"};
   if (options.energy) files.emplace_back("energy.csv");
   if (simulation.world().springs() > 0) files.emplace_back("springs.csv");
+  if (writes_contacts(simulation, options)) files.emplace_back("contacts.csv");
   if (!options.meshes.empty()) files.emplace_back("meshes.json");
   if (options.report) files.emplace_back("report.html");
   if (options.hdf5) files.insert(files.end(), {"results.h5", "results.h5.partial"});
@@ -40,6 +46,7 @@ TextFile open_table(ResultDirectory& folder, const char* name, const RecordOptio
 std::unique_ptr<ResultDirectory> take_up(Interrupted& from, const Simulation& simulation, const RecordOptions& options) {
   const RecorderState& record = from.checkpoint.record;
   if (record.energy.has_value() != options.energy || record.springs.has_value() != (simulation.world().springs() > 0) ||
+      record.contacts.has_value() != writes_contacts(simulation, options) ||
       record.body_quaternions.size() != static_cast<std::size_t>(simulation.world().model().size()) ||
       record.joint_quaternions.size() != options.joints.size() + 1 || record.events_taken > from.checkpoint.run.events.size())
     throw_error({"this checkpoint is of other tables", from.path, "run without --resume to start again from the beginning"});
@@ -65,6 +72,8 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, RecordOptions
     energy_.emplace(open_table(*directory_, "energy.csv", options_, from != nullptr ? &*from->energy : nullptr));
   if (simulation.world().springs() > 0)
     springs_.emplace(open_table(*directory_, "springs.csv", options_, from != nullptr ? &*from->springs : nullptr));
+  if (writes_contacts(simulation, options_))
+    contacts_.emplace(open_table(*directory_, "contacts.csv", options_, from != nullptr ? &*from->contacts : nullptr));
 }
 
 Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_view model_json, RecordOptions options)
@@ -82,6 +91,7 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_v
     joint_columns_.header(joints_.text());
     if (energy_) energy_header(energy_->text());
     if (springs_) spring_header(springs_->text(), simulation.world().model());
+    if (contacts_) contact_header(contacts_->text());
     each_table([](TextFile& table, std::size_t&) { table.flush(); });
     directory_->keep();
   } catch (...) {
@@ -106,6 +116,7 @@ void Recorder::each_table(const F& f) {
   f(joints_, joint_row_);
   if (energy_) f(*energy_, energy_row_);
   if (springs_) f(*springs_, spring_row_);
+  if (contacts_) f(*contacts_, contact_row_);
 }
 
 void Recorder::write_running_summary() {
@@ -129,6 +140,7 @@ RecorderState Recorder::state() {
   state.joints = table(joints_, joint_row_);
   if (energy_) state.energy = table(*energy_, energy_row_);
   if (springs_) state.springs = table(*springs_, spring_row_);
+  if (contacts_) state.contacts = table(*contacts_, contact_row_);
   state.next = next_, state.row_time = row_time_, state.events_taken = events_taken_;
   state.body_quaternions = body_columns_.quaternions().last();
   state.joint_quaternions = joint_columns_.quaternions().last();
@@ -188,6 +200,7 @@ void Recorder::write_row(const World& world) {
     joint_columns_.row(joints_.text(), world);
     if (energy_) energy_row(energy_->text(), simulation_.world(), simulation_.energy());
     if (springs_) spring_row(springs_->text(), world);
+    if (contacts_) contact_rows(contacts_->text(), world);
   } catch (...) {  // out of memory: no table has a partial row, or one row more than another
     each_table([](TextFile& table, std::size_t& row) { table.text().resize(row); });
     throw;

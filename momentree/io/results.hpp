@@ -1,6 +1,6 @@
 #pragma once
 // Writes the files of a run: bodies.csv, joints.csv, energy.csv and, of a model with springs, springs.csv (or these as
-// results.h5), events.jsonl, final.json, summary.json, model.json, of a model with meshes meshes.json, report.html.
+// results.h5), with reactions of bodies that can touch contacts.csv, events.jsonl, final.json, summary.json, model.json, of a model with meshes meshes.json, report.html.
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -25,7 +25,7 @@ struct RecordOptions {
   std::string directory;
   std::vector<JointKinds> joints = {};  ///< the joints that get columns
   double every = 0;                     ///< time between rows (s); 0: a row for each observation
-  bool reactions = false;               ///< in joints.csv
+  bool reactions = false;               ///< in joints.csv, and contacts.csv if bodies can touch
   bool energy = true;                   ///< write energy.csv
   bool report = false;                  ///< finish() will be given a report page
   bool lasting = true;                  ///< see ResultDirectory
@@ -108,12 +108,12 @@ class Recorder {
   const RecordOptions options_;
   const std::unique_ptr<ResultDirectory> directory_;
   TextFile events_, bodies_, joints_;  // declared after the folder that contains them
-  std::optional<TextFile> energy_, springs_;
+  std::optional<TextFile> energy_, springs_, contacts_;
   BodyColumns body_columns_;
   JointColumns joint_columns_;
   double next_ = -std::numeric_limits<double>::infinity();  ///< multiple of options_.every at which the next row is due
   std::optional<double> row_time_;
-  std::size_t body_row_ = 0, joint_row_ = 0, energy_row_ = 0, spring_row_ = 0;  ///< the offset of the last row in each buffer
+  std::size_t body_row_ = 0, joint_row_ = 0, energy_row_ = 0, spring_row_ = 0, contact_row_ = 0;  ///< offsets of the last rows
   std::size_t events_taken_ = 0;  ///< the number of events in events.jsonl or its buffer
   Clock::time_point written_out_ = Clock::now();
   std::optional<Error> error_;

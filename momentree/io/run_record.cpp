@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/io/contact_columns.hpp>
 #include <momentree/io/energy_columns.hpp>
 #include <momentree/io/spring_columns.hpp>
 
@@ -71,6 +72,7 @@ std::size_t RunRecord::row_size(const Epoch& epoch) const {
 void RunRecord::drop_last_row() {
   numbers_.resize(offsets_.back());
   times_.pop_back(), offsets_.pop_back(), ledger_.pop_back();
+  contacts_.resize(std::min(contacts_.size(), times_.size()));
   if (epochs_.back().first_row == times_.size() && times_.size() > 0) epochs_.pop_back();
   if (times_.empty()) epochs_.clear();
 }
@@ -112,6 +114,7 @@ void RunRecord::observe(const Simulation& simulation) {
         add(six);
       }
     }
+    if (reactions_ && !model_.colliders().empty()) contact_rows(contacts_.emplace_back(), world);
     const EnergyBalance e = simulation.energy();
     offsets_.push_back(offset);
     ledger_.push_back({e.dissipated, e.lost_in_impacts, e.released, e.work, e.error});
@@ -119,6 +122,7 @@ void RunRecord::observe(const Simulation& simulation) {
   } catch (...) {  // out of memory: no partial row
     numbers_.resize(offset);
     offsets_.resize(times_.size()), ledger_.resize(times_.size(), Ledger{});
+    contacts_.resize(std::min(contacts_.size(), times_.size()));
     throw;
   }
 }
@@ -268,6 +272,8 @@ std::string RunRecord::write(const std::string& folder, const ReportPage& report
                                     "joints.csv",   "final.json", "energy.csv"};
   const bool with_springs = !model_.springs().empty();
   if (with_springs) files.emplace_back("springs.csv");
+  const bool with_contacts = reactions_ && !model_.colliders().empty();
+  if (with_contacts) files.emplace_back("contacts.csv");
   if (!meshes.empty()) files.emplace_back("meshes.json");
   if (report) files.emplace_back("report.html");
   ResultDirectory directory(folder, files);
@@ -305,6 +311,12 @@ std::string RunRecord::write(const std::string& folder, const ReportPage& report
     });
     for (TextFile* table : {&events, &bodies, &joints, &energy}) table->close(false);
     if (springs) springs->close(false);
+  }
+  if (with_contacts) {
+    std::string text;
+    contact_header(text);
+    for (const std::string& rows : contacts_) text += rows;
+    directory.write("contacts.csv", text);
   }
   directory.write("final.json", final_);
   if (report) directory.write("report.html", report(directory.working(), summary_));

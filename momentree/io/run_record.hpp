@@ -100,6 +100,7 @@ class RunRecord {
       numbers_;                       // of each row q, v, p; of loops q, v, turns; with reactions a and a wrench for each joint
   std::vector<std::size_t> offsets_;  // of the rows in numbers_
   std::vector<Ledger> ledger_;
+  std::vector<std::string> contacts_;  // by row, with reactions: its rows of contacts.csv
   std::size_t events_before_ = 0;
   std::vector<Event> events_;
 };

@@ -57,6 +57,11 @@ struct Reading {
     bool of_parameters = false;  ///< of an action that sets parameters, which comes after the other actions of its instant
     bool springs_too = false;    ///< the name may be that of a spring
   };
+  /// Bodies of quantities of contacts: whether they can touch is known once everything is read.
+  struct SolidUse {
+    std::string body, key;
+    Place place{};
+  };
   struct LateEntry {
     std::shared_ptr<ActionBase> action;
     const Value* value = nullptr;
@@ -64,6 +69,7 @@ struct Reading {
     double time = 0;
   };
   std::vector<JointUse> joint_uses{};
+  std::vector<SolidUse> solid_uses{};
   /// Collision elements of model files: they count only if there is something else to touch, or the mechanism asks for them.
   struct ModelColliders {
     std::shared_ptr<Import> import;
@@ -212,6 +218,8 @@ void read_floor(const Value& value, Reading& reading);
 void read_contact(const Value& table, Reading& reading);
 /// The pair that overlaps most at the start. Pairs within one model file pass through each other, with a warning.
 std::optional<Overlap> overlap_between_models(Reading& reading);
+/// Errors for bodies that have no collision, or a ground without anything to touch.
+void check_solid_uses(const Model& model, const std::vector<Reading::SolidUse>& uses, Diagnostics& out);
 /// What can be checked only once the whole model is read.
 void check_contacts(Reading& reading);
 

@@ -56,6 +56,10 @@ class FieldsOfQuantity final : public QuantityFields {
   void point(int number, int count, std::string&, Vec3&) override {
     if (number == 0) value = count == 1 ? schema_.point() : list_of(schema_.point(), count, count);
   }
+  void solid(int number, std::string&) override {
+    const Json body{{"description", "Full name of a body, or \"ground\"; * matches within a name"}, {"type", "string"}};
+    if (number == 0) value = list_of(body, 2, 2);
+  }
   void component(std::string&) override {
     const Json joint{{"description", "Full name of a joint; * matches within a name"}, {"type", "string"}};
     const Json component{{"description", "Component"}, {"enum", {"fx", "fy", "fz", "mx", "my", "mz"}}};

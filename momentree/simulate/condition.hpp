@@ -29,6 +29,8 @@ class QuantityFields {
   /// A point of a body, in the body's frame (m); the `number`-th of `count`.
   virtual void point(int number, int count, std::string& body, Vec3& point) = 0;
   virtual void component(std::string& name) = 0;
+  /// A body that can touch, or "ground"; the `number`-th of two.
+  virtual void solid(int number, std::string& body) = 0;
 };
 
 /// A scalar function of the world's state.
@@ -55,6 +57,8 @@ class Quantity {
   virtual bool is_load() const { return false; }
   /// True for reactions, which closed loops may leave open.
   virtual bool is_reaction() const { return false; }
+  /// False for what is true (1) or not (0), and needs no threshold.
+  virtual bool has_threshold() const { return true; }
   /// True for quantities that exist only at instants of change (impulses); they are not located within steps.
   virtual bool is_impulsive() const { return false; }
   /// Empty if its joint, body or mechanism no longer exists. `now`: the events of this instant so far.
@@ -162,6 +166,15 @@ Measure distance_between(std::string one, std::string other, Vec3 point_of_one =
 Measure height_of(std::string body, Vec3 point = {});
 /// Kinetic energy (J) of the bodies of a mechanism.
 Measure kinetic_energy_of(std::string mechanism);
+/// The least distance (m) of two bodies, of what can touch; "ground" is the floor, too. Bodies without collision have no distance.
+Measure gap_between(std::string one, std::string other);
+/// Norm of the force (N) between two bodies that touch, of their impulse (N s) where they hit each other, and the speed (m/s) with
+/// which they slip on each other.
+Measure contact_force_between(std::string one, std::string other);
+Measure contact_impulse_between(std::string one, std::string other);
+Measure slip_between(std::string one, std::string other);
+/// Fires when two bodies touch.
+Condition touching(std::string one, std::string other);
 /// Any function of the world's state, continuous where its crossing is to be located. It may read only the world that is passed
 /// to it; exceptions that it throws propagate out of run_until(). Throws Error for an empty function.
 Measure measured(std::function<double(const World&)> function);

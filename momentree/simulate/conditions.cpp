@@ -45,6 +45,13 @@ Measure of_joint(std::string joint) {
   return Measure(std::move(quantity));
 }
 
+template <class Q>
+std::shared_ptr<Q> of_bodies(std::string one, std::string other) {
+  auto quantity = std::make_shared<Q>();
+  quantity->one = std::move(one), quantity->other = std::move(other);
+  return quantity;
+}
+
 // A user-defined function; it cannot be written to files.
 struct Function : Quantity {
   std::function<double(const World&)> function;
@@ -88,6 +95,22 @@ Measure kinetic_energy_of(std::string mechanism) {
   auto quantity = std::make_shared<quantities::KineticEnergy>();
   quantity->name = std::move(mechanism);
   return Measure(std::move(quantity));
+}
+
+Measure gap_between(std::string one, std::string other) {
+  return Measure(of_bodies<quantities::Gap>(std::move(one), std::move(other)));
+}
+Measure contact_force_between(std::string one, std::string other) {
+  return Measure(of_bodies<quantities::ContactForce>(std::move(one), std::move(other)));
+}
+Measure contact_impulse_between(std::string one, std::string other) {
+  return Measure(of_bodies<quantities::ContactImpulse>(std::move(one), std::move(other)));
+}
+Measure slip_between(std::string one, std::string other) {
+  return Measure(of_bodies<quantities::Slip>(std::move(one), std::move(other)));
+}
+Condition touching(std::string one, std::string other) {
+  return {of_bodies<quantities::Touch>(std::move(one), std::move(other)), 0.5, true};
 }
 
 Measure measured(std::function<double(const World&)> function) {

@@ -72,6 +72,20 @@ struct CouplingView {
   bool determined = true;  ///< false if the equations leave the effort open
 };
 
+/// A point at which two bodies touch.
+struct ContactPoint {
+  BodyId one, other;        ///< `one` is a body; the other one may be the ground
+  Vec3 point{}, normal{};   ///< in the world (m); the unit normal points from `other` to `one`
+  Vec3 force{};             ///< on `one`, normal force and friction (N), world axes
+  Vec3 slip{};              ///< velocity of `one`, less that of `other`, along the surface (m/s)
+  bool slips = false;       ///< false: it sticks, or has no friction
+};
+
+/// The gap between two bodies: the least distance of their solids (m), negative where they overlap, and its rate (m/s).
+struct BodyGap {
+  double distance = 0, rate = 0;
+};
+
 struct Mechanism {
   std::string_view name;
   BodyId root;
@@ -151,6 +165,11 @@ class World {
   Wrench reaction(JointId joint) const;  ///< the reaction alone
   /// A spring of the model, with its length and tension. Costs no further evaluation.
   SpringView spring(SpringId spring) const;
+  /// The points at which bodies touch at present, with their forces. Of redundant points, such as the corners of a box, the least
+  /// forces. While contacts are stepped through, the forces are means over the last step. Evaluates the state.
+  std::vector<ContactPoint> contacts() const;
+  /// Empty if one of them has no collision, or left the world. `ground` is the floor and everything fixed to the ground.
+  std::optional<BodyGap> gap(BodyId one, BodyId other) const;
   int springs() const { return tree_.spring_count(); }
   /// Number of the spring of that name, broken or not; −1 if there is none.
   int find_spring(std::string_view name) const;

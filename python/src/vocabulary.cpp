@@ -28,6 +28,7 @@ struct QuantityProbe final : QuantityFields {
   void mechanism(std::string&) override { fields.append("mechanism"); }
   void point(int, int count, std::string&, Vec3&) override { fields.append(count == 1 ? "point" : "points"); }
   void component(std::string&) override { fields.append("component"); }
+  void solid(int, std::string&) override { fields.append("solid"); }
 };
 
 }  // namespace

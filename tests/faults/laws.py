@@ -4,7 +4,7 @@ import os
 import re
 
 OWN = {".momentree", "bodies.csv", "joints.csv", "energy.csv", "events.jsonl", "final.json", "summary.json", "model.json",
-       "report.html", "checkpoint", "springs.csv"}
+       "report.html", "checkpoint", "springs.csv", "contacts.csv"}
 HELPERS = {".momentree", ".momentree.new", ".momentree.reserve", ".momentree.former"}
 TABLES = {"bodies.csv", "joints.csv", "energy.csv", "springs.csv", "events.jsonl"}
 

@@ -42,7 +42,7 @@ void fields(Archive& archive, Part<Archive, RecorderState::Table>& t) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, RecorderState>& r) {
-  archive(r.events, r.bodies, r.joints, r.energy, r.springs, r.next, r.row_time, r.events_taken, r.body_quaternions,
+  archive(r.events, r.bodies, r.joints, r.energy, r.springs, r.contacts, r.next, r.row_time, r.events_taken, r.body_quaternions,
           r.joint_quaternions);
 }
 template <class Archive>

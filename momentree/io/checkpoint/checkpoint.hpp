@@ -33,7 +33,7 @@ struct RecorderState {
     std::string last;
   };
   Table events, bodies, joints;
-  std::optional<Table> energy, springs;
+  std::optional<Table> energy, springs, contacts;
   double next = -std::numeric_limits<double>::infinity();
   std::optional<double> row_time;
   std::size_t events_taken = 0;

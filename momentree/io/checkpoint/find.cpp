@@ -37,7 +37,7 @@ std::optional<Interrupted> find_checkpoint(const std::string& destination, const
   Interrupted found;
   found.directory = ResultDirectory::reopen(destination,
                                             {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv",
-                                             "energy.csv", "springs.csv", "meshes.json", "final.json", checkpoint_file},
+                                             "energy.csv", "springs.csv", "contacts.csv", "meshes.json", "final.json", checkpoint_file},
                                             checkpoint_file);
   if (!found.directory) return std::nullopt;
   const std::filesystem::path& folder = found.directory->working();
@@ -53,6 +53,7 @@ std::optional<Interrupted> find_checkpoint(const std::string& destination, const
   require("joints.csv", record.joints);
   if (record.energy) require("energy.csv", *record.energy);
   if (record.springs) require("springs.csv", *record.springs);
+  if (record.contacts) require("contacts.csv", *record.contacts);
   return found;
 }
 

@@ -14,6 +14,7 @@
 #include <momentree/io/picture/number_table.hpp>
 #include <momentree/io/picture/recording.hpp>
 #include <momentree/io/report/base64.hpp>
+#include <momentree/io/report/contact_rows.hpp>
 #include <momentree/io/report/page.hpp>
 #include <momentree/io/text_file.hpp>
 
@@ -84,6 +85,26 @@ void write_table(JsonWriter& json, std::string& text, const char* key, const Num
 std::optional<NumberTable> table_of(const fs::path& file) {
   if (!is_there(file)) return std::nullopt;
   return NumberTable(file);
+}
+
+/// How many contacts are closed at each of some instants, and ten numbers of each: point, normal, force and speed of slip.
+void write_contacts(JsonWriter& json, std::string& text, const fs::path& file, const std::vector<double>& times) {
+  std::vector<long> counts(times.size(), 0);
+  std::vector<double> numbers;
+  for (const ContactRow& row : read_contact_rows(file)) {
+    const auto at = std::lower_bound(times.begin(), times.end(), row.time);
+    if (at == times.end() || *at != row.time) continue;
+    ++counts[static_cast<std::size_t>(at - times.begin())];
+    numbers.insert(numbers.end(), row.numbers.begin(), row.numbers.end());
+  }
+  json.key("contacts").begin_object().key("counts").begin_array();
+  for (const long count : counts) json.value(count);
+  json.end_array();
+  std::string packed;
+  append_floats(packed, numbers);
+  json.key("rows");
+  raw(json, text, '"' + packed + '"');
+  json.end_object();
 }
 
 std::string document(const fs::path& file) {
@@ -168,6 +189,8 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   raw(json, text, '"' + numbers + '"');
   if (joints) write_table(json, text, "joints", *joints, rows, false);
   if (energy) write_table(json, text, "energy", *energy, rows, true);
+  if (const fs::path contacts = directory / "contacts.csv"; is_there(contacts))
+    write_contacts(json, text, contacts, times);
   json.end_object();
 
   return json_for_page(text);

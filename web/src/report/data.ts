@@ -6,7 +6,6 @@ import { column, doubles, floats } from "./tables";
 
 export interface ContactRows {
   counts: number[];
-  bodies: number[];
   rows: string;
 }
 
@@ -27,7 +26,7 @@ export interface ReportData {
   poses: string;
   /** Rows of these columns (docs/results.md), f32. */
   joints?: { columns: string[]; rows: string };
-  /** How many contacts are closed at each frame, and of each its bodies (−1: the ground) and contactWidth numbers, f32. */
+  /** How many contacts are closed at each frame, and of each contactWidth numbers, f32. */
   contacts?: ContactRows;
   /** Rows of energy.csv without their time, f64. */
   energy?: { columns: string[]; rows: string };

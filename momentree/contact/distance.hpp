@@ -1,0 +1,21 @@
+#pragma once
+// The distance of two solids, however far apart they are.
+#include <momentree/contact/feature.hpp>
+#include <momentree/contact/solid.hpp>
+
+namespace momentree::contact {
+
+struct NearestPoints {
+  double distance = 0;           ///< m; negative: they overlap by that, at most as deep as they are rounded
+  Vec3 on_one{}, on_other{};     ///< the nearest points (m), in the world
+  Vec3 normal{};                 ///< unit vector from the second solid to the first; zero if polyhedra overlap
+};
+
+/// By the algorithm of Gilbert, Johnson and Keerthi on the polyhedra, less the radii: exact to rounding. A cylinder counts as the
+/// prism of its Solid.
+NearestPoints distance(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other);
+
+/// Above a plane of the world, in closed form, also of a cylinder.
+NearestPoints distance_to_plane(const Solid& solid, const Place& place, const Vec3& point, const Vec3& normal);
+
+}  // namespace momentree::contact

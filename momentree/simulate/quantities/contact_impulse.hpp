@@ -1,0 +1,21 @@
+#pragma once
+// Norm of the impulse of two bodies that hit each other (N s).
+#include <momentree/simulate/of_contact.hpp>
+
+namespace momentree::quantities {
+
+struct ContactImpulse : OfContact {
+  std::string_view key() const override { return "contact_impulse"; }
+  const char* summary() const override { return "Norm of the impulse of two bodies that hit each other (N s)"; }
+  Dimension dimension() const override { return dimension::force * dimension::time; }
+  bool never_negative() const override { return true; }
+  bool is_impulsive() const override { return true; }
+  std::optional<double> value(const World&, std::span<const Event> now) const override {
+    double most = 0;
+    for (const Event& event : now)
+      if (is_of(event)) most = std::max(most, norm(event.contact.impulse));
+    return most;
+  }
+};
+
+}  // namespace momentree::quantities
