@@ -125,4 +125,26 @@ TEST_CASE("hanging_boxes_fall: the link parts at its strength, and the linked cr
   CHECK(std::abs(run.energy("error")) < 1e-5);
 }
 
+TEST_CASE("dominoes: all of them fall, and the energy balance closes to the order of the steps") {
+  const Run run("dominoes");
+  for (int i = 1; i <= 12; ++i) {
+    const Json& tile = run.final_state.at("bodies").at(i == 1 ? "first/tile" : "domino" + std::to_string(i) + "/tile");
+    CHECK(tile.at("position").at(2).get<double>() < 0.07);  // 0.1 upright
+    CHECK(tile.at("position").at(2).get<double>() > 0.009);
+  }
+  CHECK(std::abs(run.energy("error")) < 0.01 * run.energy("lost_in_impacts"));
+  CHECK(run.energy("projection") < 0.05 * run.energy("lost_in_impacts"));
+}
+
+TEST_CASE("chain_piles_up: the part that comes off falls, and lies on the floor") {
+  const Run run("chain_piles_up");
+  REQUIRE(run.events.size() == 1);
+  for (int link = 3; link <= 20; ++link) {
+    const double height = run.final_state.at("bodies").at("chain/" + std::to_string(link)).at("position").at(2).get<double>();
+    CHECK(height > 0.01);
+    CHECK(height < 0.3);
+  }
+  CHECK(std::abs(run.energy("error")) < 0.02 * run.energy("lost_in_impacts"));
+}
+
 }  // namespace momentree

@@ -118,6 +118,18 @@ EXPORT(mt_totals) const double* mt_totals(MtWorld* world) {
   io::fill_totals(*world->simulation, world->totals);
   return world->totals;
 }
+EXPORT(mt_contacts) int mt_contacts(MtWorld* world) {
+  world->contacts.clear();
+  const std::vector<ContactPoint> points = world->simulation->world().contacts();
+  for (const ContactPoint& point : points) {
+    world->contacts.insert(world->contacts.end(), {double(point.one.index), double(point.other.index)});
+    for (const Vec3* v : {&point.point, &point.normal, &point.force, &point.slip})
+      world->contacts.insert(world->contacts.end(), {v->x, v->y, v->z});
+    world->contacts.push_back(point.slips ? 1 : 0);
+  }
+  return static_cast<int>(points.size());
+}
+EXPORT(mt_contact_numbers) const double* mt_contact_numbers(const MtWorld* world) { return world->contacts.data(); }
 EXPORT(mt_event_count) int mt_event_count(const MtWorld* world) { return static_cast<int>(world->simulation->events().size()); }
 EXPORT(mt_events) void mt_events(MtWorld* world, int first) {
   world->text = "[" + io::event_list(world->simulation->events(), static_cast<size_t>(std::max(first, 0))) + "]";

@@ -72,7 +72,7 @@ const double* mt_motions(MtWorld* world);
  * resulting coordinates, as in `q`. */
 const double* mt_motions_at(MtWorld* world, const double* q);
 const double* mt_posed(const MtWorld* world);
-enum { mt_motion_size = 13, mt_joint_size = 29, mt_totals_size = 17 };
+enum { mt_motion_size = 13, mt_joint_size = 29, mt_totals_size = 17, mt_contact_size = 15 };
 /* Per joint 29 numbers: nq, nv, q (7), v (6), p (6), the reaction on the declared child at its origin in its axes (force and
  * torque, 6), the load: the largest ratio of a reaction to the value at which the joint breaks (its strength, or an event's
  * threshold), NaN if there is none; 0 if closed loops leave the reaction open (it is then the least of those possible), else 1.
@@ -81,6 +81,11 @@ enum { mt_motion_size = 13, mt_joint_size = 29, mt_totals_size = 17 };
  * requested. */
 const double* mt_joints(MtWorld* world, int with_reactions);
 int mt_joint_rows(const MtWorld* world);
+/* The points at which bodies touch; computes the forces there and returns how many there are. mt_contact_numbers: 15 of each:
+ * the numbers of both bodies (-1: the ground, only the second), point (3), normal from the second to the first body (3), force on
+ * the first body (3, N), velocity of slip (3, m/s), and 1 if it slips. World axes. */
+int mt_contacts(MtWorld* world);
+const double* mt_contact_numbers(const MtWorld* world);
 /* 17 numbers: time; kinetic, potential; linear momentum (3), angular momentum about the world's origin (3); the energy balance:
  * initial, final, dissipated, work, lost in impacts, released, error, and the energy that keeping loops closed brought in. */
 const double* mt_totals(MtWorld* world);

@@ -1,7 +1,8 @@
 // The types of host.mjs. Quantities are in SI units and radians; quaternions are w, x, y, z.
-/** Numbers per body in World.motions(), and per row in World.joints(). */
+/** Numbers per body in World.motions(), per row in World.joints(), and per point in World.contacts(). */
 export const motionSize: 13;
 export const jointSize: 29;
+export const contactSize: 15;
 export const status: {
   readonly ok: 0;
   readonly diverged: 1;
@@ -144,6 +145,9 @@ export class World {
   run(time: number, budget?: number): Outcome;
   /** 13 numbers per body: position and quaternion of its frame, velocity of the origin, angular velocity, in world axes. */
   motions(): Float64Array;
+  /** 15 numbers per point at which bodies touch: both bodies (−1: the ground), point, normal from the second to the first body,
+   * force on the first one (N), velocity of slip, and 1 if it slips; world axes. */
+  contacts(): Float64Array;
   /** Of the loaded scenario at these coordinates of all joints of its tree, in the order of their numbers. */
   motionsAt(q: readonly number[]): Float64Array;
   /** All `count` coordinates of the last motionsAt(): with closed loops others than it was given. */

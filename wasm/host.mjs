@@ -3,6 +3,7 @@
 
 export const motionSize = 13;
 export const jointSize = 29;
+export const contactSize = 15;
 export const status = { ok: 0, diverged: 1, interrupted: 2, refused: 3 };
 
 /** An unexpected error of the engine. The instance that threw it must not be used again. */
@@ -192,6 +193,10 @@ export class World {
   }
   joints(withReactions = false) {
     return this.engine.numbers(this.calls.mt_joints(this.handle, withReactions ? 1 : 0), this.jointRows * jointSize);
+  }
+  contacts() {
+    const count = this.calls.mt_contacts(this.handle);
+    return this.engine.numbers(this.calls.mt_contact_numbers(this.handle), count * contactSize);
   }
   totals() {
     return totalsOf(this.engine.numbers(this.calls.mt_totals(this.handle), 17));

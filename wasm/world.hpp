@@ -40,7 +40,7 @@ struct MtWorld {
   int revision = 0;
   std::size_t events_seen = 0;
   momentree::io::Grip grip;
-  std::vector<double> motions, joints, posed;
+  std::vector<double> motions, joints, posed, contacts;
   double totals[mt_totals_size]{};
 
   /// Carries out actions as an event at this instant; the reason for a refusal is stored in `text`.

@@ -63,9 +63,24 @@ BodyPart PartReader::body(const std::string& name, const Value& table) const {
   read.spec.name = name;
   const bool named = read.bare_joint != read.bare_name;
   read.spec.joint_name = !named ? name : slash == std::string::npos ? read.bare_joint : mechanism + "/" + read.bare_joint;
-  if (!read.collision.empty())
-    throw_error({"collision: not supported here yet", "", "in C++ use Model::add_collider(), in Python a scenario"});
-  return {std::move(read.spec), std::move(read.shape)};
+  return {std::move(read.spec), std::move(read.shape), std::move(read.collision)};
+}
+
+void PartReader::add_floor(const Value& value, Model& model) const {
+  PartReading part(what_, model);
+  const std::size_t before = model.colliders().size();
+  read_floor(value, part.reading);
+  part.check();
+  const std::vector<Collider>& all = part.scenario.model.colliders();
+  if (all.size() > before) model.add_collider(all.back());
+  if (part.reading.floor_rule) model.add_contact_rule(*part.reading.floor_rule);
+}
+
+void PartReader::add_contact(const Value& table, Model& model) const {
+  PartReading part(what_, model);
+  read_contact(table, part.reading);
+  part.check();
+  model.add_contact_rule(part.scenario.model.contact_rules().back());
 }
 
 std::vector<BodyForce> PartReader::forces(const Value& table, const Model& model) const {
@@ -107,6 +122,7 @@ std::vector<TriggerPart> PartReader::triggers(const Value& event, const World& w
     ScenarioEvent scheduled;
     read_trigger(fields, scheduled, match.get(), part.reading);
     fields.finish();
+    check_solid_uses(world.model(), part.reading.solid_uses, part.out);
     part.check();
     all.push_back({std::move(scheduled.condition), std::move(match)});
   };

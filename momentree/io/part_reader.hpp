@@ -19,10 +19,11 @@ namespace momentree::io {
 
 struct TriggerMatch;
 
-/// A body with the shapes that pictures show.
+/// A body with the shapes that pictures show, and the solids with which it touches others.
 struct BodyPart {
   BodySpec spec;
   Shape shape;
+  std::vector<contact::Solid> solids{};
 };
 
 /// A condition; if a name in it has a wildcard, that of one match. Actions with the same wildcard then act on this match.
@@ -41,6 +42,11 @@ class PartReader {
   [[nodiscard]] BodyPart body(const std::string& name, const Value& table) const;
   /// A table with the keys of [[force]]; a wildcard in the body's name gives several forces.
   [[nodiscard]] std::vector<BodyForce> forces(const Value& table, const Model& model) const;
+
+  /// The value of `floor` in [world]; adds the plane and its rule.
+  void add_floor(const Value& value, Model& model) const;
+  /// A table with the keys of [[contact]]; adds its rule.
+  void add_contact(const Value& table, Model& model) const;
 
   /// A table with the keys of [[spring]] except its name.
   [[nodiscard]] Spring spring(const std::string& name, const Value& table, const Model& model) const;

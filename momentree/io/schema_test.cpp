@@ -297,7 +297,10 @@ TEST_CASE("the reader accepts every word of every enumeration of the schema, and
 TEST_CASE("the reader accepts every quantity and every action of the schema, and these are all of them") {
   const Json whole = schema();
   const std::map<std::string, std::string> quantities{
+      {"contact_force", "[\"m/b\", \"f/c\"]"},
+      {"contact_impulse", "[\"m/b\", \"f/c\"]"},
       {"distance", "[\"m/b\", { body = \"ground\" }]"},
+      {"gap", "[\"m/b\", \"f/c\"]"},
       {"height", "{ body = \"m/b\", point = [1, 0, 0] }"},
       {"kinetic_energy", "\"m\""},
       {"position", "\"m/b\""},
@@ -305,14 +308,27 @@ TEST_CASE("the reader accepts every quantity and every action of the schema, and
       {"reaction_force", "\"m/b\""},
       {"reaction_impulse", "\"m/b\""},
       {"reaction_torque", "\"m/b\""},
+      {"slip", "[\"m/b\", \"f/c\"]"},
       {"speed", "\"m/b\""},
+      {"touch", "[\"m/b\", \"f/c\"]"},
   };
   Keys of_schema;
   for (const auto& [key, value] : whole.at("/definitions/condition/properties"_json_pointer).items()) of_schema.insert(key);
   for (const char* other : {"exceeds", "below", "undetermined"}) CHECK(of_schema.erase(other) == 1);
   CHECK(of_schema == set_of(quantity_keys()));
-  for (const std::string& key : of_schema)
-    check_accepted(event_of_two("when = { " + key + " = " + quantities.at(key) + ", exceeds = 1 }\nbreak = \"m/b\""));
+  // With something to touch, apart from each other.
+  const auto with_collision = [](std::string text) {
+    for (const auto& [name, at] : {std::pair{"b", "1"}, {"c", "-1"}}) {
+      const std::string head_of = std::string("name = \"") + name + "\"\nmass = 1\n";
+      text.replace(text.find(head_of), head_of.size(),
+                   head_of + "collision = { sphere = 0.1, at = { xyz = [" + at + ", 5, 0] } }\n");
+    }
+    return text;
+  };
+  for (const std::string& key : of_schema) {
+    const std::string threshold = make_quantity(key)->has_threshold() ? ", exceeds = 1" : "";
+    check_accepted(with_collision(event_of_two("when = { " + key + " = " + quantities.at(key) + threshold + " }\nbreak = \"m/b\"")));
+  }
 
   const std::map<std::string, std::string> actions{
       {"attach", "{ body = \"f/c\", to = \"m/b\", kind = \"ball\" }"},

@@ -79,10 +79,12 @@ void Simulation::Impl::note_before_contact_step() {
 // Where friction leaves hardly any force that keeps a contact closed, forces grow within a step to whatever the arithmetic allows
 // (Painlevé). The energy shows it.
 bool Simulation::Impl::contacts_gained_energy() {
-  constexpr double most = 1e-2;  // of the largest kinetic energy
+  constexpr double most = 0.1, rounding = 1e-6;  // of the kinetic energy, and of all energies
   const auto brought_in = [](const EnergyLedger& l) { return l.work + l.projection - l.dissipated - l.impacts; };
   const double gained = total_energy() - before_step.energy - (brought_in(ledger) - brought_in(before_step.ledger));
-  return !(gained <= most * balance.largest_kinetic);
+  const Totals now = world.totals();
+  const double all = std::fabs(now.kinetic) + std::fabs(now.potential) + std::fabs(balance.initial) + std::fabs(ledger.work);
+  return !(gained <= std::max(most * std::max(balance.largest_kinetic, now.kinetic), rounding * all));
 }
 
 void Simulation::Impl::undo_contact_step() {
@@ -119,19 +121,19 @@ void Simulation::Impl::try_to_locate() {
   // Each attempt that does not last is followed by a longer wait.
   stepping.patience = std::min(2 * stepping.patience, longest_patience);
   stepping.since_impact = world.time();
+  stepping.on = failed.has_value();
   if (failed) {
     contacts.open();
     contact_steps.set_points(points);
     evaluate_state();
-    return;
+  } else {
+    Event event;
+    event.time = world.time(), event.name = "resume";
+    event.mechanisms_before = event.mechanisms_after = world.mechanism_names();
+    event.before = event.after = world.totals();
+    events.push_back(std::move(event));
   }
-  stepping.on = false;
-  Event event;
-  event.time = world.time(), event.name = "resume";
-  event.mechanisms_before = event.mechanisms_after = world.mechanism_names();
-  event.before = event.after = world.totals();
-  events.push_back(std::move(event));
-  for (Event& change : changes) {
+  for (Event& change : changes) {  // impacts may have happened before an attempt failed
     add_to_balance(change);
     events.push_back(std::move(change));
   }

@@ -14,6 +14,7 @@ namespace {
 
 constexpr int most_impacts = 200;          // at one instant
 constexpr double resolved_flight = 1e-12;  // lower flights, relative to coordinates, count as rest (m)
+constexpr double left_by_steps = 1e-3;     // m: states from time stepping may have such overlaps
 constexpr double no_approach = 1e-10;      // m/s, relative to the fastest point
 
 double largest(const std::vector<double>& all) {
@@ -230,7 +231,8 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   settling_.clear();
   (*evaluate_)(world_->state_);
   if (const std::optional<Overlap> worst = overlap())
-    return Unresolved{"'" + worst->one + "' and '" + worst->other + "' overlap by " + detail::text(worst->depth) + " m", false};
+    return Unresolved{"'" + worst->one + "' and '" + worst->other + "' overlap by " + detail::text(worst->depth) + " m",
+                      worst->depth <= left_by_steps};
   std::vector<Contact> touching = this->touching();
   if (touching.size() > most_points) return Unresolved{std::to_string(touching.size()) + " points touch at once"};
   std::string failure;

@@ -12,7 +12,7 @@ namespace {
 
 // Beyond this fraction of the largest kinetic energy the computed motion is not trusted.
 constexpr double tolerated = 1e-3;
-constexpr double tolerated_of_steps = 2e-2;  // where contacts were stepped through, which is of order 1
+constexpr double tolerated_of_steps = 5e-2;  // where contacts were stepped through, which is of order 1
 constexpr double rounding = 1e-12;
 
 std::string formatted(const char* pattern, double a) {

@@ -14,6 +14,7 @@ from momentree._core import Body, Context, Joint, ModelBody, Snapshot, Spring, W
 from momentree._errors import Diagnostic, Error, RunError
 from momentree._records import (
     ActionRecord,
+    Contact,
     Coupling,
     Energy,
     Event,
@@ -46,6 +47,7 @@ __all__: list[str] = [
     "BodyColumns",
     "BodyRows",
     "Condition",
+    "Contact",
     "Context",
     "Coupling",
     "Diagnostic",

@@ -26,6 +26,26 @@ class Rates(NamedTuple):
     """Time derivatives of the canonical momenta p (N m, N), shape (nv,). Equation (20) of the paper."""
 
 
+class Contact(NamedTuple):
+    """A point at which two bodies touch. Vectors are in world axes, of shape (3,)."""
+
+    one: str
+    """Name of the first body."""
+    other: str
+    """Name of the second body, or ``"ground"``."""
+    point: Array
+    """Where they touch (m)."""
+    normal: Array
+    """Unit normal, from ``other`` to ``one``."""
+    force: Array
+    """Force on ``one`` (N): that along the normal, and friction. Of redundant points, such as the corners of a box, the least
+    forces; while contacts are stepped through, means over the last step."""
+    slip: Array
+    """Velocity of ``one``, less that of ``other``, along the surface (m/s)."""
+    slips: bool
+    """Whether it slips; otherwise it sticks, or has no friction."""
+
+
 class Energy(NamedTuple):
     """Energies of a world (J)."""
 

@@ -118,11 +118,11 @@ class Condition:
     quantity crosses, not while it is past the threshold; a quantity that is past it when the run begins meets it at once.
     """
 
-    def __init__(self, quantity: Quantity, threshold: Number, exceeds: bool) -> None:
+    def __init__(self, quantity: Quantity, threshold: Number | None, exceeds: bool) -> None:
         self.quantity: Quantity = quantity
         """What is compared."""
-        self.threshold: Number = threshold
-        """In the SI unit of the quantity, or text with a unit."""
+        self.threshold: Number | None = threshold
+        """In the SI unit of the quantity, or text with a unit; None for what is true or not: :func:`touch`."""
         self.exceeds: bool = exceeds
         """True for ``>``, False for ``<``."""
         self._options: dict[str, Any] = {}
@@ -151,11 +151,13 @@ class Condition:
 
     def scenario_value(self) -> dict[str, Any]:
         """The condition as an event's table of a scenario file."""
-        threshold = {"exceeds" if self.exceeds else "below": self.threshold}
+        threshold = given(**{"exceeds" if self.exceeds else "below": self.threshold})
         quantity = {self.quantity.key: _plain(self.quantity.value), **self.quantity.options}
         return {"when": {**quantity, **threshold}, **given(**self._options)}
 
     def __repr__(self) -> str:
+        if self.threshold is None:
+            return f"<momentree.Condition {self.quantity}>"
         return f"<momentree.Condition {self.quantity} {'>' if self.exceeds else '<'} {self.threshold}>"
 
     def __bool__(self) -> bool:

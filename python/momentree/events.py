@@ -13,6 +13,7 @@ from typing import Any
 from momentree._vocabulary import (
     Action,
     BodyName,
+    Condition,
     JointName,
     JointSpec,
     Numbers,
@@ -32,8 +33,11 @@ __all__ = [
     "attach",
     "break_joint",
     "change_joint",
+    "contact_force",
+    "contact_impulse",
     "distance",
     "free_joint",
+    "gap",
     "height",
     "impulse",
     "kinetic_energy",
@@ -44,7 +48,9 @@ __all__ = [
     "reaction_impulse",
     "reroot",
     "set_parameters",
+    "slip",
     "speed",
+    "touch",
     "unlock",
     "weld",
 ]
@@ -201,6 +207,26 @@ def weld(
     return Action("weld", given(body=body, to=to), [body, to])
 
 
+def contact_force(one: BodyName, other: BodyName) -> Quantity:
+    """Norm of the force between two bodies that touch; 0 if they do not (N).
+
+    Args:
+        one: Name or handle of a body with a collision, or ``"ground"``.
+        other: The other one.
+    """
+    return Quantity("contact_force", [one, other], [one, other])
+
+
+def contact_impulse(one: BodyName, other: BodyName) -> Quantity:
+    """Norm of the impulse of two bodies that hit each other (N s).
+
+    Args:
+        one: Name or handle of a body with a collision, or ``"ground"``.
+        other: The other one.
+    """
+    return Quantity("contact_impulse", [one, other], [one, other])
+
+
 def distance(one: BodyName, other: BodyName, point_of_one: Vector = (0, 0, 0), point_of_other: Vector = (0, 0, 0)) -> Quantity:
     """Distance between two bodies: between the origins of their frames, or between points of them (m).
 
@@ -211,6 +237,16 @@ def distance(one: BodyName, other: BodyName, point_of_one: Vector = (0, 0, 0), p
         point_of_other: Point in its frame (m).
     """
     return Quantity("distance", [{"body": one, "point": point_of_one}, {"body": other, "point": point_of_other}], [one, other])
+
+
+def gap(one: BodyName, other: BodyName) -> Quantity:
+    """Least distance of two bodies, of what can touch (m).
+
+    Args:
+        one: Name or handle of a body with a collision, or ``"ground"``.
+        other: The other one.
+    """
+    return Quantity("gap", [one, other], [one, other])
 
 
 def height(body: BodyName, point: Vector = (0, 0, 0)) -> Quantity:
@@ -250,6 +286,16 @@ def reaction_impulse(joint: JointName) -> Quantity:
     return Quantity("reaction_impulse", joint, [joint])
 
 
+def slip(one: BodyName, other: BodyName) -> Quantity:
+    """Largest speed with which two bodies slip on each other; 0 if they do not touch (m/s).
+
+    Args:
+        one: Name or handle of a body with a collision, or ``"ground"``.
+        other: The other one.
+    """
+    return Quantity("slip", [one, other], [one, other])
+
+
 def speed(joint: JointName) -> Quantity:
     """Velocity of a joint with one degree of freedom (rad/s or m/s).
 
@@ -257,6 +303,16 @@ def speed(joint: JointName) -> Quantity:
         joint: Name of the joint, or its handle.
     """
     return Quantity("speed", joint, [joint])
+
+
+def touch(one: BodyName, other: BodyName) -> Condition:
+    """Two bodies touch; takes no threshold.
+
+    Args:
+        one: Name or handle of a body with a collision, or ``"ground"``.
+        other: The other one.
+    """
+    return Condition(Quantity("touch", [one, other], [one, other]), None, True)
 
 
 def reaction(joint: JointName, *, undetermined: Undetermined | None = None) -> Reaction:

@@ -15,6 +15,10 @@ Parent = Union[str, _core.ModelBody, None]
 """The parent of a body: a name, what ``add`` returned for it, or None for the ground."""
 Shape = Union[Mapping[str, Any], Sequence[Mapping[str, Any]]]
 """As in scenario files: ``{"box": [x, y, z]}``, ``{"sphere": r}`` …, or a list of them."""
+Collision = Union[Literal["shape", "none"], Shape]
+"""What a body touches others with: shapes, or ``"shape"`` for those drawn."""
+Friction = Union[Number, Mapping[str, Number]]
+"""A coefficient, or ``{"static": …, "kinetic": …}``."""
 Axes = Literal["world", "body"]
 """The axes in which a force is given."""
 SpringEnd = Union[str, _core.ModelBody, tuple[Union[str, _core.ModelBody], Vector]]
@@ -39,6 +43,7 @@ def body_fields(
     v: Numbers | None,
     joint_name: str | None,
     shape: Shape | None,
+    collision: Collision | None = None,
 ) -> dict[str, Any]:
     """The arguments of ``add`` as a body's table of a scenario file."""
     if joint is not None and not isinstance(joint, JointSpec):
@@ -46,7 +51,7 @@ def body_fields(
     spec = joint.scenario_value() if joint is not None else {"kind": "weld"}
     bare = joint_name.rsplit("/", 1)[-1] if joint_name is not None else None
     table = {**spec, **given(at=pose(at), child_at=pose(child_at), q=q, v=v, name=bare)}
-    return given(mass=mass, com=com, inertia=inertia, shape=shape, joint=table)
+    return given(mass=mass, com=com, inertia=inertia, shape=shape, collision=collision, joint=table)
 
 
 class Model(_core.ModelBase):
@@ -76,6 +81,7 @@ class Model(_core.ModelBase):
         v: Numbers | None = None,
         joint_name: str | None = None,
         shape: Shape | None = None,
+        collision: Collision | None = None,
     ) -> _core.ModelBody:
         """Add a body with its inboard joint.
 
@@ -93,6 +99,8 @@ class Model(_core.ModelBase):
             v: Start velocities (rad/s, m/s); default: zero.
             joint_name: ``"mechanism/joint"``; default: the body's name.
             shape: For pictures and reports: ``{"box": [x, y, z]}``, ``{"sphere": r}`` … (m).
+            collision: What it touches other bodies and the floor with: shapes in the same way, or ``"shape"`` for those drawn;
+                default: nothing.
 
         Returns:
             The body, to be the parent of others.
@@ -100,8 +108,54 @@ class Model(_core.ModelBase):
         Raises:
             Error: A value is impossible or a name unknown or used twice; the model is unchanged.
         """
-        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape)
+        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape, collision)
         return self._add(name, parent, fields)
+
+    def add_floor(
+        self,
+        *,
+        height: Number | None = None,
+        normal: Vector | None = None,
+        friction: Friction | None = None,
+        restitution: Number | None = None,
+    ) -> None:
+        """Add a plane with the ground below it.
+
+        Args:
+            height: Along its normal (m); default 0.
+            normal: Of any length but zero; default: against gravity.
+            friction: Of bodies on it: a coefficient, or ``{"static": …, "kinetic": …}``; default 0.5.
+            restitution: Of bodies on it, from 0 (default) to 1.
+
+        Raises:
+            Error: A value is impossible; the model is unchanged.
+        """
+        self._add_floor(given(height=height, normal=normal, friction=friction, restitution=restitution) or True)
+
+    def add_contact(
+        self,
+        between: tuple[str | _core.ModelBody, str | _core.ModelBody] | None = None,
+        *,
+        friction: Friction | None = None,
+        restitution: Number | None = None,
+        off: bool | None = None,
+        name: str | None = None,
+    ) -> None:
+        """Set the law of contacts between bodies that were added before. The last one that names a pair applies.
+
+        Args:
+            between: Two bodies, or names of bodies or mechanisms with ``*``, or ``"ground"``; default: all with all but
+                neighbours in the tree.
+            friction: A coefficient, or ``{"static": …, "kinetic": …}``; default 0.5.
+            restitution: From 0 (default) to 1.
+            off: True: they pass through each other.
+            name: Of its events: ``"impact NAME"``.
+
+        Raises:
+            Error: A value is impossible or a name unknown; the model is unchanged.
+        """
+        pair = None if between is None else [end if isinstance(end, str) else end.name for end in between]
+        self._add_contact(given(between=pair, friction=friction, restitution=restitution, off=off, name=name))
 
     def add_force(
         self,
@@ -238,6 +292,8 @@ class Model(_core.ModelBase):
         return self.copy()
 
     def __reduce__(self) -> Any:
+        if self._has_contact():
+            raise Error("a model with collision, a floor or contacts can't be pickled yet", hint="pickle what makes it, or copy it")
         return _model_from_toml, (self.to_toml(), self.body_names)
 
     def __repr__(self) -> str:

@@ -47,7 +47,16 @@ ModelBody add(const ModelPtr& self, const std::string& name, nb::handle parent, 
   const BodyId body = self->model.add(std::move(part.spec));
   self->shapes.resize(static_cast<std::size_t>(self->model.size()));
   self->shapes.back() = std::move(part.shape);
+  for (contact::Solid& solid : part.solids) self->model.add_collider({.body = body, .solid = std::move(solid)});
   return {self, body};
+}
+
+void add_floor(ModelObject& self, nb::handle fields) {
+  io::PartReader("Model.add_floor").add_floor(to_value(fields, "Model.add_floor"), self.model);
+}
+
+void add_contact(ModelObject& self, nb::handle fields) {
+  io::PartReader("Model.add_contact").add_contact(to_value(fields, "Model.add_contact"), self.model);
 }
 
 void add_force(ModelObject& self, const std::string& body, nb::handle fields) {
@@ -149,6 +158,9 @@ void register_model(nb::module_& m) {
       .def("_add", &add, "name"_a, "parent"_a.none(), "fields"_a)
       .def("_add_loop", &add_loop, nb::arg(), nb::arg().none(), nb::arg().none(), nb::arg())
       .def("_add_coupling", &add_coupling)
+      .def("_add_floor", &add_floor)
+      .def("_add_contact", &add_contact)
+      .def("_has_contact", [](const ModelObject& self) { return !self.model.colliders().empty(); })
       .def("_add_force", &add_force)
       .def("_add_spring", &add_spring)
       .def("__len__", [](const ModelObject& self) { return self.model.size(); })

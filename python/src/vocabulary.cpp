@@ -48,7 +48,7 @@ void register_vocabulary(nb::module_& m) {
       const auto quantity = make_quantity(key);
       QuantityProbe probe;
       quantity->fields(probe);
-      quantities.append(nb::make_tuple(key, quantity->summary(), probe.fields));
+      quantities.append(nb::make_tuple(key, quantity->summary(), probe.fields, quantity->has_threshold()));
     }
     for (const io::JointKey& key : io::joint_keys())
       if (!key.documents) parameters.append(nb::make_tuple(key.key, key.about));

@@ -1,6 +1,6 @@
 // A world that runs in real time, in the worker: frames, snapshots to go back to, branches. It has no clock: the caller
 // passes the elapsed time to tick().
-import { jointSize, motionSize, status, type Engine, type Outcome, type World } from "../../../wasm/host.mjs";
+import { contactSize, jointSize, motionSize, status, type Engine, type Outcome, type World } from "../../../wasm/host.mjs";
 import { isContact } from "../contacts";
 import type { RunEvent } from "../recording";
 import type { ModelFile } from "../result_files";
@@ -36,15 +36,13 @@ export function posesOf(motions: Float64Array): Float32Array {
   return poses;
 }
 
-/** Undefined with an engine that does not report them. */
-function contactForces(world: World & { contacts?(): Float64Array }): Float32Array | undefined {
-  const rows = world.contacts?.();
-  if (!rows) return undefined;
-  const width = 15; // of World.contacts()
-  const forces = new Float32Array((contactForceSize * rows.length) / width);
-  for (let c = 0; c < rows.length / width; c++) {
-    forces.set(rows.subarray(width * c + 2, width * c + 5), contactForceSize * c);
-    forces.set(rows.subarray(width * c + 8, width * c + 11), contactForceSize * c + 3);
+function contactForces(world: World): Float32Array {
+  const rows = world.contacts();
+  const count = rows.length / contactSize;
+  const forces = new Float32Array(contactForceSize * count);
+  for (let c = 0; c < count; c++) {
+    forces.set(rows.subarray(contactSize * c + 2, contactSize * c + 5), contactForceSize * c);
+    forces.set(rows.subarray(contactSize * c + 8, contactSize * c + 11), contactForceSize * c + 3);
   }
   return forces;
 }
@@ -59,8 +57,7 @@ export function frameOf(world: World): Frame {
     const [fx, fy, fz] = row.subarray(21, 24);
     loads.set(row[0] < 0 ? [NaN, NaN, 1, NaN, NaN, NaN] : [row[27], Math.hypot(fx, fy, fz), row[28], fx, fy, fz], loadSize * j);
   }
-  const contacts = contactForces(world);
-  return { time: world.time, poses, loads, totals: world.totals(), ...(contacts && { contacts }) };
+  return { time: world.time, poses, loads, totals: world.totals(), contacts: contactForces(world) };
 }
 
 export class Session {

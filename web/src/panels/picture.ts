@@ -111,7 +111,7 @@ export class Picture {
     if (!this.options.static)
       buttons.push(
         this.toggle("Ghosts", `Earlier poses, every ${instant(ghosts.every, ghosts.every * 10)}`, "G", ghosts),
-        this.toggle("Arrows", "Momenta of bodies and forces of joints", "V", vectors),
+        this.toggle("Arrows", "Momenta of bodies, forces of joints and of contacts", "V", vectors),
         this.followButton(stage),
         this.toggle("Trails", "Paths of the outermost bodies and of the selected body", "T", trails),
       );

@@ -30,7 +30,7 @@ export const sections: readonly HelpSection[] = [
       ["M", "follow: the camera keeps what moves in the picture; pieces outside are named at its edge"],
       ["P", "save the picture; the menu Save also records a video"],
       ["A", "show everything"],
-      ["V", "arrows: momenta of bodies and forces of joints"],
+      ["V", "arrows: momenta of bodies, forces of joints and of contacts"],
       ["pointer on a body", "its name, mass and joint, and its frame"],
       ["F", "colour joints by their load"],
       ["O", "bodies in their own colours, or in those of their mechanisms"],

@@ -105,7 +105,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
   });
   const arrows = h(
     "button",
-    { type: "button", title: "Momenta of bodies and forces of joints (V)", "aria-pressed": "false" },
+    { type: "button", title: "Momenta of bodies, forces of joints and of contacts (V)", "aria-pressed": "false" },
     "Arrows",
   );
   arrows.addEventListener("click", () => {

@@ -54,7 +54,7 @@ const help = () =>
         ["P", "save the picture; the menu Save also records a video of the run"],
         ["F", "show the whole motion"],
         ["G, T", "earlier poses; paths"],
-        ["V", "arrows: momenta of bodies and forces of joints"],
+        ["V", "arrows: momenta of bodies, forces of joints and of contacts"],
         ["pointer on a body", "its name, mass and joint, and its frame"],
         ["O", "bodies in their own colours, or in those of their mechanisms"],
       ],

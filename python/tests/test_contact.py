@@ -1,0 +1,65 @@
+"""Contact in models that are built in Python."""
+
+import copy
+import pickle
+
+import momentree as mt
+import numpy as np
+import pytest
+
+
+def box_above_floor(height=0.5, **law):
+    model = mt.Model()
+    model.add("box/box", mass=2, inertia=[0.03, 0.04, 0.05], joint=mt.Free(), q=[0, 0, 0.1 + height, 1, 0, 0, 0],
+              shape={"box": [0.4, 0.3, 0.2]}, collision="shape")
+    model.add_floor(friction={"static": 0.5, "kinetic": 0.4}, restitution=0.2)
+    if law:
+        model.add_contact(("box/*", "ground"), **law)
+    return model
+
+
+def test_a_box_lands_and_is_carried():
+    for method in ("dop853", "stepping"):
+        sim = mt.Simulation(box_above_floor(), method=method)
+        sim.run(2)
+        contacts = sim.world.contacts
+        assert len(contacts) == 4
+        assert {(c.one, c.other) for c in contacts} == {("box/box", "ground")}
+        np.testing.assert_allclose(sum(c.force for c in contacts), [0, 0, 2 * 9.81], atol=1e-5)
+        np.testing.assert_allclose([c.normal for c in contacts], [[0, 0, 1]] * 4, atol=1e-9)
+        assert not any(c.slips for c in contacts)
+        # A model that is copied has the same contacts.
+        other = mt.Simulation(copy.copy(box_above_floor()), method=method)
+        other.run(2)
+        np.testing.assert_array_equal(other.q, sim.q)
+
+
+def test_conditions():
+    lands = np.sqrt(2 * 0.5 / 9.81)
+    for condition, time in ((mt.touch("box/box", "ground"), lands), (mt.gap("ground", "box/box") < 0.2, np.sqrt(2 * 0.3 / 9.81)),
+                            (mt.contact_impulse("box/box", "ground") > 1, lands), (mt.contact_force("box/box", "ground") > 30, None)):
+        sim = mt.Simulation(box_above_floor(restitution=0), method="dop853")
+        sim.when(condition).then(mt.impulse("box/box", force=(0, 0, 0)), name="now")
+        sim.run(1)
+        assert [event.time for event in sim.events if event.name == "now"] == ([] if time is None else [pytest.approx(time, abs=1e-9)])
+    assert repr(mt.touch("a", "b")) == "<momentree.Condition touch(['a', 'b'])>"
+
+
+def test_mistakes():
+    model = box_above_floor()
+    with pytest.raises(mt.Error, match="restitution: at most 1"):
+        model.add_contact(restitution=2)
+    with pytest.raises(mt.Error, match="no body or mechanism 'crate'"):
+        model.add_contact(("crate", "ground"))
+    with pytest.raises(mt.Error, match="normal: must not be zero"):
+        model.add_floor(normal=(0, 0, 0))
+    with pytest.raises(mt.Error, match="collision"):
+        model.add("b", mass=1, inertia=1, joint=mt.Free(), collision="shape")
+    with pytest.raises(mt.Error, match="pickled"):
+        pickle.dumps(model)
+    model.add("thing/b", mass=1, inertia=1, joint=mt.Free(), q=[3, 0, 1, 1, 0, 0, 0])
+    sim = mt.Simulation(model)
+    with pytest.raises(mt.Error, match="'thing/b' touches nothing"):
+        sim.when(mt.gap("box/box", "thing/b") < 1)
+    with pytest.raises(mt.Error, match="takes no threshold"):
+        sim.when(mt.Quantity("touch", ["box/box", "ground"]) > 1)
