@@ -141,7 +141,7 @@ TEST_CASE("chain_piles_up: the part that comes off falls, and lies on the floor"
   REQUIRE(run.events.size() == 1);
   for (int link = 3; link <= 20; ++link) {
     const double height = run.final_state.at("bodies").at("chain/" + std::to_string(link)).at("position").at(2).get<double>();
-    CHECK(height > 0.01);
+    CHECK(height > 0);  // of a joint: the capsules end before it
     CHECK(height < 0.3);
   }
   CHECK(std::abs(run.energy("error")) < 0.02 * run.energy("lost_in_impacts"));

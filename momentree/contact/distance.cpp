@@ -68,7 +68,8 @@ void reduce(Simplex& simplex) {
       if ((set >> i & 1u) != 0) of[n] = i, v[n++] = simplex.vertices[i].difference;
     std::array<double, 4> weights{};
     if (!nearest_in_hull(v, n, weights)) continue;
-    if (std::any_of(weights.begin(), weights.begin() + static_cast<std::ptrdiff_t>(n), [](double w) { return !(w >= 0); })) continue;
+    if (std::any_of(weights.begin(), weights.begin() + static_cast<std::ptrdiff_t>(n), [](double w) { return !(w >= 0); }))
+      continue;
     Vec3 point{};
     for (std::size_t i = 0; i < n; ++i) point += weights[i] * v[i];
     if (!(dot(point, point) < least)) continue;
@@ -94,7 +95,8 @@ NearestPoints distance(const Solid& one, const Place& place_one, const Solid& ot
   const Vec3 origin = place_one.r + place_one.R * one.centre;
   const auto vertex = [&](const Vec3& along) {
     const Vec3 a = place_one.r - origin + place_one.R * one.vertices[farthest(one, transpose_times(place_one.R, -along))];
-    const Vec3 b = place_other.r - origin + place_other.R * other.vertices[farthest(other, transpose_times(place_other.R, along))];
+    const Vec3 b =
+        place_other.r - origin + place_other.R * other.vertices[farthest(other, transpose_times(place_other.R, along))];
     return Vertex{a - b, a, b};
   };
   Simplex simplex;
@@ -106,8 +108,9 @@ NearestPoints distance(const Solid& one, const Place& place_one, const Solid& ot
     const double square = dot(nearest, nearest);
     if (square <= 1e-26 * size * size) break;
     const Vertex next = vertex(nearest);
-    const bool known = std::any_of(simplex.vertices.begin(), simplex.vertices.begin() + static_cast<std::ptrdiff_t>(simplex.count),
-                                   [&](const Vertex& v) { return v.difference == next.difference; });
+    const bool known =
+        std::any_of(simplex.vertices.begin(), simplex.vertices.begin() + static_cast<std::ptrdiff_t>(simplex.count),
+                    [&](const Vertex& v) { return v.difference == next.difference; });
     if (known || square - dot(nearest, next.difference) <= 1e-15 * square) break;
     Simplex trial = simplex;
     trial.vertices[trial.count++] = next;
@@ -136,8 +139,7 @@ NearestPoints distance_to_plane(const Solid& solid, const Place& place, const Ve
   if (solid.rim > 0) {
     const Vec3 axis = place.R * normalized(solid.ends[1] - solid.ends[0]), across = normal - dot(normal, axis) * axis;
     const double sine = norm(across);
-    for (const Vec3& end : solid.ends)
-      look(place.r + place.R * end - (sine > 0 ? (solid.rim / sine) * across : Vec3{}));
+    for (const Vec3& end : solid.ends) look(place.r + place.R * end - (sine > 0 ? (solid.rim / sine) * across : Vec3{}));
   } else {
     for (const Vec3& v : solid.vertices) look(place.r + place.R * v);
   }

@@ -6,9 +6,9 @@
 namespace momentree::contact {
 
 struct NearestPoints {
-  double distance = 0;           ///< m; negative: they overlap by that, at most as deep as they are rounded
-  Vec3 on_one{}, on_other{};     ///< the nearest points (m), in the world
-  Vec3 normal{};                 ///< unit vector from the second solid to the first; zero if polyhedra overlap
+  double distance = 0;        ///< m; negative: they overlap by that, at most as deep as they are rounded
+  Vec3 on_one{}, on_other{};  ///< the nearest points (m), in the world
+  Vec3 normal{};              ///< unit vector from the second solid to the first; zero if polyhedra overlap
 };
 
 /// By the algorithm of Gilbert, Johnson and Keerthi on the polyhedra, less the radii: exact to rounding. A cylinder counts as the

@@ -70,7 +70,8 @@ TEST_CASE("distance: no points of two polyhedra are nearer, and a plane separate
   Prng random(2);
   int apart = 0;
   for (int k = 0; k < 20000; ++k) {
-    const Solid one = k % 2 == 0 ? box({0.4, 0.8, 1.2}) : cylinder(0.3, 0.9), other = k % 3 == 0 ? capsule(0.1, 0.7) : box({1, 0.3, 0.5});
+    const Solid one = k % 2 == 0 ? box({0.4, 0.8, 1.2}) : cylinder(0.3, 0.9),
+                other = k % 3 == 0 ? capsule(0.1, 0.7) : box({1, 0.3, 0.5});
     const Place a = somewhere(random, 1.5), b = somewhere(random, 1.5);
     const NearestPoints found = distance(one, a, other, b);
     if (found.distance <= 1e-6) continue;

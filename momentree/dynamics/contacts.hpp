@@ -31,8 +31,8 @@ struct ContactRows {
 /// A force at a point, world axes, on body a and its opposite on body b; −1: the ground.
 struct HeldForce {
   int a = -1, b = -1;
-  Vec3 point{}, force{};   ///< m, N
-  Vec3 normal{}, slip{};   ///< of the contact that exerts it: unit vector from b to a, and velocity of a along b (m/s)
+  Vec3 point{}, force{};  ///< m, N
+  Vec3 normal{}, slip{};  ///< of the contact that exerts it: unit vector from b to a, and velocity of a along b (m/s)
 };
 
 /// Memory of contacts, part of a Workspace.

@@ -99,14 +99,16 @@ TEST_CASE("contact: events in results") {
 TEST_CASE("contact: conditions are read, and what touches nothing is refused") {
   const std::string world = "[world]\nfloor = true\n" + ball("a", 1) + ball("b", 2) + ball("c", 3, "");
   const auto event = [&](const std::string& when) { return world + "[[event]]\nwhen = { " + when + " }\nbreak = \"a/ball\"\n"; };
-  for (const char* when : {"touch = [\"a/ball\", \"floor\"]", "touch = [\"a/ball\", \"b/ball\"]", "gap = [\"ground\", \"a/ball\"], below = 0.1",
-                           "contact_force = [\"a/ball\", \"ground\"], exceeds = \"3 N\"", "slip = [\"b/ball\", \"a/ball\"], exceeds = 1",
-                           "contact_impulse = [\"a/ball\", \"floor\"], exceeds = \"1 N s\""})
+  for (const char* when :
+       {"touch = [\"a/ball\", \"floor\"]", "touch = [\"a/ball\", \"b/ball\"]", "gap = [\"ground\", \"a/ball\"], below = 0.1",
+        "contact_force = [\"a/ball\", \"ground\"], exceeds = \"3 N\"", "slip = [\"b/ball\", \"a/ball\"], exceeds = 1",
+        "contact_impulse = [\"a/ball\", \"floor\"], exceeds = \"1 N s\""})
     CHECK(read(event(when)).events.size() == 1);
-  CHECK(refusal(event("touch = [\"a/ball\", \"floor\"], exceeds = 1")).find("touch takes no threshold; leave it out") != std::string::npos);
-  CHECK(refusal(event("touch = \"a/ball\"")).find("touch: expected a list of two bodies") != std::string::npos);
-  CHECK(refusal(event("gap = [\"a/ball\", \"c/ball\"], below = 1")).find("gap: 'c/ball' touches nothing; give the body a collision") !=
+  CHECK(refusal(event("touch = [\"a/ball\", \"floor\"], exceeds = 1")).find("touch takes no threshold; leave it out") !=
         std::string::npos);
+  CHECK(refusal(event("touch = \"a/ball\"")).find("touch: expected a list of two bodies") != std::string::npos);
+  CHECK(refusal(event("gap = [\"a/ball\", \"c/ball\"], below = 1"))
+            .find("gap: 'c/ball' touches nothing; give the body a collision") != std::string::npos);
   CHECK(refusal(event("gap = [\"a/ball\", \"d\"], below = 1")).find("gap: there is no body 'd'") != std::string::npos);
   CHECK(refusal(event("slip = [\"a/ball\", \"floor\"]")).find("when: has no threshold") != std::string::npos);
   CHECK(refusal(ball("a", 1) + "[[event]]\nwhen = { touch = [\"a/ball\", \"ground\"] }\nbreak = \"a/ball\"\n")
@@ -120,7 +122,8 @@ TEST_CASE("contact: runs with reactions have a table of the points that touch") 
   std::string text;
   contact_header(text);
   contact_rows(text, simulation.world());
-  CHECK(text.find("time,one,other,point.x,point.y,point.z,normal.x,normal.y,normal.z,force.x,force.y,force.z,slip\n0.05,a/ball,ground,0,0,0") == 0);
+  CHECK(text.find("time,one,other,point.x,point.y,point.z,normal.x,normal.y,normal.z,force.x,force.y,force.z,slip\n0.05,a/"
+                  "ball,ground,0,0,0") == 0);
   const std::vector<ContactPoint> points = simulation.world().contacts();
   REQUIRE(points.size() == 1);
   CHECK(points[0].force.z == doctest::Approx(9.81).epsilon(1e-12));
@@ -131,5 +134,6 @@ TEST_CASE("contact: runs with reactions have a table of the points that touch") 
   CHECK(rows[0].one == "a/ball");
   CHECK(rows[0].numbers[8] == points[0].force.z);
   write_text_file(folder / "contacts.csv", "time\n1,2\n");
-  CHECK(error_of([&] { static_cast<void>(read_contact_rows(folder / "contacts.csv")); }).find("contacts.csv:2") != std::string::npos);
+  CHECK(error_of([&] { static_cast<void>(read_contact_rows(folder / "contacts.csv")); }).find("contacts.csv:2") !=
+        std::string::npos);
 }

@@ -168,7 +168,9 @@ void read_contact(const Value& table, Reading& reading) {
 
 void check_solid_uses(const Model& model, const std::vector<Reading::SolidUse>& uses, Diagnostics& out) {
   for (const Reading::SolidUse& use : uses) {
-    const auto is_of = [&](const Collider& c) { return use.body == "ground" ? c.body == ground : c.body == model.body(use.body); };
+    const auto is_of = [&](const Collider& c) {
+      return use.body == "ground" ? c.body == ground : c.body == model.body(use.body);
+    };
     if (use.body != "ground" && !model.has_body(use.body)) continue;  // reported already
     if (std::any_of(model.colliders().begin(), model.colliders().end(), is_of)) continue;
     out.error(use.place, use.key + ": " + (use.body == "ground" ? "the ground" : in_quotes(use.body)) + " touches nothing",

@@ -1,6 +1,7 @@
 #pragma once
 // Writes the files of a run: bodies.csv, joints.csv, energy.csv and, of a model with springs, springs.csv (or these as
-// results.h5), with reactions of bodies that can touch contacts.csv, events.jsonl, final.json, summary.json, model.json, of a model with meshes meshes.json, report.html.
+// results.h5), with reactions of bodies that can touch contacts.csv, events.jsonl, final.json, summary.json, model.json, of a
+// model with meshes meshes.json, report.html.
 #include <chrono>
 #include <filesystem>
 #include <functional>

@@ -327,7 +327,8 @@ TEST_CASE("the reader accepts every quantity and every action of the schema, and
   };
   for (const std::string& key : of_schema) {
     const std::string threshold = make_quantity(key)->has_threshold() ? ", exceeds = 1" : "";
-    check_accepted(with_collision(event_of_two("when = { " + key + " = " + quantities.at(key) + threshold + " }\nbreak = \"m/b\"")));
+    check_accepted(
+        with_collision(event_of_two("when = { " + key + " = " + quantities.at(key) + threshold + " }\nbreak = \"m/b\"")));
   }
 
   const std::map<std::string, std::string> actions{

@@ -166,10 +166,11 @@ Measure distance_between(std::string one, std::string other, Vec3 point_of_one =
 Measure height_of(std::string body, Vec3 point = {});
 /// Kinetic energy (J) of the bodies of a mechanism.
 Measure kinetic_energy_of(std::string mechanism);
-/// The least distance (m) of two bodies, of what can touch; "ground" is the floor, too. Bodies without collision have no distance.
+/// The least distance (m) of two bodies, of what can touch; "ground" is the floor, too. Bodies without collision have no
+/// distance.
 Measure gap_between(std::string one, std::string other);
-/// Norm of the force (N) between two bodies that touch, of their impulse (N s) where they hit each other, and the speed (m/s) with
-/// which they slip on each other.
+/// Norm of the force (N) between two bodies that touch, of their impulse (N s) where they hit each other, and the speed (m/s)
+/// with which they slip on each other.
 Measure contact_force_between(std::string one, std::string other);
 Measure contact_impulse_between(std::string one, std::string other);
 Measure slip_between(std::string one, std::string other);

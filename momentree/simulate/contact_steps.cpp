@@ -137,7 +137,8 @@ void ContactSteps::remember(double h) {
 void ContactSteps::hold() {
   std::vector<HeldForce>& held = held_forces(world_->workspace_);
   held.clear();
-  for (const SteppedContact& point : points_) held.push_back({point.a, point.b, point.point, point.force, point.normal, point.slip});
+  for (const SteppedContact& point : points_)
+    held.push_back({point.a, point.b, point.point, point.force, point.normal, point.slip});
 }
 
 void ContactSteps::set_points(std::vector<SteppedContact> points) {

@@ -24,7 +24,8 @@ struct OfContact : Quantity {
     }
   }
   bool is_of(const Event& event) const {
-    return (event.contact.one == one && event.contact.other == other) || (event.contact.one == other && event.contact.other == one);
+    return (event.contact.one == one && event.contact.other == other) ||
+           (event.contact.one == other && event.contact.other == one);
   }
   static BodyId number(const World& world, const std::string& name) {
     return name == "ground" ? ground : world.model().body(name);

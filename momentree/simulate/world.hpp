@@ -74,11 +74,11 @@ struct CouplingView {
 
 /// A point at which two bodies touch.
 struct ContactPoint {
-  BodyId one, other;        ///< `one` is a body; the other one may be the ground
-  Vec3 point{}, normal{};   ///< in the world (m); the unit normal points from `other` to `one`
-  Vec3 force{};             ///< on `one`, normal force and friction (N), world axes
-  Vec3 slip{};              ///< velocity of `one`, less that of `other`, along the surface (m/s)
-  bool slips = false;       ///< false: it sticks, or has no friction
+  BodyId one, other;       ///< `one` is a body; the other one may be the ground
+  Vec3 point{}, normal{};  ///< in the world (m); the unit normal points from `other` to `one`
+  Vec3 force{};            ///< on `one`, normal force and friction (N), world axes
+  Vec3 slip{};             ///< velocity of `one`, less that of `other`, along the surface (m/s)
+  bool slips = false;      ///< false: it sticks, or has no friction
 };
 
 /// The gap between two bodies: the least distance of their solids (m), negative where they overlap, and its rate (m/s).

@@ -28,7 +28,8 @@ std::vector<ContactPoint> World::contacts() const {
   for (std::size_t i = 0; i < closed.size(); ++i) {
     const contact::Touch& touch = own.rows.touches[i];
     ContactPoint point{{closed[i].a}, {closed[i].b}, touch.point, touch.normal, {}, {}, closed[i].mode == Contact::Mode::slip};
-    for (std::size_t k = 0; k < 3; ++k) point.force += own.rows.forces[3 * i + k] * (k == 0 ? touch.normal : touch.tangent[k - 1]);
+    for (std::size_t k = 0; k < 3; ++k)
+      point.force += own.rows.forces[3 * i + k] * (k == 0 ? touch.normal : touch.tangent[k - 1]);
     for (std::size_t k = 1; k < 3; ++k) point.slip += own.rows.velocity[3 * i + k] * touch.tangent[k - 1];
     all.push_back(from_first_body(point));
   }
@@ -53,8 +54,9 @@ std::optional<BodyGap> World::gap(BodyId one, BodyId other) const {
     if (first.body != one || first.plane) continue;
     for (const Collider& second : model_.colliders()) {
       if (second.body != other) continue;
-      const contact::NearestPoints nearest = second.plane ? contact::distance_to_plane(first.solid, a, second.point, second.normal)
-                                                    : contact::distance(first.solid, a, second.solid, b);
+      const contact::NearestPoints nearest = second.plane
+                                                 ? contact::distance_to_plane(first.solid, a, second.point, second.normal)
+                                                 : contact::distance(first.solid, a, second.solid, b);
       if (least && nearest.distance >= least->distance) continue;
       const auto velocity = [](const contact::Place& of, const Vec3& point) { return of.v + cross(of.w, point - of.r); };
       least = BodyGap{nearest.distance, dot(nearest.normal, velocity(a, nearest.on_one) - velocity(b, nearest.on_other))};

@@ -269,10 +269,10 @@ TEST_CASE("mistakes in a sweep name their line and how to mend them") {
   check(sweep_text("\"mechanism.m.body.ball.mass\" = { uniform = [-0.5, 1.5] }", measure),
         "s.toml:6:1: error: mechanism.m.body.ball.mass = -0.499999998: mass: must not be negative");
   // An error that no single value has is not blamed on one of them.
-  check(sweep_text("\"event.kick.at\" = { uniform = [0.1, 0.4] }\n\"event.kick.when.below\" = [1]", measure),
-        "s.toml:7:1: error: event.kick.when.below = 1: when: names no quantity; one of: contact_force contact_impulse distance gap "
-        "height kinetic_energy position "
-        "reaction reaction_force reaction_impulse reaction_torque speed");
+  check(
+      sweep_text("\"event.kick.at\" = { uniform = [0.1, 0.4] }\n\"event.kick.when.below\" = [1]", measure),
+      "s.toml:7:1: error: event.kick.when.below = 1: when: names no quantity; one of: contact_force contact_impulse distance gap "
+      "height kinetic_energy position reaction reaction_force reaction_impulse reaction_torque slip speed touch");
   std::string triangle = ball;
   momentree::io::write_text_file(folder / "ball.toml", triangle.replace(triangle.find("inertia = 1"), 11, "inertia = [1, 1, 1]"));
   check(

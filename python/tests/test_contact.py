@@ -39,7 +39,7 @@ def test_conditions():
     for condition, time in ((mt.touch("box/box", "ground"), lands), (mt.gap("ground", "box/box") < 0.2, np.sqrt(2 * 0.3 / 9.81)),
                             (mt.contact_impulse("box/box", "ground") > 1, lands), (mt.contact_force("box/box", "ground") > 30, None)):
         sim = mt.Simulation(box_above_floor(restitution=0), method="dop853")
-        sim.when(condition).then(mt.impulse("box/box", force=(0, 0, 0)), name="now")
+        sim.when(condition).then(mt.impulse("box/box", force=(0, 0, 0))).named("now")
         sim.run(1)
         assert [event.time for event in sim.events if event.name == "now"] == ([] if time is None else [pytest.approx(time, abs=1e-9)])
     assert repr(mt.touch("a", "b")) == "<momentree.Condition touch(['a', 'b'])>"

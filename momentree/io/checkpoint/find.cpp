@@ -35,10 +35,11 @@ RunInput run_input(const Scenario& scenario, bool reactions) {
 
 std::optional<Interrupted> find_checkpoint(const std::string& destination, const RunInput& input) {
   Interrupted found;
-  found.directory = ResultDirectory::reopen(destination,
-                                            {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv",
-                                             "energy.csv", "springs.csv", "contacts.csv", "meshes.json", "final.json", checkpoint_file},
-                                            checkpoint_file);
+  found.directory =
+      ResultDirectory::reopen(destination,
+                              {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv", "energy.csv",
+                               "springs.csv", "contacts.csv", "meshes.json", "final.json", checkpoint_file},
+                              checkpoint_file);
   if (!found.directory) return std::nullopt;
   const std::filesystem::path& folder = found.directory->working();
   found.path = (folder / checkpoint_file).string();

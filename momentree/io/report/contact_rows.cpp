@@ -17,7 +17,8 @@ std::vector<ContactRow> read_contact_rows(const std::filesystem::path& file) {
     const std::vector<std::string> cells = split_csv(text.substr(at, end - at));
     const auto wrong = [&](const std::string& what) { throw_error({what, file.string() + ':' + std::to_string(line), ""}); };
     ContactRow row;
-    if (cells.size() != row.numbers.size() + 3) wrong("a row of contacts has " + std::to_string(row.numbers.size() + 3) + " cells");
+    if (cells.size() != row.numbers.size() + 3)
+      wrong("a row of contacts has " + std::to_string(row.numbers.size() + 3) + " cells");
     const auto number = [&](const std::string& cell) {
       double x = 0;
       const auto [stop, problem] = std::from_chars(cell.data(), cell.data() + cell.size(), x);

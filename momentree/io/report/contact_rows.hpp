@@ -13,8 +13,8 @@ struct ContactRow {
   std::array<double, 10> numbers{};  ///< point, normal, force on the first body, speed of slip
 };
 
-/// In the order of the file; a last line without a line end is left out. Throws Error: a missing file, a row with too few cells or
-/// with a cell that is not a number.
+/// In the order of the file; a last line without a line end is left out. Throws Error: a missing file, a row with too few cells
+/// or with a cell that is not a number.
 std::vector<ContactRow> read_contact_rows(const std::filesystem::path& file);
 
 }  // namespace momentree::io

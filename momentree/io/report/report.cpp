@@ -189,8 +189,7 @@ std::string report_data(const fs::path& directory, const ReportOptions& options)
   raw(json, text, '"' + numbers + '"');
   if (joints) write_table(json, text, "joints", *joints, rows, false);
   if (energy) write_table(json, text, "energy", *energy, rows, true);
-  if (const fs::path contacts = directory / "contacts.csv"; is_there(contacts))
-    write_contacts(json, text, contacts, times);
+  if (const fs::path contacts = directory / "contacts.csv"; is_there(contacts)) write_contacts(json, text, contacts, times);
   json.end_object();
 
   return json_for_page(text);

@@ -6,7 +6,9 @@ namespace momentree::quantities {
 
 struct Slip : OfContact {
   std::string_view key() const override { return "slip"; }
-  const char* summary() const override { return "Largest speed with which two bodies slip on each other; 0 if they do not touch (m/s)"; }
+  const char* summary() const override {
+    return "Largest speed with which two bodies slip on each other; 0 if they do not touch (m/s)";
+  }
   Dimension dimension() const override { return dimension::speed; }
   bool never_negative() const override { return true; }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
