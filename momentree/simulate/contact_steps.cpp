@@ -78,45 +78,50 @@ void ContactSteps::set_law(double h) {
   }
 }
 
-// Work of the impulses by the mean velocities at the instants at which the points were reached.
-void ContactSteps::book(EnergyLedger& ledger) const {
-  for (std::size_t row = 0; row < many_.r.size(); ++row)
-    ledger.impacts -= many_.r[row] * (0.5 * (many_.b[row] + after_[row]) - rows_.acceleration[row] * reached_[row / 3]);
+double ContactSteps::energy() const {
+  const Totals now = world_->totals();
+  return now.kinetic + now.potential;
 }
 
+// Applies the impulses: to the velocities, and to the coordinates for the time since the points were reached. What is left of
+// overlaps is removed. The energy that each of this takes or brings is measured.
 void ContactSteps::move(State& state, EnergyLedger& ledger) {
   const Tree& tree = world_->tree_;
-  // Displacements: of each point by the time since it was reached, and then those that remove what is left of overlaps.
+  const double before = energy(), driven = tree.driven_joints().empty() ? 0.0 : world_->totals().kinetic;
+  {
+    const State::Edit edit = state.edit();
+    parts_.add_to(many_.change(), edit.u.data());
+  }
+  double by_drives = 0;
+  if (!tree.driven_joints().empty()) {
+    // Prescribed motions take up impulses without moving differently: what the other bodies gain is their work.
+    by_drives = world_->totals().kinetic - driven;
+    for (std::size_t row = 0; row < many_.r.size(); ++row) by_drives -= 0.5 * many_.r[row] * (many_.b[row] + after_[row]);
+  }
   for (std::size_t i = 0; i < near_.size(); ++i) shift_[i] = reached_[i];
   const std::vector<double>& moved = many_.displacement(shift_);
-  packed_.assign(static_cast<std::size_t>(tree.nv()), 0.0);
-  parts_.add_to(moved, packed_.data());
+  displace(state, moved);
+  const double struck = energy();
+  ledger.work += by_drives, ledger.impacts += before + by_drives - struck;
   double deepest = 0, size = 1;
   for (std::size_t i = 0; i < near_.size(); ++i) {
     gaps_[i] = rows_.touches[i].gap + many_.along_normal(i, moved);
     deepest = std::max(deepest, -gaps_[i]), size = std::max(size, norm(rows_.touches[i].point));
   }
-  if (deepest > least_depth * size) {
-    parts_.add_to(many_.separate(gaps_, pushes_), packed_.data());
-    for (std::size_t i = 0; i < near_.size(); ++i) ledger.projection -= pushes_[i] * rows_.acceleration[3 * i];
-  }
-  const double before = tree.driven_joints().empty() ? 0.0 : world_->totals().kinetic;
+  if (!(deepest > least_depth * size)) return;
+  displace(state, many_.separate(gaps_, pushes_));
+  ledger.projection += energy() - struck;
+}
+
+void ContactSteps::displace(State& state, const std::vector<double>& by) {
+  const Tree& tree = world_->tree_;
+  packed_.assign(static_cast<std::size_t>(tree.nv()), 0.0);
+  parts_.add_to(by, packed_.data());
   const double t = state.time();
-  {
-    const State::Edit edit = state.edit();
-    parts_.add_to(many_.change(), edit.u.data());
-    if (!tree.driven_joints().empty()) {
-      // Prescribed motions take up impulses without moving differently: what the other bodies gain is their work.
-      double by_points = 0;
-      for (std::size_t row = 0; row < many_.r.size(); ++row) by_points += 0.5 * many_.r[row] * (many_.b[row] + after_[row]);
-      ledger.work -= by_points;
-    }
-  }
-  if (!tree.driven_joints().empty()) ledger.work += world_->totals().kinetic - before;
   const State::Edit edit = state.edit();
-  displace_.apply(tree, t, packed_.data(), edit.q.data(), edit.u.data(), world_->workspace_);
-  double energy = 0;
-  if (tree.has_loops() && evaluate_->close(t, edit.q.data(), edit.u.data(), energy)) ledger.projection += energy;
+  displacement_.apply(tree, t, packed_.data(), edit.q.data(), edit.u.data(), world_->workspace_);
+  double ignored = 0;
+  if (tree.has_loops()) static_cast<void>(evaluate_->close(t, edit.q.data(), edit.u.data(), ignored));
 }
 
 // The points for the next step, and for evaluations of the state until then.
@@ -164,7 +169,6 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   many_.solve();
   many_.velocities(after_);
   shift_.resize(near_.size()), gaps_.resize(near_.size());
-  book(ledger);
   move(state, ledger);
   remember(h);
   hold();

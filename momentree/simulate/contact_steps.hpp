@@ -34,8 +34,9 @@ class ContactSteps final : public StepContacts {
   void find_points(double within);
   void guess(std::size_t point, double h);
   void set_law(double h);
-  void book(EnergyLedger& ledger) const;
+  double energy() const;
   void move(State& state, EnergyLedger& ledger);
+  void displace(State& state, const std::vector<double>& by);
   void remember(double h);
   void hold();
 
@@ -43,12 +44,12 @@ class ContactSteps final : public StepContacts {
   Evaluator* evaluate_;
   Contacts* contacts_;
   ContactParts parts_;
-  MomentumKeepingDisplacement displace_;
+  MomentumKeepingDisplacement displacement_;
   std::vector<Contact> near_;
   ContactRows rows_;
   contact::ManyPoints many_;
   std::vector<double> reached_;  // by point: the time since it was reached (s)
-  std::vector<double> after_, gaps_, pushes_, shift_, packed_, before_;
+  std::vector<double> after_, gaps_, pushes_, shift_, packed_;
   std::vector<SteppedContact> points_;
   bool hit_ = false;
 };
