@@ -67,7 +67,7 @@ void ManyPoints::find_islands() {
 
 void ManyPoints::find_blocks() {
   blocks_.assign(points.size(), {});
-  slide_.resize(points.size()), inverses_.resize(points.size());
+  tangential_.resize(points.size()), inverses_.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::array<double, 9>& A = blocks_[i];
     for (const Part& part : points[i].parts) {
@@ -79,7 +79,7 @@ void ManyPoints::find_blocks() {
                                                     Y.begin() + static_cast<std::ptrdiff_t>(part.at + column * n), 0.0);
     }
     inverses_[i] = inverse_of(A);
-    slide_[i] = 0.5 * (A[4] + A[8] + std::hypot(A[4] - A[8], A[5] + A[7]));
+    tangential_[i] = 0.5 * (A[4] + A[8] + std::hypot(A[4] - A[8], A[5] + A[7]));
   }
 }
 
@@ -121,7 +121,7 @@ double ManyPoints::relax(std::size_t point, double least, const std::vector<doub
   moved_along(point, w);
   for (std::size_t k = 0; k < 3; ++k) w[k] += start[3 * point + k];
   w[0] += points[point].slack;
-  const double friction = points[point].friction, size = slide_[point];
+  const double friction = points[point].friction, size = tangential_[point];
   // Open, if it then separates: friction must not wedge what no load presses.
   if (least == 0 && w[0] - A[0] * own[0] - A[1] * own[1] - A[2] * own[2] >= 0) {
     const double opened[3] = {-own[0], -own[1], -own[2]};

@@ -66,7 +66,7 @@ class ManyPoints {
   std::vector<int> parent_;                               // of groups, for the islands
   std::vector<std::size_t> order_, ends_;                 // points island by island, and where each island ends
   std::vector<std::array<double, 9>> blocks_, inverses_;  // A of each point, and its inverse
-  std::vector<double> slide_;                             // the larger eigenvalue of its tangential part
+  std::vector<double> tangential_;                        // the larger eigenvalue of its tangential part
   std::vector<double> change_, least_, after_, rebound_, best_, moved_, shift_;
 };
 

@@ -81,8 +81,6 @@ void read_integrate(const Value& table, Reading& reading) {
     for (const std::string& name : known) all += (all.empty() ? "this version has \"" : ", \"") + name + '"';
     if (in(known)) {
       integration.method = *method;
-    } else if (*method == "stepping") {
-      not_supported_yet(fields.place_of("method"), "method \"stepping\"", out, "use \"rk4\" or \"dopri5\"");
     } else {
       std::string hint = cure_of_method(*method);
       if (hint.empty()) hint = did_you_mean(*method, known);

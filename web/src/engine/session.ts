@@ -154,9 +154,7 @@ export class Session {
       this.progress = { time: this.world.time, seconds: 0 };
     if (this.progress.seconds > patience) {
       this.progress.seconds = 0;
-      this.stop(
-        `No progress at t = ${this.world.time.toPrecision(6)} s: too much happens at once. Go back, or restart.`,
-      );
+      this.stop(`No progress at t = ${this.world.time.toPrecision(6)} s: too much happens at once. Go back, or restart.`);
     }
   }
 

@@ -78,7 +78,7 @@ export class Readings {
       ["Linear momentum (N s)", vector(linear, size)],
       ["Angular momentum (N m s)", vector(angular, size * reachOf(run.model, run.poses(frame)))],
       ["Energy balance, error (J)", balanceText(balance.error, kinetic)],
-      ...(balance.projection === 0 ? [] : [["By closing loops, removing overlaps (J)", digits(balance.projection, 3)] as [string, string]]),
+      ...(balance.projection === 0 ? [] : [["By loops, overlaps (J)", digits(balance.projection, 3)] as [string, string]]),
       ["Engine, per frame", `${(1000 * engineSeconds).toFixed(1)} ms`],
     ];
     const drawing = picture && Number.isFinite(picture.rate) ? picture : null;
