@@ -88,9 +88,37 @@ std::size_t farthest(const Solid& solid, const Vec3& along) {
   return found;
 }
 
+// In closed form: a ball touches a cylinder as what it is.
+NearestPoints ball_to_cylinder(const Solid& ball, const Place& of_ball, const Solid& cylinder, const Place& of_cylinder) {
+  const Vec3 centre = of_ball.r + of_ball.R * ball.vertices[0], p = transpose_times(of_cylinder.R, centre - of_cylinder.r);
+  const Vec3 along = cylinder.ends[1] - cylinder.ends[0];
+  const double length = norm(along);
+  const Vec3 axis = (1 / length) * along, from = p - cylinder.ends[0];
+  const double height = dot(axis, from), beyond = height < 0 ? -height : std::max(0.0, height - length);
+  const Vec3 aside = from - height * axis;
+  const double off = norm(aside);
+  Vec3 nearest = cylinder.ends[0] + std::clamp(height, 0.0, length) * axis;
+  nearest += off > cylinder.rim ? (cylinder.rim / off) * aside : aside;
+  NearestPoints result;
+  result.on_other = of_cylinder.r + of_cylinder.R * nearest;
+  const double apart = std::hypot(beyond, std::max(0.0, off - cylinder.rim));
+  if (apart > 0) result.normal = normalized(centre - result.on_other);
+  result.distance = apart - ball.radius, result.on_one = centre - ball.radius * result.normal;
+  return result;
+}
+
+bool is_round(const Solid& ball, const Solid& cylinder) { return ball.vertices.size() == 1 && cylinder.rim > 0; }
+
 }  // namespace
 
 NearestPoints distance(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other) {
+  if (is_round(one, other)) return ball_to_cylinder(one, place_one, other, place_other);
+  if (is_round(other, one)) {
+    NearestPoints turned = ball_to_cylinder(other, place_other, one, place_one);
+    std::swap(turned.on_one, turned.on_other);
+    turned.normal = -turned.normal;
+    return turned;
+  }
   // Relative to the centre of the first solid, for rounding.
   const Vec3 origin = place_one.r + place_one.R * one.centre;
   const auto vertex = [&](const Vec3& along) {

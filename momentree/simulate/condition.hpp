@@ -61,6 +61,9 @@ class Quantity {
   virtual bool has_threshold() const { return true; }
   /// True for quantities that exist only at instants of change (impulses); they are not located within steps.
   virtual bool is_impulsive() const { return false; }
+  /// Of an impulsive quantity: it began at this instant, so that a condition that repeats happens again, whether or not it was
+  /// evaluated since the last time.
+  virtual bool begins(const World& world, std::span<const Event> now) const { return value(world, now).value_or(0) > 0; }
   /// Empty if its joint, body or mechanism no longer exists. `now`: the events of this instant so far.
   virtual std::optional<double> value(const World& world, std::span<const Event> now) const = 0;
   /// Its exact time derivative, if coordinates and velocities determine it: crossings within a step are then found without

@@ -79,6 +79,17 @@ void note_between(Approach& nearest, const EventQueue::Entry& e, double time, do
 
 }  // namespace
 
+namespace {
+
+// Steps may lead from one impact to the next, so that the time between them is never looked at.
+bool begins_again(const EventQueue::Entry& e, const World& world, std::span<const Event> now) {
+  const auto is_own = [&e](const Event& event) { return event.name == e.event.name; };
+  return e.condition->what->is_impulsive() && std::none_of(now.begin(), now.end(), is_own) &&
+         e.condition->what->begins(world, now);
+}
+
+}  // namespace
+
 std::optional<std::size_t> EventQueue::urgent(const World& world, std::span<const Event> now) {
   if (strengths_of_ != world.tree().revision()) renew_strengths(world);
   std::optional<std::size_t> first, load;
@@ -100,7 +111,7 @@ std::optional<std::size_t> EventQueue::urgent(const World& world, std::span<cons
     if (e.looked >= 0 && world.time() > e.looked) note_between(e.nearest, e, world.time(), excess);
     if (world.time() > e.looked) e.excess_before = e.excess, e.looked_before = e.looked, e.looked = world.time();
     e.excess = excess;
-    if (e.resting && excess < -c.width()) e.resting = false;
+    if (e.resting && (excess < -c.width() || begins_again(e, world, now))) e.resting = false;
     if (e.resting || !(excess > 0)) {
       e.since = -1;
       continue;

@@ -41,6 +41,7 @@ std::vector<ContactPoint> World::contacts() const {
 }
 
 std::optional<BodyGap> World::gap(BodyId one, BodyId other) const {
+  if (one == ground && other != ground) return gap(other, one);  // planes are those of the ground
   std::optional<BodyGap> least;
   const auto place = [&](BodyId body) -> contact::Place {
     if (body == ground) return {};
@@ -62,7 +63,6 @@ std::optional<BodyGap> World::gap(BodyId one, BodyId other) const {
       least = BodyGap{nearest.distance, dot(nearest.normal, velocity(a, nearest.on_one) - velocity(b, nearest.on_other))};
     }
   }
-  if (!least && one == ground && other != ground) return gap(other, one);  // planes are those of the ground
   return least;
 }
 

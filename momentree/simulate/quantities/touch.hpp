@@ -12,10 +12,21 @@ struct Touch : OfContact {
   bool is_impulsive() const override { return true; }  // the instant is that of an impact, which is located anyway
   std::optional<double> value(const World& world, std::span<const Event> now) const override {
     if (!exist(world)) return std::nullopt;
-    bool touch = std::any_of(now.begin(), now.end(), [&](const Event& event) { return is_of(event); });
+    if (begins(world, now)) return 1;
+    bool touch = false;
     each_point(world, [&](const ContactPoint&, double) { touch = true; });
-    return touch ? 1 : 0;
+    if (touch) return 1;
+    if (std::any_of(now.begin(), now.end(), [this](const Event& event) { return is_of(event); })) return 0;  // they part
+    const std::optional<BodyGap> between = world.gap(number(world, one), number(world, other));
+    return between && between->distance <= without_force ? 1 : 0;
   }
+  bool begins(const World&, std::span<const Event> now) const override {
+    return std::any_of(now.begin(), now.end(),
+                       [this](const Event& event) { return event.contact.impulse != Vec3{} && is_of(event); });
+  }
+
+ private:
+  static constexpr double without_force = 1e-10;  // m: nearer bodies touch, even if nothing presses them together
 };
 
 }  // namespace momentree::quantities

@@ -1,0 +1,157 @@
+// Events that depend on contact where they are easily missed, at instants in closed form. (Each trigger:
+// contact_triggers_test.cpp.)
+#include <algorithm>
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+using namespace momentree;
+
+namespace {
+
+constexpr double g = 9.81;
+
+std::vector<double> times_of(const Simulation& sim, const std::string& name) {
+  std::vector<double> times;
+  for (const Event& event : sim.events())
+    if (event.name == name) times.push_back(event.time);
+  return times;
+}
+
+BodySpec free_ball(std::string name, const Vec3& at, Vec3 velocity = {}) {
+  return {.name = std::move(name),
+          .mass = 2,
+          .inertia = diagonal(0.008),
+          .joint = Free{},
+          .q = {at.x, at.y, at.z, 1, 0, 0, 0},
+          .v = {velocity.x, velocity.y, velocity.z, 0, 0, 0}};
+}
+
+Model ball_over_floor(double height, double restitution) {
+  Model model;
+  model.add_collider({.body = model.add(free_ball("ball", {0, 0, height + 0.1})), .solid = contact::sphere(0.1)});
+  model.add_collider({.plane = true});
+  model.add_contact_rule({.law = {.friction = 0.5, .static_friction = 0.5, .restitution = restitution}});
+  return model;
+}
+
+// A cube of 20 cm on the floor with friction 0.3, which slips with a velocity along x.
+Model block_on_floor(double velocity) {
+  Model model;
+  BodySpec block = free_ball("block", {0, 0, 0.1}, {velocity, 0, 0});
+  block.inertia = diagonal(0.013);
+  model.add_collider({.body = model.add(block), .solid = contact::box({0.2, 0.2, 0.2})});
+  model.add_collider({.plane = true});
+  model.add_contact_rule({.law = {.friction = 0.3, .static_friction = 0.3}});
+  return model;
+}
+
+const Integration accurate{.method = "dop853", .step = 1e-2, .rtol = 1e-12, .atol = 1e-14};
+
+}  // namespace
+
+TEST_CASE("contact instants: two bodies touch at the instant of the impact, and again at each bounce") {
+  Simulation sim(ball_over_floor(1, 0.8), accurate);
+  sim.when(touching("ball", "ground")).named("once");
+  sim.when(touching("ground", "ball").repeated()).named("each");
+  REQUIRE(sim.run_until(2));
+  const double t1 = std::sqrt(2 / g);
+  REQUIRE(times_of(sim, "once").size() == 1);
+  CHECK(std::fabs(times_of(sim, "once")[0] - t1) < 1e-9);
+  const std::vector<double> each = times_of(sim, "each");
+  REQUIRE(each.size() == times_of(sim, "impact").size());
+  double time = t1, speed = g * t1;
+  for (const double bounce : each) {
+    CHECK(std::fabs(bounce - time) < 1e-9);
+    speed *= 0.8, time += 2 * speed / g;
+  }
+}
+
+TEST_CASE("contact instants: bodies that touch at the start touch, with and without a force") {
+  Simulation resting(ball_over_floor(0, 0), accurate);
+  resting.when(touching("ball", "ground")).named("touch");
+  REQUIRE(resting.run_until(0.1));
+  CHECK(times_of(resting, "touch") == std::vector<double>{0});
+  Model model(Model::Options{Vec3{}});
+  for (const char* name : {"a", "b"}) {
+    const BodyId ball = model.add(free_ball(name, {name[0] == 'a' ? 0 : 0.2, 0, 0}));
+    model.add_collider({.body = ball, .solid = contact::sphere(0.1)});
+  }
+  Simulation weightless(model, accurate);
+  weightless.when(touching("a", "b")).named("touch");
+  REQUIRE(weightless.run_until(0.1));
+  CHECK(times_of(weightless, "touch") == std::vector<double>{0});
+}
+
+TEST_CASE("contact instants: bodies part where nothing presses them together any more") {
+  Simulation sim(block_on_floor(0), accurate);
+  sim.force("block", [](const EvaluationContext& now) { return Wrench{{0, 0, 20 * now.time()}, {}}; });
+  Condition parts = touching("block", "ground");
+  parts.above = false;
+  sim.when(parts).named("parts");
+  REQUIRE(sim.run_until(2));
+  REQUIRE(times_of(sim, "parts").size() == 1);
+  CHECK(std::fabs(times_of(sim, "parts")[0] - 2 * g / 20) < 1e-9);
+}
+
+TEST_CASE("contact instants: a gap falls below its threshold while bodies are apart") {
+  Simulation sim(ball_over_floor(1, 0.8), accurate);
+  sim.when(gap_between("ball", "ground") < 0.25).named("near");
+  REQUIRE(sim.run_until(0.45));
+  REQUIRE(times_of(sim, "near").size() == 1);
+  CHECK(std::fabs(times_of(sim, "near")[0] - std::sqrt(2 * 0.75 / g)) < 1e-9);
+  // A ball that flies past the edge of a box: the distance falls along a line, then to the edge.
+  Model model(Model::Options{Vec3{}});
+  const BodyId ball = model.add(free_ball("ball", {-3, 0, 0.9}, {2, 0, 0}));
+  model.add_collider({.body = ball, .solid = contact::sphere(0.1)});
+  model.add_collider({.solid = contact::box({1, 1, 1})});
+  Simulation past(model, accurate);
+  past.when(gap_between("ground", "ball") < 1).named("near");
+  past.when(gap_between("ball", "ground") > 1.5).named("gone");
+  REQUIRE(past.run_until(4));
+  // √(Δx² + 0.4²) − 0.1 to the edge at x = −0.5, z = 0.5.
+  REQUIRE(times_of(past, "near").size() == 1);
+  CHECK(std::fabs(times_of(past, "near")[0] - (2.5 - std::sqrt(1.1 * 1.1 - 0.16)) / 2) < 1e-9);
+  REQUIRE(times_of(past, "gone").size() == 1);
+  CHECK(times_of(past, "gone")[0] == 0);
+}
+
+TEST_CASE("contact instants: gaps of the ground are those of the floor and of what stands on it") {
+  Model model = ball_over_floor(1, 0);
+  model.add_collider({.solid = contact::box({1, 1, 1}, Pose(Vec3{9, 0, 0.5}))});
+  model.add_collider({.solid = contact::cylinder(0.5, 2, Pose(Vec3{0, 0.9, 1.1}))});
+  Simulation sim(model, accurate);
+  const auto distance = [&](BodyId one, BodyId other) { return sim.world().gap(one, other)->distance; };
+  CHECK(std::fabs(distance({0}, ground) - 0.3) < 1e-15);
+  CHECK(std::fabs(distance(ground, {0}) - 0.3) < 1e-15);
+  sim.when(gap_between("ground", "ball") < 0.2).named("low");
+  REQUIRE(sim.run_until(0.45));
+  REQUIRE(times_of(sim, "low").size() == 1);
+  CHECK(std::fabs(times_of(sim, "low")[0] - std::sqrt(2 * 0.8 / g)) < 1e-9);
+}
+
+TEST_CASE("contact instants: a contact force grows to its threshold") {
+  Simulation sim(block_on_floor(0), accurate);
+  sim.force("block", [](const EvaluationContext& now) { return Wrench{{0, 0, -10 * now.time()}, {}}; });
+  sim.when(contact_force_between("block", "ground") > 40).named("pressed");
+  sim.when(contact_force_between("ground", "block") < 10).named("light");
+  REQUIRE(sim.run_until(3));
+  REQUIRE(times_of(sim, "pressed").size() == 1);
+  CHECK(std::fabs(times_of(sim, "pressed")[0] - (40 - 2 * g) / 10) < 1e-9);
+  CHECK(times_of(sim, "light").empty());
+}
+
+TEST_CASE("contact instants: while contacts are stepped through, bodies touch to within a step") {
+  Simulation sim(ball_over_floor(1, 0), {.method = "stepping", .step = 1e-3});
+  sim.when(touching("ball", "ground")).named("touch");
+  sim.when(contact_force_between("ball", "ground") > 15).named("rests");
+  REQUIRE(sim.run_until(1));
+  const double t1 = std::sqrt(2 / g);
+  REQUIRE(times_of(sim, "touch").size() == 1);
+  CHECK(std::fabs(times_of(sim, "touch")[0] - t1) < 1.1e-3);
+  REQUIRE(times_of(sim, "rests").size() == 1);
+  CHECK(std::fabs(times_of(sim, "rests")[0] - t1) < 2.1e-3);
+}

@@ -1,0 +1,79 @@
+// The forces of contacts of stacks, whichever body was added first, and after contacts opened. (Of single bodies:
+// contact_forces_test.cpp.)
+#include <cmath>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+using namespace momentree;
+
+namespace {
+
+constexpr double g = 9.81;
+
+struct Sums {
+  Vec3 force{}, moment{};  // on a body, and about its centre of mass
+  int points = 0;
+};
+Sums sums_on(const Simulation& sim, BodyId body) {
+  const BodyMotion& motion = sim.world().motions()[static_cast<std::size_t>(body.index)];
+  const Vec3 centre = motion.pose * sim.world().model()[body].com;
+  Sums sums;
+  for (const ContactPoint& contact : sim.world().contacts()) {
+    if (contact.one != body && contact.other != body) continue;
+    const Vec3 force = contact.one == body ? contact.force : -contact.force;
+    sums.force += force, sums.moment += cross(contact.point - centre, force);
+    ++sums.points;
+  }
+  return sums;
+}
+
+BodySpec crate(std::string name, const Vec3& at, const Quat& turned = {}) {
+  return {.name = std::move(name),
+          .mass = 3,
+          .com = {0.04, -0.03, 0.01},
+          .inertia = diagonal(0.05, 0.06, 0.07),
+          .joint = Free{},
+          .q = {at.x, at.y, at.z, turned.w, turned.x, turned.y, turned.z}};
+}
+
+void add_box(Model& model, BodyId body, const Vec3& size) { model.add_collider({.body = body, .solid = contact::box(size)}); }
+
+}  // namespace
+
+TEST_CASE("contact points: of a stack, each box is carried by the one below, whichever was added first") {
+  for (const bool upper_first : {false, true}) {
+    Model model;
+    const BodyId one = model.add(crate(upper_first ? "upper" : "lower", {0, 0, upper_first ? 0.45 : 0.15}));
+    const BodyId two = model.add(crate(upper_first ? "lower" : "upper", {0.02, 0.01, upper_first ? 0.15 : 0.45}));
+    add_box(model, one, {0.4, 0.4, 0.3}), add_box(model, two, {0.3, 0.3, 0.3});
+    model.add_collider({.plane = true});
+    Simulation sim(model, {.method = "dop853"});
+    REQUIRE(sim.run_until(0.05));
+    const BodyId upper = upper_first ? one : two, lower = upper_first ? two : one;
+    CHECK(norm(sums_on(sim, upper).force - Vec3{0, 0, 3 * g}) < 1e-9);
+    CHECK(norm(sums_on(sim, upper).moment) < 1e-9);
+    CHECK(norm(sums_on(sim, lower).force - Vec3{0, 0, 3 * g}) < 1e-9);
+    CHECK(norm(sums_on(sim, lower).moment) < 1e-9);
+  }
+}
+
+TEST_CASE("contact points: there are none without contact, nor after a contact opened") {
+  Model model;
+  const BodyId box = model.add(crate("box", {0, 0, 1.15}));
+  add_box(model, box, {0.4, 0.3, 0.3});
+  CHECK(Simulation(model, {}).world().contacts().empty());
+  model.add_collider({.plane = true});
+  Simulation sim(model, {.method = "dop853"});
+  CHECK(sim.world().contacts().empty());
+  REQUIRE(sim.run_until(0.6));
+  CHECK_FALSE(sim.world().contacts().empty());
+  CHECK(sim.world().contacts().size() == sim.branch().world().contacts().size());
+  const Vec3 up{0, 0, 40};
+  sim.force("box", [up](const EvaluationContext&) { return Wrench{up, cross(Vec3{0.04, -0.03, 0.01}, up)}; });
+  REQUIRE(sim.run_until(0.7));
+  CHECK(sim.world().contacts().empty());
+}
