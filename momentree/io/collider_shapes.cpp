@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include <momentree/contact/feature.hpp>
+
 namespace momentree::io {
 
 namespace {

@@ -172,6 +172,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   move(state, ledger);
   remember(h);
   hold();
+  static_cast<void>(state.edit());  // its evaluation is without them
 }
 
 }  // namespace momentree
