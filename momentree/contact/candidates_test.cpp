@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/contact/candidates.hpp>
+#include <momentree/contact/distance.hpp>
 #include <tests/oracle/prng.hpp>
 
 using namespace momentree;
@@ -78,7 +79,76 @@ Solid random_solid(Prng& random) {
   }
 }
 
+struct Distance {
+  double value, rate;
+};
+Distance distance_of(const Solid& one, const Place& a, const Solid& other, const Place& b) {
+  const NearestPoints p = momentree::contact::distance(one, a, other, b);
+  if (!(p.distance > 0)) return {0, 0};
+  const auto v = [](const Place& of, const Vec3& x) { return of.v + cross(of.w, x - of.r); };
+  return {p.distance, dot(p.normal, v(a, p.on_one) - v(b, p.on_other))};
+}
+// A place after t seconds.
+Place moved(Place p, double t) {
+  const double angle = norm(p.w) * t;
+  const Vec3 axis = std::sin(0.5 * angle) * normalized(p.w);
+  p.R = rotation_matrix(Quat{std::cos(0.5 * angle), axis.x, axis.y, axis.z}) * p.R, p.r += t * p.v;
+  return p;
+}
+
 }  // namespace
+
+TEST_CASE("distance: of all pairs of shapes over random poses, and its rate") {
+  Prng random(11);
+  const auto solid = [&](int kind) -> Solid {
+    const Pose at(random.vector(0.3), random.rotation());
+    const double radius = random.uniform(0.1, 0.4);
+    if (kind == 4) return cylinder(radius, 0.7, at);
+    Solid any = random_solid(random);
+    const auto kind_of = [](const Solid& s) {
+      return s.vertices.size() == 1 ? 0 : s.vertices.size() == 2 ? 1 : s.edges.size() == 12 && s.faces.size() == 6 ? 2 : 3;
+    };
+    while (kind_of(any) != kind) any = random_solid(random);
+    return any;
+  };
+  int apart = 0, overlapping = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const int kind = random.integer(0, 4), other_kind = random.integer(0, 4);
+    const Solid one = solid(kind), other = solid(other_kind);
+    Place a, b;
+    a.R = rotation_matrix(random.rotation()), b.R = rotation_matrix(random.rotation());
+    a.r = random.vector(random.chance(0.1) ? 20 : 2), b.r = random.vector(2);
+    a.v = random.vector(1), a.w = random.vector(1), b.v = random.vector(1), b.w = random.vector(1);
+    const Distance found = distance_of(one, a, other, b), turned = distance_of(other, b, one, a);
+    CHECK(std::fabs(found.value - turned.value) < 1e-12 * std::max(1.0, found.value));
+    double exact = distance(surface(one, a), surface(other, b)) - one.radius - other.radius;
+    const bool round = (kind == 0 && other_kind == 4) || (kind == 4 && other_kind == 0);
+    if (round) {  // a ball and a true cylinder
+      const Solid &ball = kind == 0 ? one : other, &tube = kind == 0 ? other : one;
+      const Place &of_ball = kind == 0 ? a : b, &of_tube = kind == 0 ? b : a;
+      const Vec3 axis = normalized(tube.ends[1] - tube.ends[0]), middle = 0.5 * (tube.ends[0] + tube.ends[1]);
+      const Vec3 p = transpose_times(of_tube.R, of_ball.r + of_ball.R * ball.vertices[0] - of_tube.r) - middle;
+      const double along = std::fabs(dot(axis, p)) - 0.5 * norm(tube.ends[1] - tube.ends[0]);
+      const double aside = norm(p - dot(axis, p) * axis) - tube.rim;
+      exact = std::hypot(std::max(along, 0.0), std::max(aside, 0.0)) - ball.radius;
+    }
+    CAPTURE(kind);
+    CAPTURE(other_kind);
+    if (found.value == 0) {  // brute force knows only surfaces: of cores that overlap, nothing
+      ++overlapping;
+      CHECK(found.rate == 0);
+      continue;
+    }
+    ++apart;
+    CHECK(std::fabs(found.value - exact) < 2e-12 * std::max(1.0, exact));
+    constexpr double h = 1e-6;
+    const double later = distance_of(one, moved(a, h), other, moved(b, h)).value;
+    const double earlier = distance_of(one, moved(a, -h), other, moved(b, -h)).value;
+    if (later > 0 && earlier > 0) CHECK(std::fabs((later - earlier) / (2 * h) - found.rate) < 1e-4);
+  }
+  CHECK(apart > 2000);
+  CHECK(overlapping > 50);
+}
 
 TEST_CASE("solids: sizes of hulls and boxes") {
   const Solid cube = box({1, 1, 1});

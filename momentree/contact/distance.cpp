@@ -28,56 +28,70 @@ struct Simplex {
   }
 };
 
-// Weights of the point nearest to the origin in the affine hull of some vertices; false if they are dependent.
-bool nearest_in_hull(const std::array<Vec3, 4>& v, std::size_t n, std::array<double, 4>& weights) {
-  // Of the origin relative to v0: least squares in the edges from v0, by their Gram matrix.
-  double G[3][4];
-  const std::size_t m = n - 1;
-  for (std::size_t i = 0; i < m; ++i) {
-    for (std::size_t j = 0; j < m; ++j) G[i][j] = dot(v[i + 1] - v[0], v[j + 1] - v[0]);
-    G[i][3] = -dot(v[i + 1] - v[0], v[0]);
-  }
-  for (std::size_t k = 0; k < m; ++k) {  // the matrix is positive semidefinite: no pivoting
-    const double size = dot(v[k + 1] - v[0], v[k + 1] - v[0]);
-    if (!(G[k][k] > 1e-14 * size)) return false;
-    for (std::size_t i = k + 1; i < m; ++i) {
-      const double factor = G[i][k] / G[k][k];
-      for (std::size_t j = k; j < m; ++j) G[i][j] -= factor * G[k][j];
-      G[i][3] -= factor * G[k][3];
-    }
-  }
-  weights[0] = 1;
-  for (std::size_t k = m; k-- > 0;) {
-    double x = G[k][3];
-    for (std::size_t j = k + 1; j < m; ++j) x -= G[k][j] * weights[j + 1];
-    weights[k + 1] = x / G[k][k];
-  }
-  for (std::size_t k = 0; k < m; ++k) weights[0] -= weights[k + 1];
-  return true;
+// The points of a subset, and its point that is nearest to zero; `inside`: with weights that are not negative.
+struct ClosestOf {
+  std::array<std::size_t, 4> of{};
+  std::array<double, 4> weights{};
+  std::size_t size = 0;
+  Vec3 at{};
+  bool inside = false;
+};
+
+constexpr double flat_simplex = 1e-12;  // relative to its edges, a triangle or a tetrahedron without volume
+
+void closest_on_line(const Simplex& s, ClosestOf& n) {
+  const Vec3 &a = s.vertices[n.of[0]].difference, along = s.vertices[n.of[1]].difference - a;
+  const double square = dot(along, along);
+  if (!(square > 0)) return;
+  const double t = -dot(a, along) / square;
+  n.weights = {1 - t, t, 0, 0};
+  n.at = a + t * along;
+  n.inside = t >= 0 && t <= 1;
 }
 
-// Keeps the vertices of the face of the simplex that is nearest to the origin.
-void reduce(Simplex& simplex) {
-  Simplex best;
+void closest_on_triangle(const Simplex& s, ClosestOf& n) {
+  const Vec3 &a = s.vertices[n.of[0]].difference, &b = s.vertices[n.of[1]].difference, &c = s.vertices[n.of[2]].difference;
+  const Vec3 ab = b - a, ac = c - a, normal = cross(ab, ac);
+  const double square = dot(normal, normal);
+  if (!(square > flat_simplex * flat_simplex * dot(ab, ab) * dot(ac, ac))) return;
+  n.at = (dot(normal, a) / square) * normal;
+  const Vec3 from = n.at - a;
+  const double u = dot(cross(from, ac), normal) / square, v = dot(cross(ab, from), normal) / square;
+  n.weights = {1 - u - v, u, v, 0};
+  n.inside = u >= 0 && v >= 0 && u + v <= 1;
+}
+
+void closest_in_tetrahedron(const Simplex& s, ClosestOf& n) {
+  const Vec3& d = s.vertices[3].difference;
+  const Vec3 a = s.vertices[0].difference - d, b = s.vertices[1].difference - d, c = s.vertices[2].difference - d;
+  const double volume = dot(a, cross(b, c));
+  if (!(std::fabs(volume) > flat_simplex * norm(a) * norm(b) * norm(c))) return;
+  const double u = dot(-d, cross(b, c)) / volume, v = dot(a, cross(-d, c)) / volume, w = dot(a, cross(b, -d)) / volume;
+  n.weights = {u, v, w, 1 - u - v - w};
+  n.at = {};
+  n.inside = u >= 0 && v >= 0 && w >= 0 && u + v + w <= 1;
+}
+
+// Keeps the points of the simplex between which its point nearest to zero lies; returns that point.
+Vec3 reduce_simplex(Simplex& s) {
+  ClosestOf best;
   double least = HUGE_VAL;
-  for (unsigned set = 1; set < 1u << simplex.count; ++set) {
-    std::array<Vec3, 4> v;
-    std::array<std::size_t, 4> of{};
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < simplex.count; ++i)
-      if ((set >> i & 1u) != 0) of[n] = i, v[n++] = simplex.vertices[i].difference;
-    std::array<double, 4> weights{};
-    if (!nearest_in_hull(v, n, weights)) continue;
-    if (std::any_of(weights.begin(), weights.begin() + static_cast<std::ptrdiff_t>(n), [](double w) { return !(w >= 0); }))
-      continue;
-    Vec3 point{};
-    for (std::size_t i = 0; i < n; ++i) point += weights[i] * v[i];
-    if (!(dot(point, point) < least)) continue;
-    least = dot(point, point);
-    best.count = n, best.weights = weights;
-    for (std::size_t i = 0; i < n; ++i) best.vertices[i] = simplex.vertices[of[i]];
+  for (unsigned subset = 1; subset < 1u << s.count; ++subset) {
+    ClosestOf n;
+    for (std::size_t i = 0; i < s.count; ++i)
+      if ((subset >> i & 1u) != 0) n.of[n.size++] = i;
+    if (n.size == 1) n.weights[0] = 1, n.at = s.vertices[n.of[0]].difference, n.inside = true;
+    if (n.size == 2) closest_on_line(s, n);
+    if (n.size == 3) closest_on_triangle(s, n);
+    if (n.size == 4) closest_in_tetrahedron(s, n);
+    const double square = dot(n.at, n.at);
+    if (n.inside && square < least) least = square, best = n;
   }
-  simplex = best;
+  Simplex kept;
+  for (std::size_t i = 0; i < best.size; ++i) kept.vertices[i] = s.vertices[best.of[i]];
+  kept.weights = best.weights, kept.count = best.size;
+  s = kept;
+  return best.at;
 }
 
 std::size_t farthest(const Solid& solid, const Vec3& along) {
@@ -142,8 +156,7 @@ NearestPoints distance(const Solid& one, const Place& place_one, const Solid& ot
     if (known || square - dot(nearest, next.difference) <= 1e-15 * square) break;
     Simplex trial = simplex;
     trial.vertices[trial.count++] = next;
-    reduce(trial);
-    const Vec3 closer = trial.sum(&Vertex::difference);
+    const Vec3 closer = reduce_simplex(trial);
     if (!(dot(closer, closer) < square)) break;
     simplex = trial, nearest = closer;
     if (simplex.count == 4) break;  // the origin is inside

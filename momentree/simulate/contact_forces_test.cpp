@@ -56,6 +56,30 @@ TEST_CASE("contact forces: a box at rest is carried, also on a slope, located or
     }
 }
 
+TEST_CASE("contact forces: corners share a load without pulling, wherever the centre of mass is") {
+  // The second one is beyond the line between two corners: the least forces of four corners would pull at one.
+  for (const Vec3& com : {Vec3{0.1, 0.03, 0.02}, Vec3{0.16, 0.12, -0.05}}) {
+    Model model;
+    const BodyId box = model.add({.name = "box/box",
+                                  .mass = 2,
+                                  .com = com,
+                                  .inertia = diagonal(0.03, 0.04, 0.05),
+                                  .joint = Free{},
+                                  .q = {0, 0, 0.1, 1, 0, 0, 0}});
+    model.add_collider({.body = box, .solid = contact::box({0.4, 0.3, 0.2})});
+    model.add_collider({.plane = true});
+    Simulation sim(model);
+    REQUIRE(sim.run_until(0.1));
+    Vec3 force{}, moment{};
+    for (const ContactPoint& c : sim.world().contacts()) {
+      CHECK(c.force.z > -1e-9);
+      force += c.force, moment += cross(c.point - sim.world().motions()[0].pose * com, c.force);
+    }
+    CHECK(norm(force - Vec3{0, 0, 2 * 9.81}) < 1e-12);
+    CHECK(norm(moment) < 1e-12);
+  }
+}
+
 TEST_CASE("contact conditions fire at the instants of closed forms") {
   const double lands = std::sqrt(2 * 0.5 / 9.81), speed = 9.81 * lands;
   const auto fires = [&](const Condition& condition) {

@@ -34,14 +34,14 @@ class Contact(NamedTuple):
     other: str
     """Name of the second body, or ``"ground"``."""
     point: Array
-    """Where they touch (m)."""
+    """Where they touch (m), shape (3,)."""
     normal: Array
-    """Unit normal, from ``other`` to ``one``."""
+    """Unit vector from ``other`` to ``one``, shape (3,)."""
     force: Array
-    """Force on ``one`` (N): that along the normal, and friction. Of redundant points, such as the corners of a box, the least
-    forces; while contacts are stepped through, means over the last step."""
+    """Force on ``one`` (N), shape (3,): that along the normal, and friction. Of redundant points, such as the corners of a box,
+    forces that only press; while contacts are stepped through, means over the last step."""
     slip: Array
-    """Velocity of ``one``, less that of ``other``, along the surface (m/s)."""
+    """Velocity of ``one``, less that of ``other``, along the surface (m/s), shape (3,)."""
     slips: bool
     """Whether it slips; otherwise it sticks, or has no friction."""
 
