@@ -2,8 +2,6 @@
 // Further right-hand sides for the factors of the first recursion: M u = r, by one inward and one outward pass in O(n). Included
 // only by instantiate/*.cpp. Of both recursions only the parts that are linear in p or τ are left: (26), (27) and (17), or (51),
 // (47) and (39), without velocities, bodies' own momenta and gravity.
-#include <algorithm>
-
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/sweep_buffers.hpp>
 #include <momentree/dynamics/wrench_inboard.hpp>
@@ -86,25 +84,6 @@ void solve_with_factors(const Tree& tree, const T* q, Workspace<T>& workspace, T
                      [&](auto tag) { sweep.template inboard<typename decltype(tag)::type>(kernel_runs[i]); });
   for (const KernelRun& run : kernel_runs)
     dispatch_kernels(run.kind, run.variant, [&](auto tag) { sweep.template outboard<typename decltype(tag)::type>(run); });
-}
-
-template <class T>
-void solve_mechanism(const Tree& tree, const T* q, Workspace<T>& workspace, T* u, int begin, int end) noexcept {
-  const SolveSweep<T> sweep{tree, q, workspace, u};
-  const auto runs = tree.kernel_runs();
-  const auto first = std::partition_point(runs.begin(), runs.end(), [&](const KernelRun& run) { return run.end <= begin; });
-  const auto last = std::partition_point(first, runs.end(), [&](const KernelRun& run) { return run.begin < end; });
-  const auto own = [&](KernelRun run) {
-    run.begin = std::max(run.begin, begin), run.end = std::min(run.end, end);
-    return run;
-  };
-  for (auto run = last; run != first;) {
-    --run;
-    dispatch_kernels(run->kind, run->variant, [&](auto tag) { sweep.template inboard<typename decltype(tag)::type>(own(*run)); });
-  }
-  for (auto run = first; run != last; ++run)
-    dispatch_kernels(run->kind, run->variant,
-                     [&](auto tag) { sweep.template outboard<typename decltype(tag)::type>(own(*run)); });
 }
 
 }  // namespace momentree

@@ -17,6 +17,13 @@ Motion<double> accelerating_ground(const Tree& tree) { return {-tree.gravity(), 
 // Forces that read poses or motions, and the power of prescribed motions, need what a stage does not store.
 bool stage_keeps(const Tree& tree) { return tree.has_constraints() || tree.has_functions() || !tree.loaded_bodies().empty(); }
 
+[[gnu::noinline]] void take_held_forces(const Tree& tree, Workspace<double>& workspace) noexcept {
+  for_held_forces(tree, workspace, [&](int b, const Force<double>& force) {
+    Force<double>& wrench = workspace.biases[static_cast<std::size_t>(b)].wrench;
+    wrench = wrench - force;
+  });
+}
+
 // After sweep_velocities: all forces, as joint forces in workspace.a and wrenches in workspace.biases. `contacts`: also the
 // forces of contacts, which are in workspace.contacts: those of the tree's contacts, and those that are held.
 template <bool Keep>
@@ -37,11 +44,7 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
       Force<double>& wrench = workspace.biases[static_cast<std::size_t>(b)].wrench;
       wrench = wrench - workspace.loads[static_cast<std::size_t>(b)];
     }
-    if (contacts)
-      for_held_forces(tree, workspace, [&](int b, const Force<double>& force) {
-        Force<double>& wrench = workspace.biases[static_cast<std::size_t>(b)].wrench;
-        wrench = wrench - force;
-      });
+    if (contacts) take_held_forces(tree, workspace);
     if (tree.has_loops()) {
       add_loop_forces(tree, t, q, workspace);
       detail::add_extra_efforts(tree, *workspace.loops, tau);

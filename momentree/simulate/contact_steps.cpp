@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/dynamics/energy.hpp>
 #include <momentree/dynamics/loop_system.hpp>
 #include <momentree/dynamics/momentum.hpp>
 
@@ -63,6 +62,7 @@ void ContactSteps::set_law(double h) {
       reached_[i] = 0;
       many_.points[i].friction = law.friction;
       many_.points[i].slack = v >= -gap / h ? gap / h : HUGE_VAL;
+      if (v < -gap / h) std::fill_n(many_.r.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, 0.0);  // a hit of the next step
       continue;
     }
     reached_[i] = v < 0 ? std::min(h, depth / -v) : 0.5 * h;
@@ -98,8 +98,7 @@ void ContactSteps::move(State& state, EnergyLedger& ledger) {
     by_drives = world_->totals().kinetic - driven;
     for (std::size_t row = 0; row < many_.r.size(); ++row) by_drives -= 0.5 * many_.r[row] * (many_.b[row] + after_[row]);
   }
-  for (std::size_t i = 0; i < near_.size(); ++i) shift_[i] = reached_[i];
-  const std::vector<double>& moved = many_.displacement(shift_);
+  const std::vector<double>& moved = many_.displacement(reached_);
   displace(state, moved);
   const double struck = energy();
   ledger.work += by_drives, ledger.impacts += before + by_drives - struck;
@@ -168,7 +167,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   set_law(h);
   many_.solve();
   many_.velocities(after_);
-  shift_.resize(near_.size()), gaps_.resize(near_.size());
+  gaps_.resize(near_.size());
   move(state, ledger);
   remember(h);
   hold();

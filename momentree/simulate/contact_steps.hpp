@@ -49,7 +49,7 @@ class ContactSteps final : public StepContacts {
   ContactRows rows_;
   contact::ManyPoints many_;
   std::vector<double> reached_;  // by point: the time since it was reached (s)
-  std::vector<double> after_, gaps_, pushes_, shift_, packed_;
+  std::vector<double> after_, gaps_, pushes_, packed_;
   std::vector<SteppedContact> points_;
   bool hit_ = false;
 };

@@ -165,8 +165,8 @@ class World {
   Wrench reaction(JointId joint) const;  ///< the reaction alone
   /// A spring of the model, with its length and tension. Costs no further evaluation.
   SpringView spring(SpringId spring) const;
-  /// The points at which bodies touch at present, with their forces. Of redundant points, such as the corners of a box, the least
-  /// forces. While contacts are stepped through, the forces are means over the last step. Evaluates the state.
+  /// The points at which bodies touch at present, with their forces. Redundant points, such as the corners of a box, share the
+  /// load without pulling. While contacts are stepped through, forces are means over the last step. Evaluates the state.
   std::vector<ContactPoint> contacts() const;
   /// Empty if one of them has no collision, or left the world. `ground` is the floor and everything fixed to the ground.
   std::optional<BodyGap> gap(BodyId one, BodyId other) const;

@@ -2,5 +2,4 @@
 
 namespace momentree {
 template void solve_with_factors<double>(const Tree&, const double*, Workspace<double>&, double*) noexcept;
-template void solve_mechanism<double>(const Tree&, const double*, Workspace<double>&, double*, int, int) noexcept;
 }  // namespace momentree
