@@ -59,7 +59,8 @@ std::string EnergyBalance::advice(const Integration& how) const {
                      (largest_kinetic > 0 ? share_text(std::fabs(error) / largest_kinetic) + " the largest kinetic energy"
                                           : std::string("although nothing moves")) +
                      ": the motion is not computed accurately";
-  if (stepped) return what + ", because contacts were stepped through; use a smaller step, such as " + formatted("%.3g s", how.step / 4);
+  if (stepped)
+    return what + ", because contacts were stepped through; use a smaller step, such as " + formatted("%.3g s", how.step / 4);
   if (is_adaptive(how.method)) return what + "; use smaller tolerances, such as " + formatted("rtol = %.0e", how.rtol / 100);
   what += "; use a smaller step, such as " + formatted("%.3g s", how.step / 4);
   return how.method == "damped" ? what : what + ", or an adaptive method: dop853";
