@@ -298,7 +298,8 @@ void Recorder::finish(const std::string& status, const Armed& armed, const Repor
   published_ = attempt([&] {
     std::vector<const char*> temporary;
     if (options_.input) temporary.push_back(checkpoint_file);
-    if (options_.hdf5) temporary.insert(temporary.end(), {"bodies.csv", "joints.csv", "energy.csv", "springs.csv"});
+    if (options_.hdf5)
+      temporary.insert(temporary.end(), {"bodies.csv", "joints.csv", "energy.csv", "springs.csv", "contacts.csv"});
     warnings = directory_->publish(temporary);
   });
   if (!published_) return seal(outcome, report);

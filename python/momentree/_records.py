@@ -93,6 +93,25 @@ class Coupling(NamedTuple):
     """False if redundant equations leave the effort open."""
 
 
+class EventContact(NamedTuple):
+    """Where bodies hit each other, came to rest on each other, or began to slip, to stick or to part. World axes."""
+
+    one: str
+    """Name of the body on which the impulse acts."""
+    other: str
+    """Name of the other body, or ``"ground"``."""
+    point: Array
+    """Where they touch (m), shape (3,)."""
+    normal: Array
+    """Unit vector from the other body to the first one, shape (3,)."""
+    impulse: Array
+    """Impulse on the first body (N s), shape (3,); of several points of the two bodies, the sum. Zero of all but impacts."""
+    scaled: float
+    """A number from 0 to 1: the part of the expansion that the law of impact let happen."""
+    in_turn: bool
+    """True if simultaneous contacts were taken in turn."""
+
+
 class LoopStatus(NamedTuple):
     """The equations of all closed loops of a world."""
 
@@ -195,6 +214,10 @@ class Event:
     """Name of the joint with the largest linear impulse; empty if no joint transmitted one."""
     duration_ns: float = 0.0
     """Time that the change itself took (ns)."""
+    contact: EventContact | None = None
+    """Of an event at a contact: its bodies, point, normal and impulse; otherwise None."""
+    reason: str = ""
+    """Why contacts are stepped through from then on; empty for other events."""
 
     @property
     def linear_error(self) -> float:

@@ -292,17 +292,16 @@ class Model(_core.ModelBase):
         return self.copy()
 
     def __reduce__(self) -> Any:
-        if self._has_contact():
-            raise Error("a model with collision, a floor or contacts can't be pickled yet", hint="pickle what makes it, or copy it")
-        return _model_from_toml, (self.to_toml(), self.body_names)
+        return _model_from_toml, (self._to_toml_without_contact(), self.body_names, self._contact_state())
 
     def __repr__(self) -> str:
         return f"<momentree.Model: {len(self)} bodies>"
 
 
-def _model_from_toml(text: str, order: list[str]) -> Model:
+def _model_from_toml(text: str, order: list[str], contact: Any = ((), ())) -> Model:
     from momentree.simulation import loads
 
     model = Model.__new__(Model)
     _core.ModelBase.__init__(model, loads(text, name="pickle.toml").model._in_order(order))
+    model._set_contact_state(contact)
     return model

@@ -21,6 +21,12 @@ nb::object impulse_of(const std::array<double, 6>& six) {
   return python_class("_records", "Wrench")(from_vec3({six[0], six[1], six[2]}), from_vec3({six[3], six[4], six[5]}));
 }
 
+nb::object contact_of(const Event::Contact& c) {
+  if (c.one.empty()) return nb::none();
+  return python_class("_records", "EventContact")(c.one, c.other, from_vec3(c.point), from_vec3(c.normal), from_vec3(c.impulse),
+                                                  c.scaled, c.in_turn);
+}
+
 nb::list texts(const std::vector<std::string>& all) {
   nb::list list;
   for (const std::string& each : all) list.append(each);
@@ -126,13 +132,13 @@ nb::object event_record(const Event& event) {
     actions.append(action_type(a.kind, a.target, a.joint, a.body, a.to, a.skipped, a.spring));
   nb::dict impulse;
   for (const auto& [joint, six] : event.impulse) impulse[joint.c_str()] = impulse_of(six);
-  return python_class("_records", "Event")("time"_a = event.time, "name"_a = event.name, "actions"_a = nb::tuple(actions),
-                                           "mechanisms_before"_a = nb::tuple(texts(event.mechanisms_before)),
-                                           "mechanisms_after"_a = nb::tuple(texts(event.mechanisms_after)),
-                                           "before"_a = totals(event.before), "after"_a = totals(event.after),
-                                           "released"_a = event.released, "lost"_a = event.lost, "work"_a = event.work,
-                                           "impulse"_a = impulse, "ground_impulse"_a = impulse_of(event.ground_impulse),
-                                           "hardest_joint"_a = event.hardest_joint, "duration_ns"_a = event.duration_ns);
+  return python_class("_records", "Event")(
+      "time"_a = event.time, "name"_a = event.name, "actions"_a = nb::tuple(actions),
+      "mechanisms_before"_a = nb::tuple(texts(event.mechanisms_before)),
+      "mechanisms_after"_a = nb::tuple(texts(event.mechanisms_after)), "before"_a = totals(event.before),
+      "after"_a = totals(event.after), "released"_a = event.released, "lost"_a = event.lost, "work"_a = event.work,
+      "impulse"_a = impulse, "ground_impulse"_a = impulse_of(event.ground_impulse), "hardest_joint"_a = event.hardest_joint,
+      "duration_ns"_a = event.duration_ns, "contact"_a = contact_of(event.contact), "reason"_a = event.reason);
 }
 
 void register_events(nb::module_& m, SimulationClass& simulation) {

@@ -95,7 +95,8 @@ std::vector<std::string> names(const ModelObject& self, Name name) {
   return all;
 }
 
-// The same model with its bodies in another order, parents before children: of scenarios, which list mechanism by mechanism.
+// The same model without what touches, with its bodies in another order, parents before children: of scenarios, which list
+// mechanism by mechanism.
 std::shared_ptr<ModelObject> in_order(const ModelObject& self, const std::vector<std::string>& order) {
   auto sorted = std::make_shared<ModelObject>(ModelObject{Model({.gravity = self.model.gravity()}), {}, {}, self.title});
   std::vector<BodyId> place(static_cast<std::size_t>(self.model.size()), ground);
@@ -146,8 +147,9 @@ void register_model(nb::module_& m) {
           "index", [](const ModelBody& b) { return b.id.index; },
           "Number of the body and of its joint, in the order of adding, from 0.")
       .def("__repr__", [](const ModelBody& b) { return "<momentree.ModelBody '" + b.model->model[b.id].name + "'>"; });
-  nb::class_<ModelObject>(m, "ModelBase")
-      .def("__init__", [](ModelObject* self, const ModelObject& other) { new (self) ModelObject(other); })
+  nb::class_<ModelObject> model(m, "ModelBase");
+  add_contacts_to(model);
+  model.def("__init__", [](ModelObject* self, const ModelObject& other) { new (self) ModelObject(other); })
       .def(
           "__init__",
           [](ModelObject* self, nb::handle gravity) {
@@ -160,7 +162,6 @@ void register_model(nb::module_& m) {
       .def("_add_coupling", &add_coupling)
       .def("_add_floor", &add_floor)
       .def("_add_contact", &add_contact)
-      .def("_has_contact", [](const ModelObject& self) { return !self.model.colliders().empty(); })
       .def("_add_force", &add_force)
       .def("_add_spring", &add_spring)
       .def("__len__", [](const ModelObject& self) { return self.model.size(); })
@@ -193,7 +194,9 @@ void register_model(nb::module_& m) {
       .def("_in_order", &in_order)
       .def(
           "to_toml", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes); },
-          "The model as the text of a scenario file (TOML), without events. `momentree.loads` reads it.")
+          "The model as the text of a scenario file (TOML), without events. `momentree.loads` reads it.\n\n"
+          "Raises:\n    Error: A body touches with a mesh, which a scenario names by its file.")
+      .def("_to_toml_without_contact", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, false); })
       .def("to_urdf", &to_urdf, "mechanism"_a = "",
            "One mechanism as the text of a URDF file.\n\n"
            "Args:\n    mechanism: Its name; may be left out if there is only one.\n\n"

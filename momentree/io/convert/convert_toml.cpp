@@ -75,8 +75,8 @@ class Converter {
 
   Converted convert() {
     Value::Table document;
-    for (const char* key : {"format", "title", "state", "world", "mechanism", "force", "loop", "spring", "coupling", "event",
-                            "integrate", "output"}) {
+    for (const char* key : {"format", "title", "state", "world", "mechanism", "force", "loop", "spring", "coupling", "contact",
+                            "event", "integrate", "output"}) {
       const Value::Entry* entry = scenario_.document->find(key);
       if (std::string_view(key) == "coupling" &&
           springs_of(entry) < scenario_.couplings.size() + scenario_.model.couplings().size()) {
@@ -238,6 +238,20 @@ class Converter {
 
 }  // namespace
 
+namespace {
+
+// `bodies`: of the mechanism, in the order of its tables.
+void add_collisions(const Model& model, const std::vector<int>& bodies, Value& described) {
+  Value::Array& tables = *described.find("body")->value.array();
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    Value all = describe_collision(model, {bodies[i]});
+    Value::Table& body = *tables[i].table();
+    if (!all.array()->empty()) body.insert(body.end() - 1, {"collision", {}, std::move(all)});
+  }
+}
+
+}  // namespace
+
 Converted to_toml(const Scenario& scenario, const std::string& folder) {
   MT_REQUIRE(scenario.document != nullptr, "a scenario that was read");
   return Converter(scenario, folder).convert();
@@ -248,15 +262,15 @@ Converted to_toml(const Scenario& scenario, const MeshNames& meshes) {
   return Converter(scenario, "", &meshes).convert();
 }
 
-std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
-  Value::Table document;
+std::string to_toml(const Model& model, const std::vector<Shape>& shapes, bool contact) {
+  Value::Table document, world;
   add(document, "format", Value(std::int64_t{1}, Place{}));
   const Vec3 g = model.gravity(), usual = Model().gravity();
-  if (g.x != usual.x || g.y != usual.y || g.z != usual.z) {
-    Value::Table world;
-    add(world, "gravity", list(g));
-    add(document, "world", value(std::move(world)));
-  }
+  if (g.x != usual.x || g.y != usual.y || g.z != usual.z) add(world, "gravity", list(g));
+  contact = contact && !model.colliders().empty();
+  if (Value::Table floor = contact ? describe_floor(model) : Value::Table{}; !floor.empty())
+    add(world, "floor", value(std::move(floor)));
+  if (!world.empty()) add(document, "world", value(std::move(world)));
   LeftOut left_out;
   Value::Array mechanisms, forces, loops, springs, couplings;
   const auto bodies = by_mechanism(model);
@@ -266,6 +280,7 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
     if (bodies.at(mechanism).front() != b) continue;
     mechanisms.push_back(value(describe_mechanism(mechanism, model, bodies.at(mechanism), shapes, {}, "", left_out)));
     explain_carriers(mechanisms.back());
+    if (contact) add_collisions(model, bodies.at(mechanism), mechanisms.back());
   }
   for (const BodyForce& force : model.forces()) forces.push_back(value(describe_force(force, model)));
   for (const LoopSpec& loop : model.loops()) loops.push_back(value(describe_loop(loop, model)));
@@ -276,6 +291,8 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes) {
   if (!loops.empty()) add(document, "loop", value(std::move(loops)));
   if (!springs.empty()) add(document, "spring", value(std::move(springs)));
   if (!couplings.empty()) add(document, "coupling", value(std::move(couplings)));
+  if (Value all = contact ? describe_contacts(model) : value(Value::Array{}); !all.array()->empty())
+    add(document, "contact", std::move(all));
   return toml_text(value(std::move(document)));
 }
 

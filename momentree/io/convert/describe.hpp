@@ -42,6 +42,11 @@ Value describe_shape(const Shape& shape, const MeshFolders& folders, LeftOut& le
 Value::Table describe_mechanism(const std::string& name, const Model& model, std::span<const int> bodies,
                                 std::span<const Shape> shapes, const MeshFolders& folders, const std::string& state,
                                 LeftOut& left_out);
+/// What a body touches with, a list; the floor, an empty table if there is none; and the [[contact]] tables: one for each pair of
+/// bodies that has a law. Throws Error for what a scenario can only name by a file, or not at all.
+Value describe_collision(const Model& model, BodyId body);
+Value::Table describe_floor(const Model& model);
+Value describe_contacts(const Model& model);
 Value::Table describe_force(const BodyForce& force, const Model& model);
 Value::Table describe_spring(const Spring& spring, const Model& model);
 Value::Table describe_coupling(const Coupling& coupling, const Model& model);

@@ -1,0 +1,116 @@
+// What bodies touch with, the floor and the laws of contacts, as parts of a scenario.
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/base/error.hpp>
+#include <momentree/io/convert/describe.hpp>
+
+namespace momentree::io {
+
+using namespace document_values;
+
+namespace {
+
+constexpr double right_angle = 1e-12;  // of angles, and of sizes relative to the largest
+
+Pose along_z(const Vec3& low, const Vec3& high) {
+  const Vec3 z = normalized(high - low), x = normalized(cross(std::fabs(z.x) < 0.6 ? x_axis : y_axis, z)), y = cross(z, x);
+  return {0.5 * (low + high), quaternion_of(Mat3{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z})};
+}
+
+Shape shape_along(Shape::Kind kind, double radius, const Vec3& low, const Vec3& high) {
+  Shape shape;
+  shape.kind = kind, shape.radius = radius, shape.length = norm(high - low), shape.at = along_z(low, high);
+  return shape;
+}
+
+// The box with these corners, in the order of contact::box; none if they are not those of a box.
+Shape box_of(const std::vector<Vec3>& v) {
+  if (v.size() != 8) return {};
+  const Vec3 edges[3] = {v[1] - v[0], v[2] - v[0], v[4] - v[0]};
+  Vec3 axes[3];
+  for (int k = 0; k < 3; ++k) {
+    if (!(norm(edges[k]) > 0)) return {};
+    axes[k] = normalized(edges[k]);
+  }
+  if (norm(cross(axes[0], axes[1]) - axes[2]) > right_angle) return {};
+  const double size = norm(v[7] - v[0]);
+  for (std::size_t i = 0; i < 8; ++i) {
+    Vec3 corner = v[0];
+    for (std::size_t k = 0; k < 3; ++k) corner += (i >> k & 1u) != 0 ? edges[k] : Vec3{};
+    if (norm(corner - v[i]) > right_angle * size) return {};
+  }
+  const Mat3 R{axes[0].x, axes[1].x, axes[2].x, axes[0].y, axes[1].y, axes[2].y, axes[0].z, axes[1].z, axes[2].z};
+  Shape shape;
+  shape.kind = Shape::Kind::box, shape.size = {norm(edges[0]), norm(edges[1]), norm(edges[2])};
+  shape.at = {0.5 * (v[0] + v[7]), quaternion_of(R)};
+  return shape;
+}
+
+Shape shape_of(const contact::Solid& solid, const std::string& body) {
+  if (solid.rim > 0) return shape_along(Shape::Kind::cylinder, solid.rim, solid.ends[0], solid.ends[1]);
+  if (solid.vertices.size() == 1) {
+    Shape ball;
+    ball.kind = Shape::Kind::sphere, ball.radius = solid.radius, ball.at.position = solid.vertices[0];
+    return ball;
+  }
+  if (solid.vertices.size() == 2) return shape_along(Shape::Kind::capsule, solid.radius, solid.vertices[0], solid.vertices[1]);
+  Shape box = box_of(solid.vertices);
+  if (box.kind == Shape::Kind::none)
+    throw_error({"the collision of '" + body + "' is a mesh, which a scenario names by its file", "",
+                 "write a scenario with collision = { mesh = … }, or use boxes, spheres, capsules and cylinders"});
+  return box;
+}
+
+Value describe_friction(const ContactLaw& law) {
+  if (law.static_friction == law.friction) return number(law.friction);
+  Value::Table table;
+  add(table, "static", number(law.static_friction)), add(table, "kinetic", number(law.friction));
+  return value(std::move(table));
+}
+
+}  // namespace
+
+Value describe_collision(const Model& model, BodyId body) {
+  Value::Array all;
+  LeftOut none;
+  for (const Collider& collider : model.colliders())
+    if (collider.body == body) all.push_back(describe_shape(shape_of(collider.solid, model[body].name), {}, none));
+  return value(std::move(all));
+}
+
+Value::Table describe_floor(const Model& model) {
+  Value::Table table;
+  int planes = 0;
+  for (const Collider& collider : model.colliders()) {
+    if (collider.body != ground) continue;
+    if (!collider.plane || ++planes > 1)
+      throw_error({"the ground of a scenario has one plane", "", "give a fixed body the collision"});
+    add(table, "height", number(dot(collider.normal, collider.point)));
+    add(table, "normal", list(collider.normal));
+  }
+  return table;
+}
+
+Value describe_contacts(const Model& model) {
+  std::vector<BodyId> bodies;
+  for (const Collider& collider : model.colliders())
+    if (bodies.empty() || std::find(bodies.begin(), bodies.end(), collider.body) == bodies.end()) bodies.push_back(collider.body);
+  const auto name = [&model](BodyId body) { return text(body == ground ? "ground" : model[body].name); };
+  Value::Array all;
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    for (std::size_t k = i + 1; k < bodies.size(); ++k) {
+      const ContactRule* const rule = model.contact_rule(bodies[i], bodies[k]);
+      if (rule == nullptr) continue;
+      Value::Table table;
+      if (!rule->name.empty()) add(table, "name", text(rule->name));
+      add(table, "between", value(Value::Array{name(bodies[i]), name(bodies[k])}));
+      add(table, "friction", describe_friction(rule->law));
+      if (rule->law.restitution != 0) add(table, "restitution", number(rule->law.restitution));
+      if (rule->law.off) add(table, "off", Value(true, Place{}));
+      all.push_back(value(std::move(table)));
+    }
+  return value(std::move(all));
+}
+
+}  // namespace momentree::io

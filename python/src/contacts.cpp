@@ -1,0 +1,93 @@
+// What bodies of a model touch with, as values that can be pickled.
+#include <span>
+
+#include "model_object.hpp"
+
+namespace momentree::python {
+
+namespace {
+
+// Exact copies as tuples of numbers, for pickling.
+nb::tuple from_vec(const Vec3& v) { return nb::make_tuple(v.x, v.y, v.z); }
+Vec3 vec_from(nb::handle value) { return {nb::cast<double>(value[0]), nb::cast<double>(value[1]), nb::cast<double>(value[2])}; }
+nb::list from_vecs(std::span<const Vec3> all) {
+  nb::list list;
+  for (const Vec3& v : all) list.append(from_vec(v));
+  return list;
+}
+std::vector<Vec3> vecs_from(nb::handle value) {
+  std::vector<Vec3> all;
+  for (nb::handle each : value) all.push_back(vec_from(each));
+  return all;
+}
+
+nb::tuple from_solid(const contact::Solid& s) {
+  nb::list edges, faces, along;
+  for (const contact::Solid::Edge& e : s.edges) edges.append(nb::make_tuple(e.ends[0], e.ends[1], e.faces[0], e.faces[1]));
+  for (const contact::Solid::Face& f : s.faces) faces.append(nb::make_tuple(from_vec(f.normal), f.offset, f.corners));
+  for (const std::vector<Vec3>& each : s.along) along.append(from_vecs(each));
+  return nb::make_tuple(from_vecs(s.vertices), edges, faces, along, s.radius, from_vec(s.centre), s.reach, s.thickness, s.rim,
+                        from_vecs(s.ends));
+}
+contact::Solid solid_from(nb::handle value) {
+  contact::Solid s;
+  s.vertices = vecs_from(value[0]);
+  for (nb::handle each : value[1]) {
+    const auto number = [&each](int k) { return nb::cast<int>(each[k]); };
+    s.edges.push_back({{number(0), number(1)}, {number(2), number(3)}});
+  }
+  for (nb::handle each : value[2])
+    s.faces.push_back({vec_from(each[0]), nb::cast<double>(each[1]), nb::cast<std::vector<int>>(each[2])});
+  for (nb::handle each : value[3]) s.along.push_back(vecs_from(each));
+  s.radius = nb::cast<double>(value[4]), s.centre = vec_from(value[5]);
+  s.reach = nb::cast<double>(value[6]), s.thickness = nb::cast<double>(value[7]), s.rim = nb::cast<double>(value[8]);
+  const std::vector<Vec3> ends = vecs_from(value[9]);
+  s.ends = {ends.at(0), ends.at(1)};
+  return s;
+}
+
+std::vector<int> numbers_of_bodies(const std::vector<BodyId>& bodies) {
+  std::vector<int> all;
+  for (const BodyId body : bodies) all.push_back(body.index);
+  return all;
+}
+std::vector<BodyId> body_ids_from(nb::handle numbers) {
+  std::vector<BodyId> all;
+  for (const int number : nb::cast<std::vector<int>>(numbers)) all.push_back({number});
+  return all;
+}
+
+nb::tuple contact_state(const ModelObject& self) {
+  nb::list colliders, rules;
+  for (const Collider& c : self.model.colliders())
+    colliders.append(nb::make_tuple(c.body.index, c.plane, from_vec(c.point), from_vec(c.normal), from_solid(c.solid)));
+  for (const ContactRule& r : self.model.contact_rules())
+    rules.append(nb::make_tuple(r.name, numbers_of_bodies(r.one), numbers_of_bodies(r.other), r.law.friction,
+                                r.law.static_friction, r.law.restitution, r.law.off));
+  return nb::make_tuple(colliders, rules);
+}
+
+void set_contact_state(ModelObject& self, nb::handle state) {
+  for (nb::handle each : state[0])
+    self.model.add_collider({.body = {nb::cast<int>(each[0])},
+                             .solid = solid_from(each[4]),
+                             .plane = nb::cast<bool>(each[1]),
+                             .point = vec_from(each[2]),
+                             .normal = vec_from(each[3])});
+  for (nb::handle each : state[1])
+    self.model.add_contact_rule({.name = nb::cast<std::string>(each[0]),
+                                 .one = body_ids_from(each[1]),
+                                 .other = body_ids_from(each[2]),
+                                 .law = {.friction = nb::cast<double>(each[3]),
+                                         .static_friction = nb::cast<double>(each[4]),
+                                         .restitution = nb::cast<double>(each[5]),
+                                         .off = nb::cast<bool>(each[6])}});
+}
+
+}  // namespace
+
+void add_contacts_to(nb::class_<ModelObject>& type) {
+  type.def("_contact_state", &contact_state).def("_set_contact_state", &set_contact_state);
+}
+
+}  // namespace momentree::python
