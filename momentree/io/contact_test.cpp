@@ -102,15 +102,23 @@ TEST_CASE("contact: conditions are read, and what touches nothing is refused") {
   for (const char* when :
        {"touch = [\"a/ball\", \"floor\"]", "touch = [\"a/ball\", \"b/ball\"]", "gap = [\"ground\", \"a/ball\"], below = 0.1",
         "contact_force = [\"a/ball\", \"ground\"], exceeds = \"3 N\"", "slip = [\"b/ball\", \"a/ball\"], exceeds = 1",
-        "contact_impulse = [\"a/ball\", \"floor\"], exceeds = \"1 N s\""})
+        "contact_impulse = [\"a/ball\", \"floor\"], exceeds = \"1 N s\"", "touch = [\"a\", \"floor\"]",
+        "slip = [\"a\", \"b/ball\"]", "gap = [\"ground\", \"b\"], below = 0.1"})
     CHECK(read(event(when)).events.size() == 1);
   CHECK(refusal(event("touch = [\"a/ball\", \"floor\"], exceeds = 1")).find("touch takes no threshold; leave it out") !=
         std::string::npos);
-  CHECK(refusal(event("touch = \"a/ball\"")).find("touch: expected a list of two bodies") != std::string::npos);
+  CHECK(refusal(event("touch = \"a/ball\"")).find("touch: expected a list of two bodies or mechanisms") != std::string::npos);
   CHECK(refusal(event("gap = [\"a/ball\", \"c/ball\"], below = 1"))
             .find("gap: 'c/ball' touches nothing; give the body a collision") != std::string::npos);
-  CHECK(refusal(event("gap = [\"a/ball\", \"d\"], below = 1")).find("gap: there is no body 'd'") != std::string::npos);
-  CHECK(refusal(event("slip = [\"a/ball\", \"floor\"]")).find("when: has no threshold") != std::string::npos);
+  CHECK(refusal(event("gap = [\"a/ball\", \"d\"], below = 1")).find("gap: there is no body or mechanism 'd'") !=
+        std::string::npos);
+  CHECK(refusal(event("gap = [\"a\", \"floor\"]")).find("when: has no threshold") != std::string::npos);
+  CHECK(refusal(event("touch = [\"c\", \"floor\"]")).find("'c' touches nothing; give one of its bodies a collision") !=
+        std::string::npos);
+  const std::string off = "[[contact]]\nbetween = [\"a\", \"floor\"]\noff = true\n";
+  CHECK(refusal(event("touch = [\"a\", \"floor\"]") + off) ==
+        "s.toml:31:18: error: touch: 'a' and the ground pass through each other; the last [[contact]] that names them says off = "
+        "true");
   CHECK(refusal(ball("a", 1) + "[[event]]\nwhen = { touch = [\"a/ball\", \"ground\"] }\nbreak = \"a/ball\"\n")
             .find("touch: the ground touches nothing; give the world a floor") != std::string::npos);
 }

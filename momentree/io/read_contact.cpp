@@ -3,6 +3,7 @@
 
 #include <momentree/io/read_action.hpp>
 #include <momentree/simulate/arguments.hpp>
+#include <momentree/simulate/contact_bodies.hpp>
 #include <momentree/simulate/overlap.hpp>
 
 namespace momentree::io {
@@ -168,13 +169,10 @@ void read_contact(const Value& table, Reading& reading) {
 
 void check_solid_uses(const Model& model, const std::vector<Reading::SolidUse>& uses, Diagnostics& out) {
   for (const Reading::SolidUse& use : uses) {
-    const auto is_of = [&](const Collider& c) {
-      return use.body == "ground" ? c.body == ground : c.body == model.body(use.body);
-    };
-    if (use.body != "ground" && !model.has_body(use.body)) continue;  // reported already
-    if (std::any_of(model.colliders().begin(), model.colliders().end(), is_of)) continue;
-    out.error(use.place, use.key + ": " + (use.body == "ground" ? "the ground" : in_quotes(use.body)) + " touches nothing",
-              use.body == "ground" ? "give the world a floor" : "give the body a collision");
+    const std::vector<std::string> names = use.what->solids();
+    if (std::any_of(names.begin(), names.end(), [&](const auto& name) { return ContactBodies(model, name).empty(); }))
+      continue;  // reported already
+    if (std::optional<Error> error = cannot_touch(model, *use.what)) out.error(use.place, error->problem, error->hint);
   }
 }
 

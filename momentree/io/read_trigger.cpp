@@ -3,6 +3,7 @@
 #include <limits>
 
 #include <momentree/io/scenario_parts.hpp>
+#include <momentree/simulate/contact_bodies.hpp>
 #include <momentree/simulate/single_dof.hpp>
 
 namespace momentree::io {
@@ -97,20 +98,21 @@ class QuantityReader final : public QuantityFields {
       out_.error(place, key_ + ": there is no body " + in_quotes(body), reading_.suggest(body, reading_.bodies));
   }
 
-  void solid(int number, std::string& body) override {
+  void solid(int number, std::string& name) override {
     if (!value_.array() || value_.array()->size() != 2) {
       if (number == 0)
-        out_.error(value_.place, key_ + ": expected a list of two bodies", "for example [\"crate/crate\", \"ground\"]");
+        out_.error(value_.place, key_ + ": expected a list of two bodies or mechanisms", "for example [\"crate\", \"floor\"]");
       return;
     }
     const Value& entry = (*value_.array())[static_cast<std::size_t>(number)];
-    const auto name = read_string(entry, key_, out_);
-    if (!name) return;
-    body = *name == "floor" ? "ground" : matched(*name, &TriggerMatch::body);
-    if (body != "ground" && !reading_.bodies.contains(body))
-      out_.error(entry.place, key_ + ": there is no body " + in_quotes(body), reading_.suggest(body, reading_.bodies));
-    else
-      reading_.solid_uses.push_back({body, key_, entry.place});
+    const auto text = read_string(entry, key_, out_);
+    if (!text) return;
+    name = *text == "floor" ? "ground" : matched(*text, &TriggerMatch::body);
+    if (name == "ground" || reading_.bodies.contains(name) || reading_.mechanisms.contains(name)) return;
+    if (!ContactBodies(reading_.scenario.model, name).empty()) return;  // a mechanism that has broken
+    std::string hint = reading_.suggest(name, reading_.bodies);
+    if (hint.empty()) hint = reading_.suggest(name, reading_.mechanisms);
+    out_.error(entry.place, key_ + ": there is no body or mechanism " + in_quotes(name), std::move(hint));
   }
 
   void component(std::string& name) override {
@@ -191,6 +193,7 @@ std::shared_ptr<momentree::Quantity> quantity_in(Fields& fields, const std::stri
     quantity->fields(reader);
     reader.finish();
     if (out.errors() == errors) set_unit(*quantity, *value, reading);
+    if (out.errors() == errors && !quantity->solids().empty()) reading.solid_uses.push_back({quantity, value->place});
   }
   return quantity;
 }
@@ -216,7 +219,7 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
     out.error(fields.place_of("undetermined"), "undetermined: there is no " + in_quotes(*undetermined), "\"least_norm\"");
   fields.finish();
   if (!quantity && out.errors() == errors) out.error(fields.place(), "when: names no quantity", one_of(keys));
-  if (quantity && !quantity->has_threshold()) {
+  if (quantity && (!quantity->has_threshold() || (threshold == nullptr && quantity->drop_threshold()))) {
     if ((above || below) && out.errors() == errors)
       out.error(threshold->place, "when: " + std::string(quantity->key()) + " takes no threshold", "leave it out");
     if (out.errors() != errors) return std::nullopt;

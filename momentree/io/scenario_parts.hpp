@@ -57,9 +57,9 @@ struct Reading {
     bool of_parameters = false;  ///< of an action that sets parameters, which comes after the other actions of its instant
     bool springs_too = false;    ///< the name may be that of a spring
   };
-  /// Bodies of quantities of contacts: whether they can touch is known once everything is read.
+  /// Quantities of contacts: whether their bodies can touch is known once everything is read.
   struct SolidUse {
-    std::string body, key;
+    std::shared_ptr<const momentree::Quantity> what;
     Place place{};
   };
   struct LateEntry {
@@ -218,7 +218,7 @@ void read_floor(const Value& value, Reading& reading);
 void read_contact(const Value& table, Reading& reading);
 /// The pair that overlaps most at the start. Pairs within one model file pass through each other, with a warning.
 std::optional<Overlap> overlap_between_models(Reading& reading);
-/// Errors for bodies that have no collision, or a ground without anything to touch.
+/// Errors for conditions on bodies that can't touch each other.
 void check_solid_uses(const Model& model, const std::vector<Reading::SolidUse>& uses, Diagnostics& out);
 /// What can be checked only once the whole model is read.
 void check_contacts(Reading& reading);

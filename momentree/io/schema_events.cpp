@@ -57,8 +57,10 @@ class FieldsOfQuantity final : public QuantityFields {
     if (number == 0) value = count == 1 ? schema_.point() : list_of(schema_.point(), count, count);
   }
   void solid(int number, std::string&) override {
-    const Json body{{"description", "Full name of a body, or \"ground\"; * matches within a name"}, {"type", "string"}};
-    if (number == 0) value = list_of(body, 2, 2);
+    const char* const about =
+        "Name of a mechanism, which stands for any of its bodies, full name of a body, \"ground\" or \"floor\"; * matches within "
+        "the name of a body";
+    if (number == 0) value = list_of({{"description", about}, {"type", "string"}}, 2, 2);
   }
   void component(std::string&) override {
     const Json joint{{"description", "Full name of a joint; * matches within a name"}, {"type", "string"}};

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/simulate/contact_bodies.hpp>
 #include <momentree/simulate/instant.hpp>
 #include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/simulation.hpp>
@@ -162,6 +163,7 @@ void check_condition(const World& world, const EventQueue& queue, const Conditio
   const Quantity& what = *condition.what;
   if (std::optional<Error> error = unknown_name(world, queue, what.joints(), what.bodies(), what.takes_springs()))
     throw_error(std::move(*error));
+  if (std::optional<Error> error = cannot_touch(world.model(), what)) throw_error(std::move(*error));
   check_quantity(world, queue, what);
   if (std::optional<Error> error = open_reaction(world, condition)) throw_error(std::move(*error));
   if (!std::isfinite(condition.threshold)) throw_error({"the threshold must be finite", "", ""});

@@ -29,8 +29,8 @@ class QuantityFields {
   /// A point of a body, in the body's frame (m); the `number`-th of `count`.
   virtual void point(int number, int count, std::string& body, Vec3& point) = 0;
   virtual void component(std::string& name) = 0;
-  /// A body that can touch, or "ground"; the `number`-th of two.
-  virtual void solid(int number, std::string& body) = 0;
+  /// A body or a mechanism that can touch, or "ground"; the `number`-th of two.
+  virtual void solid(int number, std::string& name) = 0;
 };
 
 /// A scalar function of the world's state.
@@ -46,6 +46,8 @@ class Quantity {
   virtual std::vector<std::string> joints() const { return {}; }
   virtual std::vector<std::string> bodies() const { return {}; }
   virtual std::vector<std::string> mechanisms() const { return {}; }
+  /// Bodies or mechanisms that can touch, or "ground".
+  virtual std::vector<std::string> solids() const { return {}; }
   /// True if the name of a spring may take the place of a joint's.
   virtual bool takes_springs() const { return false; }
   /// True for quantities of joints with one DoF.
@@ -59,6 +61,8 @@ class Quantity {
   virtual bool is_reaction() const { return false; }
   /// False for what is true (1) or not (0), and needs no threshold.
   virtual bool has_threshold() const { return true; }
+  /// Turns it into what a condition without a threshold means: has_threshold() is false from then on. False if it needs one.
+  virtual bool drop_threshold() { return false; }
   /// True for quantities that exist only at instants of change (impulses); they are not located within steps.
   virtual bool is_impulsive() const { return false; }
   /// Of an impulsive quantity: it began at this instant, so that a condition that repeats happens again, whether or not it was
@@ -169,16 +173,19 @@ Measure distance_between(std::string one, std::string other, Vec3 point_of_one =
 Measure height_of(std::string body, Vec3 point = {});
 /// Kinetic energy (J) of the bodies of a mechanism.
 Measure kinetic_energy_of(std::string mechanism);
-/// The least distance (m) of two bodies, of what can touch; "ground" is the floor, too. Bodies without collision have no
-/// distance.
+/// Of contacts. Each name is that of a body, or of a mechanism, which stands for all bodies "NAME/…" of the model; or "ground",
+/// which is the floor and can be called "floor". Simulation::when throws Error if they can never touch.
+/// The least distance (m) of what they touch with.
 Measure gap_between(std::string one, std::string other);
-/// Norm of the force (N) between two bodies that touch, of their impulse (N s) where they hit each other, and the speed (m/s)
-/// with which they slip on each other.
+/// Norms of the sum of the forces (N) between them, and of the impulses (N s) at an instant at which they hit each other; the
+/// largest speed (m/s) with which they slip on each other.
 Measure contact_force_between(std::string one, std::string other);
 Measure contact_impulse_between(std::string one, std::string other);
 Measure slip_between(std::string one, std::string other);
-/// Fires when two bodies touch.
+/// Fires when they touch.
 Condition touching(std::string one, std::string other);
+/// Fires when they begin to slip on each other, at the instant of the event "slip".
+Condition beginning_to_slip(std::string one, std::string other);
 /// Any function of the world's state, continuous where its crossing is to be located. It may read only the world that is passed
 /// to it; exceptions that it throws propagate out of run_until(). Throws Error for an empty function.
 Measure measured(std::function<double(const World&)> function);

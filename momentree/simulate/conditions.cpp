@@ -112,6 +112,11 @@ Measure slip_between(std::string one, std::string other) {
 Condition touching(std::string one, std::string other) {
   return {of_bodies<quantities::Touch>(std::move(one), std::move(other)), 0.5, true};
 }
+Condition beginning_to_slip(std::string one, std::string other) {
+  const auto slip = of_bodies<quantities::Slip>(std::move(one), std::move(other));
+  slip->drop_threshold();
+  return {slip, 0.5, true};
+}
 
 Measure measured(std::function<double(const World&)> function) {
   if (!function) throw_error({"measured() needs a function", "", ""});

@@ -6,7 +6,9 @@
 #include <doctest/doctest.h>
 
 #include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/contact_bodies.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <tests/error_of.hpp>
 
 using namespace momentree;
 
@@ -154,4 +156,104 @@ TEST_CASE("contact instants: while contacts are stepped through, bodies touch to
   CHECK(std::fabs(times_of(sim, "touch")[0] - t1) < 1.1e-3);
   REQUIRE(times_of(sim, "rests").size() == 1);
   CHECK(std::fabs(times_of(sim, "rests")[0] - t1) < 2.1e-3);
+}
+
+TEST_CASE("contact instants: bodies begin to slip where the event says so, once or each time") {
+  Simulation pulled(block_on_floor(0), accurate);
+  pulled.force("block", [](const EvaluationContext& now) { return Wrench{{10 * now.time(), 0, 0}, {}}; });
+  pulled.when(beginning_to_slip("floor", "block")).named("slips");
+  pulled.when(slip_between("block", "ground") > 0.01).named("fast");
+  REQUIRE(pulled.run_until(0.8));
+  REQUIRE(!times_of(pulled, "slip").empty());
+  const double first = times_of(pulled, "slip")[0];
+  CHECK(std::fabs(first - 0.3 * 2 * g / 10) < 1e-6);
+  CHECK(times_of(pulled, "slips") == std::vector<double>{first});
+  REQUIRE(times_of(pulled, "fast").size() == 1);
+  CHECK(times_of(pulled, "fast")[0] > first);
+  Simulation hit(block_on_floor(0), accurate);
+  for (const double time : {0.2, 1.0}) hit.at(time).then(impulse("block", {2, 0, 0}));
+  hit.when(beginning_to_slip("block", "floor")).named("once");
+  hit.when(beginning_to_slip("block", "floor").repeated()).named("each");
+  REQUIRE(hit.run_until(2));
+  CHECK(times_of(hit, "slip") == std::vector<double>{0.2, 1});
+  CHECK(times_of(hit, "each") == times_of(hit, "slip"));
+  CHECK(times_of(hit, "once") == std::vector<double>{0.2});
+  // One that slips from the start.
+  Simulation sliding(block_on_floor(1), accurate);
+  sliding.when(beginning_to_slip("block", "ground")).named("slips");
+  REQUIRE(sliding.run_until(0.1));
+  CHECK(times_of(sliding, "slips") == std::vector<double>{0});
+}
+
+namespace {
+
+// A dumb-bell, whose lower ball is 0.5 m above the floor, and a mechanism of a weld to another ball aside.
+Model dumb_bell() {
+  Model model;
+  const BodyId upper = model.add(free_ball("bell/upper", {0, 0, 0.9}));
+  const BodyId lower = model.add({.name = "bell/lower",
+                                  .mass = 1,
+                                  .inertia = diagonal(0.004),
+                                  .parent = upper,
+                                  .at = Pose(Vec3{0, 0, -0.3}),
+                                  .joint = Weld{}});
+  const BodyId other = model.add(free_ball("other/ball", {3, 0, 2}));
+  for (const BodyId body : {upper, lower, other}) model.add_collider({.body = body, .solid = contact::sphere(0.1)});
+  model.add_collider({.plane = true});
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("contact instants: the name of a mechanism stands for any of its bodies, floor for the ground") {
+  Simulation sim(dumb_bell(), accurate);
+  sim.when(touching("bell", "floor")).named("touch");
+  sim.when(touching("bell/upper", "floor")).named("upper");
+  sim.when(gap_between("floor", "bell") < 0.25).named("near");
+  sim.when(gap_between("bell", "other") > 10).named("far");
+  sim.when(contact_force_between("bell", "floor") > 0.99 * 3 * g).named("carried");
+  sim.when(contact_force_between("floor", "bell") > 1.01 * 3 * g).named("pressed");
+  const double lands = std::sqrt(2 * 0.5 / g);
+  sim.when(contact_impulse_between("bell", "floor") > 0.99 * 3 * g * lands).named("hit");
+  REQUIRE(sim.run_until(0.5));
+  for (const char* name : {"touch", "carried", "hit"}) {
+    CAPTURE(name);
+    REQUIRE(times_of(sim, name).size() == 1);
+    CHECK(std::fabs(times_of(sim, name)[0] - lands) < 1e-9);
+  }
+  REQUIRE(times_of(sim, "near").size() == 1);
+  CHECK(std::fabs(times_of(sim, "near")[0] - std::sqrt(2 * 0.25 / g)) < 1e-9);
+  for (const char* name : {"upper", "far", "pressed"}) CHECK(times_of(sim, name).empty());
+  // Neighbours, which pass through each other, have a gap only if both are named.
+  const World& world = sim.world();
+  const auto gap = [&](const char* one, const char* other) {
+    return world.gap(ContactBodies(world.model(), one), ContactBodies(world.model(), other));
+  };
+  CHECK(gap("bell", "bell")->passes);
+  CHECK(gap("bell", "bell")->distance == doctest::Approx(0.1));
+  CHECK_FALSE(gap("bell", "floor")->passes);
+  for (const MissedEvent& missed : sim.missed())
+    if (missed.name == "upper") CHECK(missed.of == std::vector<std::string>{"bell/upper", "floor"});
+}
+
+TEST_CASE("contact instants: conditions that can never be met are refused, with the pair") {
+  Model model = dumb_bell();
+  model.add(free_ball("bare/ball", {9, 0, 2}));
+  const BodyId other = model.body("other/ball");
+  model.add_contact_rule({.one = {other}, .other = {model.body("bell/upper"), model.body("bell/lower")}, .law = {.off = true}});
+  model.add_contact_rule({.one = {other}, .other = {ground}, .law = {.friction = 0, .static_friction = 0}});
+  Simulation sim(model);
+  const auto refusal = [&](const Condition& condition) { return error_of([&] { static_cast<void>(sim.when(condition)); }); };
+  CHECK(refusal(touching("bell", "other")) ==
+        "error: touch: 'bell' and 'other' pass through each other; the last [[contact]] that names them says off = true");
+  CHECK(refusal(slip_between("bell/upper", "bell/lower") > 1) ==
+        "error: slip: 'bell/upper' and 'bell/lower' pass through each other; a body and its parent touch only if a [[contact]] "
+        "names both");
+  CHECK(refusal(gap_between("bell", "other") < 1).empty());
+  CHECK(refusal(touching("bare", "bell")) == "error: touch: 'bare' touches nothing; give one of its bodies a collision");
+  CHECK(refusal(touching("other", "other/ball")) ==
+        "error: touch: 'other' and 'other/ball' are the same body; name two bodies, or mechanisms");
+  CHECK(refusal(contact_force_between("bell", "bell/upper") > 1).find("have bodies in common") != std::string::npos);
+  CHECK(refusal(beginning_to_slip("other", "floor")).find("'other' and the ground have no friction") != std::string::npos);
+  CHECK(refusal(touching("bel", "floor")) == "error: touch: there is no body or mechanism 'bel'; did you mean 'bell'?");
 }

@@ -396,7 +396,7 @@ std::vector<MissedEvent> Simulation::missed() const {
     if (e.condition) {
       const Condition& c = *e.condition;
       missed.quantity = c.what->key();
-      for (const auto& names : {c.what->joints(), c.what->bodies(), c.what->mechanisms()})
+      for (const auto& names : {c.what->joints(), c.what->bodies(), c.what->mechanisms(), c.what->solids()})
         missed.of.insert(missed.of.end(), names.begin(), names.end());
       missed.threshold = c.threshold, missed.exceeds = c.above;
       missed.lasts = c.duration, missed.held = e.nearest.held;

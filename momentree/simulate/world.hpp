@@ -21,6 +21,8 @@
 
 namespace momentree {
 
+class ContactBodies;
+
 /// A joint as its user sees it, in its declared direction. Spans point into the world and are valid until the world next changes.
 struct JointView {
   std::string_view name;
@@ -84,6 +86,7 @@ struct ContactPoint {
 /// The gap between two bodies: the least distance of their solids (m), negative where they overlap, and its rate (m/s).
 struct BodyGap {
   double distance = 0, rate = 0;
+  bool passes = false;  ///< all of their solids pass through each other
 };
 
 struct Mechanism {
@@ -170,6 +173,8 @@ class World {
   std::vector<ContactPoint> contacts() const;
   /// Empty if one of them has no collision, or left the world. `ground` is the floor and everything fixed to the ground.
   std::optional<BodyGap> gap(BodyId one, BodyId other) const;
+  /// The least gap of a body of each set. Bodies that pass through each other count only if all do.
+  std::optional<BodyGap> gap(const ContactBodies& one, const ContactBodies& other) const;
   int springs() const { return tree_.spring_count(); }
   /// Number of the spring of that name, broken or not; −1 if there is none.
   int find_spring(std::string_view name) const;

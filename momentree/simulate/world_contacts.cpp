@@ -5,6 +5,7 @@
 #include <momentree/contact/distance.hpp>
 #include <momentree/contact/system.hpp>
 #include <momentree/dynamics/contacts.hpp>
+#include <momentree/simulate/contact_bodies.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
@@ -80,26 +81,43 @@ std::vector<ContactPoint> World::contacts() const {
 }
 
 std::optional<BodyGap> World::gap(BodyId one, BodyId other) const {
-  if (one == ground && other != ground) return gap(other, one);  // planes are those of the ground
-  std::optional<BodyGap> least;
+  return gap(ContactBodies(model_, one), ContactBodies(model_, other));
+}
+
+std::optional<BodyGap> World::gap(const ContactBodies& one, const ContactBodies& other) const {
+  std::optional<BodyGap> least;  // of solids that touch, once there are any
   const auto place = [&](BodyId body) -> contact::Place {
     if (body == ground) return {};
     const BodyMotion& motion = motions()[static_cast<std::size_t>(body.index)];
     return {rotation_matrix(motion.pose.rotation), motion.pose.position, motion.linear, motion.angular};
   };
-  for (const BodyId body : {one, other})
-    if (body != ground && !alive(body)) return least;
-  const contact::Place a = place(one), b = place(other);
+  const auto compare = [&](const Collider& first, const Collider& second) {
+    const contact::Place a = place(first.body), b = place(second.body);
+    const Vec3 centre = a.r + a.R * first.solid.centre;
+    const double apart =  // at least
+        second.plane ? dot(second.normal, centre - second.point) - first.solid.reach
+                     : norm(centre - b.r - b.R * second.solid.centre) - first.solid.reach - second.solid.reach;
+    if (least && !least->passes && apart >= least->distance) return;
+    const bool passes = model_.contact_law(first.body, second.body).off;
+    if (least && passes && (!least->passes || apart >= least->distance)) return;
+    const contact::NearestPoints nearest = second.plane ? contact::distance_to_plane(first.solid, a, second.point, second.normal)
+                                                        : contact::distance(first.solid, a, second.solid, b);
+    if (least && least->passes == passes && nearest.distance >= least->distance) return;
+    const auto velocity = [](const contact::Place& of, const Vec3& point) { return of.v + cross(of.w, point - of.r); };
+    const double rate = dot(nearest.normal, velocity(a, nearest.on_one) - velocity(b, nearest.on_other));
+    least = BodyGap{nearest.distance, rate, passes};
+  };
+  const auto counts = [&](const Collider& collider, const ContactBodies& of) {
+    return of.holds(collider.body) && (collider.body == ground || alive(collider.body));
+  };
   for (const Collider& first : model_.colliders()) {
-    if (first.body != one || first.plane) continue;
+    if (!counts(first, one)) continue;
     for (const Collider& second : model_.colliders()) {
-      if (second.body != other) continue;
-      const contact::NearestPoints nearest = second.plane
-                                                 ? contact::distance_to_plane(first.solid, a, second.point, second.normal)
-                                                 : contact::distance(first.solid, a, second.solid, b);
-      if (least && nearest.distance >= least->distance) continue;
-      const auto velocity = [](const contact::Place& of, const Vec3& point) { return of.v + cross(of.w, point - of.r); };
-      least = BodyGap{nearest.distance, dot(nearest.normal, velocity(a, nearest.on_one) - velocity(b, nearest.on_other))};
+      if (first.body == second.body || !counts(second, other)) continue;
+      if (first.plane)
+        compare(second, first);  // planes are those of the ground
+      else
+        compare(first, second);
     }
   }
   return least;

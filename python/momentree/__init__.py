@@ -28,7 +28,7 @@ from momentree._records import (
     Wrench,
 )
 from momentree._views import StateView
-from momentree._vocabulary import Action, Condition, JointSpec, Quantity, Reaction
+from momentree._vocabulary import Action, Condition, JointSpec, Onset, Quantity, Reaction
 from momentree.batch import Batch, BodyColumns, Group, JointColumns
 from momentree.distributions import *
 from momentree.events import *
@@ -68,6 +68,7 @@ __all__: list[str] = [
     "Model",
     "ModelBody",
     "Momentum",
+    "Onset",
     "Quantity",
     "Rates",
     "Reaction",

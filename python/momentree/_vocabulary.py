@@ -122,7 +122,7 @@ class Condition:
         self.quantity: Quantity = quantity
         """What is compared."""
         self.threshold: Number | None = threshold
-        """In the SI unit of the quantity, or text with a unit; None for what is true or not: :func:`touch`."""
+        """In the SI unit of the quantity, or text with a unit; None for what is true or not: :func:`touch`, :func:`slip`."""
         self.exceeds: bool = exceeds
         """True for ``>``, False for ``<``."""
         self._options: dict[str, Any] = {}
@@ -200,6 +200,17 @@ class Quantity:
         return f"{self.key}({self.value!r})"
 
 
+class Onset(Quantity):
+    """A quantity that also makes a condition without a threshold: :func:`slip`, that bodies begin to slip.
+
+    :meth:`Simulation.when` takes it as that condition.
+    """
+
+    def begins(self) -> Condition:
+        """The condition without a threshold, which may then be :meth:`~Condition.repeated`."""
+        return Condition(self, None, True)
+
+
 def measured(function: Callable[[World], float]) -> Quantity:
     """Any function of the world's state, continuous where its crossing is to be located.
 
@@ -250,4 +261,12 @@ def _plain(value: Any) -> Any:
         return {key: _plain(each) for key, each in cast("Mapping[str, Any]", value).items()}
     if isinstance(value, (list, tuple)):
         return [_plain(each) for each in cast("Sequence[Any]", value)]
+    return value
+
+
+def portable(value: Any) -> Any:
+    """A condition without handles, which can be pickled; anything else as it is."""
+    if isinstance(value, Condition):
+        quantity = Quantity(value.quantity.key, _plain(value.quantity.value), options=value.quantity.options)
+        return Condition(quantity, value.threshold, value.exceeds)._with(**value._options)
     return value

@@ -17,6 +17,7 @@ from momentree._vocabulary import (
     JointName,
     JointSpec,
     Numbers,
+    Onset,
     Pose,
     Quantity,
     Reaction,
@@ -211,7 +212,8 @@ def contact_force(one: BodyName, other: BodyName) -> Quantity:
     """Norm of the force between two bodies that touch; 0 if they do not (N).
 
     Args:
-        one: Name or handle of a body with a collision, or ``"ground"``.
+        one: Name or handle of a body with a collision; name of a mechanism, which stands for any of its bodies; or
+            ``"ground"``.
         other: The other one.
     """
     return Quantity("contact_force", [one, other], [one, other])
@@ -221,7 +223,8 @@ def contact_impulse(one: BodyName, other: BodyName) -> Quantity:
     """Norm of the impulse of two bodies that hit each other (N s).
 
     Args:
-        one: Name or handle of a body with a collision, or ``"ground"``.
+        one: Name or handle of a body with a collision; name of a mechanism, which stands for any of its bodies; or
+            ``"ground"``.
         other: The other one.
     """
     return Quantity("contact_impulse", [one, other], [one, other])
@@ -243,7 +246,8 @@ def gap(one: BodyName, other: BodyName) -> Quantity:
     """Least distance of two bodies, of what can touch (m).
 
     Args:
-        one: Name or handle of a body with a collision, or ``"ground"``.
+        one: Name or handle of a body with a collision; name of a mechanism, which stands for any of its bodies; or
+            ``"ground"``.
         other: The other one.
     """
     return Quantity("gap", [one, other], [one, other])
@@ -286,14 +290,15 @@ def reaction_impulse(joint: JointName) -> Quantity:
     return Quantity("reaction_impulse", joint, [joint])
 
 
-def slip(one: BodyName, other: BodyName) -> Quantity:
-    """Largest speed with which two bodies slip on each other; 0 if they do not touch (m/s).
+def slip(one: BodyName, other: BodyName) -> Onset:
+    """Largest speed of slip of two bodies, 0 if they do not touch (m/s); without a threshold: they begin to slip.
 
     Args:
-        one: Name or handle of a body with a collision, or ``"ground"``.
+        one: Name or handle of a body with a collision; name of a mechanism, which stands for any of its bodies; or
+            ``"ground"``.
         other: The other one.
     """
-    return Quantity("slip", [one, other], [one, other])
+    return Onset("slip", [one, other], [one, other])
 
 
 def speed(joint: JointName) -> Quantity:
@@ -309,7 +314,8 @@ def touch(one: BodyName, other: BodyName) -> Condition:
     """Two bodies touch; takes no threshold.
 
     Args:
-        one: Name or handle of a body with a collision, or ``"ground"``.
+        one: Name or handle of a body with a collision; name of a mechanism, which stands for any of its bodies; or
+            ``"ground"``.
         other: The other one.
     """
     return Condition(Quantity("touch", [one, other], [one, other]), None, True)

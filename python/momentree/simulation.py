@@ -22,15 +22,16 @@ from momentree._vocabulary import (
     JointSpec,
     Number,
     Numbers,
+    Onset,
     Pose,
     Quantity,
     Vector,
-    _plain,
+    portable,
 )
 from momentree.model import Model, Parent, Shape, body_fields
 from momentree.run import Run
 
-Trigger = Union[Condition, Callable[[World], float]]
+Trigger = Union[Condition, Onset, Callable[[World], float]]
 """What ``when`` accepts: a condition, or a function of the world that rises above 0."""
 DriveFunction = Callable[[Context], ArrayLike]
 """A function that drives a joint: it returns the effort along each degree of freedom (N m, N)."""
@@ -166,12 +167,14 @@ class Simulation(_core.SimulationBase):
         """Schedule actions for when a condition is met.
 
         Args:
-            condition: ``momentree.reaction("load").force > 40``; or a function of the world, and the event happens when it rises
-                above 0, with a located instant.
+            condition: ``momentree.reaction("load").force > 40``, or ``momentree.slip("crate", "floor")``, which needs no threshold;
+                or a function of the world, and the event happens when it rises above 0, with a located instant.
 
         Raises:
             Error: A name is unknown, or the condition can never be met.
         """
+        if isinstance(condition, Onset):
+            condition = condition.begins()
         if isinstance(condition, Quantity):
             raise Error("when: a quantity without a threshold", hint="compare it: momentree.reaction('load').force > 40")
         if not isinstance(condition, Condition):
@@ -421,7 +424,7 @@ class Simulation(_core.SimulationBase):
             how, arguments = entry["how"]
             if how == "when" and arguments[0].quantity.key == "function":
                 raise TypeError("a simulation whose events depend on Python functions can't be pickled")
-            schedule.append({**entry, "how": (how, tuple(_portable(each) for each in arguments))})
+            schedule.append({**entry, "how": (how, tuple(portable(each) for each in arguments))})
         if self._has_functions:
             raise TypeError("a simulation with Python functions as drives or forces can't be pickled")
         if self._has_other_bodies:
@@ -445,13 +448,6 @@ class Simulation(_core.SimulationBase):
 
     def __repr__(self) -> str:
         return f"<momentree.Simulation: {len(self.world.bodies)} bodies, t = {self.time:.9g} s>"
-
-
-def _portable(value: Any) -> Any:
-    if isinstance(value, Condition):
-        quantity = Quantity(value.quantity.key, _plain(value.quantity.value), options=value.quantity.options)
-        return Condition(quantity, value.threshold, value.exceeds)._with(**value._options)
-    return value
 
 
 def load(

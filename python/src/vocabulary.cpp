@@ -48,7 +48,9 @@ void register_vocabulary(nb::module_& m) {
       const auto quantity = make_quantity(key);
       QuantityProbe probe;
       quantity->fields(probe);
-      quantities.append(nb::make_tuple(key, quantity->summary(), probe.fields, quantity->has_threshold()));
+      const bool threshold = quantity->has_threshold();
+      quantities.append(
+          nb::make_tuple(key, quantity->summary(), probe.fields, threshold, threshold && quantity->drop_threshold()));
     }
     for (const io::JointKey& key : io::joint_keys())
       if (!key.documents) parameters.append(nb::make_tuple(key.key, key.about));

@@ -37,11 +37,19 @@ def test_a_box_lands_and_is_carried():
 def test_conditions():
     lands = np.sqrt(2 * 0.5 / 9.81)
     for condition, time in ((mt.touch("box/box", "ground"), lands), (mt.gap("ground", "box/box") < 0.2, np.sqrt(2 * 0.3 / 9.81)),
+                            (mt.touch("box", "floor"), lands), (mt.contact_impulse("box", "floor") > 1, lands),
                             (mt.contact_impulse("box/box", "ground") > 1, lands), (mt.contact_force("box/box", "ground") > 30, None)):
         sim = mt.Simulation(box_above_floor(restitution=0), method="dop853")
         sim.when(condition).then(mt.impulse("box/box", force=(0, 0, 0))).named("now")
         sim.run(1)
         assert [event.time for event in sim.events if event.name == "now"] == ([] if time is None else [pytest.approx(time, abs=1e-9)])
+    sim = mt.Simulation(box_above_floor(0))
+    sim.at(0.2).then(mt.impulse("box/box", force=(1, 0, 0)))
+    sim.when(mt.slip("box", "floor")).named("once")
+    sim.when(mt.slip("box", "floor").begins().repeated()).named("each")
+    sim.run(0.5)
+    for name in ("once", "each"):
+        assert [event.time for event in sim.events if event.name == name] == [pytest.approx(0.2)]
     assert repr(mt.touch("a", "b")) == "<momentree.Condition touch(['a', 'b'])>"
 
 
@@ -84,6 +92,10 @@ def test_mistakes():
         model.add("b", mass=1, inertia=1, joint=mt.Free(), collision="shape")
     model.add("thing/b", mass=1, inertia=1, joint=mt.Free(), q=[3, 0, 1, 1, 0, 0, 0])
     sim = mt.Simulation(model)
+    with pytest.raises(mt.Error, match="a quantity without a threshold"):
+        sim.when(mt.gap("box", "floor"))
+    with pytest.raises(mt.Error, match="'box' and 'box/box' are the same body"):
+        sim.when(mt.touch("box", "box/box"))
     with pytest.raises(mt.Error, match="'thing/b' touches nothing"):
         sim.when(mt.gap("box/box", "thing/b") < 1)
     with pytest.raises(mt.Error, match="takes no threshold"):

@@ -51,9 +51,9 @@ constexpr Mistake mistakes_in_events[] = {
     {"when", "z altitude y elevation", "height", "height = \"arm/hand\""},
     {"when", "time t at", "", "an instant replaces `when`: at = \"3 s\""},
     {"when", "joint body quantity type kind", "", above_or_below},
-    {"when", "collision contact contacts hits collides touches", "touch", "touch = [\"crate/crate\", \"floor\"]"},
-    {"when", "clearance separation surfacedistance", "gap", "gap = [\"crate/crate\", \"floor\"]"},
-    {"when", "sliding slides slipping slips", "slip", "slip = [\"crate/crate\", \"floor\"]"},
+    {"when", "collision contact contacts hits collides touches", "touch", "touch = [\"crate\", \"floor\"]"},
+    {"when", "clearance separation surfacedistance", "gap", "gap = [\"crate\", \"floor\"]"},
+    {"when", "sliding slides slipping slips", "slip", "slip = [\"crate\", \"floor\"]"},
     {"reaction", "axis direction dof", "component", "component = \"fx\""},
     {"reaction", "name", "joint", "joint = \"arm/elbow\""},
 

@@ -9,6 +9,7 @@ struct ContactForce : OfContact {
   const char* summary() const override { return "Norm of the force between two bodies that touch; 0 if they do not (N)"; }
   Dimension dimension() const override { return dimension::force; }
   bool never_negative() const override { return true; }
+  bool is_sum() const override { return true; }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     if (!exist(world)) return std::nullopt;
     Vec3 sum{};

@@ -10,11 +10,11 @@ struct ContactImpulse : OfContact {
   Dimension dimension() const override { return dimension::force * dimension::time; }
   bool never_negative() const override { return true; }
   bool is_impulsive() const override { return true; }
-  std::optional<double> value(const World&, std::span<const Event> now) const override {
-    double most = 0;
-    for (const Event& event : now)
-      if (is_of(event)) most = std::max(most, norm(event.contact.impulse));
-    return most;
+  bool is_sum() const override { return true; }
+  std::optional<double> value(const World& world, std::span<const Event> now) const override {
+    Vec3 sum{};
+    for (const Event& event : now) sum += sign_of(world, event) * event.contact.impulse;
+    return norm(sum);
   }
 };
 

@@ -16,13 +16,13 @@ struct Touch : OfContact {
     bool touch = false;
     each_point(world, [&](const ContactPoint&, double) { touch = true; });
     if (touch) return 1;
-    if (std::any_of(now.begin(), now.end(), [this](const Event& event) { return is_of(event); })) return 0;  // they part
-    const std::optional<BodyGap> between = world.gap(number(world, one), number(world, other));
-    return between && between->distance <= without_force ? 1 : 0;
+    if (std::any_of(now.begin(), now.end(), [&](const Event& event) { return is_of(world, event); })) return 0;  // they part
+    const std::optional<BodyGap> between = gap(world);
+    return between && !between->passes && between->distance <= without_force ? 1 : 0;
   }
-  bool begins(const World&, std::span<const Event> now) const override {
+  bool begins(const World& world, std::span<const Event> now) const override {
     return std::any_of(now.begin(), now.end(),
-                       [this](const Event& event) { return event.contact.impulse != Vec3{} && is_of(event); });
+                       [&](const Event& event) { return event.contact.impulse != Vec3{} && is_of(world, event); });
   }
 
  private:

@@ -87,6 +87,8 @@ def events(sim: mt.Simulation) -> None:
     assert_type(cut, mt.Action)
     assert_type(sim.at(0.01).then(cut, mt.set_parameters("arm/upper", damping=0.2)).named("cut"), mt.Scheduled)
     assert_type(mt.reaction("arm/upper").force > 40, mt.Condition)
+    assert_type(mt.slip("arm", "floor").begins(), mt.Condition)
+    assert_type(mt.slip("arm", "floor") > 0.1, mt.Condition)
     sim.when((mt.reaction("arm/upper").component("fx") > "40 N").lasting(0.1)).then(mt.lock("arm/upper", [0]))
     sim.when(mt.distance("arm/hand", "ground") < 0.1).then(mt.weld("arm/hand"))
     sim.when(lambda world: float(world.joints["arm/upper"].q[0]) - 2).then(mt.impulse("arm/hand", force=(1, 0, 0)))
