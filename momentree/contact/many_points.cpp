@@ -13,8 +13,7 @@ namespace {
 constexpr int most_sweeps = 100;
 constexpr int sweeps_between_looks = 8;  // in which the changes have to halve, or the sweeps end
 constexpr double converged = 1e-6;       // change of a velocity in one sweep, relative to the largest one before
-constexpr int most_separations = 50;
-constexpr int bisections = 8;  // of the part of the expansion that the energy permits
+constexpr int bisections = 8;            // of the part of the expansion that the energy permits
 
 // Of a symmetric 3×3 block; zero if it is nearly singular.
 std::array<double, 9> inverse_of(const std::array<double, 9>& A) {
@@ -293,13 +292,14 @@ void ManyPoints::solve() {
   }
 }
 
-const std::vector<double>& ManyPoints::separate(const std::vector<double>& gaps, std::vector<double>& pushes) {
+const std::vector<double>& ManyPoints::separate(const std::vector<double>& gaps, std::vector<double>& pushes, double accuracy,
+                                                int sweeps) {
   if (blocks_.size() != points.size()) find_blocks();
   moved_.assign(static_cast<std::size_t>(dofs_), 0.0);
   pushes.assign(points.size(), 0.0);
   const double deepest = -std::min(0.0, *std::min_element(gaps.begin(), gaps.end()));
   double push[3] = {};
-  for (int k = 0; k < most_separations; ++k) {
+  for (int k = 0; k < sweeps; ++k) {
     double most = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double a = blocks_[i][0];
@@ -310,7 +310,7 @@ const std::vector<double>& ManyPoints::separate(const std::vector<double>& gaps,
       add(i, push, moved_);
       most = std::max(most, std::fabs(push[0]) * a);
     }
-    if (!(most > 1e-3 * deepest)) break;
+    if (!(most > accuracy * deepest)) break;
   }
   return moved_;
 }

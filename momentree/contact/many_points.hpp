@@ -43,8 +43,10 @@ class ManyPoints {
   double along_normal(std::size_t point, const std::vector<double>& x) const { return along(point, 0, x); }
 
   /// The smallest motion that removes negative gaps (m, one of each point), by displacements along the normals. `pushes`: its
-  /// multipliers (kg m, rad in generalised terms), one of each point; returns the displacement of all degrees of freedom.
-  const std::vector<double>& separate(const std::vector<double>& gaps, std::vector<double>& pushes);
+  /// multipliers (kg m, rad in generalised terms), one of each point; returns the displacement of all degrees of freedom. It is
+  /// solved in at most `sweeps` sweeps, until the last of them moves points by less than `accuracy` times the deepest gap.
+  const std::vector<double>& separate(const std::vector<double>& gaps, std::vector<double>& pushes, double accuracy = 1e-3,
+                                      int sweeps = 50);
 
  private:
   void find_islands();

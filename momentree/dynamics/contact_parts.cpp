@@ -70,6 +70,24 @@ void ContactParts::add_points(const Tree& tree, const double* q, Workspace<doubl
   }
 }
 
+void ContactParts::add_stop(const Tree& tree, const double* q, Workspace<double>& workspace, int body, int dof, double sign,
+                            contact::ManyPoints& many) {
+  const int mechanism = mechanism_of_[index_of(body)];
+  const Range& range = ranges_[index_of(mechanism)];
+  contact::ManyPoints::Part& part = many.points.emplace_back().parts[0];
+  part = {mechanism, range.first_dof, range.end_dof - range.first_dof, many.J.size()};
+  const auto n = index_of(part.count);
+  many.J.resize(part.at + 3 * n, 0.0), many.Y.resize(part.at + 3 * n, 0.0), many.b.resize(many.b.size() + 3, 0.0);
+  row_[index_of(tree.first_p(body) + dof)] = sign;
+  const int* const dofs = dof_.data() + part.first;
+  for (std::size_t i = 0; i < n; ++i) many.J[part.at + i] = row_[index_of(dofs[i])];
+  if (tree.has_loops())
+    solve_with_loops(tree, q, workspace, row_.data());
+  else
+    solve_mechanism<double>(tree, q, workspace, row_.data(), range.begin, range.end);
+  for (std::size_t i = 0; i < n; ++i) many.Y[part.at + i] = std::exchange(row_[index_of(dofs[i])], 0.0);
+}
+
 void ContactParts::add_to(const std::vector<double>& x, double* packed) const {
   for (std::size_t i = 0; i < dof_.size(); ++i) packed[dof_[i]] += x[i];
 }

@@ -20,6 +20,10 @@ class ContactParts {
   void add_points(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
                   const ContactRows& rows, contact::ManyPoints& many);
 
+  /// Adds a stop of a joint as a point without tangents: its "normal" is a degree of freedom of the body's joint, times `sign`.
+  void add_stop(const Tree& tree, const double* q, Workspace<double>& workspace, int body, int dof, double sign,
+                contact::ManyPoints& many);
+
   /// Numbers by degree of freedom, in the order of this class, added to an array packed as p.
   void add_to(const std::vector<double>& x, double* packed) const;
 

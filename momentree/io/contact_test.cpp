@@ -68,10 +68,9 @@ TEST_CASE("contact: a chain of many links may touch") {
 
 TEST_CASE("contact: mistakes are refused with their places") {
   const std::string floor = "[world]\nfloor = true\n";
-  CHECK(
-      refusal(floor + ball("a", 0.05)) ==
-      "s.toml:9:8: error: 'a/ball' and 'ground' overlap by 0.05 m at the start; move one of them, or let them pass through each "
-      "other: [[contact]] with off = true");
+  CHECK(refusal(floor + ball("a", 0.05)) ==
+        "s.toml:9:8: error: 'a/ball' and 'ground' overlap by 0.05 m at the start; move one of them, let them pass through each "
+        "other by a [[contact]] with off = true, or push them apart by resolve = true in [integrate]");
   CHECK(refusal(ball("a", 1, "collision = \"shape\"\n")).find("the body has no shape") != std::string::npos);
   CHECK(refusal(ball("a", 1, "collision = \"hull\"\n")).find("expected shapes") != std::string::npos);
   CHECK(refusal("[world]\nfloor = { friction = -1 }\n" + ball("a", 1)).find("can't be negative") != std::string::npos);
@@ -144,4 +143,25 @@ TEST_CASE("contact: runs with reactions have a table of the points that touch") 
   write_text_file(folder / "contacts.csv", "time\n1,2\n");
   CHECK(error_of([&] { static_cast<void>(read_contact_rows(folder / "contacts.csv")); }).find("contacts.csv:2") !=
         std::string::npos);
+}
+
+TEST_CASE("contact: bodies that overlap are pushed apart, with a warning") {
+  const std::string floor = "[world]\nfloor = true\n", resolve = "[integrate]\nresolve = true\n";
+  ReadResult result = read_scenario_text("format = 1\n" + floor + ball("a", 0.05) + ball("b", 3) + resolve, "s.toml");
+  REQUIRE(result.scenario);
+  CHECK(rendered(result.diagnostics)
+            .find("s.toml:9:8: warning: bodies that overlap are pushed apart at the start, farthest "
+                  "'a/ball', by 0.05 m") != std::string::npos);
+  Simulation sim(result.scenario->model, result.scenario->integration);
+  CHECK(std::fabs(sim.world().motions()[0].pose.position.z - 0.1) < 1e-14);
+  CHECK(sim.run_until(0.1));
+  CHECK(read_scenario_text("format = 1\n" + floor + ball("a", 1) + resolve, "s.toml").diagnostics.empty());
+  const std::string welded =
+      "[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"b\"\nmass = 1\ninertia = 1\ncollision = { sphere = 0.1 }\n"
+      "[mechanism.body.joint]\nkind = \"prismatic\"\naxis = [1, 0, 0]\nat = { xyz = [0, 0, 0.05] }\n"
+      "[[contact]]\nbetween = [\"m\", \"floor\"]\n";
+  CHECK(
+      refusal(floor + welded + resolve) ==
+      "s.toml:7:8: error: 'm/b' and 'ground' can't be pushed apart: they still overlap by 0.05 m; move one of them, or let them "
+      "pass through each other: [[contact]] with off = true");
 }

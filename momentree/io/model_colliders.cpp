@@ -131,14 +131,21 @@ std::optional<Overlap> overlap_between_models(Reading& reading) {
       if (mechanism_of(name) == set.mechanism) return &set;
     return nullptr;
   };
-  std::optional<Overlap> worst = deepest_overlap(model);
-  for (int k = 0; worst && k < most_pairs; ++k) {
-    const Set* const set = set_of(worst->one);
-    if (set == nullptr || set_of(worst->other) != set) break;
-    exclude_pair(model, model.body(worst->one), model.body(worst->other));
+  const auto number = [&model](const std::string& name) { return name == "ground" ? ground : model.body(name); };
+  std::optional<Overlap> worst;
+  Model rest = model;  // without the pairs that were looked at
+  for (int k = 0; k < most_pairs; ++k) {
+    const std::optional<Overlap> next = deepest_overlap(rest);
+    if (!next) break;
+    const Set* const set = set_of(next->one);
+    const bool within = set != nullptr && set_of(next->other) == set;
+    if (!worst && !within) worst = next;
+    if (!within && (!reading.scenario.integration.resolve || reading.model_colliders.empty())) break;
+    exclude_pair(rest, number(next->one), number(next->other));
+    if (!within) continue;  // is pushed apart
+    exclude_pair(model, number(next->one), number(next->other));
     auto& [count, names] = left_out[set];
-    if (++count <= shown) names += (names.empty() ? "" : ", ") + in_quotes(worst->one) + " and " + in_quotes(worst->other);
-    worst = deepest_overlap(model);
+    if (++count <= shown) names += (names.empty() ? "" : ", ") + in_quotes(next->one) + " and " + in_quotes(next->other);
   }
   for (const Set& set : reading.model_colliders) {
     const auto found = left_out.find(&set);

@@ -78,6 +78,12 @@ std::vector<BodyId> bodies_of(const Value& value, Reading& reading) {
   return {};
 }
 
+std::string text_of_length(double metres) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g m", metres);
+  return text;
+}
+
 }  // namespace
 
 constinit const KeyTable contact_table{"[[contact]]", "contact", "Friction and restitution of contacts", contact_entries};
@@ -185,12 +191,24 @@ void check_contacts(Reading& reading) {
   if (!scenario.state_files.empty()) return;  // which say where bodies are
   const std::optional<Overlap> worst = overlap_between_models(reading);
   if (!worst) return;
-  const auto place = reading.bodies.find(worst->one);
-  char depth[40];
-  std::snprintf(depth, sizeof depth, "%.3g m", worst->depth);
-  reading.out.error(place != reading.bodies.end() ? place->second : Place{},
-                    in_quotes(worst->one) + " and " + in_quotes(worst->other) + " overlap by " + depth + " at the start",
-                    "move one of them, or let them pass through each other: [[contact]] with off = true");
+  const auto place_of = [&](const std::string& body) {
+    const auto place = reading.bodies.find(body);
+    return place != reading.bodies.end() ? place->second : Place{};
+  };
+  if (!scenario.integration.resolve)
+    return reading.out.error(place_of(worst->one),
+                             in_quotes(worst->one) + " and " + in_quotes(worst->other) + " overlap by " +
+                                 text_of_length(worst->depth) + " at the start",
+                             "move one of them, let them pass through each other by a [[contact]] with off = true, or push them "
+                             "apart by resolve = true "
+                             "in [integrate]");
+  const Separation separation = separation_of(scenario.model);
+  if (const std::optional<Error> error = separation.error())
+    return reading.out.error(place_of(separation.left->one), error->problem, error->hint);
+  reading.out.warning(place_of(separation.body),
+                      "bodies that overlap are pushed apart at the start, farthest " + in_quotes(separation.body) + ", by " +
+                          text_of_length(separation.largest),
+                      "");
 }
 
 }  // namespace momentree::io

@@ -33,6 +33,7 @@ constexpr Key integrate_entries[] = {
     {"atol", number(dimension::number, Range::positive), "Adaptive methods: absolute error per step", "1e-10"},
     {"max_step", number(dimension::time, Range::positive), "Adaptive methods: the longest step; default: no limit"},
     {"simultaneous", choice(&ways_to_share), "How contacts that close at one instant share the impact", R"("together")"},
+    {"resolve", boolean, "Bodies that overlap at the start are pushed apart, with the least motion", "false"},
 };
 
 constexpr Key output_entries[] = {
@@ -95,7 +96,7 @@ void read_integrate(const Value& table, Reading& reading) {
       out.error(fields.place_of("variables"), "method " + in_quotes(integration.method) + " integrates momenta",
                 "leave out variables, or use another method");
   }
-  fields.later({"resolve"}, "move bodies that overlap apart");
+  integration.resolve = fields.boolean("resolve").value_or(integration.resolve);
   if (const auto how = fields.string("simultaneous")) {
     if (*how != "together" && *how != "in_turn")
       out.error(fields.place_of("simultaneous"), "simultaneous: expected \"together\" or \"in_turn\", not " + in_quotes(*how));

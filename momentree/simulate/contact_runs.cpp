@@ -3,6 +3,7 @@
 // Contacts are located one by one as long as that goes on: time stepping begins where no forces are found, or where these grow
 // without bounds, where too many points touch, and where contacts change too often. It ends when no bodies have hit each other
 // for a while.
+#include <momentree/simulate/separate.hpp>
 #include <momentree/simulate/simulation_impl.hpp>
 
 namespace momentree {
@@ -15,6 +16,11 @@ constexpr double window_length = 1e-2, instant_length = 1e-6;
 constexpr double longest_patience = 10;  // s
 
 }  // namespace
+
+void Simulation::Impl::separate() {
+  if (!contacts.any()) return;
+  if (std::optional<Error> error = Separator(world, evaluate, contacts).run().error()) throw_error(std::move(*error));
+}
 
 void Simulation::Impl::make_methods() {
   const auto make = [&](const std::string& name) {
@@ -50,6 +56,7 @@ bool Simulation::Impl::resolve_contacts(bool after_step) {
   queue.forget_looks();
   if (failed && !failed->can_be_stepped && !after_step) {
     message = no_progress_at(world.time()) + failed->why;
+    if (statistics.steps == 0) message += "; resolve = true pushes bodies apart at the start";
     stalled = true;
     return false;
   }

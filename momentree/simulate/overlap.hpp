@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include <momentree/base/error.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree {
@@ -14,10 +15,22 @@ struct Overlap {
   double depth = 0;        ///< m
 };
 
+/// What pushing overlapping bodies apart did.
+struct Separation {
+  double largest = 0;             ///< the largest displacement (m) of what a body touches with; 0: nothing overlapped
+  std::string body{};             ///< whose it is
+  std::optional<Overlap> left{};  ///< the deepest overlap that could not be removed
+  /// The error if one is left.
+  std::optional<Error> error() const;
+};
+
 /// Colliders of a model at most: pairs of them have a number of 31 bits.
 inline constexpr std::size_t most_colliders = 40'000;
 
 /// The pair of bodies that can touch and overlaps most at the start of the model, if any do. Throws Error where World does.
 std::optional<Overlap> deepest_overlap(const Model& model);
+
+/// What Integration::resolve does at the start of the model.
+Separation separation_of(const Model& model);
 
 }  // namespace momentree

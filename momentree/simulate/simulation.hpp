@@ -33,6 +33,8 @@ struct Integration {
   double max_step = HUGE_VAL;  ///< s
   /// How contacts that close at one instant share the impact.
   contact::Simultaneous simultaneous = contact::Simultaneous::together;
+  /// Bodies that overlap at the start are pushed apart, with the least motion. Otherwise an overlap ends the run.
+  bool resolve = false;
 
   /// The variables that a run uses, without a model those of open trees. Throws Error for a model with couplings that `method`
   /// can't integrate.

@@ -52,6 +52,7 @@ struct Simulation::Impl {
     make_methods();
     if (std::optional<Error> error = undetermined_strength(world)) throw_error(std::move(*error));
     if (std::optional<Error> error = unfit_for_contact(model, how.method)) throw_error(std::move(*error));
+    if (how.resolve) separate();
     begin();
   }
 
@@ -61,6 +62,9 @@ struct Simulation::Impl {
   using During = detail::Restored<Doing>;
   bool idle() const { return doing == Doing::nothing && !world.workspace_.in_function; }
   bool steady() const { return doing != Doing::working && !world.workspace_.in_function; }
+
+  /// Pushes bodies apart that overlap; throws Error if that is impossible.
+  void separate();
 
   // The method of steps, and the one that takes its place while contacts are stepped through.
   void make_methods();

@@ -83,6 +83,7 @@ class Simulation(_core.SimulationBase):
         atol: Absolute error per step of adaptive methods.
         max_step: Longest step of adaptive methods (s).
         event_tolerance: Accuracy of located instants (s).
+        resolve: True: bodies that overlap at the start are pushed apart, with the least motion; an Error if that is impossible.
     """
 
     _schedule: list[dict[str, Any]]
@@ -103,9 +104,10 @@ class Simulation(_core.SimulationBase):
         atol: float | None = None,
         max_step: Number | None = None,
         event_tolerance: Number | None = None,
+        resolve: bool | None = None,
     ) -> None:
         options = {"method": method, "step": step, "rtol": rtol, "atol": atol, "max_step": max_step}
-        options |= {"variables": variables, "event_tolerance": event_tolerance}
+        options |= {"variables": variables, "event_tolerance": event_tolerance, "resolve": resolve}
         super().__init__(model, options)
         self._begin(("model", model.copy(), options))
 

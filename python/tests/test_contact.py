@@ -80,6 +80,14 @@ def test_a_model_that_is_written_touches_as_before():
         assert np.allclose(again.bodies[name].position[-1], run.bodies[name].position[-1], atol=1e-4)
 
 
+def test_overlaps_at_the_start():
+    sim = mt.Simulation(box_above_floor(-0.005), resolve=True)
+    np.testing.assert_allclose(sim.q[:3], [0, 0, 0.1], atol=1e-14)
+    sim.run(0.1)
+    with pytest.raises(mt.Error, match="overlap by 0.005 m"):
+        mt.Simulation(box_above_floor(-0.005)).run(0.1)
+
+
 def test_mistakes():
     model = box_above_floor()
     with pytest.raises(mt.Error, match="restitution: at most 1"):

@@ -87,8 +87,6 @@ TEST_CASE("unsupported names are neither suggested nor unknown") {
     const std::string text = said(read_scenario_text(pinned + table + "\nname = \"x\"\n", "s.toml"));
     CHECK_MESSAGE(text.find("is not supported yet") != std::string::npos, text);
   }
-  CHECK(said(read_scenario_text(pinned + "[integrate]\nresolve = true\n", "s.toml")) ==
-        "s.toml:11:1: error: 'resolve' is not supported yet; move bodies that overlap apart");
 }
 
 TEST_CASE("kinds, methods and roots of other engines") {

@@ -1,0 +1,160 @@
+#include <momentree/simulate/separate.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/dynamics/velocity.hpp>
+
+namespace momentree {
+
+namespace {
+
+constexpr double exact = 1e-12;     // depths that are left, relative to coordinates
+constexpr double rounding = 1e-13;  // of gaps, relative to coordinates: such bodies touch
+constexpr double accuracy = 1e-13;  // of the motion, relative to the deepest overlap
+constexpr double most_work = 2e7;   // sweeps times points of one try
+constexpr int most_tries_from_start = 30, most_tries = 200;
+constexpr int patience = 20;  // tries in which depths have to halve
+
+}  // namespace
+
+std::optional<Error> Separation::error() const {
+  if (!left) return std::nullopt;
+  char depth[40];
+  std::snprintf(depth, sizeof depth, "%.3g m", left->depth);
+  return Error{"'" + left->one + "' and '" + left->other + "' can't be pushed apart: they still overlap by " + depth, "",
+               "move one of them, or let them pass through each other: [[contact]] with off = true"};
+}
+
+// Returns the deepest overlap (m).
+double Separator::find_points(double within) {
+  const Tree& tree = world_->tree_;
+  Workspace<double>& workspace = world_->workspace_;
+  (*evaluate_)(world_->state_);
+  near_.clear();
+  contacts_->add_near(within, near_);
+  if (near_.empty()) return 0;
+  accelerate(tree, world_->state_, workspace);
+  locate_bodies(tree, world_->state_, workspace);
+  place_contacts(tree, workspace, near_, rows_);
+  double deepest = 0;
+  gaps_.resize(near_.size());
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    gaps_[i] = rows_.touches[i].gap;
+    deepest = std::max(deepest, -gaps_[i]), size_ = std::max(size_, norm(rows_.touches[i].point));
+  }
+  for (double& gap : gaps_)
+    if (std::fabs(gap) < rounding * size_) gap = 0;
+  return deepest;
+}
+
+void Separator::add_stops() {
+  const Tree& tree = world_->tree_;
+  const Numbers q = world_->state_.q();
+  for (const int b : tree.order()) {
+    const JointParameters* const p = tree.parameters(b);
+    if (p == nullptr || !p->limits.hard()) continue;
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
+      for (const double sign : {1.0, -1.0}) {
+        const double stop = sign > 0 ? p->limits.lower_of(i) : p->limits.upper_of(i);
+        if (!std::isfinite(stop)) continue;
+        parts_.add_stop(tree, q.data(), world_->workspace_, b, i, sign, many_);
+        gaps_.push_back(std::max(0.0, sign * (q[static_cast<std::size_t>(tree.first_q(b) + i)] - stop)));
+      }
+  }
+}
+
+// Moves by a step; returns its size (rad, m). `from_start`: such that the whole motion is the least one.
+double Separator::try_to_separate(bool from_start) {
+  const Tree& tree = world_->tree_;
+  many_.clear(parts_.dofs(), parts_.mechanisms());
+  parts_.add_points(tree, world_->state_.q().data(), world_->workspace_, near_, rows_, many_);
+  add_stops();
+  static_cast<void>(world_->state_.edit());  // with loops the workspace no longer holds its evaluation
+  if (!from_start) std::fill(moved_.begin(), moved_.end(), 0.0);
+  for (std::size_t i = 0; i < gaps_.size(); ++i) gaps_[i] -= many_.along_normal(i, moved_);
+  const double sweeps = std::clamp(most_work / static_cast<double>(near_.size()), 200.0, 20'000.0);
+  step_ = many_.separate(gaps_, pushes_, accuracy, static_cast<int>(sweeps));
+  double largest = 0;
+  for (std::size_t i = 0; i < step_.size(); ++i) {
+    step_[i] -= std::exchange(moved_[i], step_[i]);
+    largest = std::max(largest, std::fabs(step_[i]));
+  }
+  if (!(largest > 0) || !std::isfinite(largest)) return 0;
+  packed_.assign(static_cast<std::size_t>(tree.nv()), 0.0);
+  parts_.add_to(step_, packed_.data());
+  const double t = world_->time();
+  const State::Edit edit = world_->state_.edit();
+  displacement_.apply(tree, t, packed_.data(), edit.q.data(), edit.u.data(), world_->workspace_);
+  double ignored = 0;
+  if (tree.has_loops()) static_cast<void>(evaluate_->close(t, edit.q.data(), edit.u.data(), ignored));
+  return largest;
+}
+
+// Of all solids of bodies.
+std::vector<Vec3> Separator::centres() const {
+  std::vector<Vec3> all;
+  for (const Collider& collider : world_->model_.colliders()) {
+    Vec3& centre = all.emplace_back();
+    if (collider.body == ground || !world_->alive(collider.body)) continue;
+    centre = world_->motions()[static_cast<std::size_t>(collider.body.index)].pose * collider.solid.centre;
+  }
+  return all;
+}
+
+std::string Separator::name_of(int body) const { return body < 0 ? "ground" : world_->model_[BodyId{body}].name; }
+
+// The overlap of the points that were found last.
+std::optional<Overlap> Separator::what_is_left() const {
+  const auto deepest = std::min_element(gaps_.begin(), gaps_.end());
+  if (near_.empty() || !(-*deepest > exact * size_)) return contacts_->overlap();
+  const Contact& c = near_[static_cast<std::size_t>(deepest - gaps_.begin())];
+  return Overlap{name_of(std::max(c.a, c.b)), name_of(std::min(c.a, c.b)), -*deepest};
+}
+
+Separation Separator::run() {
+  Separation result;
+  double deepest = find_points(0);
+  if (!(deepest > exact * size_)) return result;
+  const std::vector<Vec3> before = centres();
+  const auto note_displacement = [&] {
+    result.largest = 0;
+    const std::vector<Vec3> now = centres();
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      const double by = norm(now[i] - before[i]);
+      if (by > result.largest) result.largest = by, result.body = name_of(world_->model_.colliders()[i].body.index);
+    }
+  };
+  parts_.number(world_->tree_);
+  moved_.assign(static_cast<std::size_t>(parts_.dofs()), 0.0);
+  double looked_at = deepest;
+  for (int k = 0; k < most_tries; ++k) {
+    deepest = find_points(2 * std::max(deepest, result.largest));
+    const bool from_start = k < most_tries_from_start;
+    if (!from_start && !(deepest > exact * size_)) break;
+    if ((k - most_tries_from_start) % patience == 0 && !from_start) {
+      if (k > most_tries_from_start && !(deepest < 0.5 * looked_at)) break;
+      looked_at = deepest;
+    }
+    if (near_.empty() || !(try_to_separate(from_start) > exact * size_)) break;
+    note_displacement();
+  }
+  static_cast<void>(find_points(0));
+  note_displacement();
+  result.left = what_is_left();
+  return result;
+}
+
+Separation Separator::of(const Model& model) {
+  World world(model, Variables::velocities);
+  Evaluator evaluate(world.tree_, world.workspace_);
+  Contacts contacts(world, evaluate, 1e-10);
+  return contacts.any() ? Separator(world, evaluate, contacts).run() : Separation{};
+}
+
+Separation separation_of(const Model& model) { return model.colliders().empty() ? Separation{} : Separator::of(model); }
+
+}  // namespace momentree

@@ -1,0 +1,42 @@
+#pragma once
+// Pushes bodies apart that overlap at the start, with the least motion.
+#include <vector>
+
+#include <momentree/contact/many_points.hpp>
+#include <momentree/dynamics/contact_parts.hpp>
+#include <momentree/simulate/contacts.hpp>
+
+namespace momentree {
+
+/// The motion is the least one that removes the overlaps, in the metric of the mass matrix: overlaps are linearised again after
+/// each try, and the next one is the least motion from the start. Where that does not converge, because the nearest way out
+/// changes, later tries remove what is left from where the bodies are. Joints stay within their hard stops.
+class Separator {
+ public:
+  Separator(World& world, Evaluator& evaluate, Contacts& contacts) : world_(&world), evaluate_(&evaluate), contacts_(&contacts) {}
+  Separation run();
+  /// At the start of a model.
+  static Separation of(const Model& model);
+
+ private:
+  double find_points(double within);
+  double try_to_separate(bool from_start);
+  void add_stops();
+  std::vector<Vec3> centres() const;
+  std::string name_of(int body) const;
+  std::optional<Overlap> what_is_left() const;
+
+  World* world_;
+  Evaluator* evaluate_;
+  Contacts* contacts_;
+  ContactParts parts_;
+  MomentumKeepingDisplacement displacement_;
+  std::vector<Contact> near_;
+  ContactRows rows_;
+  contact::ManyPoints many_;
+  double size_ = 1;            // of coordinates (m)
+  std::vector<double> moved_;  // since the start, in the order of parts_
+  std::vector<double> gaps_, pushes_, step_, packed_;
+};
+
+}  // namespace momentree
