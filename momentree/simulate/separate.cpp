@@ -12,10 +12,12 @@ namespace momentree {
 
 namespace {
 
-constexpr double exact = 1e-12;     // depths that are left, relative to coordinates
-constexpr double rounding = 1e-13;  // of gaps, relative to coordinates: such bodies touch
-constexpr double accuracy = 1e-13;  // of the motion, relative to the deepest overlap
-constexpr double most_work = 2e7;   // sweeps times points of one try
+constexpr double exact = 1e-12;       // depths that are left, relative to coordinates
+constexpr double rounding = 1e-13;    // of gaps, relative to coordinates: such bodies touch
+constexpr double accuracy = 1e-13;    // of the motion, relative to the deepest overlap
+constexpr double most_work = 2e7;     // sweeps times points of one try
+constexpr double longest_turn = 0.2;  // of one try (rad): turns are not linear
+constexpr double almost = 1e-3;       // of the first depth
 constexpr int most_tries_from_start = 30, most_tries = 200;
 constexpr int patience = 20;  // tries in which depths have to halve
 
@@ -67,11 +69,10 @@ void Separator::add_stops() {
   }
 }
 
-// Moves by a step; returns its size (rad, m). `from_start`: such that the whole motion is the least one.
-double Separator::try_to_separate(bool from_start) {
-  const Tree& tree = world_->tree_;
+// Finds the next step; returns its size (rad, m). `from_start`: such that the whole motion is the least one.
+double Separator::find_step(bool from_start) {
   many_.clear(parts_.dofs(), parts_.mechanisms());
-  parts_.add_points(tree, world_->state_.q().data(), world_->workspace_, near_, rows_, many_);
+  parts_.add_points(world_->tree_, world_->state_.q().data(), world_->workspace_, near_, rows_, many_);
   add_stops();
   static_cast<void>(world_->state_.edit());  // with loops the workspace no longer holds its evaluation
   if (!from_start) std::fill(moved_.begin(), moved_.end(), 0.0);
@@ -80,10 +81,15 @@ double Separator::try_to_separate(bool from_start) {
   step_ = many_.separate(gaps_, pushes_, accuracy, static_cast<int>(sweeps));
   double largest = 0;
   for (std::size_t i = 0; i < step_.size(); ++i) {
-    step_[i] -= std::exchange(moved_[i], step_[i]);
+    step_[i] -= moved_[i];
     largest = std::max(largest, std::fabs(step_[i]));
   }
-  if (!(largest > 0) || !std::isfinite(largest)) return 0;
+  return std::isfinite(largest) ? largest : 0;
+}
+
+void Separator::take_step(double part) {
+  const Tree& tree = world_->tree_;
+  for (std::size_t i = 0; i < step_.size(); ++i) step_[i] *= part, moved_[i] += step_[i];
   packed_.assign(static_cast<std::size_t>(tree.nv()), 0.0);
   parts_.add_to(step_, packed_.data());
   const double t = world_->time();
@@ -91,7 +97,6 @@ double Separator::try_to_separate(bool from_start) {
   displacement_.apply(tree, t, packed_.data(), edit.q.data(), edit.u.data(), world_->workspace_);
   double ignored = 0;
   if (tree.has_loops()) static_cast<void>(evaluate_->close(t, edit.q.data(), edit.u.data(), ignored));
-  return largest;
 }
 
 // Of all solids of bodies.
@@ -130,16 +135,27 @@ Separation Separator::run() {
   };
   parts_.number(world_->tree_);
   moved_.assign(static_cast<std::size_t>(parts_.dofs()), 0.0);
-  double looked_at = deepest;
-  for (int k = 0; k < most_tries; ++k) {
+  const double first = deepest;
+  double last = HUGE_VAL, looked_at = HUGE_VAL;
+  bool from_start = true;
+  for (int k = 0, later = 0; k < most_tries; ++k) {
     deepest = find_points(2 * std::max(deepest, result.largest));
-    const bool from_start = k < most_tries_from_start;
-    if (!from_start && !(deepest > exact * size_)) break;
-    if ((k - most_tries_from_start) % patience == 0 && !from_start) {
-      if (k > most_tries_from_start && !(deepest < 0.5 * looked_at)) break;
-      looked_at = deepest;
+    if (!from_start) {
+      // Points that are only near may be others than those that overlap.
+      if (!(deepest > exact * size_) && !((deepest = find_points(0)) > exact * size_)) break;
+      if (later++ % patience == 0 && !(deepest < 0.5 * std::exchange(looked_at, deepest))) break;
     }
-    if (near_.empty() || !(try_to_separate(from_start) > exact * size_)) break;
+    const double size = near_.empty() ? 0 : find_step(from_start);
+    if (from_start) {
+      // Where the least motion would begin anew elsewhere, this one is good enough.
+      const bool elsewhere = deepest < almost * first && size > 2 * last;
+      from_start = size > exact * size_ && !elsewhere && k + 1 < most_tries_from_start;
+      if (elsewhere) continue;
+    }
+    if (!(size > 0) && !from_start && later > 0) break;
+    if (!(size > 0)) continue;
+    take_step(std::min(1.0, std::max(longest_turn, 2 * deepest) / size));
+    last = size;
     note_displacement();
   }
   static_cast<void>(find_points(0));

@@ -20,7 +20,8 @@ class Separator {
 
  private:
   double find_points(double within);
-  double try_to_separate(bool from_start);
+  double find_step(bool from_start);
+  void take_step(double part);
   void add_stops();
   std::vector<Vec3> centres() const;
   std::string name_of(int body) const;
