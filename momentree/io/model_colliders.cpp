@@ -133,7 +133,7 @@ std::optional<Overlap> overlap_between_models(Reading& reading) {
   };
   std::optional<Overlap> worst = deepest_overlap(model);
   for (int k = 0; worst && k < most_pairs; ++k) {
-    const Set* const set = set_of(worst->one);
+    const Set* const set = worst->cable.empty() ? set_of(worst->one) : nullptr;
     if (set == nullptr || set_of(worst->other) != set) break;
     exclude_pair(model, model.body(worst->one), model.body(worst->other));
     auto& [count, names] = left_out[set];

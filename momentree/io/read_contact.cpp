@@ -181,7 +181,7 @@ void check_solid_uses(const Model& model, const std::vector<Reading::SolidUse>& 
 void check_contacts(Reading& reading) {
   const Scenario& scenario = reading.scenario;
   check_solid_uses(scenario.model, reading.solid_uses, reading.out);
-  if (scenario.model.colliders().empty()) return;
+  if (!scenario.model.has_contact()) return;
   if (const std::optional<Error> error = unfit_for_contact(scenario.model, scenario.integration.method))
     return reading.out.error({1, 1, 0}, error->problem, error->hint);
   if (!scenario.state_files.empty()) return;  // which say where bodies are
@@ -190,6 +190,11 @@ void check_contacts(Reading& reading) {
   const auto place = reading.bodies.find(worst->one);
   char depth[40];
   std::snprintf(depth, sizeof depth, "%.3g m", worst->depth);
+  if (!worst->cable.empty())
+    return reading.out.error(
+        reading.springs.at(worst->cable),
+        "length: the ends of cable " + in_quotes(worst->cable) + " are farther apart at the start, by " + depth,
+        "give it a longer length, or leave it out: it is then as long as they are apart");
   reading.out.error(place != reading.bodies.end() ? place->second : Place{},
                     in_quotes(worst->one) + " and " + in_quotes(worst->other) + " overlap by " + depth + " at the start",
                     "move one of them, or let them pass through each other: [[contact]] with off = true");

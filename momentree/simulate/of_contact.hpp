@@ -24,6 +24,7 @@ struct OfContact : Quantity {
     }
   }
   bool is_of(const Event& event) const {
+    if (!event.contact.cable.empty()) return false;
     return (event.contact.one == one && event.contact.other == other) ||
            (event.contact.one == other && event.contact.other == one);
   }

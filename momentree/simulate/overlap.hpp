@@ -8,10 +8,12 @@
 
 namespace momentree {
 
-/// Two bodies that overlap.
+/// Two bodies that overlap, or a cable that is too short for its ends.
 struct Overlap {
-  std::string one, other;  ///< bodies, or "ground"
-  double depth = 0;        ///< m
+  std::string one, other;    ///< bodies, or "ground"
+  double depth = 0;          ///< m; of a cable, the distance of its ends less its length
+  std::string cable{};       ///< its name; empty: the bodies overlap
+  std::string text() const;  ///< "'crate' and 'ground' overlap by 0.01 m"
 };
 
 /// Colliders of a model at most: pairs of them have a number of 31 bits.
