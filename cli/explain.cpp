@@ -237,8 +237,10 @@ std::string springs_text(const World& world, const Style& style) {
   const auto name = [&](const SpringEnd& end) { return end.body == ground ? "ground" : world.model()[end.body].name; };
   for (int s = 0; s < world.springs(); ++s) {
     const SpringView spring = world.spring({s});
-    text += "  " + std::string(spring.name) + ": from " + name(spring.from) + " to " + name(spring.to) +
-            format(", %g N/m, %g m long, %g m at rest", spring.law.stiffness, spring.length, spring.law.rest);
+    text +=
+        "  " + std::string(spring.name) + ": from " + name(spring.from) + " to " + name(spring.to) +
+        (spring.inextensible ? format(", a cable of %g m, ends %g m apart", spring.law.rest, spring.length)
+                             : format(", %g N/m, %g m long, %g m at rest", spring.law.stiffness, spring.length, spring.law.rest));
     if (spring.law.tension_only) text += ", pulls only";
     if (std::isfinite(spring.law.strength)) text += format(", breaks at %g N", spring.law.strength);
     text += spring.broken ? ", broken\n" : "\n";

@@ -28,8 +28,8 @@ const Model& with_bodies(const Model& model) {
 Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
     : impl_(std::make_unique<Impl>(with_bodies(model), options, threads_of(options))) {
   if (worlds < 1) throw_error({"a batch has at least one world", "", "give the number of worlds"});
-  if (!model.colliders().empty())
-    throw_error({"batches do not support contact yet", "", "run a Simulation for each world, or a sweep"});
+  if (model.has_contact())
+    throw_error({"batches do not support contact and cables yet", "", "run a Simulation for each world, or a sweep"});
   const Tree& tree = impl_->declared;
   batch::check(tree);
   impl_->seats.resize(static_cast<std::size_t>(worlds));

@@ -46,7 +46,7 @@ Lockstep::~Lockstep() = default;
 bool Lockstep::fits(const Simulation& simulation) {
   Simulation::Impl& impl = simulation.impl();
   return impl.method->is_that_of_lanes() && !impl.generated && !impl.stops.any() && !impl.queue.watching(impl.world) &&
-         impl.world.model().colliders().empty() &&
+         !impl.world.model().has_contact() &&
          (!impl.world.tree().has_loops() || impl.world.state().variables() == Variables::velocities) &&
          !batch::unsupported(impl.world.tree());
 }

@@ -101,6 +101,11 @@ Touch touch(const Features& f, const Place& a, const Place& b) noexcept {
       out.normal = d.n, out.normal_rate = d.rate, out.gap = d.length;
       break;
     }
+    case FeaturePair::cable: {
+      const Direction d = direction_of(pb - pa, vb - va);
+      out.normal = d.n, out.normal_rate = d.rate, out.gap = f.length - d.length;
+      break;
+    }
   }
   out.gap -= f.radius_a + f.radius_b;
   out.point = surface - f.radius_a * out.normal;

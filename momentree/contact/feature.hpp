@@ -12,7 +12,8 @@ enum class FeaturePair : unsigned char {
   point_line,  ///< a point of body a, a line of body b
   line_line,
   circle_plane,  ///< the lowest point of a circle of body a, a plane of body b
-  point_circle   ///< a point of body a, a circle of body b
+  point_circle,  ///< a point of body a, a circle of body b
+  cable          ///< two points that are never farther apart than a length
 };
 
 /// Two features, each in the frame of its body.
@@ -23,6 +24,7 @@ struct Features {
   double radius_a = 0, radius_b = 0;  ///< m
   double side = 1;                    ///< of line_line: the sign with which side·(line_a × line_b) points from b to a
   double rim = 0;                     ///< radius of a circle, whose centre is the point and whose axis is the line (m)
+  double length = 0;                  ///< of a cable (m)
 };
 
 /// Pose and velocity of a body's frame, in world axes.
@@ -34,9 +36,9 @@ struct Place {
 
 /// The contact of two features.
 struct Touch {
-  double gap = 0;        ///< distance of the surfaces; negative: they overlap (m)
+  double gap = 0;        ///< distance of the surfaces; negative: they overlap (m). Of a cable: by how much it is slack
   Vec3 point{};          ///< where they are nearest (m), on the surface of a
-  Vec3 normal{};         ///< unit vector from b to a
+  Vec3 normal{};         ///< unit vector from b to a; of a cable, from a to b
   Vec3 tangent[2] = {};  ///< unit vectors, perpendicular to it
   Vec3 point_rate{}, normal_rate{};
 };

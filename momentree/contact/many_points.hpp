@@ -53,10 +53,12 @@ class ManyPoints {
   void find_blocks();
   int root(int group);
   double along(std::size_t point, std::size_t row, const std::vector<double>& x) const;
-  void moved_along(std::size_t point, double* w) const;
+  void all_along(std::size_t point, const std::vector<double>& x, double* w) const;
   void add(std::size_t point, const double* r, std::vector<double>& x) const;
   double relax(std::size_t point, double least, const std::vector<double>& start, double* own);
   void sweep(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, std::vector<double>& impulses);
+  void solve_pressing(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                      std::vector<double>& impulses, double accuracy);
   double energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                        const std::vector<double>& impulses) const;
   void lose_energy(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
@@ -66,10 +68,11 @@ class ManyPoints {
 
   int dofs_ = 0;
   std::vector<int> parent_;                               // of groups, for the islands
+  std::vector<std::size_t> pressing_;                     // while their impulses are found
   std::vector<std::size_t> order_, ends_;                 // points island by island, and where each island ends
   std::vector<std::array<double, 9>> blocks_, inverses_;  // A of each point, and its inverse
   std::vector<double> tangential_;                        // the larger eigenvalue of its tangential part
-  std::vector<double> change_, least_, after_, rebound_, best_, moved_, shift_;
+  std::vector<double> change_, least_, after_, rebound_, best_, moved_, shift_, direction_, missing_, step_, product_, free_;
 };
 
 }  // namespace momentree::contact

@@ -9,8 +9,10 @@ namespace momentree::contact {
 
 namespace {
 
-// Faces give several points, edges one: an edge is taken only if the overlap along it is clearly less.
+// Faces give several points, edges one: an edge is taken only if the overlap along it is clearly less. Between faces that are
+// nearly parallel, edges and faces differ by rounding, and bodies that rest would lose all points but one.
 constexpr double clearly_less = 0.9;
+constexpr double nearly_parallel = 3e-5;  // of the thickness of the thinner solid
 
 }  // namespace
 
@@ -76,7 +78,8 @@ void OverlapPoints::find(const Solid& one, const Place& place_one, const Solid& 
   cross_edges(one, place_one, other, place_other, within, -gap, edges_);
   const auto least =
       std::max_element(edges_.begin(), edges_.end(), [](const Candidate& a, const Candidate& b) { return a.gap < b.gap; });
-  if (least != edges_.end() && (gap < 0 ? least->gap > clearly_less * gap : least->gap > gap)) {
+  const double more = nearly_parallel * std::min(one.thickness, other.thickness);
+  if (least != edges_.end() && least->gap > std::max(clearly_less * gap, gap) + more) {
     out.push_back(*least);
     return;
   }

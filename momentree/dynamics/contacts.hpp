@@ -33,6 +33,7 @@ struct HeldForce {
   int a = -1, b = -1;
   Vec3 point{}, force{};  ///< m, N
   Vec3 normal{}, slip{};  ///< of the contact that exerts it: unit vector from b to a, and velocity of a along b (m/s)
+  int cable = -1;         ///< the spring of the model that exerts it; −1: bodies touch
 };
 
 /// Memory of contacts, part of a Workspace.

@@ -137,9 +137,10 @@ std::optional<Overlap> overlap_between_models(Reading& reading) {
   for (int k = 0; k < most_pairs; ++k) {
     const std::optional<Overlap> next = deepest_overlap(rest);
     if (!next) break;
-    const Set* const set = set_of(next->one);
+    const Set* const set = next->cable.empty() ? set_of(next->one) : nullptr;
     const bool within = set != nullptr && set_of(next->other) == set;
     if (!worst && !within) worst = next;
+    if (!next->cable.empty()) break;
     if (!within && (!reading.scenario.integration.resolve || reading.model_colliders.empty())) break;
     exclude_pair(rest, number(next->one), number(next->other));
     if (!within) continue;  // is pushed apart

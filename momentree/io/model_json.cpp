@@ -116,7 +116,8 @@ void write_springs(JsonWriter& json, const World& world) {
       json.value(end.body == ground ? "ground" : model[end.body].name).member("point", end.point).end_object();
     }
     json.member("stiffness", spring.law.stiffness).member("rest", spring.law.rest).member("damping", spring.law.damping);
-    json.member("tension_only", spring.law.tension_only).member("strength", spring.law.strength).member("broken", spring.broken);
+    json.member("tension_only", spring.law.tension_only).member("inextensible", spring.inextensible);
+    json.member("strength", spring.law.strength).member("broken", spring.broken);
     json.end_object();
   }
   json.end_object();

@@ -185,7 +185,7 @@ void check_solid_uses(const Model& model, const std::vector<Reading::SolidUse>& 
 void check_contacts(Reading& reading) {
   const Scenario& scenario = reading.scenario;
   check_solid_uses(scenario.model, reading.solid_uses, reading.out);
-  if (scenario.model.colliders().empty()) return;
+  if (!scenario.model.has_contact()) return;
   if (const std::optional<Error> error = unfit_for_contact(scenario.model, scenario.integration.method))
     return reading.out.error({1, 1, 0}, error->problem, error->hint);
   if (!scenario.state_files.empty()) return;  // which say where bodies are
@@ -195,13 +195,18 @@ void check_contacts(Reading& reading) {
     const auto place = reading.bodies.find(body);
     return place != reading.bodies.end() ? place->second : Place{};
   };
+  const std::string by = text_of_length(worst->depth);
+  if (!scenario.integration.resolve && !worst->cable.empty())
+    return reading.out.error(reading.springs.at(worst->cable),
+                             "length: the ends of cable " + in_quotes(worst->cable) + " are farther apart at the start, by " + by,
+                             "give it a longer length, or leave it out: it is then as long as they are apart; or let resolve = "
+                             "true in [integrate] bring "
+                             "its ends together");
   if (!scenario.integration.resolve)
     return reading.out.error(place_of(worst->one),
-                             in_quotes(worst->one) + " and " + in_quotes(worst->other) + " overlap by " +
-                                 text_of_length(worst->depth) + " at the start",
+                             in_quotes(worst->one) + " and " + in_quotes(worst->other) + " overlap by " + by + " at the start",
                              "move one of them, let them pass through each other by a [[contact]] with off = true, or push them "
-                             "apart by resolve = true "
-                             "in [integrate]");
+                             "apart by resolve = true in [integrate]");
   const Separation separation = separation_of(scenario.model);
   if (const std::optional<Error> error = separation.error())
     return reading.out.error(place_of(separation.left->one), error->problem, error->hint);

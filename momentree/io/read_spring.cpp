@@ -1,4 +1,4 @@
-// [[spring]]: springs between two points of bodies.
+// [[spring]] and [[cable]]: springs and cables between two points of bodies.
 #include <momentree/base/characters.hpp>
 #include <momentree/io/read_action.hpp>
 
@@ -23,6 +23,19 @@ constexpr Key spring_entries[] = {
     {"strength", number(dimension::force, Range::positive), "It breaks when its force exceeds this"},
 };
 
+constexpr Key cable_entries[] = {
+    {"name", string, "Name, for events and results", nullptr, "name = \"tether\""},
+    {"from", other(end_schema, point_table), "Its first end: a point of a body, or of the \"ground\"; a name alone: the origin",
+     nullptr, "for example from = { body = \"tug/hull\", point = [1, 0, 0] }"},
+    {"to", other(end_schema, point_table), "Its second end", nullptr,
+     "for example to = { body = \"ground\", point = [0, 0, 3] }"},
+    {"length", number(dimension::length, Range::positive),
+     "Its ends are never farther apart; default: the distance at the start"},
+    {"restitution", number(dimension::number, Range::not_negative),
+     "How its ends rebound when it becomes taut: 0 (not at all) to 1", "0"},
+    {"strength", number(dimension::force, Range::positive), "It breaks when its tension exceeds this"},
+};
+
 // Names may have one '/', so that springs of a model file carry the name of their mechanism.
 bool check_spring_name(const std::string& name, Place place, Diagnostics& out) {
   const std::size_t slash = name.find('/');
@@ -31,13 +44,26 @@ bool check_spring_name(const std::string& name, Place place, Diagnostics& out) {
          check_bare_name(name.substr(slash + 1), place, "a spring", out);
 }
 
+std::string read_name(Fields& fields, const char* what, Reading& reading) {
+  Diagnostics& out = reading.out;
+  fields.require("name");
+  const auto name = fields.string("name");
+  if (!name || !check_spring_name(*name, fields.place_of("name"), out)) return {};
+  reading.note(reading.springs, *name, fields.place_of("name"), what);
+  if (const auto joint = reading.joints.find(*name); joint != reading.joints.end())
+    out.error(fields.place_of("name"),
+              "name: there is a joint " + in_quotes(*name) + " already, on " + out.name_of(joint->second),
+              "events refer to springs, cables and joints by their names: give the " + std::string(what) + " another one");
+  return *name;
+}
+
 // The body's name; nothing, with a report, if there is none.
 std::optional<std::string> body_of_end(const std::string& name, Place place, const char* key, Reading& reading) {
   if (name == "ground" || reading.bodies.contains(name) || reading.opaque.contains(mechanism_of(name))) return name;
   std::string hint;
   if (means_ground(name)) hint = "the ground is \"ground\"";
   if (hint.empty() && reading.joints.contains(name)) hint = "that is the name of a joint";
-  if (hint.empty() && name.find('*') != std::string::npos) hint = "a spring has two ends: name one body";
+  if (hint.empty() && name.find('*') != std::string::npos) hint = "it has two ends: name one body";
   if (hint.empty() && name.find('/') == std::string::npos)
     for (const auto& [mechanism, where] : reading.mechanisms)
       if (reading.bodies.contains(mechanism + "/" + name)) hint = "use the full name: " + in_quotes(mechanism + "/" + name);
@@ -80,26 +106,14 @@ constinit const KeyTable spring_table{"[[spring]]",
                                       spring_entries,
                                       {{KeyRule::How::some, "stiffness damping"}}};
 
-void read_spring(const Value& table, Reading& reading) {
+constinit const KeyTable cable_table{"[[cable]]", "cable", "An inextensible cable between two points of bodies", cable_entries};
+
+namespace {
+
+// Adds it to the model, if its ends are bodies of it and nothing is wrong. `errors`: before the table was read.
+void add(const std::optional<End>& from, const std::optional<End>& to, Spring spring, Fields& fields, std::size_t errors,
+         Reading& reading) {
   Diagnostics& out = reading.out;
-  const std::size_t errors = out.errors();
-  Fields fields(table, spring_table, out);
-  Spring spring;
-  fields.require("name");
-  if (const auto name = fields.string("name"); name && check_spring_name(*name, fields.place_of("name"), out)) {
-    spring.name = *name;
-    reading.note(reading.springs, spring.name, fields.place_of("name"), "spring");
-    if (const auto joint = reading.joints.find(spring.name); joint != reading.joints.end())
-      out.error(fields.place_of("name"),
-                "name: there is a joint " + in_quotes(spring.name) + " already, on " + out.name_of(joint->second),
-                "events refer to springs and joints by their names: give the spring another one");
-  }
-  const auto from = read_end(fields, "from", reading), to = read_end(fields, "to", reading);
-  spring.stiffness = fields.number("stiffness").value_or(0);
-  spring.rest = fields.number("rest");
-  spring.damping = fields.number("damping").value_or(0);
-  spring.tension_only = fields.boolean("tension_only").value_or(false);
-  spring.strength = fields.number("strength").value_or(spring.strength);
   fields.finish();
   Model& model = reading.scenario.model;
   if (!from || !to || errors != out.errors()) return;
@@ -111,12 +125,42 @@ void read_spring(const Value& table, Reading& reading) {
     out.error(fields.place_of(problem.field), problem.field + ": " + problem.what, std::move(problem.hint));
   if (errors != out.errors()) return;
   const double length = norm(start_place(model.bodies(), spring.to) - start_place(model.bodies(), spring.from));
-  if (!(length > 0) && spring.rest.value_or(0) > 0 && !spring.tension_only)
-    out.warning(
-        fields.place(),
-        "spring " + in_quotes(spring.name) + ": its ends coincide at the start: it has no direction there, and exerts no force",
-        "move one of the points");
+  const std::string what = (spring.inextensible ? "cable " : "spring ") + in_quotes(spring.name);
+  if (!(length > 0) && spring.inextensible && !spring.rest) {
+    return out.error(fields.place(), what + ": its ends coincide at the start", "give it a length");
+  }
+  if (!(length > 0) && spring.rest.value_or(0) > 0 && !spring.tension_only && !spring.inextensible)
+    out.warning(fields.place(), what + ": its ends coincide at the start: it has no direction there, and exerts no force",
+                "move one of the points");
   model.add_spring(std::move(spring));
+}
+
+}  // namespace
+
+void read_spring(const Value& table, Reading& reading) {
+  const std::size_t errors = reading.out.errors();
+  Fields fields(table, spring_table, reading.out);
+  Spring spring;
+  spring.name = read_name(fields, "spring", reading);
+  const auto from = read_end(fields, "from", reading), to = read_end(fields, "to", reading);
+  spring.stiffness = fields.number("stiffness").value_or(0);
+  spring.rest = fields.number("rest");
+  spring.damping = fields.number("damping").value_or(0);
+  spring.tension_only = fields.boolean("tension_only").value_or(false);
+  spring.strength = fields.number("strength").value_or(spring.strength);
+  add(from, to, std::move(spring), fields, errors, reading);
+}
+
+void read_cable(const Value& table, Reading& reading) {
+  const std::size_t errors = reading.out.errors();
+  Fields fields(table, cable_table, reading.out);
+  Cable cable;
+  cable.name = read_name(fields, "cable", reading);
+  const auto from = read_end(fields, "from", reading), to = read_end(fields, "to", reading);
+  cable.length = fields.number("length");
+  cable.restitution = fields.number("restitution").value_or(0);
+  cable.strength = fields.number("strength").value_or(cable.strength);
+  add(from, to, spring_of(std::move(cable)), fields, errors, reading);
 }
 
 }  // namespace momentree::io

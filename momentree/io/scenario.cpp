@@ -27,6 +27,7 @@ constexpr Key keys_entries[] = {
     {"force", tables(force_table), "External forces on bodies"},
     {"loop", tables(loop_table), "Joints that close loops"},
     {"spring", tables(spring_table), "Springs and ropes between points of bodies"},
+    {"cable", tables(cable_table), "Inextensible cables between points of bodies"},
     {"coupling", tables(coupling_table), "Joints that follow others"},
     {"contact", tables(contact_table), "Friction and restitution where bodies touch"},
     {"event", tables(event_table), "The events"},
@@ -121,6 +122,12 @@ void read_document(const Value& document, Reading& reading) {
       read_spring(*spring, reading);
     }
   }
+  if (const Value* cables = fields.find("cable")) {
+    for (const Value* cable : tables_of(*cables, "cable", out)) {
+      if (out.full()) break;
+      read_cable(*cable, reading);
+    }
+  }
   if (const Value* couplings = fields.find("coupling")) {
     for (const Value* coupling : tables_of(*couplings, "coupling", out)) {
       if (out.full()) break;
@@ -145,7 +152,6 @@ void read_document(const Value& document, Reading& reading) {
   finish_events(reading);
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
   if (const Value* output = fields.find("output")) read_output(*output, reading);
-  fields.later({"cable"}, "a spring with tension_only = true is a rope that gives");
   fields.later({"scenario", "worlds", "seed", "vary", "measure"}, "this is a scenario of one world, not a sweep");
   fields.finish();
   check_whole(reading);

@@ -204,6 +204,7 @@ std::vector<std::string> matching_bodies(const std::string& pattern, Reading& re
 
 void read_force(const Value& table, Reading& reading);
 void read_spring(const Value& table, Reading& reading);
+void read_cable(const Value& table, Reading& reading);
 
 /// The value of a body's `collision`. `drawn`: its shape.
 std::vector<contact::Solid> read_collision(const Value& value, const Shape& drawn, Reading& reading);

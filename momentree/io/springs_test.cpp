@@ -62,6 +62,35 @@ void run_to(Session& session, double until) {
 
 }  // namespace
 
+TEST_CASE("the keys of [[cable]], with units and defaults; scenarios that are written have them") {
+  const std::string ends = "from = { body = \"ground\", point = [1, 0, 3] }\nto = { body = \"n/b\", point = [1, 0, 0] }\n";
+  const auto cable = [&](const std::string& keys) { return two_bodies + "[[cable]]\nname = \"c\"\n" + ends + keys; };
+  const Scenario scenario = read(cable("length = \"350 cm\"\nrestitution = 0.2\nstrength = \"1.5 kN\"\n"));
+  REQUIRE(scenario.model.springs().size() == 1);
+  const Spring& all = scenario.model.springs()[0];
+  CHECK(all.inextensible);
+  CHECK(*all.rest == 3.5);
+  CHECK(all.restitution == 0.2);
+  CHECK(all.strength == 1500);
+  CHECK(*read(cable("")).model.springs()[0].rest == 3);
+  const Scenario again = read(to_toml(scenario.model));
+  CHECK(again.model.springs()[0] == all);
+  const Scenario converted = read(to_toml(scenario, "").text);
+  CHECK(converted.model.springs()[0] == all);
+  const auto says = [&](const std::string& keys, const std::string& part) {
+    const ReadResult result = read_scenario_text(cable(keys), "test.toml");
+    REQUIRE(!result.scenario);
+    const std::string text = rendered(result.diagnostics);
+    CAPTURE(text);
+    CHECK(text.find(part) != std::string::npos);
+  };
+  says("length = 2\n", "length: the ends of cable 'c' are farther apart at the start, by 1 m");
+  says("restitution = 2\n", "restitution: must be from 0 to 1");
+  says("rest = 2\n", "did you mean 'length'?");
+  says("stiffness = 2\n", "a rope that does is a [[spring]] with tension_only = true");
+  says("[integrate]\nmethod = \"midpoint\"\n", "does not support contact and cables");
+}
+
 TEST_CASE("the keys of [[spring]], with units and defaults") {
   const Spring all =
       only("stiffness = \"2 kN/m\"\nrest = \"50 cm\"\ndamping = \"3 N s/m\"\ntension_only = true\nstrength = \"1.5 kN\"\n");

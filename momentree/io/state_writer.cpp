@@ -63,8 +63,10 @@ void write_body(JsonWriter& json, const std::string& name, const BodyMotion& mot
 void write_spring(JsonWriter& json, const World& world, int number) {
   const SpringView spring = world.spring({number});
   json.key(spring.name).begin_object();
-  json.member("broken", spring.broken).member("stiffness", spring.law.stiffness).member("rest", spring.law.rest);
-  json.member("damping", spring.law.damping).member("tension_only", spring.law.tension_only);
+  json.member("broken", spring.broken);
+  if (!spring.inextensible) json.member("stiffness", spring.law.stiffness);
+  json.member("rest", spring.law.rest);
+  if (!spring.inextensible) json.member("damping", spring.law.damping).member("tension_only", spring.law.tension_only);
   json.member("strength", spring.law.strength);  // unbounded: null
   json.member("length", spring.length).member("rate", spring.rate).member("tension", spring.tension);
   json.end_object();

@@ -144,6 +144,7 @@ std::string event_json(const Event& event) {
     };
     json.key("bodies").begin_array().value(contact.one).value(contact.other).end_array();
     vector("point", contact.point), vector("normal", contact.normal), vector("impulse", contact.impulse);
+    if (!contact.cable.empty()) json.member("cable", contact.cable);
     if (contact.scaled < 1) json.member("scaled", contact.scaled);
     if (contact.in_turn) json.member("in_turn", true);
   }

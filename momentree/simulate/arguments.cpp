@@ -36,12 +36,12 @@ const Integration& checked(const Integration& how) {
 }
 
 std::optional<Error> unfit_for_contact(const Model& model, const std::string& method) {
-  if (model.colliders().empty()) return std::nullopt;
+  if (!model.has_contact()) return std::nullopt;
   if (!supports_contact(method)) {
     std::string others;
     for (const std::string& other : integration_methods())
       if (supports_contact(other)) others += (others.empty() ? "\"" : ", \"") + other + '"';
-    return Error{"the method '" + method + "' does not support contact", "", "use one of " + others};
+    return Error{"the method '" + method + "' does not support contact and cables", "", "use one of " + others};
   }
   if (model.colliders().size() > most_colliders)
     return Error{std::to_string(model.colliders().size()) + " shapes can touch, and at most " + std::to_string(most_colliders) +
@@ -53,7 +53,7 @@ std::optional<Error> unfit_for_contact(const Model& model, const std::string& me
 Variables Integration::state_variables() const { return variables.value_or(default_variables(method)); }
 
 Variables Integration::state_variables(const Model& model) const {
-  if (!model.colliders().empty()) return Variables::velocities;
+  if (model.has_contact()) return Variables::velocities;
   return model.has_equations() ? loop_variables() : state_variables();
 }
 

@@ -31,7 +31,7 @@ void Simulation::Impl::make_methods() {
   };
   method = make(integration.method);
   method_steps = steps_through_contacts(integration.method);
-  stepper = world.model_.colliders().empty() ? nullptr : make(contact_stepping_method());
+  stepper = world.model_.has_contact() ? make(contact_stepping_method()) : nullptr;
   if (stepper == nullptr) stepping = {};
   if (!contact_steps.points().empty()) contact_steps.set_points({});  // their numbers are those of the former bodies
 }

@@ -33,7 +33,8 @@ Event Contacts::begin_event(const char* what, int number) {
   event.mechanisms_before = event.mechanisms_after = world_->mechanism_names();
   event.before = event.after = world_->totals();
   const Pair& pair = pairs_[static_cast<std::size_t>(number)];
-  event.contact.one = name_of(pair.one->body.index), event.contact.other = name_of(pair.other->body.index);
+  event.contact.one = name_of(pair.a), event.contact.other = name_of(pair.b);
+  if (pair.cable >= 0) event.contact.cable = pair.law_name;
   return event;
 }
 
@@ -45,7 +46,7 @@ void Contacts::locate_event(Event& event, const std::vector<Contact>& contacts, 
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (contacts[i].pair != pair) continue;
     const double weight = weights[i] + 1e-300;
-    const double sign = contacts[i].a == pairs_[static_cast<std::size_t>(pair)].one->body.index ? 1 : -1;
+    const double sign = contacts[i].a == pairs_[static_cast<std::size_t>(pair)].a ? 1 : -1;
     total += weight, point += weight * rows_.touches[i].point, normal += sign * weight * rows_.touches[i].normal;
   }
   if (!(total > 0)) return;
@@ -115,7 +116,7 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
       else
         on_ground.push_back({-1, -sign * impulse, {}, point});
     }
-    const bool first = contacts[i].a == pairs_[static_cast<std::size_t>(contacts[i].pair)].one->body.index;
+    const bool first = contacts[i].a == pairs_[static_cast<std::size_t>(contacts[i].pair)].a;
     by_pair[contacts[i].pair] += (first ? 1.0 : -1.0) * impulse;
   }
   // One event for each pair of solids; the first one has the certificate of all.
@@ -229,10 +230,9 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   const std::vector<Contact> before(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
   set({});
   settling_.clear();
+  const std::size_t first = events.size();
   (*evaluate_)(world_->state_);
-  if (const std::optional<Overlap> worst = overlap())
-    return Unresolved{"'" + worst->one + "' and '" + worst->other + "' overlap by " + detail::text(worst->depth) + " m",
-                      worst->depth <= left_by_steps};
+  if (const std::optional<Overlap> worst = overlap()) return Unresolved{worst->text(), worst->depth <= left_by_steps};
   std::vector<Contact> touching = this->touching();
   if (touching.size() > most_points) return Unresolved{std::to_string(touching.size()) + " points touch at once"};
   std::string failure;
@@ -256,7 +256,7 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   const std::size_t reported = events.size();
   const double lost = stop(closed);
   (*evaluate_)(world_->state_);
-  report_changes(before, events);
+  report_changes(before, first, events);
   if (lost != 0) (events.size() > reported ? events[reported].lost : lost_) += lost;
   return std::nullopt;
 }
@@ -274,8 +274,8 @@ double Contacts::stop(const std::vector<Contact>& closed) {
 }
 
 // Events of pairs whose contacts closed, opened, began to slip or to stick. A contact that bounces too low to be followed closes
-// when these bounces end.
-void Contacts::report_changes(const std::vector<Contact>& before, std::vector<Event>& events) {
+// when these bounces end. `first`: of the events of this instant.
+void Contacts::report_changes(const std::vector<Contact>& before, std::size_t first, std::vector<Event>& events) {
   enum class Now : unsigned char { open, still, slips };
   struct Change {
     Now from = Now::open, to = Now::open;
@@ -294,6 +294,12 @@ void Contacts::report_changes(const std::vector<Contact>& before, std::vector<Ev
                              : change.to == Now::slips  ? "slip"
                              : change.from == Now::open ? "rest"
                                                         : "stick";
+    const Pair& changed = pairs_[static_cast<std::size_t>(pair)];
+    if (changed.cable >= 0 && !can_be_taut(static_cast<std::size_t>(changed.cable))) continue;  // it broke
+    const auto is_known = [&](const Event& event) { return event.contact.cable == changed.law_name; };
+    if (changed.cable >= 0 && change.to != Now::open &&
+        std::any_of(events.begin() + static_cast<std::ptrdiff_t>(first), events.end(), is_known))
+      continue;  // the impact by which it became taut
     const std::vector<Contact>& of = change.to == Now::open ? before : closed;
     Event event = begin_event(what, pair);
     place_contacts(world_->tree_, world_->workspace_, of, rows_);
@@ -302,8 +308,10 @@ void Contacts::report_changes(const std::vector<Contact>& before, std::vector<Ev
   }
 }
 
-std::string Contacts::event_name(const char* what, int pair) const {
-  const std::string& name = pairs_[static_cast<std::size_t>(pair)].law_name;
+std::string Contacts::event_name(const char* what, int number) const {
+  const Pair& pair = pairs_[static_cast<std::size_t>(number)];
+  const std::string& name = pair.law_name;
+  if (pair.cable >= 0) return (std::string_view(what) == "lift" ? "slack " : "taut ") + name;
   return name.empty() ? what : std::string(what) + " " + name;
 }
 

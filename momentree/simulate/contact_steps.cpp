@@ -36,40 +36,59 @@ void ContactSteps::find_points(double within) {
   parts_.add_points(tree, q, workspace, near_, rows_, many_);
 }
 
-// The impulse of the last step.
-void ContactSteps::guess(std::size_t i, double h) {
-  const Contact& c = near_[i];
-  const SteppedContact key{.pair = c.pair, .id = c.id};
-  const auto known = std::lower_bound(points_.begin(), points_.end(), key, earlier);
-  if (known == points_.end() || known->pair != c.pair || known->id != c.id) return;
-  for (std::size_t k = 0; k < 3; ++k) many_.r[3 * i + k] = h * dot(known->force, row_direction(rows_.touches[i], k));
-  many_.r[3 * i] = std::max(0.0, many_.r[3 * i]);
+// The impulses of the last step, each at the nearest point of its pair: the features that touch may be others, but together they
+// have the same load to carry.
+void ContactSteps::guess(double h) {
+  many_.r.assign(3 * near_.size(), 0.0);
+  const auto by_pair = [](const auto& x, const auto& y) { return x.pair < y.pair; };
+  Contact key;
+  for (const SteppedContact& known : points_) {
+    key.pair = known.pair;
+    const auto [begin, end] = std::equal_range(near_.begin(), near_.end(), key, by_pair);
+    if (begin == end) continue;
+    const auto distance = [&](const Contact& c) {
+      return norm(rows_.touches[static_cast<std::size_t>(&c - near_.data())].point - known.point);
+    };
+    auto nearest = begin;
+    for (auto other = begin + 1; other != end; ++other)
+      if (distance(*other) < distance(*nearest)) nearest = other;
+    const auto i = static_cast<std::size_t>(nearest - near_.begin());
+    const double impulse = nearest->a == known.a ? h : -h;
+    for (std::size_t k = 0; k < 3; ++k) many_.r[3 * i + k] += impulse * dot(known.force, row_direction(rows_.touches[i], k));
+  }
+  for (std::size_t i = 0; i < near_.size(); ++i) many_.r[3 * i] = std::max(0.0, many_.r[3 * i]);
+}
+
+bool ContactSteps::touched_before(int pair) const {
+  return std::binary_search(points_.begin(), points_.end(), SteppedContact{.pair = pair},
+                            [](const SteppedContact& x, const SteppedContact& y) { return x.pair < y.pair; });
 }
 
 // When each point was reached, its restitution, and a first guess.
 void ContactSteps::set_law(double h) {
   reached_.resize(near_.size());
   hit_ = false;
-  many_.r.assign(3 * near_.size(), 0.0);
+  guess(h);
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const Contact& c = near_[i];
     const ContactLaw& law = contacts_->law_of(c.pair);
-    guess(i, h);
     const double depth = std::max(0.0, -rows_.touches[i].gap), v = rows_.velocity[3 * i], a = rows_.acceleration[3 * i];
     const double gap = rows_.touches[i].gap;
+    // What rests falls with a constant acceleration before the impulse, or is pushed by what does: the impulse acts for half of
+    // the step.
+    reached_[i] = 0.5 * h;
+    many_.points[i].friction = law.friction;
     if (gap > 0) {
       // It must not be reached in the next step by what others do to it in this one.
-      reached_[i] = 0;
-      many_.points[i].friction = law.friction;
       many_.points[i].slack = v >= -gap / h ? gap / h : HUGE_VAL;
       if (v < -gap / h) std::fill_n(many_.r.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, 0.0);  // a hit of the next step
       continue;
     }
-    reached_[i] = v < 0 ? std::min(h, depth / -v) : 0.5 * h;
-    many_.points[i].friction = law.friction;
     // The speed with which it was reached: the approach since then was accelerated, and so is the flight until the end.
     const double square = v < 0 ? v * v + 2 * a * depth : 0.0, speed = square > 0 ? std::sqrt(square) : 0.0;
-    if (!(speed > std::max(slow_impact, std::fabs(a) * h))) continue;
+    const bool hits = speed > std::max(slow_impact, std::fabs(a) * h);
+    if (v < 0 && (hits || !touched_before(c.pair))) reached_[i] = std::min(h, depth / -v);
+    if (!hits) continue;
     hit_ = true;
     const double since = std::min(h, 2 * depth / (speed - v)), leaves = law.restitution * speed + a * since;
     if (!(law.restitution > 0 && leaves > 0)) continue;
@@ -130,7 +149,7 @@ void ContactSteps::remember(double h) {
     const Contact& c = near_[i];
     if (!(many_.r[3 * i] > 0)) continue;
     const contact::Touch& touch = rows_.touches[i];
-    SteppedContact point{c.pair, c.id, c.a, c.b, touch.point, touch.normal, {}, {}};
+    SteppedContact point{c.pair, c.id, c.a, c.b, touch.point, touch.normal, {}, {}, c.cable};
     for (std::size_t k = 0; k < 3; ++k) point.force += (many_.r[3 * i + k] / h) * row_direction(touch, k);
     for (std::size_t k = 1; k < 3; ++k) point.slip += after_[3 * i + k] * row_direction(touch, k);
     points_.push_back(point);
@@ -142,7 +161,7 @@ void ContactSteps::hold() {
   std::vector<HeldForce>& held = held_forces(world_->workspace_);
   held.clear();
   for (const SteppedContact& point : points_)
-    held.push_back({point.a, point.b, point.point, point.force, point.normal, point.slip});
+    held.push_back({point.a, point.b, point.point, point.force, point.normal, point.slip, point.cable});
 }
 
 void ContactSteps::set_points(std::vector<SteppedContact> points) {

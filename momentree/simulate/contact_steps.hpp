@@ -32,7 +32,8 @@ class ContactSteps final : public StepContacts {
 
  private:
   void find_points(double within);
-  void guess(std::size_t point, double h);
+  void guess(double h);
+  bool touched_before(int pair) const;
   void set_law(double h);
   double energy() const;
   void move(State& state, EnergyLedger& ledger);

@@ -14,7 +14,7 @@ Contacts::Contacts(World& world, Evaluator& evaluate, double tolerance, contact:
 Contacts::~Contacts() = default;
 
 bool Contacts::any() {
-  if (world_->model_.colliders().empty()) return false;
+  if (!world_->model_.has_contact()) return false;
   if (bodies_ != world_->model_.size()) find_any();
   return any_;
 }
@@ -24,7 +24,8 @@ void Contacts::find_any() {
   const Model& model = world_->model_;
   bodies_ = model.size();
   pairs_.clear();
-  any_ = false;
+  const std::vector<Spring>& springs = model.springs();
+  any_ = std::any_of(springs.begin(), springs.end(), [](const Spring& s) { return s.inextensible; });
   const std::vector<Collider>& all = model.colliders();
   for (std::size_t i = 0; i < all.size() && !any_; ++i)
     for (std::size_t k = 0; k < i && !any_; ++k)
@@ -35,17 +36,26 @@ const Contacts::Pair& Contacts::Pairs::operator[](std::size_t number) const {
   const auto found = known_.find(number);
   if (found != known_.end()) return found->second;
   const std::vector<Collider>& all = model_->colliders();
+  if (number >= all.size() * all.size()) {
+    const auto spring = number - all.size() * all.size();
+    const Spring& cable = model_->springs()[spring];
+    Pair pair{.a = cable.from.body.index, .b = cable.to.body.index, .law_name = cable.name, .cable = static_cast<int>(spring)};
+    if (pair.a < 0) std::swap(pair.a, pair.b);
+    pair.law = {.friction = 0, .static_friction = 0, .restitution = cable.restitution};
+    return known_.emplace(number, std::move(pair)).first->second;
+  }
   const Collider &first = all[number / all.size()], &second = all[number % all.size()];
   // The ground is the second one.
   const bool swap = first.body == ground;
   const Collider &one = swap ? second : first, &other = swap ? first : second;
-  Pair pair{&one, &other, model_->contact_law(one.body, other.body), HUGE_VAL};
+  Pair pair{.one = &one, .other = &other, .a = one.body.index, .b = other.body.index};
+  pair.law = model_->contact_law(one.body, other.body);
   if (!other.plane) pair.thickness = std::min(one.solid.thickness, other.solid.thickness);
   if (const ContactRule* const rule = model_->contact_rule(one.body, other.body)) pair.law_name = rule->name;
   return known_.emplace(number, std::move(pair)).first->second;
 }
 
-// Pairs that can touch within h seconds, or are nearer than `margin` (m), in ascending order.
+// Pairs that can touch within h seconds, or are nearer than `margin` (m), in ascending order; and all cables.
 const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
   const std::vector<Collider>& all = world_->model_.colliders();
   const double accelerated = norm(world_->model_.gravity()) * h;
@@ -73,6 +83,8 @@ const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
     for (std::size_t i = 0; i < balls_.size(); ++i)
       if (!(dot(floor.normal, balls_[i].centre - floor.point) > balls_[i].radius)) add(solids_[i], plane);
   }
+  for (std::size_t s = 0; s < world_->model_.springs().size(); ++s)
+    if (can_be_taut(s)) near_.push_back(count * count + static_cast<int>(s));
   std::sort(near_.begin(), near_.end());
   return near_;
 }
@@ -83,7 +95,26 @@ contact::Place Contacts::place(int body) const {
   return {rotation_matrix(motion.pose.rotation), motion.pose.position, motion.linear, motion.angular};
 }
 
+bool Contacts::can_be_taut(std::size_t spring) const {
+  return world_->model_.springs()[spring].inextensible && world_->tree_.spring_acts(static_cast<int>(spring));
+}
+
+contact::Features Contacts::cable_features(const Pair& cable) const {
+  const Spring& spring = world_->model_.springs()[static_cast<std::size_t>(cable.cable)];
+  contact::Features features{.pair = contact::FeaturePair::cable};
+  features.point_a = spring.from.point, features.point_b = spring.to.point;
+  if (spring.from.body.index != cable.a) std::swap(features.point_a, features.point_b);
+  features.length = world_->tree_.spring_law(cable.cable).rest;
+  return features;
+}
+
 void Contacts::candidates(const Pair& pair, double within, std::vector<contact::Candidate>& out) const {
+  if (pair.cable >= 0) {
+    const contact::Features features = cable_features(pair);
+    const double gap = contact::touch(features, place(pair.a), place(pair.b)).gap;
+    if (gap < within) out.push_back({features, false, 0, gap});
+    return;
+  }
   const Collider &one = *pair.one, &other = *pair.other;
   const contact::Place a = place(one.body.index), b = place(other.body.index);
   if (other.plane)
@@ -100,7 +131,7 @@ bool Contacts::is_closed(int pair, std::uint64_t id) const {
 Contact Contacts::contact_of(const Pair& pair, int number, const contact::Candidate& candidate) const {
   Contact c;
   c.features = candidate.features, c.id = candidate.id, c.pair = number;
-  c.a = pair.one->body.index, c.b = pair.other->body.index;
+  c.a = pair.a, c.b = pair.b, c.cable = pair.cable;
   if (candidate.swapped) std::swap(c.a, c.b);
   c.friction = pair.law.friction;
   return c;
@@ -120,20 +151,25 @@ std::vector<Contact> Contacts::touching() {
   return all;
 }
 
-// A lower bound of the distance of two solids (m).
+// A lower bound of the distance of two solids, or by how much a cable is slack (m).
 double Contacts::apart(const Pair& pair) const {
-  const contact::Place a = place(pair.one->body.index);
+  const contact::Place a = place(pair.a);
+  if (pair.cable >= 0) return contact::touch(cable_features(pair), a, place(pair.b)).gap;
   const contact::Solid& one = pair.one->solid;
   const Vec3 centre = a.r + a.R * one.centre;
   if (pair.other->plane) return dot(pair.other->normal, centre - pair.other->point) - one.reach;
-  const contact::Place b = place(pair.other->body.index);
+  const contact::Place b = place(pair.b);
   const contact::Solid& other = pair.other->solid;
   return norm(centre - b.r - b.R * other.centre) - one.reach - other.reach;
 }
 
-// An upper bound of the speed with which points of two solids approach each other (m/s).
+// An upper bound of the speed with which points of two solids approach each other, or the ends of a cable part (m/s).
 double Contacts::speed_bound(const Pair& pair) const {
-  const contact::Place a = place(pair.one->body.index), b = place(pair.other->body.index);
+  const contact::Place a = place(pair.a), b = place(pair.b);
+  if (pair.cable >= 0) {
+    const contact::Features f = cable_features(pair);
+    return norm(a.v - b.v) + norm(a.w) * norm(f.point_a) + norm(b.w) * norm(f.point_b);
+  }
   const contact::Solid &one = pair.one->solid, &other = pair.other->solid;
   const Vec3 va = a.v + cross(a.w, a.R * one.centre), vb = b.v + cross(b.w, b.R * other.centre);
   return norm(va - vb) + norm(a.w) * one.reach + (pair.other->plane ? 0.0 : norm(b.w) * other.reach);
@@ -143,7 +179,7 @@ double Contacts::speed_bound(const Pair& pair) const {
 // does not get that far, or infinity once the cylinder stands.
 double Contacts::time_to_stand(const Pair& pair, double acceleration) const {
   const contact::Solid& solid = pair.one->solid;
-  const contact::Place a = place(pair.one->body.index);
+  const contact::Place a = place(pair.a);
   const Vec3& n = pair.other->normal;
   const double tilt = contact::tilt_of(solid, a, n);
   if (solid.rim * tilt < contact::standing) return HUGE_VAL;
@@ -162,7 +198,7 @@ Contacts::Gap Contacts::gap_of(int number, double within) const {
   Gap least{within, 0};
   for (const contact::Candidate& c : found_candidates_) {
     if (!(c.gap < least.value) || is_closed(number, c.id)) continue;
-    const contact::Place a = place(pair.one->body.index), b = place(pair.other->body.index);
+    const contact::Place a = place(pair.a), b = place(pair.b);
     const contact::Place &first = c.swapped ? b : a, &second = c.swapped ? a : b;
     const contact::Touch touch = contact::touch(c.features, first, second);
     least = {c.gap, dot(touch.normal, contact::relative_velocity(touch, first, second))};
@@ -173,6 +209,7 @@ Contacts::Gap Contacts::gap_of(int number, double within) const {
 // How far a solid may move towards another one: not farther than through a part of the thinner one, so that its end is not beyond
 // it (m).
 double Contacts::margin_within(const Pair& pair) const {
+  if (pair.cable >= 0) return 0.05 * world_->tree_.spring_law(pair.cable).rest;  // so that it does not become taut unseen
   return 0.5 * std::min({pair.thickness, pair.one->solid.reach, pair.other->solid.reach});
 }
 
@@ -180,7 +217,7 @@ double Contacts::limit_step(double h) const {
   const double accelerated = norm(world_->model_.gravity()) * h;
   for (const int i : near_pairs(h, 0)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
-    if (pair.other->plane) continue;
+    if (pair.cable >= 0 || pair.other->plane) continue;
     const double speed = 2 * speed_bound(pair) + 2 * accelerated, distance = apart(pair);
     if (distance > speed * h) continue;
     h = std::min(h, std::max((2 * std::max(distance, 0.0) + margin_within(pair)) / speed, 1e-3 * h));
@@ -195,6 +232,14 @@ double Contacts::fastest() const {
     const contact::Place at = place(collider.body.index);
     most = std::max(most, norm(at.v + cross(at.w, at.R * collider.solid.centre)) + norm(at.w) * collider.solid.reach);
   }
+  for (std::size_t s = 0; s < world_->model_.springs().size(); ++s) {
+    if (!can_be_taut(s)) continue;
+    const Spring& cable = world_->model_.springs()[s];
+    for (const SpringEnd* end : {&cable.from, &cable.to}) {
+      const contact::Place at = place(end->body.index);
+      most = std::max(most, norm(at.v + cross(at.w, at.R * end->point)));
+    }
+  }
   return most;
 }
 
@@ -203,13 +248,21 @@ void Contacts::add_near(double within, std::vector<Contact>& out) const {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     if (apart(pair) > within) continue;
     found_candidates_.clear();
-    const contact::Solid &one = pair.one->solid, &other = pair.other->solid;
-    if (!pair.other->plane && !one.faces.empty() && !other.faces.empty())
-      overlap_.find(one, place(pair.one->body.index), other, place(pair.other->body.index), within, found_candidates_);
+    if (pair.cable < 0 && !pair.other->plane && !pair.one->solid.faces.empty() && !pair.other->solid.faces.empty())
+      overlap_.find(pair.one->solid, place(pair.a), pair.other->solid, place(pair.b), within, found_candidates_);
     else
       candidates(pair, within, found_candidates_);
     for (const contact::Candidate& found : found_candidates_) out.push_back(contact_of(pair, i, found));
   }
+}
+
+// A time (s) within which a pair does not come near and leave again unseen.
+double Contacts::longest_step(const Pair& pair, double distance, double speed, double acceleration) const {
+  const double until_near = 2 * std::max(distance, 0.0) / speed;
+  if (pair.cable >= 0 || !pair.other->plane) return until_near + margin_within(pair) / speed;
+  // Above a plane not through an angle within which points come near and leave again.
+  const double longest = std::max(until_near, 0.3 / norm(place(pair.a).w));
+  return pair.one->solid.rim > 0 ? std::min(longest, time_to_stand(pair, acceleration)) : longest;
 }
 
 std::span<const Watch> Contacts::watches(double& h) {
@@ -220,15 +273,12 @@ std::span<const Watch> Contacts::watches(double& h) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     const double speed = 2 * speed_bound(pair) + 2 * accelerated, distance = apart(pair);
     if (distance > speed * h) continue;
-    // Above a plane not through an angle within which points come near and leave again unseen.
-    double longest = 2 * std::max(distance, 0.0) / speed;
-    if (pair.other->plane)
-      longest = std::max(longest, 0.3 / norm(place(pair.one->body.index).w));
-    else
-      longest += margin_within(pair) / speed;
-    if (pair.one->solid.rim > 0 && pair.other->plane) longest = std::min(longest, time_to_stand(pair, accelerated / h));
+    if (pair.cable >= 0 && is_closed(i, 0)) continue;
+    const double longest = longest_step(pair, distance, speed, accelerated / h);
     if (h > longest) h = std::max(longest, 1e-9 * h);
-    const double within = std::isfinite(pair.thickness) ? 0.5 * pair.thickness + 1e-9 : pair.one->solid.reach;
+    const double within = std::isfinite(pair.thickness) ? 0.5 * pair.thickness + 1e-9
+                          : pair.cable >= 0             ? HUGE_VAL
+                                                        : pair.one->solid.reach;
     conditions_.emplace_back(std::make_shared<PairGap>(*this, i, within), 0.0, false);
   }
   const std::span<const Contact> closed = world.tree_.contacts();
@@ -282,13 +332,19 @@ std::optional<Overlap> Contacts::overlap() {
     if (apart(pair) > 0) continue;
     const double depth = -gap_of(i, 0).value;
     if (depth > overlapping * pair.size(*this) && (!worst || depth > worst->depth))
-      worst = Overlap{name_of(pair.one->body.index), name_of(pair.other->body.index), depth};
+      worst = Overlap{name_of(pair.a), name_of(pair.b), depth, pair.cable >= 0 ? pair.law_name : ""};
   }
   return worst;
 }
 
+std::string Overlap::text() const {
+  if (!cable.empty())
+    return "the ends of cable '" + cable + "' are farther apart than its length by " + detail::text(depth) + " m";
+  return "'" + one + "' and '" + other + "' overlap by " + detail::text(depth) + " m";
+}
+
 std::optional<Overlap> deepest_overlap(const Model& model) {
-  if (model.colliders().empty()) return std::nullopt;
+  if (!model.has_contact()) return std::nullopt;
   World world(model, Variables::velocities);
   return Contacts::overlap_of(world);
 }
@@ -308,9 +364,6 @@ Vec3 Contacts::slip_velocity(int contact) const {
   return v - dot(v, touch.normal) * touch.normal;
 }
 
-double Contacts::Pair::size(const Contacts& all) const { return std::max(1.0, norm(all.place(one->body.index).r)); }
-bool Contacts::Pair::alive(const World& world) const {
-  return world.alive(one->body) && (other->body == ground || world.alive(other->body));
-}
+double Contacts::Pair::size(const Contacts& all) const { return std::max(1.0, norm(all.place(a).r)); }
 
 }  // namespace momentree

@@ -77,14 +77,16 @@ class Contacts {
   struct Hold;
   struct Slip;
   struct Pair {
-    const Collider *one, *other;  ///< the ground is the second one
-    ContactLaw law;
-    double thickness;  ///< of the thinner one; infinite with a plane
+    const Collider *one = nullptr, *other = nullptr;  ///< none of a cable
+    int a = -1, b = -1;                               ///< bodies; the ground is the second one
+    ContactLaw law{};
+    double thickness = HUGE_VAL;  ///< of the thinner one; infinite with a plane
     std::string law_name{};
-    bool alive(const World& world) const;
+    int cable = -1;                          ///< its number as a spring; −1: two solids
     double size(const Contacts& all) const;  ///< of coordinates, for tolerances (m)
   };
-  // Pairs of colliders by number: that of the first one times the number of colliders, plus that of the second one.
+  // Pairs of colliders by number: that of the first one times the number of colliders, plus that of the second one. After these,
+  // cables in the order of the model's springs.
   class Pairs {
    public:
     explicit Pairs(const Model& model) : model_(&model) {}
@@ -106,10 +108,13 @@ class Contacts {
   void find_any();
   const std::vector<int>& near_pairs(double h, double margin) const;
   contact::Place place(int body) const;
+  bool can_be_taut(std::size_t spring) const;
+  contact::Features cable_features(const Pair& cable) const;
   void candidates(const Pair& pair, double within, std::vector<contact::Candidate>& out) const;
   double apart(const Pair& pair) const;
   double speed_bound(const Pair& pair) const;
   double margin_within(const Pair& pair) const;
+  double longest_step(const Pair& pair, double distance, double speed, double acceleration) const;
   double time_to_stand(const Pair& pair, double acceleration) const;
   Gap gap_of(int pair, double within) const;
   Vec3 slip_velocity(int contact) const;
@@ -121,7 +126,7 @@ class Contacts {
   [[nodiscard]] bool solve_states(const std::vector<Contact>& contacts);
   void set(std::vector<Contact> contacts);
   double stop(const std::vector<Contact>& closed);
-  void report_changes(const std::vector<Contact>& before, std::vector<Event>& events);
+  void report_changes(const std::vector<Contact>& before, std::size_t first, std::vector<Event>& events);
   Event begin_event(const char* what, int pair);
   void locate_event(Event& event, const std::vector<Contact>& contacts, const std::vector<double>& weights, int pair) const;
   std::string name_of(int body) const;

@@ -84,6 +84,7 @@ struct Event {
     Vec3 impulse{};          ///< on `one` (N s), world axes; of several points of the two bodies, their sum
     double scaled = 1;       ///< the part of the expansion that the law of impact let happen
     bool in_turn = false;    ///< simultaneous contacts were taken in turn
+    std::string cable{};     ///< that became taut or slack; empty: the bodies touch
   };
   Contact contact{};
   std::string reason{};  ///< of an event that changes how contacts are computed

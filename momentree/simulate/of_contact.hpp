@@ -35,7 +35,7 @@ struct OfContact : Quantity {
   }
   /// The sign of the event's impulse on `one`; 0 for an event of other bodies.
   double sign_of(const World& world, const Event& event) const {
-    if (event.contact.one.empty()) return 0;
+    if (event.contact.one.empty() || !event.contact.cable.empty()) return 0;
     const ContactBodies a(world.model(), one), b(world.model(), other);
     if (a.holds(event.contact.one) && b.holds(event.contact.other)) return 1;
     return a.holds(event.contact.other) && b.holds(event.contact.one) ? -1 : 0;

@@ -9,15 +9,17 @@
 
 namespace momentree {
 
-/// Two bodies that overlap.
+/// Two bodies that overlap, or a cable that is too short for its ends.
 struct Overlap {
-  std::string one, other;  ///< bodies, or "ground"
-  double depth = 0;        ///< m
+  std::string one, other;    ///< bodies, or "ground"
+  double depth = 0;          ///< m; of a cable, the distance of its ends less its length
+  std::string cable{};       ///< its name; empty: the bodies overlap
+  std::string text() const;  ///< "'crate' and 'ground' overlap by 0.01 m"
 };
 
 /// What pushing overlapping bodies apart did.
 struct Separation {
-  double largest = 0;             ///< the largest displacement (m) of what a body touches with; 0: nothing overlapped
+  double largest = 0;             ///< the largest displacement of a centre of mass (m); 0: nothing overlapped
   std::string body{};             ///< whose it is
   std::optional<Overlap> left{};  ///< the deepest overlap that could not be removed
   /// The error if one is left.

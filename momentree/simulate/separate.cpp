@@ -25,6 +25,8 @@ constexpr int patience = 20;  // tries in which depths have to halve
 
 std::optional<Error> Separation::error() const {
   if (!left) return std::nullopt;
+  if (!left->cable.empty())
+    return Error{left->text() + ", and can't be brought together", "", "give it a longer length, or move one of them"};
   char depth[40];
   std::snprintf(depth, sizeof depth, "%.3g m", left->depth);
   return Error{"'" + left->one + "' and '" + left->other + "' can't be pushed apart: they still overlap by " + depth, "",
@@ -99,14 +101,11 @@ void Separator::take_step(double part) {
   if (tree.has_loops()) static_cast<void>(evaluate_->close(t, edit.q.data(), edit.u.data(), ignored));
 }
 
-// Of all solids of bodies.
+// Centres of mass.
 std::vector<Vec3> Separator::centres() const {
   std::vector<Vec3> all;
-  for (const Collider& collider : world_->model_.colliders()) {
-    Vec3& centre = all.emplace_back();
-    if (collider.body == ground || !world_->alive(collider.body)) continue;
-    centre = world_->motions()[static_cast<std::size_t>(collider.body.index)].pose * collider.solid.centre;
-  }
+  for (int b = 0; b < world_->model_.size(); ++b)
+    all.push_back(world_->alive({b}) ? world_->motions()[static_cast<std::size_t>(b)].pose * world_->model_[{b}].com : Vec3{});
   return all;
 }
 
@@ -117,7 +116,8 @@ std::optional<Overlap> Separator::what_is_left() const {
   const auto deepest = std::min_element(gaps_.begin(), gaps_.end());
   if (near_.empty() || !(-*deepest > exact * size_)) return contacts_->overlap();
   const Contact& c = near_[static_cast<std::size_t>(deepest - gaps_.begin())];
-  return Overlap{name_of(std::max(c.a, c.b)), name_of(std::min(c.a, c.b)), -*deepest};
+  return Overlap{name_of(std::max(c.a, c.b)), name_of(std::min(c.a, c.b)), -*deepest,
+                 c.cable < 0 ? std::string() : world_->model_.springs()[static_cast<std::size_t>(c.cable)].name};
 }
 
 Separation Separator::run() {
@@ -130,7 +130,7 @@ Separation Separator::run() {
     const std::vector<Vec3> now = centres();
     for (std::size_t i = 0; i < now.size(); ++i) {
       const double by = norm(now[i] - before[i]);
-      if (by > result.largest) result.largest = by, result.body = name_of(world_->model_.colliders()[i].body.index);
+      if (by > result.largest) result.largest = by, result.body = name_of(static_cast<int>(i));
     }
   };
   parts_.number(world_->tree_);
@@ -171,6 +171,6 @@ Separation Separator::of(const Model& model) {
   return contacts.any() ? Separator(world, evaluate, contacts).run() : Separation{};
 }
 
-Separation separation_of(const Model& model) { return model.colliders().empty() ? Separation{} : Separator::of(model); }
+Separation separation_of(const Model& model) { return model.has_contact() ? Separator::of(model) : Separation{}; }
 
 }  // namespace momentree

@@ -103,6 +103,16 @@ TEST_CASE("overlaps: joints stay within their stops") {
   CHECK(sim.world().state().q()[1] == doctest::Approx(0.199).epsilon(1e-12));
 }
 
+TEST_CASE("overlaps: the ends of cables that are too short are brought together") {
+  Model model(Model::Options{Vec3{}});
+  const BodyId light = add_box(model, "light", 1, {0, 0, 0}), heavy = add_box(model, "heavy", 3, {1.004, 0, 0});
+  model.add_cable({.name = "rope", .from = {light, {}}, .to = {heavy, {}}, .length = 1});
+  REQUIRE(deepest_overlap(model)->cable == "rope");
+  const Simulation sim(model, pushed_apart);
+  CHECK(moved(sim, light, {0.003, 0, 0}) < 1e-14);
+  CHECK(moved(sim, heavy, {1.003, 0, 0}) < 1e-14);
+}
+
 TEST_CASE("overlaps: a closed loop that is in the floor stays closed") {
   // A parallelogram, whose coupler is a ball's diameter below the floor.
   Model model;

@@ -10,12 +10,13 @@ namespace momentree {
 
 /// A point of contact in the last step.
 struct SteppedContact {
-  int pair = -1;           ///< number of the pair of solids
+  int pair = -1;           ///< number of the pair of solids, or of the cable
   std::uint64_t id = 0;    ///< of its features in that pair
   int a = -1, b = -1;      ///< bodies; −1: the ground
   Vec3 point{}, normal{};  ///< in the world (m); the normal points from b to a
   Vec3 force{};            ///< on a: mean over the step (N), world axes
   Vec3 slip{};             ///< velocity of a, less that of b, along the surface at the end of the step (m/s)
+  int cable = -1;          ///< the spring of the model that is taut; −1: bodies touch
 };
 
 /// Whether contacts are stepped through at present, although the method locates them.

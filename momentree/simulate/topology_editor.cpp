@@ -157,6 +157,10 @@ ActionResult TopologyEditor::set_spring(int spring, const JointParameters& given
   others.strength.force = HUGE_VAL;
   if (!(others == JointParameters{}) || std::max({given.stiffness.size(), given.damping.size(), given.rest.size()}) > 1)
     return ActionResult::refused("a spring has only 'stiffness', 'rest', 'damping' and the force of 'strength', each a number");
+  if (all.inextensible && (!given.stiffness.empty() || !given.damping.empty()))
+    return ActionResult::refused("a cable has neither stiffness nor damping", "its length is 'rest'");
+  if (all.inextensible && *all.rest < now.rest && *all.rest < world_.spring({spring}).length)
+    return ActionResult::refused("the ends of the cable are farther apart than that");
   for (const SpringProblem& problem : check_spring(all))
     return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
   carry_out(SetSpring{{spring}, law_of(all)}, Nature::outside);

@@ -54,7 +54,7 @@ struct JointForces {
   bool determined = true;
 };
 
-/// A spring between two points as its user sees it. The name points into the world.
+/// A spring or a cable between two points as its user sees it. The name points into the world.
 struct SpringView {
   std::string_view name;
   SpringEnd from{}, to{};
@@ -64,6 +64,7 @@ struct SpringView {
   double rate = 0;                      ///< of the length (m/s)
   double tension = 0;                   ///< N; negative: it pushes its ends apart; 0 if it is broken
   Vec3 place_of_from{}, place_of_to{};  ///< of its ends in the world (m)
+  bool inextensible = false;            ///< a cable of length law.rest
 };
 
 /// An exact coupling of joints as its user sees it.
@@ -166,7 +167,7 @@ class World {
   const std::vector<BodyAcceleration>& accelerations() const;
   JointForces joint_forces(JointId joint) const;
   Wrench reaction(JointId joint) const;  ///< the reaction alone
-  /// A spring of the model, with its length and tension. Costs no further evaluation.
+  /// A spring of the model, with its length and tension. Only the tension of a cable needs an evaluation.
   SpringView spring(SpringId spring) const;
   /// The points at which bodies touch at present, with their forces. Redundant points, such as the corners of a box, share the
   /// load without pulling. While contacts are stepped through, forces are means over the last step. Evaluates the state.
@@ -261,6 +262,7 @@ class World {
   bool stays_resting(const ActiveLimit& limit, std::span<const double> q, std::span<const double> rates) const;
   void put_values(double time, const Forest& forest, std::span<const JointStart> joints, State& state) const;
   void evaluate() const;
+  double cable_tension(int cable) const;
   JointView loop_view(JointId joint) const;
   JointForces loop_forces(JointId joint) const;
   int carrier(JointId joint) const;
@@ -271,7 +273,7 @@ class World {
   void load(int body, BodyFunction function);
   void set_time(double time);
   Variables own_variables() const {
-    if (!model_.colliders().empty()) return Variables::velocities;
+    if (model_.has_contact()) return Variables::velocities;
     return tree_.has_loops() ? loop_variables_ : variables_;
   }
   void take_variables(Variables variables);

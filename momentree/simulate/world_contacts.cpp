@@ -67,6 +67,7 @@ std::vector<ContactPoint> World::contacts() const {
   const std::span<const Contact> closed = tree_.contacts();
   const std::vector<double> r = closed.empty() ? std::vector<double>() : possible_forces(model_, closed, own.rows);
   for (std::size_t i = 0; i < closed.size(); ++i) {
+    if (closed[i].cable >= 0) continue;
     const contact::Touch& touch = own.rows.touches[i];
     ContactPoint point{{closed[i].a}, {closed[i].b}, touch.point, touch.normal, {}, {}, closed[i].mode == Contact::Mode::slip};
     for (std::size_t k = 0; k < 3; ++k) point.force += r[3 * i + k] * (k == 0 ? touch.normal : touch.tangent[k - 1]);
@@ -74,10 +75,23 @@ std::vector<ContactPoint> World::contacts() const {
     all.push_back(from_first_body(point));
   }
   for (const HeldForce& held : own.held) {
+    if (held.cable >= 0) continue;
     if ((held.a >= 0 && !alive({held.a})) || (held.b >= 0 && !alive({held.b}))) continue;
     all.push_back(from_first_body({{held.a}, {held.b}, held.point, held.normal, held.force, held.slip, norm(held.slip) > 1e-6}));
   }
   return all;
+}
+
+double World::cable_tension(int cable) const {
+  evaluate();
+  if (workspace_.contacts == nullptr) return 0;
+  const ContactWorkspace& own = *workspace_.contacts;
+  const std::span<const Contact> closed = tree_.contacts();
+  for (std::size_t i = 0; i < closed.size(); ++i)
+    if (closed[i].cable == cable) return possible_forces(model_, closed, own.rows)[3 * i];
+  for (const HeldForce& held : own.held)
+    if (held.cable == cable) return dot(held.force, held.normal);
+  return 0;
 }
 
 std::optional<BodyGap> World::gap(BodyId one, BodyId other) const {

@@ -33,14 +33,18 @@ SpringView World::spring(SpringId number) const {
   const int s = number.index;
   MT_REQUIRE(s >= 0 && s < tree_.spring_count(), "the world has a spring of that number");
   const Spring& spring = model_.springs()[static_cast<std::size_t>(s)];
-  SpringView view{spring.name, spring.from, spring.to, tree_.spring_law(s), !tree_.spring_acts(s), 0, 0, 0, {}, {}};
+  SpringView view{spring.name, spring.from, spring.to, tree_.spring_law(s), !tree_.spring_acts(s), 0, 0,
+                  0,           {},          {},        spring.inextensible};
   for (const SpringEnd* end : {&spring.from, &spring.to})
     if (end->body != ground && !alive(end->body)) return view;
   locate_bodies(tree_, state_, workspace_);
   const SpringMotion motion = spring_motion(tree_, workspace_, s);
   view.length = motion.length, view.rate = motion.rate;
   view.place_of_from = motion.from, view.place_of_to = motion.to;
-  if (!view.broken && motion.length > 0) view.tension = view.law.tension(motion.length, motion.rate);
+  if (spring.inextensible)
+    view.tension = view.broken ? 0 : cable_tension(s);
+  else if (!view.broken && motion.length > 0)
+    view.tension = view.law.tension(motion.length, motion.rate);
   return view;
 }
 

@@ -59,8 +59,8 @@ auto words(const JointParameters& p) {
 }
 
 auto words(const Spring& s) {
-  return Words<12>()(pair(s.from.body.index, s.to.body.index))(s.from.point)(s.to.point)(s.stiffness)(s.rest.value_or(0))(
-             s.damping)(s.strength)(std::uint64_t{s.tension_only})
+  return Words<14>()(pair(s.from.body.index, s.to.body.index))(s.from.point)(s.to.point)(s.stiffness)(s.rest.value_or(0))(
+             s.damping)(s.strength)(std::uint64_t{s.tension_only})(std::uint64_t{s.inextensible})(s.restitution)
       .all();
 }
 

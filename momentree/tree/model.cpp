@@ -137,7 +137,7 @@ CouplingId Model::add_coupling(const Coupling& coupling) {
 
 SpringId Model::add_spring(Spring spring) {
   const auto wrong = [&](const std::string& what, std::string hint) {
-    throw_error({what, "spring '" + spring.name + "'", std::move(hint)});
+    throw_error({what, (spring.inextensible ? "cable '" : "spring '") + spring.name + "'", std::move(hint)});
   };
   if (spring.name.empty() || spring.name == "ground")
     wrong("a spring needs a name of its own", "events and results refer to it by its name");
@@ -148,6 +148,8 @@ SpringId Model::add_spring(Spring spring) {
       wrong("an end is on no body of this model", "give what add() returned for the body, or ground");
   for (SpringProblem& problem : check_spring(spring)) wrong(problem.field + ": " + problem.what, std::move(problem.hint));
   if (!spring.rest) spring.rest = norm(start_place(bodies(), spring.to) - start_place(bodies(), spring.from));
+  if (spring.inextensible && !(*spring.rest > 0)) wrong("its ends coincide at the start", "give it a length");
+  has_cables_ = has_cables_ || spring.inextensible;
   springs_.push_back(std::move(spring));
   return {static_cast<int>(springs_.size()) - 1};
 }
@@ -188,6 +190,7 @@ void Model::keep(int count) {
       if (!all && set->empty()) set->push_back({-2});  // no body, which is not the same as all
     }
   std::erase_if(springs_, [count](const Spring& s) { return std::max(s.from.body.index, s.to.body.index) >= count; });
+  has_cables_ = std::any_of(springs_.begin(), springs_.end(), [](const Spring& s) { return s.inextensible; });
   while (size() > count) {
     const BodySpec& last = bodies_.own().back();
     by_body_.own().erase(last.name);

@@ -94,7 +94,10 @@ class Model {
   /// another spring or a joint has; no such body; an end that is not finite, or both ends on one body; a negative stiffness,
   /// damping or rest length; a strength that is not positive; neither stiffness nor damping.
   SpringId add_spring(Spring spring);
-  /// The springs as added, with their rest lengths.
+  /// Adds an inextensible cable between two points, which is then one of the springs. Throws Error like add_spring, and for a
+  /// length that is not positive or a restitution outside of 0 to 1.
+  SpringId add_cable(Cable cable) { return add_spring(spring_of(std::move(cable))); }
+  /// The springs and cables as added, with their rest lengths.
   const std::vector<Spring>& springs() const { return springs_; }
   /// The spring of that name; throws Error with a suggestion.
   SpringId spring(std::string_view name) const;
@@ -104,6 +107,8 @@ class Model {
   /// than the ground, a size that is not positive, a solid without volume.
   ColliderId add_collider(Collider collider);
   const std::vector<Collider>& colliders() const { return colliders_; }
+  /// True with solids or cables: there may be one-sided contacts.
+  bool has_contact() const { return !colliders_.empty() || has_cables_; }
   /// Adds a rule for contacts of bodies; of several for one pair of bodies the last one applies. Throws Error: a negative
   /// friction, a restitution outside of 0 to 1, no such body.
   void add_contact_rule(ContactRule rule);
@@ -169,6 +174,7 @@ class Model {
   std::vector<LoopSpec> loops_;
   std::vector<Coupling> couplings_;
   std::vector<Spring> springs_;
+  bool has_cables_ = false;  // among them
   std::vector<Collider> colliders_;
   std::vector<ContactRule> contact_rules_;
   detail::CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: the first root with that name

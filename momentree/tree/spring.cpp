@@ -11,10 +11,11 @@ namespace momentree {
 std::vector<SpringProblem> check_spring(const Spring& spring) {
   std::vector<SpringProblem> problems;
   const auto problem = [&](const char* field, const char* what, const char* hint) { problems.push_back({field, what, hint}); };
+  const bool cable = spring.inextensible;
   if (!is_finite(spring.from.point)) problem("from", "the point must be finite", "");
   if (!is_finite(spring.to.point)) problem("to", "the point must be finite", "");
   if (spring.from == spring.to)
-    problem("to", "is the same point as 'from'", "a spring acts along the line between two points");
+    problem("to", "is the same point as 'from'", "it acts along the line between two points");
   else if (spring.from.body == spring.to.body)
     problem("to", "is on the same body as 'from'",
             "a force between two points of one body has no effect: one of them belongs to another body, or to \"ground\"");
@@ -24,9 +25,17 @@ std::vector<SpringProblem> check_spring(const Spring& spring) {
   };
   check("stiffness", spring.stiffness, "a spring pulls its ends together when it is longer than at rest");
   check("damping", spring.damping, "a damper dissipates energy: it opposes the change of length");
-  check("rest", spring.rest.value_or(0), "it is the length at which the spring exerts no force");
+  check(cable ? "length" : "rest", spring.rest.value_or(0), "it is the length at which the spring exerts no force");
   if (!(spring.strength > 0))
-    problem("strength", "must be positive", "the spring breaks when its force exceeds it; without one it never breaks");
+    problem("strength", "must be positive", "it breaks when its force exceeds that; without a strength it never breaks");
+  if (cable) {
+    if (spring.rest == 0.0) problem("length", "must be positive", "a joint holds two points together: a [[loop]] of kind ball");
+    if (!(spring.restitution >= 0 && spring.restitution <= 1))
+      problem("restitution", "must be from 0 to 1", "0: its ends do not rebound when it becomes taut; 1: no energy is lost");
+    if (spring.stiffness != 0 || spring.damping != 0 || spring.tension_only)
+      problem("length", "a cable has no stiffness and no damping", "a spring with tension_only is a rope that stretches");
+    return problems;
+  }
   if (spring.stiffness == 0 && spring.damping == 0)
     problem("stiffness", "neither stiffness nor damping: the spring exerts no force", "for example stiffness = \"1 kN/m\"");
   if (spring.tension_only && spring.stiffness == 0 && spring.damping != 0)

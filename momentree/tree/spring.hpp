@@ -1,5 +1,5 @@
 #pragma once
-// Springs between two points of bodies: ropes, guys, cables, suspension springs.
+// Springs and cables between two points of bodies: ropes, guys, tethers, suspension springs.
 #include <cmath>
 #include <optional>
 #include <string>
@@ -63,8 +63,27 @@ struct Spring {
   double damping = 0;            ///< N s/m
   bool tension_only = false;     ///< a rope: it pulls and never pushes
   double strength = HUGE_VAL;    ///< it breaks when its force exceeds this (N)
+  bool inextensible = false;     ///< a cable of length `rest`: see Cable
+  double restitution = 0;        ///< of a cable
   friend bool operator==(const Spring&, const Spring&) = default;
 };
+
+/// An inextensible cable between two points: they are never farther apart than its length. It becomes taut by an impact, then
+/// exerts the tension that this takes, and is slack from the instant at which it would have to push. In a model it is a Spring
+/// that is `inextensible`.
+struct Cable {
+  std::string name;  ///< unique among springs, cables and joints
+  SpringEnd from{}, to{};
+  std::optional<double> length{};  ///< m; absent: the distance in the start values of the model
+  double restitution = 0;  ///< 0 (the ends stay apart by the length) to 1 (they rebound with the speed at which it became taut)
+  double strength = HUGE_VAL;  ///< it breaks when its tension exceeds this (N)
+};
+inline Spring spring_of(Cable cable) {
+  Spring spring{std::move(cable.name), cable.from, cable.to};
+  spring.rest = cable.length, spring.strength = cable.strength;
+  spring.inextensible = true, spring.restitution = cable.restitution;
+  return spring;
+}
 /// The law of a spring of a model, whose rest length is known.
 inline SpringLaw law_of(const Spring& s) { return {s.stiffness, s.rest.value_or(0), s.damping, s.tension_only, s.strength}; }
 

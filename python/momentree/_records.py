@@ -110,6 +110,8 @@ class EventContact(NamedTuple):
     """A number from 0 to 1: the part of the expansion that the law of impact let happen."""
     in_turn: bool
     """True if simultaneous contacts were taken in turn."""
+    cable: str = ""
+    """Name of the cable that became taut or slack; empty if the bodies touch."""
 
 
 class LoopStatus(NamedTuple):

@@ -217,6 +217,36 @@ class Model(_core.ModelBase):
         table = given(stiffness=stiffness, rest=rest, damping=damping, tension_only=tension_only, strength=strength)
         self._add_spring(name, {"from": _spring_end(start), "to": _spring_end(end), **table})
 
+    def add_cable(
+        self,
+        name: str,
+        *,
+        start: SpringEnd,
+        end: SpringEnd,
+        length: Number | None = None,
+        restitution: Number | None = None,
+        strength: Number | None = None,
+    ) -> None:
+        """Add an inextensible cable between two points of different bodies, or of a body and the ground.
+
+        Its ends are never farther apart than its length. It becomes taut by an impact (event ``taut NAME``), then exerts the
+        tension that this takes, and is slack from the instant at which it would have to push (event ``slack NAME``).
+        ``sim.world.springs[name]`` has its length and tension; ``break_joint`` cuts it.
+
+        Args:
+            name: Unique among springs, cables and joints.
+            start: One end: a body, or ``"ground"``; or a pair of it and a point in its frame (m): ``("tug/hull", (1, 0, 0))``.
+            end: The other end, likewise.
+            length: m; default: the distance at the start.
+            restitution: How its ends rebound when it becomes taut, from 0 (not at all) to 1.
+            strength: It breaks when its tension exceeds this (N).
+
+        Raises:
+            Error: A value is impossible or a name unknown or used twice; the model is unchanged.
+        """
+        table = given(length=length, restitution=restitution, strength=strength)
+        self._add_cable(name, {"from": _spring_end(start), "to": _spring_end(end), **table})
+
     def add_loop(
         self,
         name: str,

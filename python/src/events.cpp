@@ -24,7 +24,7 @@ nb::object impulse_of(const std::array<double, 6>& six) {
 nb::object contact_of(const Event::Contact& c) {
   if (c.one.empty()) return nb::none();
   return python_class("_records", "EventContact")(c.one, c.other, from_vec3(c.point), from_vec3(c.normal), from_vec3(c.impulse),
-                                                  c.scaled, c.in_turn);
+                                                  c.scaled, c.in_turn, c.cable);
 }
 
 nb::list texts(const std::vector<std::string>& all) {

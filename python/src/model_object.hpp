@@ -30,6 +30,8 @@ std::shared_ptr<const io::Scenario> scenario_of(const ModelObject& model, const 
 BodyId parent_in(const ModelPtr& model, nb::handle parent);
 /// Adds a spring from the keyword arguments of add_spring(). springs.cpp
 void add_spring(ModelObject& model, const std::string& name, nb::handle fields);
+/// The same of add_cable(). springs.cpp
+void add_cable(ModelObject& model, const std::string& name, nb::handle fields);
 /// What bodies touch with, for pickling. contacts.cpp
 void add_contacts_to(nb::class_<ModelObject>& type);
 /// The complete table of a body and its joint from the keyword arguments of add().

@@ -37,8 +37,13 @@ void add_spring(ModelObject& self, const std::string& name, nb::handle fields) {
   self.model.add_spring(io::PartReader(call).spring(name, to_value(fields, call), self.model));
 }
 
+void add_cable(ModelObject& self, const std::string& name, nb::handle fields) {
+  const std::string call = "Model.add_cable('" + name + "')";
+  self.model.add_spring(io::PartReader(call).spring(name, to_value(fields, call), self.model, true));
+}
+
 void register_spring(nb::module_& m) {
-  nb::class_<SpringObject>(m, "Spring", "A spring between two points of bodies of a world. Arrays are copies.")
+  nb::class_<SpringObject>(m, "Spring", "A spring or a cable between two points of bodies of a world. Arrays are copies.")
       .def_prop_ro("name", of_spring([](const SpringView& s) { return std::string(s.name); }), "Name.")
       .def_prop_ro(
           "start",
@@ -66,6 +71,8 @@ void register_spring(nb::module_& m) {
                    "Force per rate of the length (N s/m).")
       .def_prop_ro("tension_only", of_spring([](const SpringView& s) { return s.law.tension_only; }),
                    "True for a rope, which pulls and never pushes.")
+      .def_prop_ro("inextensible", of_spring([](const SpringView& s) { return s.inextensible; }),
+                   "True for a cable, whose length never exceeds `rest`.")
       .def_prop_ro("strength", of_spring([](const SpringView& s) { return s.law.strength; }),
                    "It breaks when its force exceeds this (N); infinite: it never breaks.")
       .def("__repr__", of_spring([](const SpringView& s) {

@@ -59,6 +59,27 @@ def test_springs_break_by_events_conditions_and_their_strength() -> None:
     assert isinstance(by_condition.world.springs, mt._world.Springs) and list(by_condition.world.springs) == ["rope"]
 
 
+def test_a_load_on_a_cable_is_caught_and_cut() -> None:
+    model = mt.Model()
+    model.add("load", mass=2, inertia=0.1, joint=mt.Free(), q=[0, 0, -0.5, 1, 0, 0, 0])
+    model.add_cable("tether", start="ground", end="load", length=1.5, strength="1 kN")
+    sim = mt.Simulation(model, method="dop853")
+    run = sim.run(2.0)
+    taut = next(e for e in run.events if e.name == "taut tether")
+    assert math.isclose(taut.time, math.sqrt(2 / 9.81), abs_tol=1e-9)
+    assert taut.contact is not None and taut.contact.cable == "tether" and taut.contact.other == "ground"
+    tether = sim.world.springs["tether"]
+    assert tether.inextensible and math.isclose(tether.tension, 2 * 9.81, rel_tol=1e-9) and tether.rest == 1.5
+    assert np.isclose(run.springs["tether"].tension[-1], 2 * 9.81)
+    for other in (model.copy(), pickle.loads(pickle.dumps(model)), mt.loads(model.to_toml()).model):
+        assert mt.Simulation(other).world.springs["tether"].inextensible
+    sim.apply(mt.break_joint("tether"))
+    sim.run(3.0)
+    assert tether.broken and sim.world.bodies["load"].position[2] < -5
+    with pytest.raises(mt.Error, match="restitution"):
+        model.add_cable("other", start="ground", end="load", restitution=3)
+
+
 def test_models_with_springs_are_copied_written_and_pickled() -> None:
     model = hung(rest=0.5, tension_only=True, strength=100)
     assert model.spring_names == ["rope"]

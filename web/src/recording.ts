@@ -69,6 +69,8 @@ export interface Spring {
   readonly stiffness: number;
   readonly rest: number;
   readonly tensionOnly: boolean;
+  /** A cable, which is never longer than `rest`; absent: no. */
+  readonly inextensible?: boolean;
   /** The force at which it breaks; null: it never breaks. */
   readonly strength: number | null;
 }

@@ -19,6 +19,7 @@ interface SpringFile {
   stiffness: number;
   rest: number;
   tension_only: boolean;
+  inextensible?: boolean;
   strength: number | null;
   broken: boolean;
 }
@@ -65,7 +66,7 @@ function springsOf(file: Record<string, SpringFile>, bodies: ReadonlyMap<string,
   const known = (body: string) => body === "ground" || bodies.has(body);
   return Object.entries(file)
     .filter(([, { from, to, broken }]) => !broken && known(from.body) && known(to.body))
-    .map(([name, { from, to, stiffness, rest, tension_only, strength }]) => ({
+    .map(([name, { from, to, stiffness, rest, tension_only, inextensible, strength }]) => ({
       name,
       from: bodies.get(from.body) ?? -1,
       to: bodies.get(to.body) ?? -1,
@@ -74,6 +75,7 @@ function springsOf(file: Record<string, SpringFile>, bodies: ReadonlyMap<string,
       stiffness,
       rest,
       tensionOnly: tension_only,
+      ...(inextensible && { inextensible }),
       strength,
     }));
 }

@@ -141,16 +141,16 @@ void fields(Archive& archive, Part<Archive, Loop>& l) {
 template <class Archive>
 void fields(Archive& archive, Part<Archive, contact::Features>& f) {
   auto pair = static_cast<unsigned>(f.pair);
-  archive(pair, f.point_a, f.line_a, f.point_b, f.line_b, f.radius_a, f.radius_b, f.side, f.rim);
+  archive(pair, f.point_a, f.line_a, f.point_b, f.line_b, f.radius_a, f.radius_b, f.side, f.rim, f.length);
   if constexpr (!Archive::writes) {
-    archive.require(pair <= static_cast<unsigned>(contact::FeaturePair::point_circle));
+    archive.require(pair <= static_cast<unsigned>(contact::FeaturePair::cable));
     f.pair = static_cast<contact::FeaturePair>(pair);
   }
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Contact>& c) {
   auto mode = static_cast<unsigned>(c.mode);
-  archive(c.features, c.a, c.b, mode, c.friction, c.direction, c.pair, c.id, c.settles);
+  archive(c.features, c.a, c.b, mode, c.friction, c.direction, c.pair, c.id, c.settles, c.cable);
   if constexpr (!Archive::writes) {
     archive.require(mode <= static_cast<unsigned>(Contact::Mode::slip));
     c.mode = static_cast<Contact::Mode>(mode);

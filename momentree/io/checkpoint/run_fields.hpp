@@ -72,7 +72,7 @@ void fields(Archive& archive, Part<Archive, Event::OfCoupling>& c) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Event::Contact>& c) {
-  archive(c.one, c.other, c.point, c.normal, c.impulse, c.scaled, c.in_turn);
+  archive(c.one, c.other, c.point, c.normal, c.impulse, c.scaled, c.in_turn, c.cable);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Event>& e) {
@@ -83,7 +83,7 @@ void fields(Archive& archive, Part<Archive, Event>& e) {
 
 template <class Archive>
 void fields(Archive& archive, Part<Archive, SteppedContact>& c) {
-  archive(c.pair, c.id, c.a, c.b, c.point, c.normal, c.force, c.slip);
+  archive(c.pair, c.id, c.a, c.b, c.point, c.normal, c.force, c.slip, c.cable);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, SteppingState>& s) {

@@ -75,8 +75,8 @@ class Converter {
 
   Converted convert() {
     Value::Table document;
-    for (const char* key : {"format", "title", "state", "world", "mechanism", "force", "loop", "spring", "coupling", "contact",
-                            "event", "integrate", "output"}) {
+    for (const char* key : {"format", "title", "state", "world", "mechanism", "force", "loop", "spring", "cable", "coupling",
+                            "contact", "event", "integrate", "output"}) {
       const Value::Entry* entry = scenario_.document->find(key);
       if (std::string_view(key) == "coupling" &&
           springs_of(entry) < scenario_.couplings.size() + scenario_.model.couplings().size()) {
@@ -87,9 +87,9 @@ class Converter {
         if (Value all = loops(entry); !all.array()->empty()) add(document, key, std::move(all));
         continue;
       }
-      if (const std::size_t own = springs_of(entry);
-          std::string_view(key) == "spring" && own < scenario_.model.springs().size()) {
-        add(document, key, springs(entry, own));
+      if (std::string_view(key) == "spring" || std::string_view(key) == "cable") {
+        if (Value all = springs(entry, std::string_view(key) == "cable"); !all.array()->empty())
+          add(document, key, std::move(all));
         continue;
       }
       if (!entry) continue;
@@ -159,12 +159,14 @@ class Converter {
   static std::size_t springs_of(const Value::Entry* entry) {
     return entry != nullptr && entry->value.array() ? entry->value.array()->size() : 0;
   }
-  // The springs of model files, which come first in the model, then the scenario's `own`.
-  Value springs(const Value::Entry* entry, std::size_t own) const {
+  // The springs or cables of model files, which come first in the model, then the scenario's own.
+  Value springs(const Value::Entry* entry, bool cables) const {
+    const std::size_t own = springs_of(scenario_.document->find("spring")) + springs_of(scenario_.document->find("cable"));
     Value::Array all;
     for (std::size_t s = 0; s + own < scenario_.model.springs().size(); ++s)
-      all.push_back(value(describe_spring(scenario_.model.springs()[s], scenario_.model)));
-    if (own > 0) all.insert(all.end(), entry->value.array()->begin(), entry->value.array()->end());
+      if (const Spring& spring = scenario_.model.springs()[s]; spring.inextensible == cables)
+        all.push_back(value(describe_spring(spring, scenario_.model)));
+    if (springs_of(entry) > 0) all.insert(all.end(), entry->value.array()->begin(), entry->value.array()->end());
     return value(std::move(all));
   }
   // The loop tables: one for each loop joint of a model file, and the scenario's own.
@@ -272,7 +274,7 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes, bool c
     add(world, "floor", value(std::move(floor)));
   if (!world.empty()) add(document, "world", value(std::move(world)));
   LeftOut left_out;
-  Value::Array mechanisms, forces, loops, springs, couplings;
+  Value::Array mechanisms, forces, loops, springs, cables, couplings;
   const auto bodies = by_mechanism(model);
   for (int b = 0; b < model.size(); ++b) {
     const std::string& name = model[BodyId{b}].name;
@@ -284,12 +286,14 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes, bool c
   }
   for (const BodyForce& force : model.forces()) forces.push_back(value(describe_force(force, model)));
   for (const LoopSpec& loop : model.loops()) loops.push_back(value(describe_loop(loop, model)));
-  for (const Spring& spring : model.springs()) springs.push_back(value(describe_spring(spring, model)));
+  for (const Spring& spring : model.springs())
+    (spring.inextensible ? cables : springs).push_back(value(describe_spring(spring, model)));
   for (const Coupling& each : model.couplings()) couplings.push_back(value(describe_coupling(each, model)));
   add(document, "mechanism", value(std::move(mechanisms)));
   if (!forces.empty()) add(document, "force", value(std::move(forces)));
   if (!loops.empty()) add(document, "loop", value(std::move(loops)));
   if (!springs.empty()) add(document, "spring", value(std::move(springs)));
+  if (!cables.empty()) add(document, "cable", value(std::move(cables)));
   if (!couplings.empty()) add(document, "coupling", value(std::move(couplings)));
   if (Value all = contact ? describe_contacts(model) : value(Value::Array{}); !all.array()->empty())
     add(document, "contact", std::move(all));

@@ -16,6 +16,12 @@ Value::Table describe_spring(const Spring& spring, const Model& model) {
     add(table, key, value(std::move(one)));
   };
   end("from", spring.from), end("to", spring.to);
+  if (spring.inextensible) {
+    if (spring.rest) add(table, "length", number(*spring.rest));
+    if (spring.restitution != 0) add(table, "restitution", number(spring.restitution));
+    if (std::isfinite(spring.strength)) add(table, "strength", number(spring.strength));
+    return table;
+  }
   add(table, "stiffness", number(spring.stiffness));
   if (spring.rest) add(table, "rest", number(*spring.rest));
   if (spring.damping != 0) add(table, "damping", number(spring.damping));

@@ -102,6 +102,15 @@ constexpr Mistake mistakes_in_events[] = {
     {"[[spring]]", "maxforce breakforce breakingforce breakload maxload breakingload limit", "strength", "strength = \"4 kN\""},
     {"[[spring]]", "joint", "", "a spring of a joint is given by its own keys: stiffness and rest in [mechanism.body.joint]"},
 
+    {"[[cable]]", "start begin body1 bodya first a anchor site1", "from", "from = { body = \"tug/hull\", point = [1, 0, 0] }"},
+    {"[[cable]]", "end body2 bodyb second b site2", "to", "to = { body = \"ground\", point = [0, 0, 3] }"},
+    {"[[cable]]", "rest l l0 maxlength max_length restlength range", "length", "length = \"12 m\""},
+    {"[[cable]]", "stiffness k damping d tension_only", "",
+     "a cable does not stretch: a rope that does is a [[spring]] with tension_only = true"},
+    {"[[cable]]", "e bounce cor rebound", "restitution", "restitution = 0.2"},
+    {"[[cable]]", "maxforce breakforce breakingforce breakload maxload breakingload limit maxtension", "strength",
+     "strength = \"4 kN\""},
+
     {"[[coupling]]", "follower slave child joint2", "joint", "joint = \"hand/finger2\""},
     {"[[coupling]]", "leader master parent joint1 mimic follow driver", "follows", "follows = \"hand/finger1\""},
     {"[[coupling]]", "ratio gear gearratio factor scale", "multiplier", "multiplier = -0.5"},

@@ -43,7 +43,8 @@ constexpr Mistake mistakes_in_runs[] = {
      "a joint is given with the body that it carries: [mechanism.body.joint] below its [[mechanism.body]]"},
     {"a scenario", "events trigger triggers action actions", "event", "[[event]]"},
     {"a scenario", "forces load loads externalforce externalforces", "force", "[[force]]"},
-    {"a scenario", "springs rope ropes tendon tendons wire wires guy guys", "spring", "[[spring]]"},
+    {"a scenario", "springs rope ropes tendon tendons guy guys", "spring", "[[spring]]"},
+    {"a scenario", "cables tether tethers wire wires string strings", "cable", "[[cable]]"},
     {"a scenario", "couplings gear gears transmission transmissions mimic", "coupling", "[[coupling]]"},
     {"a scenario",
      "loops constraint constraints equality equalities connect closure closures closedloop loopjoint loopjoints kinematicloop "

@@ -1,4 +1,4 @@
-// <tendon>: a <spatial> tendon between two sites is a spring between two points.
+// <tendon>: a <spatial> tendon between two sites is a spring between two points, or a cable.
 #include <algorithm>
 
 #include <momentree/base/error.hpp>
@@ -88,15 +88,24 @@ void read_spatial(XmlElement element, const std::vector<BodySpec>& bodies, Readi
   const auto ignored = [&](const char* name, const std::string& why) {
     file.warning(attributes.at(name), "tendon " + in_quotes(spring.name) + ": " + name + " is ignored", why);
   };
-  if (attributes.has("range") && attributes.string("limited").value_or("auto") != "false")
-    ignored("range", "tension_only = true and a stiffness hold a rope at its length");
+  const bool exerts = spring.stiffness != 0 || spring.damping != 0;
+  if (attributes.has("range") && attributes.string("limited").value_or("auto") != "false") {
+    const auto range = attributes.numbers("range", 2);
+    // One that can only be too long is a cable.
+    if (range && !exerts && (*range)[0] <= 0 && (*range)[1] > 0)
+      spring.inextensible = true, spring.rest = (*range)[1];
+    else
+      ignored("range", exerts ? "a [[cable]] beside the spring holds its ends" : "a cable has no shortest length");
+  }
   for (const char* name : {"frictionloss", "armature"})
     if (const auto value = attributes.number(name); value && *value != 0) ignored(name, "");
-  if (spring.stiffness == 0 && spring.damping == 0)
+  if (!exerts && !spring.inextensible)
     return file.once(Severity::note, "a tendon without stiffness and damping is left out: it exerts no force", "", {element});
   const auto length = attributes.numbers("springlength", 1, 2);
   const double lower = length ? (*length)[0] : -1, upper = length ? length->back() : -1;
-  if (lower == upper) {
+  if (spring.inextensible) {
+    // The springlength of a tendon without stiffness has no effect.
+  } else if (lower == upper) {
     spring.rest = lower < 0 ? length_of(spring, bodies) : lower;  // −1: as in the pose of the file
   } else if (lower == 0 && upper > 0) {
     spring.rest = upper, spring.tension_only = true;

@@ -51,6 +51,15 @@ TEST_CASE("MJCF: a tendon between two sites is a spring, relaxed in the pose of 
   CHECK(*unnamed.rest == doctest::Approx(std::sqrt(1 + 4 + 1.0)));
 }
 
+TEST_CASE("MJCF: a tendon that only has a longest length is a cable") {
+  const Model model = model_of(arm(spatial("name='c' range='0 6' limited='true'")), "m.xml");
+  REQUIRE(model.springs().size() == 1);
+  CHECK(model.springs()[0].inextensible);
+  CHECK(*model.springs()[0].rest == 6);
+  CHECK(model_of(arm(spatial("name='s' range='0 6' stiffness='3'")), "m.xml").springs()[0].inextensible == false);
+  CHECK(model_of(arm(spatial("name='s' range='0 6' limited='false'")), "m.xml").springs().empty());
+}
+
 TEST_CASE("MJCF: springlength, ropes, classes of tendons, and the mechanism's pose") {
   const Model model =
       model_of(arm(spatial("name='s' stiffness='30' springlength='0.7'") +

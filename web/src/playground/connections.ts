@@ -4,7 +4,7 @@ import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
 import type { Model, Phase, Spring } from "../recording";
 import { phaseAt } from "../viewer/frames";
-import { endsOf } from "../viewer/springs";
+import { endsOf, isSlack } from "../viewer/springs";
 import type { App } from "./app";
 
 export interface Connection {
@@ -38,14 +38,15 @@ export function connectionsOf(model: Model, topology: Topology, phase: Phase, po
   const acting = new Set((phase.springs ?? model.springs ?? []).map(({ name }) => name));
   const springs = (model.springs ?? []).map((spring) => {
     const ends = `${of(model, spring.from)} to ${of(model, spring.to)}`;
-    const tension = tensionOf(spring, poses);
-    const force = spring.tensionOnly && tension === 0 ? "slack" : `${digits(tension, 3)} N`;
+    const [from, to] = endsOf(spring, poses);
+    const slack = isSlack(spring, from.distanceTo(to));
+    const force = slack ? "slack" : spring.inextensible ? "taut" : `${digits(tensionOf(spring, poses), 3)} N`;
     const strength = spring.strength === null ? "" : ` of ${digits(spring.strength, 3)} N`;
     return acting.has(spring.name)
       ? {
           kind: "spring" as const,
           name: spring.name,
-          text: `${spring.tensionOnly ? "rope" : "spring"}, ${ends}: ${force}${strength}`,
+          text: `${spring.inextensible ? "cable" : spring.tensionOnly ? "rope" : "spring"}, ${ends}: ${force}${strength}`,
         }
       : { kind: "spring" as const, name: spring.name, text: `broken, ${ends}`, over: true };
   });

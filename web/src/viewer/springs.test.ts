@@ -68,5 +68,8 @@ describe("springs", () => {
     expect(springColour(rope, 9, theme, 0)).toBe("#d8342b");
     expect(springColour(other, 9, theme, 0)).toBe(plain);
     expect(springColour(rope, 9, theme, 1)).toBe(theme.ground);
+    const cable = { ...rope, stiffness: 0, tensionOnly: false, inextensible: true };
+    expect(springColour(cable, 0.999 * cable.rest, theme, 0)).toBe(pale);
+    expect(springColour(cable, cable.rest, theme, 0)).toBe(plain);
   });
 });

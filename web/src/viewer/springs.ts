@@ -1,4 +1,4 @@
-// Springs as thin lines between their ends: pale while they are slack, and redder the nearer their force is to their
+// Springs and cables as thin lines between their ends: pale while they are slack, and redder the nearer their force is to their
 // strength.
 import * as THREE from "three";
 import type { Phase, Spring } from "../recording";
@@ -15,13 +15,18 @@ export function endsOf(spring: Spring, poses: ArrayLike<number>): [THREE.Vector3
   return [end(spring.from, spring.fromPoint), end(spring.to, spring.toPoint)];
 }
 
+/** True for a rope or a cable that exerts no force at this length. */
+export function isSlack(spring: Spring, length: number): boolean {
+  if (spring.inextensible) return length < (1 - 1e-6) * spring.rest;
+  return spring.tensionOnly && length <= spring.rest;
+}
+
 /** `faded`: how near the colour is to the ground's, 0 to 1. */
 export function springColour(spring: Spring, length: number, theme: Theme, faded: number): string {
   const stretch = length - spring.rest;
-  const slack = spring.tensionOnly && stretch <= 0;
   const load = spring.strength === null ? 0 : Math.min(1, Math.abs(spring.stiffness * stretch) / spring.strength);
   const plain = mixed(theme.ink, theme.ground, 0.35);
-  const colour = slack ? mixed(theme.ink, theme.ground, 0.7) : mixed(plain, strained, load);
+  const colour = isSlack(spring, length) ? mixed(theme.ink, theme.ground, 0.7) : mixed(plain, strained, load);
   return mixed(colour, theme.ground, faded);
 }
 

@@ -1,0 +1,236 @@
+// Inextensible cables: they become taut by an impact, hold, become slack and break.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/batch/batch.hpp>
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+#include <tests/error_of.hpp>
+#include <tests/oracle/prng.hpp>
+
+using namespace momentree;
+
+namespace {
+
+constexpr double g = 9.81, length = 1.5, mass = 2;
+
+// A load on a cable below the origin, at an angle (rad) from the vertical, or that far below the origin if it is slack.
+Model hanging(double angle, Cable cable, Values v = {}, double distance = length) {
+  Model model;
+  const BodyId load = model.add({.name = "load",
+                                 .mass = mass,
+                                 .inertia = diagonal(0.1),
+                                 .joint = Free{},
+                                 .q = {distance * std::sin(angle), 0, -distance * std::cos(angle), 1, 0, 0, 0},
+                                 .v = std::move(v)});
+  cable.to = {load, {}};
+  if (!cable.length) cable.length = length;
+  model.add_cable(cable);
+  return model;
+}
+
+Integration precise(std::string method = "dop853") {
+  return {.method = std::move(method), .step = 1e-3, .rtol = 1e-11, .atol = 1e-12};
+}
+
+const Event* first(const Simulation& sim, const std::string& name) {
+  const auto found = std::find_if(sim.events().begin(), sim.events().end(), [&](const Event& e) { return e.name == name; });
+  return found == sim.events().end() ? nullptr : &*found;
+}
+
+Vec3 place(const Simulation& sim) { return sim.world().motions()[0].pose.position; }
+
+// A body in space that moves and turns.
+BodySpec floating(const std::string& name, oracle::Prng& random, double x) {
+  const auto some = [&] { return random.uniform(-1, 1); };
+  const double turn = random.uniform(0, 3);
+  return {.name = name,
+          .mass = random.uniform(0.5, 3),
+          .com = {0.1 * some(), 0.1 * some(), 0.1 * some()},
+          .inertia = diagonal(random.uniform(0.1, 0.3)),
+          .joint = Free{},
+          .q = {x, 0.1 * some(), 0.1 * some(), std::cos(turn), 0, std::sin(turn), 0},
+          .v = {some(), some(), some(), some(), some(), some()}};
+}
+
+}  // namespace
+
+TEST_CASE("cable: a load falls until it is taut and bounces at the instants of the closed form") {
+  for (const char* method : {"rk4", "dopri5", "dop853"})
+    for (const double e : {0.0, 0.4}) {
+      Simulation sim(hanging(0, {.name = "tether", .restitution = e}, {}, 0.25), precise(method));
+      REQUIRE(sim.run_until(4));
+      double time = std::sqrt(2 * (length - 0.25) / g), speed = g * time;
+      for (std::size_t k = 0; k < (e > 0 ? 5u : 1u); ++k) {
+        const Event& taut = sim.events()[k];
+        REQUIRE(taut.name == "taut tether");
+        CHECK(taut.contact.cable == "tether");
+        CHECK(std::fabs(taut.time - time) < 1e-9);
+        CHECK(taut.contact.impulse.z == doctest::Approx(mass * (1 + e) * speed).epsilon(1e-8));
+        CHECK(taut.lost == doctest::Approx(0.5 * mass * (1 - e * e) * speed * speed).epsilon(1e-7));
+        speed *= e, time += 2 * speed / g;
+      }
+      CHECK(sim.world().spring({0}).tension == doctest::Approx(mass * g).epsilon(1e-10));
+      CHECK(std::fabs(sim.world().spring({0}).length - length) < 1e-13);
+      CHECK(std::fabs(sim.energy().error) < 1e-9);
+      CHECK(sim.world().contacts().empty());  // bodies do not touch
+    }
+}
+
+TEST_CASE("cable: while it is taut, a load is a pendulum; its tension follows the closed form") {
+  const double start = 1.1;
+  Simulation sim(hanging(start, {.name = "tether"}), precise());
+  Model rigid;
+  rigid.add(
+      {.name = "rod", .mass = mass, .com = {0, 0, -length}, .inertia = {}, .joint = Revolute{.axis = {0, 1, 0}}, .q = {-start}});
+  Simulation pendulum(rigid, precise());
+  for (const double t : {0.3, 0.9, 2.7}) {
+    REQUIRE(sim.run_until(t));
+    REQUIRE(pendulum.run_until(t));
+    const double angle = -pendulum.world().joint({0}).q[0];
+    CHECK(norm(place(sim) - Vec3{length * std::sin(angle), 0, -length * std::cos(angle)}) < 1e-9);
+    const SpringView tether = sim.world().spring({0});
+    CHECK(tether.tension == doctest::Approx(mass * g * (3 * std::cos(angle) - 2 * std::cos(start))).epsilon(1e-9));
+    CHECK(std::fabs(tether.length - length) < 1e-13);
+    CHECK(tether.inextensible);
+  }
+}
+
+TEST_CASE("cable: thrown upwards a load leaves its circle where the tension ends, and is caught") {
+  for (const char* method : {"rk4", "dop853"}) {
+    const double square = 4.2 * g * length;  // between 2 and 5 gL: the circle is not completed
+    Simulation sim(hanging(0, {.name = "tether"}, {std::sqrt(square), 0, 0, 0, 0, 0}), precise(method));
+    REQUIRE(sim.run_until(3));
+    const Event* const slack = first(sim, "slack tether");
+    REQUIRE(slack != nullptr);
+    const double cosine = (square - 2 * g * length) / (3 * g * length);  // of the angle above the horizontal's normal
+    CHECK(slack->contact.normal.z == doctest::Approx(-cosine).epsilon(1e-8));
+    // On the parabola from there, the distance is the length again after 4 v_z/g for any such point of a circle.
+    const double speed = std::sqrt(g * length * cosine), climb = speed * std::sqrt(1 - cosine * cosine);
+    const auto taut =
+        std::find_if(sim.events().begin() + 1, sim.events().end(), [](const Event& e) { return e.name == "taut tether"; });
+    REQUIRE(taut != sim.events().end());
+    CHECK(taut->time - slack->time == doctest::Approx(4 * climb / g).epsilon(1e-7));
+    CHECK(taut->lost > 0);
+    CHECK(std::fabs(sim.energy().error) < 1e-7);
+  }
+}
+
+TEST_CASE("cable: it parts at its strength, at the instant") {
+  const double start = 1.1, strength = 30;
+  Simulation sim(hanging(start, {.name = "tether", .strength = strength}), precise());
+  REQUIRE(sim.run_until(2));
+  const Event* const parts = first(sim, "strength of tether");
+  REQUIRE(parts != nullptr);
+  // T = m g (3 cos a − 2 cos a₀), and v² = 2 g L (cos a − cos a₀).
+  const double cosine = (strength / (mass * g) + 2 * std::cos(start)) / 3;
+  CHECK(parts->before.kinetic == doctest::Approx(mass * g * length * (cosine - std::cos(start))).epsilon(1e-8));
+  CHECK(parts->after.kinetic == doctest::Approx(parts->before.kinetic).epsilon(1e-14));
+  CHECK(sim.world().spring({0}).broken);
+  CHECK(sim.world().spring({0}).tension == 0);
+  CHECK(first(sim, "slack tether") == nullptr);  // it is gone
+  CHECK(std::fabs(sim.energy().error) < 1e-8);
+}
+
+TEST_CASE("cable: tethered bodies in space keep their momenta, gain no energy and are never too far apart") {
+  oracle::Prng random(7);
+  int impacts = 0;
+  for (int k = 0; k < 60; ++k) {
+    Model model({.gravity = {}});
+    const BodyId a = model.add(floating("a/a", random, 0)), b = model.add(floating("b/b", random, 1));
+    const BodyId tip =
+        model.add({.name = "b/tip", .mass = 0.4, .inertia = diagonal(0.02), .parent = b, .at = {0.4, 0, 0}, .joint = Ball{}});
+    const double e = k % 2 == 0 ? 0 : random.uniform(0, 1);
+    model.add_cable({.name = "tether", .from = {a, {0.2, 0.1, 0}}, .to = {tip, {0.3, 0, 0}}, .length = 2.5, .restitution = e});
+    Simulation sim(model, {.method = "dopri5", .rtol = 1e-10, .atol = 1e-11});
+    const Totals start = sim.world().totals();
+    REQUIRE(sim.run_until(4));
+    const Totals end = sim.world().totals();
+    CHECK(norm(end.linear - start.linear) < 1e-9);
+    CHECK(norm(end.angular - start.angular) < 1e-8);
+    CHECK(end.kinetic < start.kinetic + 1e-8);
+    for (const Event& event : sim.events()) {
+      if (event.name != "taut tether") continue;
+      ++impacts;
+      CHECK(event.lost > -1e-12);
+      CHECK(norm(event.after.linear - event.before.linear) < 1e-12);
+      CHECK(norm(event.after.angular - event.before.angular) < 1e-12);
+    }
+    CHECK(sim.world().spring({0}).length < 2.5 + 1e-9);
+  }
+  CHECK(impacts > 60);
+}
+
+TEST_CASE("cable: a crate on four cables shares its weight without any that pushes; one is cut") {
+  Model model;
+  const BodyId crate =
+      model.add({.name = "crate", .mass = 20, .inertia = diagonal(1), .joint = Free{}, .q = {0.07, 0, -1, 1, 0, 0, 0}});
+  for (const double x : {-0.3, 0.3})
+    for (const double y : {-0.3, 0.3})
+      model.add_cable({.name = "leg " + std::to_string(model.springs().size()), .to = {crate, {x, y, 0}}});
+  Simulation sim(model, precise());
+  const auto lift = [&] {
+    double force = 0;
+    for (int s = 0; s < 4; ++s) {
+      const SpringView leg = sim.world().spring({s});
+      CHECK(leg.tension > -1e-9);
+      CHECK(leg.length < *model.springs()[static_cast<std::size_t>(s)].rest + 1e-9);
+      force += leg.tension * (leg.place_of_from.z - leg.place_of_to.z) / leg.length;
+    }
+    return force;
+  };
+  const double a = sim.world().accelerations()[0].linear.z;
+  CHECK(lift() == doctest::Approx(20 * (g + a)).epsilon(1e-9));
+  sim.at(0.5).then(break_spring("leg 0"));
+  REQUIRE(sim.run_until(1.5));
+  lift();
+  CHECK(sim.world().spring({0}).broken);
+  CHECK(std::fabs(sim.energy().error) < 1e-6);
+}
+
+TEST_CASE("cable: stepped in time it ends near where the located one does") {
+  const Model model = hanging(1.1, {.name = "tether", .restitution = 0.3}, {0, 0.4, 0, 0, 0, 0}, 1.2);
+  Simulation located(model, precise()), stepped(model, {.method = "stepping", .step = 1e-4});
+  REQUIRE(located.run_until(1));
+  REQUIRE(stepped.run_until(1));
+  CHECK(norm(place(located) - place(stepped)) < 5e-3);
+  CHECK(stepped.world().spring({0}).tension == doctest::Approx(located.world().spring({0}).tension).epsilon(0.02));
+  CHECK(std::fabs(stepped.energy().error) < 1e-6);
+}
+
+TEST_CASE("cable: a state of a run continues with the same bits") {
+  Simulation sim(hanging(1.1, {.name = "tether"}), precise("rk4"));
+  REQUIRE(sim.run_until(0.4));
+  const SimulationSnapshot half = sim.snapshot();
+  REQUIRE(sim.run_until(0.8));
+  const Vec3 there = place(sim);
+  sim.restore(half);
+  REQUIRE(sim.run_until(0.8));
+  CHECK(place(sim) == there);
+}
+
+TEST_CASE("cable: a longer one lets go, a shorter one is refused") {
+  Simulation sim(hanging(0, {.name = "tether"}), precise());
+  REQUIRE(sim.run_until(0.1));
+  CHECK(error_of([&] { sim.apply(set_parameters("tether", {.rest = 1})); }).find("farther apart") != std::string::npos);
+  sim.apply(set_parameters("tether", {.rest = 2}));
+  CHECK(sim.world().spring({0}).tension == 0);
+  REQUIRE(sim.run_until(2));
+  CHECK(std::fabs(place(sim).z + 2) < 1e-12);
+}
+
+TEST_CASE("cable: mistakes") {
+  CHECK(error_of([] { hanging(0, {.name = "tether", .restitution = 1.5}); }).find("restitution: must be from 0 to 1") !=
+        std::string::npos);
+  CHECK(error_of([] { hanging(0, {.name = "tether", .length = 0}); }).find("length: must be positive") != std::string::npos);
+  CHECK(error_of([] { hanging(0, {.name = "tether", .strength = -1}); }).find("strength: must be positive") != std::string::npos);
+  CHECK(error_of([] { Batch(hanging(0, {.name = "tether"}), 4, {}); }).find("contact and cables") != std::string::npos);
+  Simulation sim(hanging(0, {.name = "tether"}, {}, 1.8), precise());
+  const RunResult run = sim.run_until(0.1);
+  CHECK(!run);
+  CHECK(run.reason.find("cable 'tether' are farther apart than its length by 0.3 m") != std::string::npos);
+}
