@@ -30,6 +30,7 @@ include_patterns = [
     "docs/site/**.rst",
     "bench/README.md",
     "bench/peers/README.md",
+    "bench/peers/contact/README.md",
     "bench/results/peers.md",
     "packaging/README.md",
     "tests/data/README.md",

@@ -78,6 +78,7 @@ NAVIGATION = [
             "docs/verification",
             "bench/README",
             "bench/peers/README",
+            "bench/peers/contact/README",
             "bench/results/peers",
             "docs/versions",
             "docs/adr/README",
