@@ -88,8 +88,6 @@ TEST_CASE("an event tolerance below the resolution of the clock is reported") {
 
 TEST_CASE("unsupported keys are refused with their places") {
   check({
-      {pinned + "[[cable]]\n",
-       "s.toml:10:3: error: 'cable' is not supported yet; a spring with tension_only = true is a rope that gives"},
       {head + "model = \"x.urdf\"\n[[event]]\nat = 1\nbreak = \"m/elbow\"\n",
        "s.toml:4:9: error: model: a scenario read from text cannot name files; read it from its file"},
       {pinned + "[integrate]\nmethod = \"dampened\"\n", "s.toml:11:10: error: unknown method 'dampened'; did you mean 'damped'?"},

@@ -92,6 +92,7 @@ const std::vector<Table>& tables() {
       {d + "joint_start", {state("{ joints = { a = { " + value + " } } }")}},
       {d + "force", {one_body + "[[force]]\nbody = \"m/a\"\n" + value}},
       {d + "spring", {one_body + "[[spring]]\nname = \"s\"\n" + value}},
+      {d + "cable", {one_body + "[[cable]]\nname = \"s\"\n" + value}},
       {d + "force/properties/drag", {one_body + "[[force]]\nbody = \"m/a\"\ndrag = { " + value + " }"}},
       {d + "loop",
        {loop("kind = \"revolute\"\n" + value), loop("kind = \"universal\"\naxis2 = [1, 0, 0]\n" + value),

@@ -86,7 +86,7 @@ TEST_CASE("the keys of [[cable]], with units and defaults; scenarios that are wr
   };
   says("length = 2\n", "length: the ends of cable 'c' are farther apart at the start, by 1 m");
   says("restitution = 2\n", "restitution: must be from 0 to 1");
-  says("rest = 2\n", "did you mean 'length'?");
+  says("rest = 2\n", "write 'length', as in length = \"12 m\"");
   says("stiffness = 2\n", "a rope that does is a [[spring]] with tension_only = true");
   says("[integrate]\nmethod = \"midpoint\"\n", "does not support contact and cables");
 }
@@ -134,14 +134,15 @@ TEST_CASE("mistakes in [[spring]] are reported where they are, with a remedy") {
       {table("name = \"s\"\nfrom = \"n/pin\"\nto = \"m/a\"\nstiffness = 1\n"),
        "s.toml:21:8: error: from: there is no body 'n/pin'; that is the name of a joint"},
       {table("name = \"s\"\nfrom = \"n/*\"\nto = \"m/a\"\nstiffness = 1\n"),
-       "s.toml:21:8: error: from: there is no body 'n/*'; a spring has two ends: name one body"},
+       "s.toml:21:8: error: from: there is no body 'n/*'; it has two ends: name one body"},
       {table("name = \"s\"\nfrom = \"n/b\"\nto = \"n/b\"\nstiffness = 1\n"),
-       "s.toml:22:6: error: to: is the same point as 'from'; a spring acts along the line between two points"},
+       "s.toml:22:6: error: to: is the same point as 'from'; it acts along the line between two points"},
       {table("name = \"s\"\nfrom = \"n/b\"\nto = { body = \"n/b\", point = [1, 0, 0] }\nstiffness = 1\n"),
        "s.toml:22:6: error: to: is on the same body as 'from'; a force between two points of one body has no effect: one of them "
        "belongs to another body, or to \"ground\""},
       {table("name = \"n/pin\"\n" + ends + "stiffness = 1\n"),
-       "s.toml:20:8: error: name: there is a joint 'n/pin' already, on line 16; events refer to springs and joints by their "
+       "s.toml:20:8: error: name: there is a joint 'n/pin' already, on line 16; events refer to springs, cables and joints by "
+       "their "
        "names: "
        "give the spring another one"},
       {table("name = \"a/b/c\"\n" + ends + "stiffness = 1\n"),

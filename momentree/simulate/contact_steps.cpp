@@ -59,23 +59,18 @@ void ContactSteps::guess(double h) {
   for (std::size_t i = 0; i < near_.size(); ++i) many_.r[3 * i] = std::max(0.0, many_.r[3 * i]);
 }
 
-bool ContactSteps::touched_before(int pair) const {
-  return std::binary_search(points_.begin(), points_.end(), SteppedContact{.pair = pair},
-                            [](const SteppedContact& x, const SteppedContact& y) { return x.pair < y.pair; });
-}
-
 // When each point was reached, its restitution, and a first guess.
 void ContactSteps::set_law(double h) {
   reached_.resize(near_.size());
   hit_ = false;
   guess(h);
+  const double fast = std::max(0.25 * norm(world_->model_.gravity()) * h, 1e-6);  // so that the time of touching is known
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const Contact& c = near_[i];
     const ContactLaw& law = contacts_->law_of(c.pair);
     const double depth = std::max(0.0, -rows_.touches[i].gap), v = rows_.velocity[3 * i], a = rows_.acceleration[3 * i];
     const double gap = rows_.touches[i].gap;
-    // What rests falls with a constant acceleration before the impulse, or is pushed by what does: the impulse acts for half of
-    // the step.
+    // What rests on a body falls together with it before the impulse, which then acts for half of the step.
     reached_[i] = 0.5 * h;
     many_.points[i].friction = law.friction;
     if (gap > 0) {
@@ -87,7 +82,7 @@ void ContactSteps::set_law(double h) {
     // The speed with which it was reached: the approach since then was accelerated, and so is the flight until the end.
     const double square = v < 0 ? v * v + 2 * a * depth : 0.0, speed = square > 0 ? std::sqrt(square) : 0.0;
     const bool hits = speed > std::max(slow_impact, std::fabs(a) * h);
-    if (v < 0 && (hits || !touched_before(c.pair))) reached_[i] = std::min(h, depth / -v);
+    if (v < -fast) reached_[i] = std::min(h, depth / -v);
     if (!hits) continue;
     hit_ = true;
     const double since = std::min(h, 2 * depth / (speed - v)), leaves = law.restitution * speed + a * since;

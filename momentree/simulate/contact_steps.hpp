@@ -33,7 +33,6 @@ class ContactSteps final : public StepContacts {
  private:
   void find_points(double within);
   void guess(double h);
-  bool touched_before(int pair) const;
   void set_law(double h);
   double energy() const;
   void move(State& state, EnergyLedger& ledger);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/simulate/contacts_impl.hpp>
@@ -206,6 +207,13 @@ Contacts::Gap Contacts::gap_of(int number, double within) const {
   return least;
 }
 
+// How far rounding may be off in a gap (m).
+double Contacts::noise_of(int number) const {
+  const Pair& pair = pairs_[static_cast<std::size_t>(number)];
+  const double length = pair.cable >= 0 ? world_->tree_.spring_law(pair.cable).rest : 0.0;
+  return 4 * std::numeric_limits<double>::epsilon() * (norm(place(pair.a).r) + length);
+}
+
 // How far a solid may move towards another one: not farther than through a part of the thinner one, so that its end is not beyond
 // it (m).
 double Contacts::margin_within(const Pair& pair) const {
@@ -266,7 +274,7 @@ double Contacts::longest_step(const Pair& pair, double distance, double speed, d
 }
 
 std::span<const Watch> Contacts::watches(double& h) {
-  watches_.clear(), conditions_.clear();
+  watches_.clear(), conditions_.clear(), noise_.clear();
   const World& world = *world_;
   const double accelerated = norm(world.model_.gravity()) * h;  // what gravity may add to speeds within the step
   for (const int i : near_pairs(h, 0)) {
@@ -280,6 +288,7 @@ std::span<const Watch> Contacts::watches(double& h) {
                           : pair.cable >= 0             ? HUGE_VAL
                                                         : pair.one->solid.reach;
     conditions_.emplace_back(std::make_shared<PairGap>(*this, i, within), 0.0, false);
+    noise_.push_back(noise_of(i));
   }
   const std::span<const Contact> closed = world.tree_.contacts();
   if (!closed.empty()) conditions_.emplace_back(std::make_shared<Hold>(*this), 0.0, true);
@@ -294,6 +303,8 @@ std::span<const Watch> Contacts::watches(double& h) {
     Watch watch{&condition, 0};
     watch.offset = -rounding;
     // What could not be mended at the start counts only if it grows. Flights begin at the gap at which they end.
+    // A flight that begins where the last one ended does not end at once.
+    if (watches_.size() < noise_.size() && excess > rounding) watch.offset = -excess - noise_[watches_.size()];
     if (excess > 10 * rounding) watch.offset = condition.above ? -2 * excess : -excess - rounding;
     watch.start = std::min(excess + watch.offset, 0.0);
     watch.start_rate = watch.rate(world);

@@ -117,6 +117,7 @@ class Contacts {
   double longest_step(const Pair& pair, double distance, double speed, double acceleration) const;
   double time_to_stand(const Pair& pair, double acceleration) const;
   Gap gap_of(int pair, double within) const;
+  double noise_of(int pair) const;
   Vec3 slip_velocity(int contact) const;
   bool is_closed(int pair, std::uint64_t id) const;
   std::vector<Contact> touching();
@@ -148,6 +149,7 @@ class Contacts {
   std::vector<std::pair<int, double>> settling_;  // at this instant: pairs whose bounces end later, and when
   std::vector<Watch> watches_;
   std::vector<Condition> conditions_;
+  std::vector<double> noise_;  // of those that are gaps, which come first
   ContactRows rows_;
   contact::System system_;
   contact::ImpactLaw law_;

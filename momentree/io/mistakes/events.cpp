@@ -104,8 +104,8 @@ constexpr Mistake mistakes_in_events[] = {
 
     {"[[cable]]", "start begin body1 bodya first a anchor site1", "from", "from = { body = \"tug/hull\", point = [1, 0, 0] }"},
     {"[[cable]]", "end body2 bodyb second b site2", "to", "to = { body = \"ground\", point = [0, 0, 3] }"},
-    {"[[cable]]", "rest l l0 maxlength max_length restlength range", "length", "length = \"12 m\""},
-    {"[[cable]]", "stiffness k damping d tension_only", "",
+    {"[[cable]]", "rest l l0 maxlength restlength range", "length", "length = \"12 m\""},
+    {"[[cable]]", "stiffness k damping d tensiononly", "",
      "a cable does not stretch: a rope that does is a [[spring]] with tension_only = true"},
     {"[[cable]]", "e bounce cor rebound", "restitution", "restitution = 0.2"},
     {"[[cable]]", "maxforce breakforce breakingforce breakload maxload breakingload limit maxtension", "strength",

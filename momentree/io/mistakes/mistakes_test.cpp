@@ -81,9 +81,9 @@ TEST_CASE("keys of other engines are reported once, with the right key") {
 TEST_CASE("unsupported names are neither suggested nor unknown") {
   CHECK(said(read_scenario_text("foo = 3\n" + pinned, "s.toml")) ==
         "s.toml:1:1: error: unknown key 'foo' in a scenario; known here: format title world state mechanism force loop spring "
-        "coupling contact event "
+        "cable coupling contact event "
         "integrate output");
-  for (const char* table : {"[[cable]]", "[vary]", "[measure]"}) {
+  for (const char* table : {"[vary]", "[measure]"}) {
     const std::string text = said(read_scenario_text(pinned + table + "\nname = \"x\"\n", "s.toml"));
     CHECK_MESSAGE(text.find("is not supported yet") != std::string::npos, text);
   }
