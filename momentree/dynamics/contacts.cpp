@@ -170,7 +170,7 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
   const bool known = all.topology == tree.revision();
   if (at_state || !known) {
     all.topology = tree.revision();
-    all.chosen_slip.resize(contacts.size());
+    all.chosen_slip.resize(contacts.size()), all.keeps.assign(contacts.size(), false);
     for (std::size_t i = 0; i < contacts.size(); ++i) all.chosen_slip[i] = contacts[i].direction;
   }
   rows.slip.resize(contacts.size());
@@ -185,7 +185,11 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
     const Vec3 v = rows.velocity[3 * i + 1] * touch.tangent[0] + rows.velocity[3 * i + 2] * touch.tangent[1];
     const double speed = norm(v);
     const bool moves = speed > slowest_slip && (at_state || dot(v, all.chosen_slip[i]) > 0);
-    Vec3 s = moves ? (1 / speed) * v : all.chosen_slip[i];
+    // As if it slipped a little faster in its own direction, without which the sideways motion of slow slip is unstable.
+    const double keeps = contacts[i].keeps_direction;
+    if (at_state)
+      all.keeps[i] = keeps > 0 && (speed <= slowest_slip || (speed < 2 * keeps && dot(v, contacts[i].direction) >= 0.5 * speed));
+    Vec3 s = all.keeps[i] ? v + keeps * contacts[i].direction : moves ? (1 / speed) * v : all.chosen_slip[i];
     s -= dot(s, touch.normal) * touch.normal;
     rows.slip[i] = norm(s) > 0 ? normalized(s) : touch.tangent[0];
     if (at_state) all.chosen_slip[i] = rows.slip[i];

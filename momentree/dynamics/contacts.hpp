@@ -44,6 +44,7 @@ struct ContactWorkspace {
   std::vector<double> matrix, right, change, move, missing;  ///< scratch
   std::vector<std::size_t> columns, unknowns;
   std::vector<Vec3> chosen_slip;  ///< by contact: direction of slip at the last state
+  std::vector<bool> keeps;        ///< by contact: it keeps to its direction until the next state
   std::uint64_t topology = 0;     ///< Tree::revision() for which it was chosen
 };
 

@@ -15,7 +15,9 @@ namespace {
 constexpr int most_impacts = 200;          // at one instant
 constexpr double resolved_flight = 1e-12;  // lower flights, relative to coordinates, count as rest (m)
 constexpr double left_by_steps = 1e-3;     // m: states from time stepping may have such overlaps
-constexpr double no_approach = 1e-10;      // m/s, relative to the fastest point
+constexpr double motion_from_residual =
+    50;                                // the motion that a solution may have because it is inexact, relative to its residual
+constexpr double no_approach = 1e-10;  // m/s, relative to the fastest point
 
 double largest(const std::vector<double>& all) {
   double most = 0;
@@ -165,7 +167,8 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   static_cast<void>(world_->state_.edit());
   if (!solve_states(staying)) return false;
   system_.velocities(after_);
-  const double noise = 1e-12 * largest(system_.r);
+  const double noise = 1e-12 * largest(system_.r),
+               inexact = motion_from_residual * system_.residual() * largest(rows_.acceleration);
   for (std::size_t i = 0; i < staying.size(); ++i) {
     if (!(system_.r[3 * i] > noise)) continue;
     Contact c = staying[i];
@@ -177,10 +180,11 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
       c.direction = law.direction[0] * rows_.touches[i].tangent[0] + law.direction[1] * rows_.touches[i].tangent[1];
     } else if (!(own.static_friction > 0)) {
       c.mode = Contact::Mode::smooth;
-    } else if (system_.state(i) == contact::PointState::slip) {
+    } else if (system_.state(i) == contact::PointState::slip && std::hypot(after_[3 * i + 1], after_[3 * i + 2]) > inexact) {
       const double a1 = after_[3 * i + 1], a2 = after_[3 * i + 2], size = std::hypot(a1, a2);
       c.mode = Contact::Mode::slip;
       c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
+      c.keeps_direction = 2 * own.friction * std::fabs(rows_.acceleration[3 * i]) * step_;
     } else {
       c.mode = Contact::Mode::stick;
     }
@@ -343,10 +347,11 @@ double Contacts::excess_of_shared_forces(double otherwise) {
   system_.velocities(after_);
   const double size = std::max(largest(rows_.acceleration), 1e-300);
   double worst = -1;
+  const double noise = std::max(1e-9, motion_from_residual * system_.residual());
   for (std::size_t i = 0; i < closed.size(); ++i) {
-    worst = std::max(worst, after_[3 * i] / size - 1e-9);
+    worst = std::max(worst, after_[3 * i] / size - noise);
     if (closed[i].mode == Contact::Mode::stick)
-      worst = std::max(worst, std::hypot(after_[3 * i + 1], after_[3 * i + 2]) / size - 1e-9);
+      worst = std::max(worst, std::hypot(after_[3 * i + 1], after_[3 * i + 2]) / size - noise);
   }
   return worst;
 }

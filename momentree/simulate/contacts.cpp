@@ -10,8 +10,8 @@
 
 namespace momentree {
 
-Contacts::Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how)
-    : world_(&world), evaluate_(&evaluate), tolerance_(tolerance), simultaneous_(how), pairs_(world.model_) {}
+Contacts::Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how, double step)
+    : world_(&world), evaluate_(&evaluate), tolerance_(tolerance), step_(step), simultaneous_(how), pairs_(world.model_) {}
 Contacts::~Contacts() = default;
 
 bool Contacts::any() {

@@ -25,8 +25,9 @@ namespace momentree {
 
 class Contacts {
  public:
-  /// Instants are located to `tolerance` seconds.
-  Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how = contact::Simultaneous::together);
+  /// Instants are located to `tolerance` seconds. `step`: the length of steps (s); 0: they adapt to the motion.
+  Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how = contact::Simultaneous::together,
+           double step = 1e-3);
   ~Contacts();
   Contacts(const Contacts&) = delete;
   Contacts& operator=(const Contacts&) = delete;
@@ -137,7 +138,7 @@ class Contacts {
 
   World* world_;
   Evaluator* evaluate_;
-  double tolerance_;
+  double tolerance_, step_;
   contact::Simultaneous simultaneous_;
   int bodies_ = -1;   // of the model when any_ was found
   bool any_ = false;  // two bodies can touch

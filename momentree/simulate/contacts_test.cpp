@@ -265,3 +265,26 @@ TEST_CASE("contact: a thrown box comes to rest at the same place with every meth
     CHECK(norm(end.linear) + norm(end.angular) < 1e-12);
   }
 }
+
+TEST_CASE("contact: a force that grows sets a block in motion at the instant, in its own direction") {
+  for (const char* method : {"rk4", "dop853"}) {
+    Model model;
+    const BodyId block =
+        model.add({.name = "block/block", .mass = 2, .inertia = diagonal(0.0133), .joint = Free{}, .q = {0, 0, 0.1, 1, 0, 0, 0}});
+    model.add_collider({.body = block, .solid = contact::box({0.2, 0.2, 0.2})});
+    model.add_collider({.plane = true});
+    model.add_contact_rule({.law = {.friction = 0.3, .static_friction = 0.3}});
+    Simulation sim(model, {.method = method});
+    sim.force("block/block", [](const EvaluationContext& now) { return Wrench{{8 * std::sin(3 * now.time()), 0, 0}, {}}; });
+    REQUIRE(sim.run_until(0.8));
+    const double t0 = std::asin(0.3 * 2 * 9.81 / 8) / 3;
+    REQUIRE(sim.events().size() >= 2);
+    CHECK(sim.events()[0].name == "rest");
+    CHECK(sim.events()[1].name == "slip");
+    CHECK(first(sim, "stepping") == nullptr);
+    CHECK(std::fabs(sim.events()[1].time - t0) < 5e-7);
+    const Vec3 v = sim.world().motions()[0].linear;
+    CHECK(v.x == doctest::Approx(4.0 / 3 * (std::cos(3 * t0) - std::cos(2.4)) - 0.3 * 9.81 * (0.8 - t0)).epsilon(1e-5));
+    CHECK(std::fabs(v.y) < 1e-5);
+  }
+}

@@ -47,7 +47,8 @@ struct Simulation::Impl {
         world(model, integration.state_variables(model), integration.loop_variables()),
         evaluate(world.tree_, world.workspace_),
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)),
-        contacts(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step), how.simultaneous),
+        contacts(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step), how.simultaneous,
+                 is_adaptive(how.method) ? 0 : how.step),
         contact_steps(world, evaluate, contacts) {
     make_methods();
     if (std::optional<Error> error = undetermined_strength(world)) throw_error(std::move(*error));

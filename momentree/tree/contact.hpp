@@ -17,8 +17,11 @@ struct Contact {
   contact::Features features;  ///< in the bodies' user frames; of the ground, in the world
   int a = -1, b = -1;          ///< bodies; −1: the ground
   Mode mode = Mode::smooth;
-  double friction = 0;   ///< coefficient while it slips
-  Vec3 direction{};      ///< of slip where the velocity is zero: a unit vector, world axes
+  double friction = 0;  ///< coefficient while it slips
+  Vec3 direction{};     ///< of slip where the velocity is zero: a unit vector, world axes
+  /// Slip that is not much faster keeps to `direction` (m/s): the direction of its friction changes more quickly than a step can
+  /// follow. For contacts that began to slip.
+  double keeps_direction = 0;
   int pair = -1;         ///< number of the pair of solids
   std::uint64_t id = 0;  ///< of its features in that pair
   double settles = -1;   ///< when the bounces end that were too low to be followed (s); −1: there are none

@@ -32,6 +32,9 @@ const scenes: readonly (readonly [string, number])[] = [
   ["chimney_comes_to_rest", 5.1],
   ["rocking_block", 0.9],
   ["rimless_wheel", 3.5],
+  ["dominoes", 0.75],
+  ["chain_piles_up", 1.0],
+  ["wrecking_ball", 2.2],
 ];
 
 export async function drawGallery(browser: Browser, folder: string, webp: (png: Buffer) => Promise<Buffer>) {
