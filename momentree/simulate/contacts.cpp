@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/contacts_impl.hpp>
 
 namespace momentree {
