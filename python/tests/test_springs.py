@@ -61,8 +61,8 @@ def test_springs_break_by_events_conditions_and_their_strength() -> None:
 
 def test_a_load_on_a_cable_is_caught_and_cut() -> None:
     model = mt.Model()
-    model.add("load", mass=2, inertia=0.1, joint=mt.Free(), q=[0, 0, -0.5, 1, 0, 0, 0])
-    model.add_cable("tether", start="ground", end="load", length=1.5, strength="1 kN")
+    model.add("m/load", mass=2, inertia=0.1, joint=mt.Free(), q=[0, 0, -0.5, 1, 0, 0, 0])
+    model.add_cable("tether", start="ground", end="m/load", length=1.5, strength="1 kN")
     sim = mt.Simulation(model, method="dop853")
     run = sim.run(2.0)
     taut = next(e for e in run.events if e.name == "taut tether")
@@ -75,9 +75,9 @@ def test_a_load_on_a_cable_is_caught_and_cut() -> None:
         assert mt.Simulation(other).world.springs["tether"].inextensible
     sim.apply(mt.break_joint("tether"))
     sim.run(3.0)
-    assert tether.broken and sim.world.bodies["load"].position[2] < -5
+    assert tether.broken and sim.world.bodies["m/load"].position[2] < -5
     with pytest.raises(mt.Error, match="restitution"):
-        model.add_cable("other", start="ground", end="load", restitution=3)
+        model.add_cable("other", start="ground", end="m/load", restitution=3)
 
 
 def test_models_with_springs_are_copied_written_and_pickled() -> None:
