@@ -12,7 +12,7 @@ namespace momentree::contact {
 namespace {
 
 constexpr int sweeps_in_a_round = 8, most_rounds = 3;
-constexpr int most_gradients = 30;
+constexpr int most_gradients = 30;  // steps of conjugate gradients in a round
 constexpr double converged = 1e-5;  // change of a velocity in one sweep, relative to the largest one before
 constexpr int bisections = 8;       // of the part of the expansion that the energy permits
 
@@ -188,8 +188,7 @@ void ManyPoints::sweep(const std::size_t* first, const std::size_t* last, const 
 }
 
 // The impulses of points that press, and stick if they do, with which their velocities are zero to `accuracy`, by conjugate
-// gradients; other impulses stay. Points
-// that would pull are left open; friction that is more than there can be is cut.
+// gradients; other impulses stay. Points that would pull are left open, and friction is limited to what the normal force allows.
 void ManyPoints::solve_pressing(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                                 std::vector<double>& impulses, double accuracy) {
   const auto size_of = [&](std::size_t i, std::size_t k) { return k == 0 ? blocks_[i][0] : tangential_[i]; };

@@ -1,7 +1,8 @@
 #pragma once
 // Impulses at many contact points at once, without the dense matrix of all of them: each point acts on the degrees of freedom of
-// two mechanisms only. The law is that of System and ImpactLaw; projected Gauss–Seidel sweeps solve it, to the accuracy of a time
-// step rather than to rounding. Whatever the sweeps reach, momentum is exact and the kinetic energy does not grow.
+// two mechanisms only. The law is that of System and ImpactLaw; projected Gauss–Seidel sweeps and conjugate gradients solve it,
+// to the accuracy of a time step rather than to rounding. Whatever they reach, momentum is exact and the kinetic energy does not
+// grow.
 #include <array>
 #include <cstddef>
 #include <vector>

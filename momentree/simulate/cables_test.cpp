@@ -107,7 +107,7 @@ TEST_CASE("cable: thrown upwards a load leaves its circle where the tension ends
     REQUIRE(sim.run_until(3));
     const Event* const slack = first(sim, "slack tether");
     REQUIRE(slack != nullptr);
-    const double cosine = (square - 2 * g * length) / (3 * g * length);  // of the angle above the horizontal's normal
+    const double cosine = (square - 2 * g * length) / (3 * g * length);  // of its angle from the upward vertical
     CHECK(slack->contact.normal.z == doctest::Approx(-cosine).epsilon(1e-8));
     // On the parabola from there, the distance is the length again after 4 v_z/g for any such point of a circle.
     const double speed = std::sqrt(g * length * cosine), climb = speed * std::sqrt(1 - cosine * cosine);

@@ -303,8 +303,8 @@ std::span<const Watch> Contacts::watches(double& h) {
     const double excess = condition.excess(world, {}).value_or(-1);
     Watch watch{&condition, 0};
     watch.offset = -rounding;
-    // What could not be mended at the start counts only if it grows. Flights begin at the gap at which they end.
-    // A flight that begins where the last one ended does not end at once.
+    // Flights begin at the gap at which the last one ended: rounding must not end them at once. What could not be mended at the
+    // start counts only if it grows.
     if (watches_.size() < noise_.size() && excess > rounding) watch.offset = -excess - noise_[watches_.size()];
     if (excess > 10 * rounding) watch.offset = condition.above ? -2 * excess : -excess - rounding;
     watch.start = std::min(excess + watch.offset, 0.0);

@@ -1,4 +1,4 @@
-"""Bullet, by PyBullet, with its defaults; no damping of bodies. The chain hangs on a constraint, which is removed.
+"""Bullet, by PyBullet, with its defaults; no damping of bodies. The chain hangs from a constraint, which is removed.
 Bodies come from URDF. Links between the hinges of a body have 1e-5 of its mass, as Bullet has no massless ones.
 Variant "rigid": single bodies are btRigidBody instead of btMultiBody."""
 

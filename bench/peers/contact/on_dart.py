@@ -1,4 +1,4 @@
-"""DART, with its defaults but for the collision detector: Bullet's, as the default one has no capsules. The chain hangs on a constraint,
+"""DART, with its defaults but for the collision detector: Bullet's, as the default one has no capsules. The chain hangs from a constraint,
 which is removed. Links between the hinges of a body have 1e-5 of its mass. Variant "fcl": the default detector."""
 
 from __future__ import annotations

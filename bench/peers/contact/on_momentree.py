@@ -1,4 +1,4 @@
-"""momentree. The chain hangs on a joint, which breaks. Variants: "stepping"; "rk4" and "dop853", which locate
+"""momentree. The chain hangs from a joint, which breaks. Variants: "stepping"; "rk4" and "dop853", which locate
 contacts; "reference", dop853 with small tolerances."""
 
 from __future__ import annotations

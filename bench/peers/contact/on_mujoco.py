@@ -1,4 +1,4 @@
-"""MuJoCo, with its defaults: contacts are soft, and friction cones pyramids. The chain hangs on an equality, which is switched off.
+"""MuJoCo, with its defaults: contacts are soft, and friction cones pyramids. The chain hangs from an equality, which is switched off.
 Variant "stiff": the time constant of contacts is two steps, the least that it accepts. Variant "elliptic": that, and elliptic cones."""
 
 from __future__ import annotations
