@@ -1,5 +1,9 @@
 #include <momentree/dynamics/contact_parts.hpp>
 
+#include <algorithm>
+#include <array>
+#include <utility>
+
 #include <momentree/dynamics/loop_system.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
@@ -35,31 +39,81 @@ void ContactParts::number(const Tree& tree) {
   }
 }
 
+// row_ of a mechanism times M⁻¹.
+void ContactParts::solve(const Tree& tree, const double* q, Workspace<double>& workspace, const Range& range) {
+  if (tree.has_loops())
+    solve_with_loops(tree, q, workspace, row_.data());
+  else
+    solve_mechanism<double>(tree, q, workspace, row_.data(), range.begin, range.end);
+}
+
+void ContactParts::count_points(const Tree& tree, std::span<const Contact> contacts) {
+  of_body_.assign(index_of(tree.bodies()), {});
+  responses_.clear();
+  for (const Contact& c : contacts)
+    for (const int body : {c.a, c.b})
+      if (body >= 0) ++of_body_[index_of(body)].points;
+}
+
+const double* ContactParts::response(const Tree& tree, const double* q, Workspace<double>& workspace, int body) {
+  Response& known = of_body_[index_of(body)];
+  if (known.at != SIZE_MAX) return responses_.data() + known.at;
+  const Range& range = ranges_[index_of(mechanism_of_[index_of(body)])];
+  const auto n = index_of(range.end_dof - range.first_dof);
+  const int* const dof = dof_.data() + range.first_dof;
+  known.at = responses_.size();
+  responses_.resize(known.at + 12 * n);
+  for (std::size_t k = 0; k < 6; ++k) {
+    double unit[6] = {};
+    unit[k] = 1;
+    add_wrench_row(tree, q, workspace, body, {{unit[0], unit[1], unit[2]}, {unit[3], unit[4], unit[5]}}, row_.data());
+    double *const E = responses_.data() + known.at + k * n, *const solved = E + 6 * n;
+    for (std::size_t i = 0; i < n; ++i) E[i] = row_[index_of(dof[i])];
+    solve(tree, q, workspace, range);
+    for (std::size_t i = 0; i < n; ++i) solved[i] = std::exchange(row_[index_of(dof[i])], 0.0);
+  }
+  return responses_.data() + known.at;
+}
+
 void ContactParts::add_part(const Tree& tree, const double* q, Workspace<double>& workspace, int mechanism,
                             const Contact& contact, const contact::Touch& touch, contact::ManyPoints& many,
                             contact::ManyPoints::Part& part) {
   const Range& range = ranges_[index_of(mechanism)];
   part = {mechanism, range.first_dof, range.end_dof - range.first_dof, many.J.size()};
   const auto n = index_of(part.count);
-  many.J.resize(part.at + 3 * n), many.Y.resize(part.at + 3 * n);
-  const int* const dof = dof_.data() + part.first;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3& along = k == 0 ? touch.normal : touch.tangent[k - 1];
-    for (const auto& [body, sign] : {std::pair{contact.a, 1.0}, {contact.b, -1.0}})
-      if (body >= 0 && mechanism_of_[index_of(body)] == mechanism)
-        add_contact_row(tree, q, workspace, body, along, touch.point, sign, row_.data());
-    double *const J = many.J.data() + part.at + k * n, *const Y = many.Y.data() + part.at + k * n;
-    for (std::size_t i = 0; i < n; ++i) J[i] = row_[index_of(dof[i])];
-    if (tree.has_loops())
-      solve_with_loops(tree, q, workspace, row_.data());
-    else
-      solve_mechanism<double>(tree, q, workspace, row_.data(), range.begin, range.end);
-    for (std::size_t i = 0; i < n; ++i) Y[i] = std::exchange(row_[index_of(dof[i])], 0.0);
+  many.J.resize(part.at + 3 * n, 0.0), many.Y.resize(part.at + 3 * n, 0.0);
+  const auto in_mechanism = [&](int body) { return body >= 0 && mechanism_of_[index_of(body)] == mechanism; };
+  const auto touched = [&](int body) { return in_mechanism(body) ? of_body_[index_of(body)].points : 0; };
+  const std::array<std::pair<int, double>, 2> bodies{{{contact.a, 1.0}, {contact.b, -1.0}}};
+  const auto along = [&](std::size_t k) -> const Vec3& { return k == 0 ? touch.normal : touch.tangent[k - 1]; };
+  if (std::max(touched(contact.a), touched(contact.b)) <= 2) {  // three solutions for the point, instead of six for a body
+    const int* const dof = dof_.data() + part.first;
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (const auto& [body, sign] : bodies)
+        if (in_mechanism(body)) add_contact_row(tree, q, workspace, body, along(k), touch.point, sign, row_.data());
+      double *const J = many.J.data() + part.at + k * n, *const Y = many.Y.data() + part.at + k * n;
+      for (std::size_t i = 0; i < n; ++i) J[i] = row_[index_of(dof[i])];
+      solve(tree, q, workspace, range);
+      for (std::size_t i = 0; i < n; ++i) Y[i] = std::exchange(row_[index_of(dof[i])], 0.0);
+    }
+    return;
+  }
+  for (const auto& [body, sign] : bodies) {
+    if (!in_mechanism(body)) continue;
+    const double *const E = response(tree, q, workspace, body), *const solved = E + 6 * n;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Force<double> wrench = contact_wrench(workspace, body, sign * along(k), touch.point);
+      const double W[6] = {wrench.l.x, wrench.l.y, wrench.l.z, wrench.h.x, wrench.h.y, wrench.h.z};
+      double *const J = many.J.data() + part.at + k * n, *const Y = many.Y.data() + part.at + k * n;
+      for (std::size_t c = 0; c < 6; ++c)
+        for (std::size_t i = 0; i < n; ++i) J[i] += W[c] * E[c * n + i], Y[i] += W[c] * solved[c * n + i];
+    }
   }
 }
 
 void ContactParts::add_points(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
                               const ContactRows& rows, contact::ManyPoints& many) {
+  count_points(tree, contacts);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact& c = contacts[i];
     contact::ManyPoints::Point& point = many.points.emplace_back();
@@ -81,10 +135,7 @@ void ContactParts::add_stop(const Tree& tree, const double* q, Workspace<double>
   row_[index_of(tree.first_p(body) + dof)] = sign;
   const int* const dofs = dof_.data() + part.first;
   for (std::size_t i = 0; i < n; ++i) many.J[part.at + i] = row_[index_of(dofs[i])];
-  if (tree.has_loops())
-    solve_with_loops(tree, q, workspace, row_.data());
-  else
-    solve_mechanism<double>(tree, q, workspace, row_.data(), range.begin, range.end);
+  solve(tree, q, workspace, range);
   for (std::size_t i = 0; i < n; ++i) many.Y[part.at + i] = std::exchange(row_[index_of(dofs[i])], 0.0);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 // The rows of many contacts, each with the degrees of freedom of its two mechanisms only.
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -32,6 +34,14 @@ class ContactParts {
     int begin, end;          ///< bodies in the tree's order
     int first_dof, end_dof;  ///< in dof_
   };
+  /// Of a body: the joint forces E of a unit wrench along each of its six axes, and M⁻¹ E, as six rows of each.
+  struct Response {
+    std::size_t at = SIZE_MAX;  ///< in responses_; SIZE_MAX: not known
+    int points = 0;             ///< at which the body is touched
+  };
+  void count_points(const Tree& tree, std::span<const Contact> contacts);
+  void solve(const Tree& tree, const double* q, Workspace<double>& workspace, const Range& range);
+  const double* response(const Tree& tree, const double* q, Workspace<double>& workspace, int body);
   void add_part(const Tree& tree, const double* q, Workspace<double>& workspace, int mechanism, const Contact& contact,
                 const contact::Touch& touch, contact::ManyPoints& many, contact::ManyPoints::Part& part);
 
@@ -39,6 +49,8 @@ class ContactParts {
   std::vector<int> dof_;           // places in arrays packed as p
   std::vector<int> mechanism_of_;  // by body
   std::vector<double> row_;        // packed as p; zero between calls
+  std::vector<Response> of_body_;
+  std::vector<double> responses_;
 };
 
 /// Displaces coordinates by small motions of all degrees of freedom, packed as p, in place. Velocities u are in the axes of

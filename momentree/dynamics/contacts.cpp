@@ -99,6 +99,17 @@ void add_contact_row(const Tree& tree, const double* q, const Workspace<double>&
   add_joint_forces_of(tree, q, workspace, body, contact_wrench(workspace, body, along, point), sign, row);
 }
 
+void add_wrench_row(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, const Force<double>& wrench,
+                    double* row) {
+  add_joint_forces_of(tree, q, workspace, body, wrench, 1, row);
+}
+
+bool keeps_direction(const Contact& contact, const Vec3& v) {
+  const double keeps = contact.keeps_direction, speed = norm(v), along = dot(v, contact.direction);
+  if (!(keeps > 0)) return false;
+  return speed <= slowest_slip + 1e-3 * keeps || (speed < 2 * keeps && along > 0 && along >= 0.5 * (speed - 0.1 * keeps));
+}
+
 std::vector<HeldForce>& held_forces(Workspace<double>& workspace) { return memory_of(workspace).held; }
 
 void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::span<const Contact> contacts, ContactRows& rows) {
@@ -187,8 +198,7 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
     const bool moves = speed > slowest_slip && (at_state || dot(v, all.chosen_slip[i]) > 0);
     // As if it slipped a little faster in its own direction, without which the sideways motion of slow slip is unstable.
     const double keeps = contacts[i].keeps_direction;
-    if (at_state)
-      all.keeps[i] = keeps > 0 && (speed <= slowest_slip || (speed < 2 * keeps && dot(v, contacts[i].direction) >= 0.5 * speed));
+    if (at_state) all.keeps[i] = momentree::keeps_direction(contacts[i], v);
     Vec3 s = all.keeps[i] ? v + keeps * contacts[i].direction : moves ? (1 / speed) * v : all.chosen_slip[i];
     s -= dot(s, touch.normal) * touch.normal;
     rows.slip[i] = norm(s) > 0 ? normalized(s) : touch.tangent[0];

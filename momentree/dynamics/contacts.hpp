@@ -16,6 +16,9 @@ namespace momentree {
 /// Slower slip has no direction of its own (m/s).
 inline constexpr double slowest_slip = 1e-9;
 
+/// True for a contact that has just begun to slip, which keeps its direction: see Contact. `v`: its slip (m/s, world axes).
+bool keeps_direction(const Contact& contact, const Vec3& v);
+
 /// Three rows of each contact: along the normal and the tangents of contact::Touch.
 struct ContactRows {
   std::vector<contact::Touch> touches;
@@ -63,6 +66,10 @@ void find_contact_accelerations(const Tree& tree, const double* q, const Workspa
 /// Adds to `row`, packed as p, the joint forces of a unit force along a direction at a point (world axes), times `sign`.
 void add_contact_row(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, const Vec3& along,
                      const Vec3& point, double sign, double* row);
+
+/// Adds to `row`, packed as p, the joint forces of a wrench on a body, in its kernel frame.
+void add_wrench_row(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, const Force<double>& wrench,
+                    double* row);
 
 /// The workspace's held forces, which it then has memory for.
 std::vector<HeldForce>& held_forces(Workspace<double>& workspace);

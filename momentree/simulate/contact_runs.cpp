@@ -91,7 +91,8 @@ bool Simulation::Impl::contacts_gained_energy() {
   const double gained = total_energy() - before_step.energy - (brought_in(ledger) - brought_in(before_step.ledger));
   const Totals now = world.totals();
   const double all = std::fabs(now.kinetic) + std::fabs(now.potential) + std::fabs(balance.initial) + std::fabs(ledger.work);
-  return !(gained <= std::max(most * std::max(balance.largest_kinetic, now.kinetic), rounding * all));
+  if (gained <= std::max(most * std::max(balance.largest_kinetic, now.kinetic), rounding * all)) return false;
+  return !(gained <= rounding * contacts.energy_of_heights());
 }
 
 void Simulation::Impl::undo_contact_step() {

@@ -167,30 +167,55 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   static_cast<void>(world_->state_.edit());
   if (!solve_states(staying)) return false;
   system_.velocities(after_);
-  const double noise = 1e-12 * largest(system_.r),
-               inexact = motion_from_residual * system_.residual() * largest(rows_.acceleration);
+  weakened_ = false;
+  const double noise = 1e-12 * largest(system_.r), inexact = motion_from_residual * system_.residual() * largest(system_.b);
   for (std::size_t i = 0; i < staying.size(); ++i) {
     if (!(system_.r[3 * i] > noise)) continue;
     Contact c = staying[i];
     const contact::PointLaw& law = system_.laws[i];
     const ContactLaw& own = pairs_[static_cast<std::size_t>(c.pair)].law;
     c.friction = own.friction;
+    if (!law.slipping) c.keeps_direction = 0;
     if (law.slipping) {
       c.mode = Contact::Mode::slip;
-      c.direction = law.direction[0] * rows_.touches[i].tangent[0] + law.direction[1] * rows_.touches[i].tangent[1];
+      if (c.keeps_direction == 0)
+        c.direction = law.direction[0] * rows_.touches[i].tangent[0] + law.direction[1] * rows_.touches[i].tangent[1];
     } else if (!(own.static_friction > 0)) {
       c.mode = Contact::Mode::smooth;
     } else if (system_.state(i) == contact::PointState::slip && std::hypot(after_[3 * i + 1], after_[3 * i + 2]) > inexact) {
-      const double a1 = after_[3 * i + 1], a2 = after_[3 * i + 2], size = std::hypot(a1, a2);
+      if (!weakened_) weaken_friction();
+      const double a1 = weaker_[3 * i + 1], a2 = weaker_[3 * i + 2], size = std::hypot(a1, a2);
       c.mode = Contact::Mode::slip;
       c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
-      c.keeps_direction = 2 * own.friction * std::fabs(rows_.acceleration[3 * i]) * step_;
+      c.keeps_direction = 2 * own.friction * std::fabs(rows_.acceleration[3 * i]) * slow_slip_;
     } else {
       c.mode = Contact::Mode::stick;
     }
     closed.push_back(c);
   }
   return true;
+}
+
+// Accelerations with a little less friction, in weaker_: where bodies begin to slip, their accelerations are nearly zero, and so
+// are known less well than the directions in which they will slip.
+void Contacts::weaken_friction() {
+  constexpr double less = 1 - 1e-5;
+  weakened_ = true;
+  weaker_ = after_;
+  const std::vector<double> solution = system_.r;
+  const std::vector<contact::PointLaw> laws = system_.laws;
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    system_.laws[i].friction *= less;
+    for (std::size_t k = 1; k < 3; ++k) system_.r[3 * i + k] *= less;
+  }
+  if (system_.solve(contact::Effort::little)) {
+    std::vector<double> found;
+    system_.velocities(found);
+    for (std::size_t i = 0; i < laws.size(); ++i)
+      if (std::hypot(found[3 * i + 1], found[3 * i + 2]) > std::hypot(after_[3 * i + 1], after_[3 * i + 2]))
+        std::copy_n(found.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, weaker_.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  }
+  system_.r = solution, system_.laws = laws;
 }
 
 // The forces of contacts that are placed, with their accelerations and mobility.
@@ -201,9 +226,15 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
     const ContactLaw& own = pairs_[static_cast<std::size_t>(contacts[i].pair)].law;
     contact::PointLaw& law = system_.laws[i];
     const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
-    law.slipping = speed > slowest_slip && own.friction > 0;
+    const contact::Touch& touch = rows_.touches[i];
+    const Vec3 v = v1 * touch.tangent[0] + v2 * touch.tangent[1];
+    const bool keeps = keeps_direction(contacts[i], v), ahead = dot(v, contacts[i].direction) > slowest_slip;
+    law.slipping = (keeps ? ahead : speed > slowest_slip) && own.friction > 0;
     law.friction = law.slipping ? own.friction : own.static_friction;
-    if (law.slipping) law.direction = {v1 / speed, v2 / speed};
+    if (!law.slipping) continue;
+    const Vec3 s = keeps ? v + contacts[i].keeps_direction * contacts[i].direction : v;
+    const double along_1 = dot(s, touch.tangent[0]), along_2 = dot(s, touch.tangent[1]), size = std::hypot(along_1, along_2);
+    law.direction = {along_1 / size, along_2 / size};
   }
   // Contacts that are nearly at rest contradict each other by what is left of their velocities. The result only tells states
   // apart.
@@ -246,6 +277,11 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   }
   if (!failure.empty()) return Unresolved{failure};
   std::vector<Contact> closed;
+  for (Contact& c : touching) {
+    const auto same = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return same_contact(b, c); });
+    if (same == before.end() || same->mode != Contact::Mode::slip || !(same->keeps_direction > 0)) continue;
+    c.direction = same->direction, c.keeps_direction = same->keeps_direction;  // it still begins to slip
+  }
   if (!touching.empty() && !choose(touching, closed))
     return Unresolved{"no forces were found for " + std::to_string(touching.size()) + " points of contact at once"};
   for (Contact& c : closed) {
@@ -338,22 +374,40 @@ double Contacts::excess_of_forces() {
   return excess_of_shared_forces(worst);
 }
 
-// Positive if no forces keep the contacts as they are: the acceleration with which they open or begin to slip.
+// Positive if no forces keep the contacts as they are: the acceleration with which they open or begin to slip, relative to the
+// largest one without forces.
 double Contacts::excess_of_shared_forces(double otherwise) {
   World& world = *world_;
   const std::vector<Contact> closed(world.tree_.contacts().begin(), world.tree_.contacts().end());
   rows_ = world.workspace_.contacts->rows;
   if (!solve_states(closed)) return otherwise;
   system_.velocities(after_);
-  const double size = std::max(largest(rows_.acceleration), 1e-300);
+  const double size = std::max(largest(system_.b), 1e-300);
   double worst = -1;
-  const double noise = std::max(1e-9, motion_from_residual * system_.residual());
+  const double noise = std::max(1e-10, motion_from_residual * system_.residual());
   for (std::size_t i = 0; i < closed.size(); ++i) {
     worst = std::max(worst, after_[3 * i] / size - noise);
     if (closed[i].mode == Contact::Mode::stick)
       worst = std::max(worst, std::hypot(after_[3 * i + 1], after_[3 * i + 2]) / size - noise);
   }
-  return worst;
+  if (worst > 0) return worst;
+  // Forces were found that keep them. How near they are to where none do is known roughly: from the friction of all points of a
+  // pair.
+  const double largest_force = std::max(largest(system_.r), 1e-300);
+  double near = -1;
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    if (i > 0 && closed[i].pair == closed[i - 1].pair) continue;
+    double most = 0;
+    Vec3 friction{};
+    for (std::size_t k = i; k < closed.size() && closed[k].pair == closed[i].pair; ++k) {
+      if (closed[k].mode != Contact::Mode::stick) continue;
+      const double side = closed[k].a == closed[i].a ? 1 : -1;
+      most += system_.laws[k].friction * system_.r[3 * k];
+      for (std::size_t d = 1; d < 3; ++d) friction += side * system_.r[3 * k + d] * along(rows_.touches[k], d);
+    }
+    if (most > 0) near = std::max(near, (norm(friction) - most) / largest_force);
+  }
+  return std::min(worst, near);
 }
 
 }  // namespace momentree

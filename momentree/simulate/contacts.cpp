@@ -11,8 +11,23 @@
 
 namespace momentree {
 
+namespace {
+
+// Slip that has just begun keeps its direction for times of this order. Shorter ones take thousands of steps; with longer ones
+// slip turns too late where its force turns.
+constexpr double slow_slip = 1e-5;  // s, for methods that adapt their steps
+constexpr double slow_slip_in_steps = 0.1;
+
+}  // namespace
+
 Contacts::Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how, double step)
-    : world_(&world), evaluate_(&evaluate), tolerance_(tolerance), step_(step), simultaneous_(how), pairs_(world.model_) {}
+    : world_(&world),
+      evaluate_(&evaluate),
+      tolerance_(tolerance),
+      step_(step),
+      slow_slip_(step > 0 ? slow_slip_in_steps * step : slow_slip),
+      simultaneous_(how),
+      pairs_(world.model_) {}
 Contacts::~Contacts() = default;
 
 bool Contacts::any() {
@@ -234,6 +249,14 @@ double Contacts::limit_step(double h) const {
   return h;
 }
 
+double Contacts::energy_of_heights() const {
+  double sum = 0;
+  for (const Collider& collider : world_->model_.colliders())
+    if (!collider.plane && collider.body != ground && world_->alive(collider.body))
+      sum += world_->tree_.link(collider.body.index).body.m * collider.solid.reach;
+  return norm(world_->model_.gravity()) * sum;
+}
+
 double Contacts::fastest() const {
   double most = 0;
   for (const Collider& collider : world_->model_.colliders()) {
@@ -296,6 +319,9 @@ std::span<const Watch> Contacts::watches(double& h) {
   for (std::size_t i = 0; i < closed.size(); ++i)
     if (closed[i].mode == Contact::Mode::slip) {
       const Vec3 v = slip_velocity(static_cast<int>(i));
+      // The direction of slow slip changes quickly: steps are limited to the time in which friction would stop it.
+      if (const double keeps = closed[i].keeps_direction; keeps > 0 && step_ > 0)
+        h = std::min(h, 2 * slow_slip_ * (norm(v) + keeps) / keeps);
       if (norm(v) > slowest_slip)
         conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), normalized(v)), 0.0, true);
     }

@@ -25,12 +25,15 @@ namespace momentree {
 
 class Contacts {
  public:
-  /// Instants are located to `tolerance` seconds. `step`: the length of steps (s); 0: they adapt to the motion.
+  /// Instants are located to `tolerance` seconds. `step`: the length of steps (s); 0: the method adapts them.
   Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how = contact::Simultaneous::together,
-           double step = 1e-3);
+           double step = 0);
   ~Contacts();
   Contacts(const Contacts&) = delete;
   Contacts& operator=(const Contacts&) = delete;
+
+  /// The energy that gravity gives to solids which fall by their own size (J): the scale of energies where all of them are zero.
+  double energy_of_heights() const;
 
   /// False if no bodies can touch: no other function of this class needs to be called then.
   bool any();
@@ -38,7 +41,7 @@ class Contacts {
   /// Why an instant can't be resolved.
   struct Unresolved {
     std::string why;
-    bool can_be_stepped = true;  ///< time stepping goes on from there
+    bool can_be_stepped = true;  ///< time stepping continues from there
   };
   /// Resolves the present instant: impacts, and which contacts are closed from now on.
   std::optional<Unresolved> resolve(std::vector<Event>& events);
@@ -126,6 +129,7 @@ class Contacts {
   bool impact(const std::vector<Contact>& contacts, std::vector<Event>& events, std::string& failure);
   bool choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed);
   [[nodiscard]] bool solve_states(const std::vector<Contact>& contacts);
+  void weaken_friction();
   void set(std::vector<Contact> contacts);
   double stop(const std::vector<Contact>& closed);
   void report_changes(const std::vector<Contact>& before, std::size_t first, std::vector<Event>& events);
@@ -139,6 +143,7 @@ class Contacts {
   World* world_;
   Evaluator* evaluate_;
   double tolerance_, step_;
+  double slow_slip_;  // s: slip keeps its direction until friction would stop it in four of these times
   contact::Simultaneous simultaneous_;
   int bodies_ = -1;   // of the model when any_ was found
   bool any_ = false;  // two bodies can touch
@@ -155,7 +160,8 @@ class Contacts {
   contact::System system_;
   contact::ImpactLaw law_;
   double lost_ = 0;
-  std::vector<double> restitution_, after_;
+  std::vector<double> restitution_, after_, weaker_;
+  bool weakened_ = false;
   mutable std::vector<contact::Candidate> found_candidates_;
 };
 

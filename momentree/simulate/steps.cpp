@@ -43,6 +43,8 @@ bool Simulation::Impl::step_towards(double end) {
 // of a full step.
 bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point start) {
   double most = h;
+  // Where nothing moves, adaptive steps grow whatever forces do: these must not rise and fall again within one.
+  if (present_method().adaptive()) most = std::min(most, 0.25 * world.tree_.shortest_period());
   const std::span<const Watch> watched = watches(most);
   const bool closed = !world.tree_.contacts().empty();
   if (closed) note_before_contact_step();

@@ -12,6 +12,8 @@ namespace momentree {
 
 namespace {
 
+constexpr int most_samples = 256;  // of a condition within a step
+
 // The maximum within a step of h seconds, and its time, by the cubic through the end values and rates q0, v0 > 0, q1, v1 < 0.
 struct Peak {
   double time, value;
@@ -71,6 +73,9 @@ struct Stops::Trial {
   bool accelerations;
   double at = 0;     ///< seconds from the start to the world's present state; NaN if that is not an end of a step
   double reach = 0;  ///< length of the method's last step
+  State& end;        ///< of the method's last step, once it has been interpolated
+  EnergyLedger books_at_end{};
+  double kept = 0;  ///< when that is, seconds from the start
   bool done = false;
   // Restores the world unless the step was accepted: also if a condition's function threw.
   ~Trial() {
@@ -86,6 +91,12 @@ struct Stops::Trial {
     return at > 0 && look();
   }
   bool go(double s) {
+    if (s == kept && s == reach) {
+      world.state_ = end;
+      ledger = books_at_end;
+      at = s;
+      return look();
+    }
     world.state_ = start;
     ledger = books_at_start;
     at = reach = s;
@@ -95,6 +106,7 @@ struct Stops::Trial {
   // The same by dense output of the last step, if the method has it: for evaluation only; the run cannot continue from there.
   bool see(double s) {
     if (!method.dense() || s > reach) return go(s);
+    if (at == reach) end = world.state_, books_at_end = ledger, kept = at;
     {
       const State::Edit edit = world.state_.edit();
       method.interpolate(evaluate, s / reach, edit.q.data(), edit.y.data());
@@ -145,9 +157,28 @@ bool Stops::find_slopes(Trial& trial, double end) {
   return true;
 }
 
+// The same from samples. A step of an adaptive method may be long where nothing moves although forces change: where bodies rest
+// on a floor, or joints are locked. Each part of the step is halved until three values tell how the excess changes in it.
+std::optional<double> Stops::search(Trial& trial, const Watched& w, const Part& part, int least_depth, int& samples) {
+  const double middle = part.from + 0.5 * (part.to - part.from);
+  if (!(middle > part.from && middle < part.to) || samples == 0) return -1;
+  --samples;
+  if (!trial.see(middle)) return std::nullopt;
+  const double between = excess(w);
+  if (between > 0) return middle;
+  // A parabola rises above its highest value by at most an eighth of its second difference.
+  const double bend = std::fabs(part.first - 2 * between + part.last), highest = std::max({part.first, between, part.last});
+  if (!std::isfinite(bend) || (least_depth <= 0 && bend <= -2 * highest)) return -1;
+  const std::optional<double> found = search(trial, w, {part.from, middle, part.first, between}, least_depth - 1, samples);
+  if (!found || *found > 0) return found;
+  return search(trial, w, {middle, part.to, between, part.last}, least_depth - 1, samples);
+}
+
 // A time at which the excess may have been positive although it is negative at both ends; −1: none.
 std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) {
-  if (w.held) return -1;
+  const bool samples = trial.method.adaptive() && trial.method.dense();
+  int most = most_samples;
+  if (w.held) return samples ? search(trial, w, {0, end, w.q, w.last}, 0, most) : -1;
   if (w.side != nullptr) {
     if (!(w.v > 0 && w.last_rate < 0)) return -1;
     const Peak found = peak_between(end, w.q, w.v, w.last + w.limit, w.last_rate);
@@ -165,7 +196,12 @@ std::optional<double> Stops::peak(Trial& trial, const Watched& w, double end) {
                    slope = ahead - curvature * end;  // at the start of the step
       const double time = curvature < 0 ? std::clamp(-slope / (2 * curvature), 0.0, end) : 0;
       const double value = w.watch->start + time * (slope + curvature * time);
+      const double least = -std::max(w.watch->start, w.last);
+      if (samples && !(std::fabs(curvature) * end * end < least))
+        return search(trial, w, {0, end, w.watch->start, w.last}, 2, most);
       if (curvature >= 0 || value < curvature * end * end) return -1;
+    } else if (samples) {
+      return search(trial, w, {0, end, w.watch->start, w.last}, 2, most);
     }
     if (!find_slopes(trial, end)) return std::nullopt;
     rise = w.rise, fall = w.fall;
@@ -243,9 +279,14 @@ std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, doub
     watched_.push_back({&s, nullptr, limit, q, speed(s), holds(s)});
     holding = holding || holds(s);
   }
+  if (holding && method.adaptive() && method.dense()) {
+    accelerate(world_->tree_, world_->state_, world_->workspace_);
+    for (Watched& w : watched_)
+      if (w.held) w.q = pull(*w.side);
+  }
   for (const Watch& watch : watches) watched_.push_back({nullptr, &watch});
   start_ = world_->state_;
-  Trial trial{*world_, *evaluate_, method, ledger, start_, ledger, holding};
+  Trial trial{*world_, *evaluate_, method, ledger, start_, ledger, holding, 0, 0, end_};
   bool fine = trial.first(h);
   double end = trial.at;
   const Watched* first = nullptr;

@@ -62,7 +62,7 @@ class Stops {
   struct Watched {
     const Side* side = nullptr;      ///< a stop, or else
     const Watch* watch = nullptr;    ///< a condition
-    double limit = 0, q = 0, v = 0;  ///< the crossing level; position and velocity at the start
+    double limit = 0, q = 0, v = 0;  ///< the crossing level; position (of a held joint the pull) and velocity at the start
     bool held = false;
     double last = 0, last_rate = 0;  ///< excess at the end of the step, and its rate; NaN: unknown
     double rise = 0, fall = 0;       ///< slopes at both ends of a condition without rates: find_slopes
@@ -71,6 +71,11 @@ class Stops {
   void look_at_end(std::size_t first);
   bool find_slopes(Trial& trial, double end);
   std::optional<double> crossing(Trial& trial, const Watched& watched, double end);
+  /// A part of a step, and the excess at its ends.
+  struct Part {
+    double from, to, first, last;
+  };
+  std::optional<double> search(Trial& trial, const Watched& watched, const Part& part, int least_depth, int& samples);
   std::optional<double> peak(Trial& trial, const Watched& watched, double end);
   void put_on_stop(const Watched& watched);
   void find();
@@ -96,7 +101,7 @@ class Stops {
   // Buffers of one step, kept so that the next step allocates nothing.
   std::vector<Watched> watched_;
   double slopes_of_ = 0;  // the end of the step for which the slopes were found
-  State start_;
+  State start_, end_;
   std::optional<std::uint64_t> revision_;
 };
 

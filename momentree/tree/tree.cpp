@@ -161,15 +161,13 @@ const MassProperties& Tree::mass(int b) const {
   return at(b) < declared ? declared_->masses[at(declared_->bodies[at(b)].mass)] : added_masses_[at(b) - declared];
 }
 
-double Tree::next_bend(double t) const {
-  double next = HUGE_VAL;
-  const auto look = [&](const std::vector<Signal>& signals) {
-    for (const Signal& s : signals) next = std::min(next, s.next_bend(t));
-  };
+template <class Look>
+void Tree::for_signals(Look look) const {
   const auto look_at = [&](const JointDrive* drive) {
     if (drive == nullptr) return;
-    look(drive->effort), look(drive->pd.target), look(drive->pd.target_speed);
-    for (const Curve& c : drive->motion) next = std::min(next, c.signal().next_bend(t));
+    for (const auto* signals : {&drive->effort, &drive->pd.target, &drive->pd.target_speed})
+      for (const Signal& s : *signals) look(s);
+    for (const Curve& c : drive->motion) look(c.signal());
   };
   for (const auto* joints : {&forced_joints_, &driven_joints_})
     for (const int b : *joints)
@@ -178,8 +176,21 @@ double Tree::next_bend(double t) const {
   for (const BodyForce& force : body_forces())
     if (alive(force.body.index))
       for (const auto* signals : {&force.force, &force.torque})
-        for (const Signal& s : *signals) next = std::min(next, s.next_bend(t));
+        for (const Signal& s : *signals) look(s);
+}
+
+double Tree::next_bend(double t) const {
+  double next = HUGE_VAL;
+  for_signals([&](const Signal& s) { next = std::min(next, s.next_bend(t)); });
   return next;
+}
+
+double Tree::shortest_period() const {
+  double shortest = HUGE_VAL;
+  for_signals([&](const Signal& s) {
+    if (s.amplitude() != 0 && s.frequency() != 0) shortest = std::min(shortest, 1 / std::fabs(s.frequency()));
+  });
+  return shortest;
 }
 
 }  // namespace momentree

@@ -264,6 +264,8 @@ class Tree {
   /// The first instant (s) after t at which a table of a drive or force has a kink; infinite if there is none. Steps must not
   /// cross it.
   double next_bend(double t) const;
+  /// The shortest period of the sines of drives and forces (s); infinite without any.
+  double shortest_period() const;
 
   /// Largest sizes that any topology of these bodies needs.
   std::size_t record_capacity() const { return record_capacity_; }
@@ -331,6 +333,8 @@ class Tree {
   int add(const BodySpec& spec);
 
  private:
+  template <class Look>
+  void for_signals(Look look) const;
   friend class UncheckedTree;
   friend struct TestAccess;  // dynamics/test_support.hpp
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }

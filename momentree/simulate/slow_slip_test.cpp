@@ -1,0 +1,137 @@
+// Bodies that begin to slip under forces that change slowly, and what happens while nothing moves: adaptive steps must not become
+// so long that it is missed.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+using namespace momentree;
+
+namespace {
+
+constexpr double g = 9.81, friction = 0.3;
+
+// A box with its centre of mass at the floor, so that friction does not tilt it. `force`: on its centre of mass.
+Model box_on_floor(std::array<Signal, 3> force) {
+  Model model;
+  const BodyId box = model.add(
+      {.name = "box", .mass = 1, .com = {0, 0, -0.1}, .inertia = diagonal(0.02), .joint = Free{}, .q = {0, 0, 0.1, 1, 0, 0, 0}});
+  model.add_collider({.body = box, .solid = contact::box({0.4, 0.4, 0.2})});
+  model.add_collider({.plane = true});
+  model.add_contact_rule({.law = {.friction = friction, .static_friction = friction}});
+  model.add_force({.body = box, .point = {0, 0, -0.1}, .force = std::move(force)});
+  return model;
+}
+
+const Event* first(const Simulation& sim, const char* name) {
+  for (const Event& event : sim.events())
+    if (event.name == name) return &event;
+  return nullptr;
+}
+
+struct Plane {
+  double x, y;
+};
+Plane operator+(Plane a, Plane b) { return {a.x + b.x, a.y + b.y}; }
+Plane operator*(double s, Plane a) { return {s * a.x, s * a.y}; }
+double size(Plane a) { return std::hypot(a.x, a.y); }
+
+// The velocity at time `end` of a unit mass that begins to slide at t0, from the series at the start and by small steps, which
+// are as short as friction requires.
+template <class Force>
+Plane slide(Force force, double t0, double end) {
+  constexpr double bit = 1e-6;
+  const double rate = (size(force(t0 + bit)) - size(force(t0 - bit))) / (2 * bit);
+  double t = t0 + 1e-3;
+  Plane v = (0.5 * rate * 1e-6 / size(force(t0))) * force(t0);
+  const auto acceleration = [&](double at, Plane u) { return force(at) + (-friction * g / size(u)) * u; };
+  while (t < end) {
+    const double h = std::min({end - t, 0.2 * size(v) / (friction * g), 1e-4});
+    const Plane k1 = acceleration(t, v), k2 = acceleration(t + h / 2, v + (h / 2) * k1),
+                k3 = acceleration(t + h / 2, v + (h / 2) * k2), k4 = acceleration(t + h, v + h * k3);
+    v = v + (h / 6) * (k1 + 2 * k2 + 2 * k3 + k4);
+    t = h < end - t ? t + h : end;
+  }
+  return v;
+}
+
+}  // namespace
+
+TEST_CASE("slow slip: a force that grows and turns sets a box in motion at the instant, and the box follows it") {
+  const auto force = [](double t) { return Plane{4 * t, 2 * std::sin(std::numbers::pi * t)}; };
+  double low = 0.1, high = 0.9;
+  while (high - low > 1e-15) (size(force(0.5 * (low + high))) < friction * g ? low : high) = 0.5 * (low + high);
+  for (const auto& [method, accuracy, steps] : {std::tuple{"dopri5", 1e-8, 600l}, {"dop853", 1e-8, 600l}, {"rk4", 2e-6, 1300l}}) {
+    CAPTURE(method);
+    Simulation sim(box_on_floor({Signal::ramp(4, 0), Signal::sine(2, 0.5), Signal()}), {.method = method});
+    for (const double t : {0.6, 0.65, 1.0}) {
+      CAPTURE(t);
+      REQUIRE(sim.run_until(t));
+      const Vec3 v = sim.world().motions()[0].linear;
+      const Plane expected = slide(force, low, t);
+      CHECK(std::hypot(v.x - expected.x, v.y - expected.y) < (t < 0.63 ? 20 : 1) * accuracy);
+    }
+    REQUIRE(first(sim, "slip") != nullptr);
+    CHECK(std::fabs(first(sim, "slip")->time - low) < 1e-9);
+    CHECK(first(sim, "stepping") == nullptr);
+    CHECK(sim.statistics().steps < steps);
+  }
+}
+
+TEST_CASE(
+    "slow slip: a box that was at rest for long is set in motion by the first peak of a force that is hardly large enough") {
+  for (const char* method : {"dopri5", "dop853"})
+    for (const double frequency : {0.4, 1.3, 7.7, 31.0}) {
+      CAPTURE(method);
+      CAPTURE(frequency);
+      const double amplitude = friction * g * 1.002;
+      Simulation sim(box_on_floor({Signal::sine(amplitude, frequency), Signal(), Signal()}), {.method = method});
+      REQUIRE(sim.run_until(0.3 / frequency));
+      REQUIRE(first(sim, "slip") != nullptr);
+      CHECK(std::fabs(first(sim, "slip")->time - std::asin(1 / 1.002) / (2 * std::numbers::pi * frequency)) < 1e-8);
+    }
+}
+
+TEST_CASE("adaptive steps: what is locked breaks at the first peak that exceeds its strength") {
+  for (const char* method : {"dopri5", "dop853"})
+    for (const double frequency : {0.4, 3.0, 17.0}) {
+      CAPTURE(method);
+      CAPTURE(frequency);
+      Model model({.gravity = {}});
+      Revolute joint{.axis = z_axis};
+      joint.strength.force = 10;
+      const BodyId arm = model.add({.name = "arm", .mass = 1, .inertia = diagonal(1), .joint = joint});
+      model.add_force({.body = arm, .force = {Signal::sine(6, frequency), Signal::sine(8.02, frequency), Signal()}});
+      Simulation sim(model, {.method = method});
+      sim.apply(lock("arm"));
+      REQUIRE(sim.run_until(20.3 / frequency));
+      const Event* const broken = first(sim, "strength of arm");
+      REQUIRE(broken != nullptr);
+      CHECK(std::fabs(broken->time - std::asin(10 / std::hypot(6, 8.02)) / (2 * std::numbers::pi * frequency)) < 1e-8);
+    }
+}
+
+TEST_CASE("adaptive steps: a joint leaves its stop at the first pull") {
+  for (const char* method : {"dopri5", "dop853"})
+    for (const double frequency : {0.4, 3.0, 17.0}) {
+      CAPTURE(method);
+      CAPTURE(frequency);
+      Model model({.gravity = {0, 0, -1}});
+      Prismatic joint{.axis = z_axis};
+      joint.limits.lower = 0;
+      const BodyId slider = model.add({.name = "slider", .mass = 1, .inertia = diagonal(1), .joint = joint});
+      model.add_force({.body = slider, .force = {Signal(), Signal(), Signal::sine(1.01, frequency)}});
+      Simulation sim(model, {.method = method});
+      REQUIRE(sim.run_until(20.3 / frequency));
+      double left = -1;
+      for (const Event& e : sim.events())
+        if (left < 0 && !e.actions.empty() && e.actions[0].kind == "leave") left = e.time;
+      CHECK(std::fabs(left - std::asin(1 / 1.01) / (2 * std::numbers::pi * frequency)) < 1e-8);
+    }
+}
