@@ -1,4 +1,5 @@
 // Compares results as a user would: the first row, and the body, in which two runs differ.
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
@@ -118,6 +119,41 @@ TEST_CASE("a run that is only longer, one that ended early, and another model") 
   CHECK(model.says("bodies.csv: only the second run has the column x of body 'chain/9'\n"));
   REQUIRE(here.call("run s.toml --quiet --out heavier --set 'mechanism.chain.chain.mass=\"11 g\"'").code == 0);
   CHECK(here.call("replay a heavier").output.starts_with("model.json: bodies chain/1 mass: 0.01 and 0.011\n"));
+}
+
+TEST_CASE("contacts: the first pair of bodies and column that differ, and contacts that only one run has") {
+  const Workplace here;
+  io::write_text_file(here.path("box.toml"), R"(format = 1
+[world]
+floor = { friction = 0.4 }
+[[mechanism]]
+name = "box"
+root = "free"
+pose = { xyz = [0, 0, 0.1] }
+[[mechanism.body]]
+name = "box"
+mass = 2
+inertia = 0.0133
+collision = { box = [0.2, 0.2, 0.2] }
+[integrate]
+until = 0.1
+[output]
+every = 0.05
+)");
+  for (const char* out : {"a", "b"}) REQUIRE(here.call(std::string("run box.toml --quiet --reactions --out ") + out).code == 0);
+  CHECK(here.call("replay a b").code == 0);
+  const std::string table = here.text("b/contacts.csv");
+  REQUIRE(std::count(table.begin(), table.end(), '\n') == 1 + 3 * 4);  // four corners, at three instants
+  const auto second_line = table.find('\n', table.find('\n') + 1);
+  const auto third = table.substr(second_line + 1, table.find('\n', second_line + 1) - second_line - 1);
+  std::string changed = third;
+  changed.replace(changed.rfind(',') + 1, std::string::npos, "7");
+  io::write_text_file(here.path("b/contacts.csv"), replaced(table, third, changed));
+  const Outcome different = here.call("replay a b");
+  CHECK(different.code == 1);
+  CHECK(different.output.find("contact 'box/box and ground', slip: ") != std::string::npos);
+  io::write_text_file(here.path("b/contacts.csv"), table.substr(0, table.rfind('\n', table.size() - 2) + 1));
+  CHECK(here.call("replay a b").output.find("only the first run has contacts from t = 0.1 s on") != std::string::npos);
 }
 
 TEST_CASE("folders that are no results are bad input") {

@@ -8,6 +8,7 @@
 
 #include <momentree/io/joint_json.hpp>
 #include <momentree/io/model_json.hpp>
+#include <momentree/io/page_world/floor.hpp>
 #include <wasm/world.hpp>
 
 using namespace momentree;
@@ -47,6 +48,24 @@ std::string refusal_of(const io::Scenario& scenario) {
   return scenario.state_files.empty() ? "" : "state: files can't be read here; leave the state document out";
 }
 
+int load(MtWorld& world, std::string_view text, bool on_floor) {
+  io::ReadResult result = io::read_scenario_text(text, "scenario.toml");
+  const std::string refusal = result.scenario ? refusal_of(*result.scenario) : "";
+  const bool sound = result.scenario && refusal.empty();
+  const bool changed = sound && on_floor && io::put_on_floor(*result.scenario);
+  world.text = wasm::load_json(result, refusal, changed);
+  if (!sound) return 0;
+  world.scenario = std::move(result.scenario);
+  world.simulation = wasm::start(*world.scenario);
+  world.thresholds = io::thresholds_of(*world.scenario, world.simulation->world());
+  world.store = std::make_shared<wasm::Store>();
+  world.grip = {};
+  world.motions.clear(), world.posed.clear();
+  world.events_seen = 0;
+  world.changed();
+  return 1;
+}
+
 }  // namespace
 
 EXPORT(mt_allocate) void* mt_allocate(size_t bytes) { return std::malloc(bytes); }
@@ -55,20 +74,9 @@ EXPORT(mt_release) void mt_release(void* memory) { std::free(memory); }
 EXPORT(mt_create) MtWorld* mt_create() { return new MtWorld; }
 EXPORT(mt_destroy) void mt_destroy(MtWorld* world) { delete world; }
 
-EXPORT(mt_load) int mt_load(MtWorld* world, const char* text, size_t length) {
-  io::ReadResult result = io::read_scenario_text({text, length}, "scenario.toml");
-  const std::string refusal = result.scenario ? refusal_of(*result.scenario) : "";
-  world->text = wasm::load_json(result, refusal);
-  if (!result.scenario || !refusal.empty()) return 0;
-  world->scenario = std::move(result.scenario);
-  world->simulation = wasm::start(*world->scenario);
-  world->thresholds = io::thresholds_of(*world->scenario, world->simulation->world());
-  world->store = std::make_shared<wasm::Store>();
-  world->grip = {};
-  world->motions.clear(), world->posed.clear();
-  world->events_seen = 0;
-  world->changed();
-  return 1;
+EXPORT(mt_load) int mt_load(MtWorld* world, const char* text, size_t length) { return load(*world, {text, length}, false); }
+EXPORT(mt_load_on_floor) int mt_load_on_floor(MtWorld* world, const char* text, size_t length) {
+  return load(*world, {text, length}, true);
 }
 
 EXPORT(mt_text) const char* mt_text(const MtWorld* world) { return world->text.data(); }
@@ -179,6 +187,10 @@ EXPORT(mt_set) int mt_set(MtWorld* world, int joint, double damping, double stif
 
 EXPORT(mt_set_damping) int mt_set_damping(MtWorld* world, double factor, double offset) {
   return world->act(io::scaled_damping(world->simulation->world(), world->scenario->model, factor, offset));
+}
+
+EXPORT(mt_limit_strength) int mt_limit_strength(MtWorld* world, double force) {
+  return world->act(io::limited_strength(world->simulation->world(), world->scenario->model, force));
 }
 
 EXPORT(mt_set_gravity) int mt_set_gravity(MtWorld* world, double x, double y, double z) {

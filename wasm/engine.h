@@ -38,6 +38,9 @@ void mt_destroy(MtWorld* world);
  * on success, "scenario": {"title", "until", "every", "step", "method", "gravity": [x, y, z], "events": […]}. Files are not
  * opened: references to models and state documents are errors. */
 int mt_load(MtWorld* world, const char* text, size_t length);
+/* The same with a floor below the mechanisms, on which all bodies land (docs/howto/play.md). The text says in "scenario" with
+ * "floor" whether that changed the scenario. */
+int mt_load_on_floor(MtWorld* world, const char* text, size_t length);
 
 /* The text of the last call that produced one (UTF-8), and its length in bytes. */
 const char* mt_text(const MtWorld* world);
@@ -110,6 +113,8 @@ int mt_impulse(MtWorld* world, int body, double fx, double fy, double fz, double
 int mt_set(MtWorld* world, int joint, double damping, double stiffness, double force, double torque);
 /* Sets every joint's damping to its initial damping times `factor`, plus `offset` (N m s) for joints that can rotate. */
 int mt_set_damping(MtWorld* world, double factor, double offset);
+/* Sets the force at which every joint breaks (N) to that of the scenario or, if that is smaller, to `force`. */
+int mt_limit_strength(MtWorld* world, double force);
 int mt_set_gravity(MtWorld* world, double x, double y, double z);
 
 /* A spring and a damper between a point of a body's frame (m) and a target point that follows the pointer (mt_pull, world

@@ -37,6 +37,8 @@ export interface ScenarioInfo {
   readonly step: number;
   readonly method: string;
   readonly gravity: Triple;
+  /** Whether it was loaded with a floor, and that changed it. */
+  readonly floor: boolean;
   readonly events: readonly {
     name: string;
     time: number | null;
@@ -121,8 +123,12 @@ export class Engine {
 /** Arrays of numbers are valid until the next call. */
 export class World {
   private constructor();
-  /** Reads a scenario (TOML). If it has errors, `scenario` is null and the world stays as it was. */
-  load(scenario: string): {
+  /** Reads a scenario (TOML). If it has errors, `scenario` is null and the world stays as it was. `floor`: all bodies land on a
+   * floor below the mechanisms, or on that of the scenario. */
+  load(
+    scenario: string,
+    options?: { readonly floor?: boolean },
+  ): {
     scenario: ScenarioInfo | null;
     diagnostics: readonly Diagnostic[];
   };
@@ -190,6 +196,8 @@ export class World {
   ): Outcome;
   /** Sets the damping of every joint to its initial one times `factor`, plus `offset` (N m s) where it can rotate. */
   setDamping(factor: number, offset: number): Outcome;
+  /** Every joint breaks at this force (N), or at that of the scenario if it is smaller. */
+  limitStrength(force: number): Outcome;
   /** m/s² */
   setGravity(gravity: Triple): Outcome;
   /** Holds a point of a body (m, in its frame) by a spring and a damper, of which there is one. */

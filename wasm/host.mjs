@@ -129,8 +129,9 @@ export class World {
       : { status: code, message: this.text() };
   }
 
-  load(scenario) {
-    this.engine.withText(scenario, (at, length) => this.calls.mt_load(this.handle, at, length));
+  load(scenario, { floor = false } = {}) {
+    const load = floor ? this.calls.mt_load_on_floor : this.calls.mt_load;
+    this.engine.withText(scenario, (at, length) => load(this.handle, at, length));
     const answer = JSON.parse(this.text());
     return {
       scenario: answer.scenario ?? null,
@@ -231,6 +232,9 @@ export class World {
   }
   setDamping(factor, offset) {
     return this.done(this.calls.mt_set_damping(this.handle, factor, offset));
+  }
+  limitStrength(force) {
+    return this.done(this.calls.mt_limit_strength(this.handle, force));
   }
   setGravity(gravity) {
     return this.done(this.calls.mt_set_gravity(this.handle, ...gravity));

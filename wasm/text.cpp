@@ -15,7 +15,7 @@ void write_diagnostic(JsonWriter& json, const io::Diagnostic& d) {
 
 }  // namespace
 
-std::string load_json(const io::ReadResult& result, const std::string& refusal) {
+std::string load_json(const io::ReadResult& result, const std::string& refusal, bool floor) {
   std::string text;
   JsonWriter json(text);
   json.begin_object().key("diagnostics").begin_array();
@@ -23,7 +23,7 @@ std::string load_json(const io::ReadResult& result, const std::string& refusal) 
   if (!refusal.empty()) write_diagnostic(json, {io::Severity::error, "", 0, 0, refusal, "", ""});
   json.end_array();
   if (result.scenario && refusal.empty())
-    json.key("scenario").raw(io::scenario_json(*result.scenario, result.scenario->model.gravity()));
+    json.key("scenario").raw(io::scenario_json(*result.scenario, result.scenario->model.gravity(), floor));
   json.end_object();
   return text;
 }

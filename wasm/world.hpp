@@ -58,8 +58,9 @@ struct MtWorld {
 
 namespace momentree::wasm {
 
-/// The result of mt_load. `refusal`: why a scenario without errors still cannot be run here; empty: it can.
-std::string load_json(const io::ReadResult& result, const std::string& refusal);
+/// The result of mt_load. `refusal`: why a scenario without errors still cannot be run here; empty: it can. `floor`: whether
+/// the scenario got a floor that it does not have itself.
+std::string load_json(const io::ReadResult& result, const std::string& refusal, bool floor);
 
 /// A simulation of a scenario with its events scheduled.
 std::unique_ptr<Simulation> start(const io::Scenario& scenario);

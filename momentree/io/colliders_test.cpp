@@ -193,6 +193,136 @@ TEST_CASE("colliders: exclusions of an MJCF file name the world and bodies; othe
   CHECK(rendered(sdf.diagnostics).find("<bounce> is ignored; [[contact]] gives pairs their restitution") != std::string::npos);
 }
 
+TEST_CASE("colliders: contype and conaffinity decide which bodies touch, as in MuJoCo") {
+  // All pairs of masks of two bits, on spheres side by side: MuJoCo's rule, bit by bit.
+  test::TemporaryFolder folder;
+  std::string bodies;
+  const auto name = [](int own, int others) { return "b" + std::to_string(own) + std::to_string(others); };
+  for (int own = 0; own < 4; ++own)
+    for (int others = 0; others < 4; ++others)
+      bodies += "<body name='" + name(own, others) + "' pos='" + std::to_string(own) + " " + std::to_string(others) +
+                " 1'><freejoint/><geom size='0.1' contype='" + std::to_string(own) + "' conaffinity='" + std::to_string(others) +
+                "'/></body>";
+  const auto is_set = [](int mask, int bit) { return (mask >> bit) % 2 == 1; };
+  for (const int plane : {-1, 0, 2}) {
+    const std::string ground_mask =
+        plane < 0 ? "" : "<geom type='plane' size='1 1 1' contype='" + std::to_string(plane) + "' conaffinity='0'/>";
+    write(folder / "m.xml", "<mujoco><worldbody>" + ground_mask + bodies + "</worldbody></mujoco>");
+    for (const char* floor : {"true", "{ friction = 0.9 }"}) {
+      write(folder / "s.toml",
+            "format = 1\n[world]\nfloor = " + std::string(floor) + "\n[[mechanism]]\nname = \"m\"\nmodel = \"m.xml\"\n");
+      const ReadResult result = read_scenario(folder / "s.toml");
+      INFO(rendered(result.diagnostics));
+      REQUIRE(result.scenario);
+      CHECK(warnings(result) == "");
+      const Model& model = result.scenario->model;
+      CHECK(model.colliders().size() == 16);  // 15 spheres and the floor
+      for (int i = 1; i < 16; ++i) {
+        const int own = i / 4, others = i % 4;
+        const BodyId body = model.body("m/" + name(own, others));
+        const int own_of_plane = plane < 0 ? 1 : plane, others_of_plane = plane < 0 ? 1 : 0;
+        bool on_floor = false;
+        for (const int bit : {0, 1})
+          on_floor = on_floor || (is_set(own, bit) && is_set(others_of_plane, bit)) ||
+                     (is_set(own_of_plane, bit) && is_set(others, bit));
+        CHECK(model.contact_law(body, ground).off != on_floor);
+        for (int j = 1; j < i; ++j) {
+          bool touch = false;
+          for (const int bit : {0, 1})
+            touch = touch || (is_set(own, bit) && is_set(j % 4, bit)) || (is_set(j / 4, bit) && is_set(others, bit));
+          CHECK(model.contact_law(body, model.body("m/" + name(j / 4, j % 4))).off != touch);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("colliders: pairs of MJCF touch whatever their masks are; masks that differ within a body are reported") {
+  test::TemporaryFolder folder;
+  const auto body = [](const std::string& name, const std::string& x, const std::string& geoms) {
+    return "<body name='" + name + "' pos='" + x + " 0 1'><freejoint/>" + geoms + "</body>";
+  };
+  const std::string none = " contype='0' conaffinity='0'", two = " contype='2' conaffinity='2'";
+  write(folder / "m.xml",
+        "<mujoco><default><default class='smooth'><pair friction='0.2 0.2'/></default></default><worldbody>"
+        "<geom name='ground' type='plane' size='1 1 1'/>" +
+            body("a", "0", "<geom name='ga' size='0.1' friction='0.4'" + none + "/>") +
+            body("b", "1", "<geom name='gb' size='0.1' friction='0.6'" + none + "/>") +
+            body("c", "2", "<geom name='gc' size='0.1'" + none + "/>") + body("d", "3", "<geom name='gd' size='0.1'/>") +
+            body("e", "4", "<geom name='ge' size='0.1'/><geom size='0.05'" + two + "/>") +
+            "</worldbody><contact><pair geom1='ga' geom2='gb'/><pair geom1='gb' geom2='gd' class='smooth'/>"
+            "<pair geom1='ground' geom2='ga' condim='1'/><exclude body1='b' body2='d'/>"
+            "<pair geom1='ga' geom2='nothing'/><pair geom1='ge' geom2='gd' friction='0.3 0.1'/></contact></mujoco>");
+  write(folder / "s.toml", a_floor + "[[mechanism]]\nname = \"m\"\nmodel = \"m.xml\"\n");
+  const ReadResult result = read_scenario(folder / "s.toml");
+  INFO(rendered(result.diagnostics));
+  REQUIRE(result.scenario);
+  const Model& model = result.scenario->model;
+  const auto law = [&model](const char* one, const char* other) {
+    return model.contact_law(model.body(one), std::string(other) == "ground" ? ground : model.body(other));
+  };
+  CHECK(model.colliders().size() == 6);  // c is in no pair
+  CHECK(!law("m/a", "m/b").off);
+  CHECK(law("m/a", "m/b").friction == 0.6);
+  CHECK(!law("m/b", "m/d").off);
+  CHECK(law("m/b", "m/d").friction == 0.2);
+  CHECK(!law("m/a", "ground").off);
+  CHECK(law("m/a", "ground").friction == 0);
+  CHECK(law("m/b", "ground").off);
+  CHECK(law("m/a", "m/d").off);
+  CHECK(!law("m/d", "m/e").off);
+  CHECK(law("m/d", "m/e").friction == 0.3);
+  const std::string said = warnings(result);
+  CHECK(said.find("<pair> names 'nothing', which is no geom of a body or plane: ignored") != std::string::npos);
+  CHECK(said.find("different friction along two tangents is not represented") != std::string::npos);
+  CHECK(said.find("let only some geoms of two bodies touch, such as those of 'm/e' and the ground") != std::string::npos);
+  write(folder / "m.xml", "<mujoco><worldbody>" + body("a", "0", "<geom size='0.1' contype='0.5'/>") + "</worldbody></mujoco>");
+  CHECK(rendered(read_scenario(folder / "s.toml").diagnostics).find("contype: must be an integer of 32 bits") !=
+        std::string::npos);
+}
+
+TEST_CASE("colliders: friction in <gazebo> elements of URDF; a second coefficient that differs is a warning, in SDF too") {
+  test::TemporaryFolder folder;
+  const std::string ball = collision("<sphere radius='0.1'/>");
+  const auto read = [&](const std::string& gazebo) {
+    write(folder / "m.urdf", "<robot name='m'>\n" + link("base", std::string()) + link("a", ball) + link("b", ball) +
+                                 revolute("base", "a", "1 0 0") + revolute("base", "b", "-1 0 0") + gazebo + "</robot>\n");
+    write(folder / "s.toml", a_floor + "[[mechanism]]\nname = \"m\"\nmodel = \"m.urdf\"\npose = { xyz = [0, 0, 1] }\n");
+    ReadResult result = read_scenario(folder / "s.toml");
+    INFO(rendered(result.diagnostics));
+    REQUIRE(result.scenario);
+    return result;
+  };
+  const std::string of_a = "<gazebo reference='a'><kp>1e6</kp><mu1>0.3</mu1><mu2>0.3</mu2></gazebo>\n";
+  const ReadResult both = read(of_a + "<gazebo reference='b'><mu1 value='0.7'/></gazebo>\n");
+  const Model& model = both.scenario->model;
+  CHECK(warnings(both) == "");
+  CHECK(rendered(both.diagnostics).find("<gazebo>") == std::string::npos);
+  CHECK(model.contact_law(model.body("m/a"), ground).friction == 0.3);
+  CHECK(model.contact_law(model.body("m/b"), ground).friction == 0.7);
+  CHECK(model.contact_law(model.body("m/a"), model.body("m/b")).friction == 0.3);  // the smaller one, as in Gazebo
+  const ReadResult different =
+      read("<gazebo reference='a'><mu1>0.3</mu1><mu2>0.5</mu2></gazebo><gazebo reference='x'><mu1>1</mu1></gazebo>");
+  CHECK(warnings(different).find("different friction along two tangents is not represented") != std::string::npos);
+  CHECK(warnings(different).find("<gazebo>: there is no link 'x': its friction is ignored") != std::string::npos);
+  CHECK(
+      rendered(read("<gazebo reference='a'><selfCollide>true</selfCollide></gazebo>").diagnostics).find("<gazebo> is ignored") !=
+      std::string::npos);
+  write(folder / "m.urdf", "<robot name='m'>" + link("base", ball) + "<gazebo reference='base'><mu1>-1</mu1></gazebo></robot>");
+  CHECK(rendered(read_scenario(folder / "s.toml").diagnostics).find("mu1: must not be negative") != std::string::npos);
+
+  write(folder / "m.sdf",
+        "<sdf version='1.7'><model name='m'><link name='a'><pose>0 0 1 0 0 0</pose><inertial><mass>1</mass><inertia><ixx>1</ixx>"
+        "<iyy>1</iyy><izz>1</izz></inertia></inertial><collision "
+        "name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry>"
+        "<surface><friction><ode><mu>0.3</mu><mu2>0.5</mu2></ode></friction></surface></collision></link></model></sdf>");
+  write(folder / "s.toml", a_floor + "[[mechanism]]\nname = \"m\"\nmodel = \"m.sdf\"\n");
+  const ReadResult sdf = read_scenario(folder / "s.toml");
+  REQUIRE(sdf.scenario);
+  CHECK(sdf.scenario->model.contact_law({0}, ground).friction == 0.3);
+  CHECK(warnings(sdf).find("different friction along two tangents is not represented") != std::string::npos);
+}
+
 TEST_CASE("colliders: robots of the repository above a floor") {
   test::TemporaryFolder folder;
   const std::string models = MOMENTREE_SOURCE_DIR "/scenarios/models/";

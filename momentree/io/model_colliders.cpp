@@ -1,4 +1,4 @@
-// Collision elements of model files as colliders: which of them count, their friction, and pairs that do not touch.
+// Collision elements of model files as colliders: which of them count, their friction, and pairs that touch or do not.
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -11,6 +11,8 @@ namespace momentree::io {
 namespace {
 
 using Set = Reading::ModelColliders;
+using Masks = std::vector<CollisionMask>;  // of the solids of a body, each once and in order; empty: it has none
+using Warn = std::function<void(const std::string& what, const std::string& hint)>;
 
 // By body of the model: the first one of those that are welded together; −1: they are part of the ground.
 std::vector<int> rigid_groups(const Model& model, int first, int count) {
@@ -25,11 +27,12 @@ std::vector<int> rigid_groups(const Model& model, int first, int count) {
   return group;
 }
 
-void exclude_pair(Model& model, BodyId one, BodyId other) {
+void pass_through(Model& model, std::vector<BodyId> one, std::vector<BodyId> other) {
   ContactRule rule;
-  rule.one = {one}, rule.other = {other}, rule.law.off = true;
+  rule.one = std::move(one), rule.other = std::move(other), rule.law.off = true;
   model.add_contact_rule(std::move(rule));
 }
+void exclude_pair(Model& model, BodyId one, BodyId other) { pass_through(model, {one}, {other}); }
 
 // Friction of single bodies. Where two bodies have coefficients, the last rule counts.
 void add_friction(const ImportedModel& imported, int first, Model& model) {
@@ -49,7 +52,7 @@ void add_friction(const ImportedModel& imported, int first, Model& model) {
 }
 
 // Bodies that are welded together, neighbours across joints of such groups, and pairs that the file excludes.
-void add_exclusions(const ImportedModel& imported, int first, const std::vector<bool>& touches, Model& model,
+void add_exclusions(const ImportedModel& imported, int first, const std::vector<Masks>& masks, Model& model,
                     const std::function<void(const std::string&)>& unknown) {
   const int count = static_cast<int>(imported.bodies.size());
   const std::vector<int> group = rigid_groups(model, first, count);
@@ -60,10 +63,10 @@ void add_exclusions(const ImportedModel& imported, int first, const std::vector<
     return parent == ground ? -1 : group_of(parent.index - first);
   };
   for (int b = 0; b < count; ++b) {
-    if (!touches[static_cast<std::size_t>(b)]) continue;
+    if (masks[static_cast<std::size_t>(b)].empty()) continue;
     if (group_of(b) == -1) exclude_pair(model, {first + b}, ground);
     for (int other = 0; other < b; ++other) {
-      if (!touches[static_cast<std::size_t>(other)]) continue;
+      if (masks[static_cast<std::size_t>(other)].empty()) continue;
       const int g = group_of(b), h = group_of(other);
       if (g == h || parent_of(g) == h || parent_of(h) == g) exclude_pair(model, {first + b}, {first + other});
     }
@@ -79,6 +82,76 @@ void add_exclusions(const ImportedModel& imported, int first, const std::vector<
     if (const auto a = body_of(one), b = body_of(other); a && b) exclude_pair(model, *a, *b);
 }
 
+// The solids of a model, by body their masks.
+std::vector<Masks> add_solids(const Set& set, Reading& reading) {
+  const ImportedModel& imported = set.import->model;
+  std::vector<Masks> masks;
+  int left_out = 0;
+  std::string first_left_out;
+  for (std::size_t b = 0; b < imported.bodies.size(); ++b) {
+    const ImportedBody& body = imported.bodies[b];
+    std::vector<contact::Solid> solids;
+    Masks& own = masks.emplace_back();
+    const auto tell = [&](const std::string& what, const std::string& hint) {
+      reading.out.warning(set.place, "collision of " + in_quotes(set.mechanism + "/" + body.spec.name) + ": " + what, hint);
+    };
+    const auto leave_out = [&](const std::string& what, const std::string&) {
+      if (++left_out == 1) first_left_out = in_quotes(set.mechanism + "/" + body.spec.name) + ": " + what;
+    };
+    for (std::size_t s = 0; s < body.collision.size(); ++s)
+      if (auto solid = solid_of(body.collision[s], leave_out, tell)) {
+        solids.push_back(std::move(*solid));
+        own.push_back(s < body.masks.size() ? body.masks[s] : CollisionMask{});
+      }
+    std::sort(own.begin(), own.end());
+    own.erase(std::unique(own.begin(), own.end()), own.end());
+    add_colliders({set.first + static_cast<int>(b)}, solids, reading.scenario.model);
+  }
+  if (left_out > 0)
+    reading.out.warning(set.place,
+                        std::to_string(left_out) + (left_out == 1 ? " collision element touches" : " collision elements touch") +
+                            " nothing, such as that of " + first_left_out,
+                        "collision = \"none\" in the mechanism leaves all of them out");
+  return masks;
+}
+
+// Bodies of which no solids touch by their masks pass through each other. Where only some do, whole bodies touch.
+void add_masks(const Set& set, const std::vector<Masks>& masks, Model& model, const Warn& warn) {
+  std::map<Masks, std::vector<BodyId>> alike;
+  for (std::size_t b = 0; b < masks.size(); ++b)
+    if (!masks[b].empty()) alike[masks[b]].push_back({set.first + static_cast<int>(b)});
+  const Masks of_ground{set.import->model.ground};
+  std::string mixed;
+  const auto add = [&](const auto& one, const Masks& other, const std::vector<BodyId>& bodies) {
+    std::size_t touching = 0;
+    for (const CollisionMask& a : one.first)
+      for (const CollisionMask& b : other) touching += touch_by_masks(a, b) ? 1 : 0;
+    if (touching == 0)
+      pass_through(model, one.second, bodies);
+    else if (touching < one.first.size() * other.size() && mixed.empty() && (one.second != bodies || bodies.size() > 1))
+      mixed = in_quotes(model[one.second.front()].name) + " and " +
+              (bodies.back() == ground ? std::string("the ground") : in_quotes(model[bodies.back()].name));
+  };
+  for (auto one = alike.begin(); one != alike.end(); ++one) {
+    add(*one, of_ground, {ground});
+    for (auto other = alike.begin(); other != std::next(one); ++other) add(*one, other->first, other->second);
+  }
+  if (!mixed.empty())
+    warn("contype and conaffinity let only some geoms of two bodies touch, such as those of " + mixed + ": all of them do here",
+         "[[contact]] with off = true lets two bodies pass through each other");
+}
+
+// <pair>s take precedence over masks and exclusions.
+void add_pairs(const ImportedModel& imported, int first, Model& model) {
+  const auto number = [first](int body) { return body < 0 ? ground : BodyId{first + body}; };
+  for (const ImportedPair& pair : imported.pairs) {
+    ContactRule rule;
+    rule.one = {number(pair.one)}, rule.other = {number(pair.other)};
+    rule.law.friction = rule.law.static_friction = pair.friction;
+    model.add_contact_rule(std::move(rule));
+  }
+}
+
 }  // namespace
 
 void add_model_colliders(bool rules, Reading& reading) {
@@ -87,38 +160,21 @@ void add_model_colliders(bool rules, Reading& reading) {
       rules || !model.colliders().empty() ||
       std::any_of(reading.model_colliders.begin(), reading.model_colliders.end(), [](const Set& set) { return set.always; });
   if (!something) reading.model_colliders.clear();
+  std::vector<std::vector<Masks>> masks;
   for (const Set& set : reading.model_colliders) {
-    const ImportedModel& imported = set.import->model;
-    std::vector<bool> touches;
-    int left_out = 0;
-    std::string first_left_out;
-    for (std::size_t b = 0; b < imported.bodies.size(); ++b) {
-      const ImportedBody& body = imported.bodies[b];
-      std::vector<contact::Solid> solids;
-      for (const Shape& shape : body.collision) {
-        const auto tell = [&](const std::string& what, const std::string& hint) {
-          reading.out.warning(set.place, "collision of " + in_quotes(set.mechanism + "/" + body.spec.name) + ": " + what, hint);
-        };
-        const auto leave_out = [&](const std::string& what, const std::string&) {
-          if (++left_out == 1) first_left_out = in_quotes(set.mechanism + "/" + body.spec.name) + ": " + what;
-        };
-        if (auto solid = solid_of(shape, leave_out, tell)) solids.push_back(std::move(*solid));
-      }
-      touches.push_back(!solids.empty());
-      add_colliders({set.first + static_cast<int>(b)}, solids, model);
-    }
-    if (left_out > 0)
-      reading.out.warning(set.place,
-                          std::to_string(left_out) +
-                              (left_out == 1 ? " collision element touches" : " collision elements touch") +
-                              " nothing, such as that of " + first_left_out,
-                          "collision = \"none\" in the mechanism leaves all of them out");
-    add_friction(imported, set.first, model);
-    add_exclusions(imported, set.first, touches, model, [&](const std::string& name) {
-      reading.out.warning(set.place, "<exclude> names " + in_quotes(name) + ", which is not a body of the model", "");
-    });
+    masks.push_back(add_solids(set, reading));
+    add_friction(set.import->model, set.first, model);
   }
   if (reading.floor_rule) model.add_contact_rule(std::move(*reading.floor_rule));
+  for (std::size_t i = 0; i < masks.size(); ++i) {
+    const Set& set = reading.model_colliders[i];
+    const auto warn = [&](const std::string& what, const std::string& hint) { reading.out.warning(set.place, what, hint); };
+    add_masks(set, masks[i], model, warn);
+    add_exclusions(set.import->model, set.first, masks[i], model, [&](const std::string& name) {
+      warn("<exclude> names " + in_quotes(name) + ", which is not a body of the model", "");
+    });
+    add_pairs(set.import->model, set.first, model);
+  }
 }
 
 std::optional<Overlap> overlap_between_models(Reading& reading) {

@@ -35,8 +35,8 @@ Comparison compare_results(const std::string& one, const std::string& other, dou
   for (Difference& difference : found) difference.kind = Difference::Kind::model;
   const TableEnds ends = compare_tables(folders, "bodies.csv", found);
   compare_tables(folders, "joints.csv", found);
-  if (is_there(folders.one / "springs.csv") && is_there(folders.other / "springs.csv"))
-    compare_tables(folders, "springs.csv", found);
+  for (const char* const file : {"springs.csv", "contacts.csv"})
+    if (is_there(folders.one / file) && is_there(folders.other / file)) compare_tables(folders, file, found);
   all.rows = ends.rows;
   all.events = compare_events(folders, ends, found);
   const bool same_length = std::ranges::none_of(found, [](const Difference& d) { return d.kind == Difference::Kind::longer; });

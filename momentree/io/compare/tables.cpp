@@ -14,6 +14,8 @@ namespace momentree::io {
 
 namespace {
 
+constexpr std::string_view contacts_file = "contacts.csv";
+
 std::optional<double> number_of(std::string_view cell) {
   double value = 0;
   const char* const end = cell.data() + cell.size();
@@ -104,7 +106,9 @@ std::optional<Difference> other_cell(const RowReader& one, const RowReader& othe
     if (x == y) continue;
     const std::optional<double> p = number_of(x), q = number_of(y);
     if (p && q && near_enough(*p, *q, tolerance)) continue;
-    const NamedColumn parts = parts_of(i < columns.size() ? columns[i] : std::string());
+    const std::string column = i < columns.size() ? columns[i] : std::string();
+    const bool contact = std::string_view(file) == contacts_file;  // a row is a point of two bodies, named in the first columns
+    const NamedColumn parts = contact ? NamedColumn{a[1] + " and " + (a.size() > 2 ? a[2] : ""), column} : parts_of(column);
     Difference found{.file = file, .time = one.time(), .name = parts.name, .column = parts.column, .one = x, .other = y};
     found.what = std::string(thing) + ' ' + in_quotes(parts.name) + ", " + parts.column + ": ";
     if (x.empty() || y.empty())
@@ -124,6 +128,7 @@ TableEnds compare_tables(const Compared& folders, const char* file, std::vector<
   RowReader one(folders.one / file), other(folders.other / file);
   const char* const thing = std::string_view(file) == "bodies.csv"    ? "body"
                             : std::string_view(file) == "springs.csv" ? "spring"
+                            : file == contacts_file                   ? "contact"
                                                                       : "joint";
   TableEnds ends;
   if (std::optional<Difference> columns = other_columns(one, other, file, thing)) {
@@ -139,6 +144,12 @@ TableEnds compare_tables(const Compared& folders, const char* file, std::vector<
   };
   const auto longer = [&](bool second, const RowReader& shorter, RowReader& lasting, std::size_t rows, double from) {
     rows += lasting.rest();
+    if (file == contacts_file) {
+      Difference more{.kind = Difference::Kind::rows, .file = file, .time = from};
+      more.what =
+          "only the " + std::string(second ? "second" : "first") + " run has contacts from t = " + number_text(from) + " s on";
+      return note(std::move(more));
+    }
     Difference difference{.kind = Difference::Kind::longer, .file = file, .time = from};
     difference.what = "the " + std::string(second ? "first" : "second") + " run ends at t = " + number_text(shorter.time()) +
                       " s; the " + (second ? "second" : "first") + " has " + std::to_string(rows) +

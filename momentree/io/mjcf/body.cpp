@@ -223,12 +223,13 @@ class BodyReader {
     body.spec.com = mass.com;
     body.spec.inertia = mass.inertia;
     const auto drawn = [](const Shape& shape) { return shape.kind != Shape::Kind::mesh || shape.source; };
-    body.collision = std::move(collision_), body.friction = friction_;
+    body.collision = std::move(collision_), body.masks = std::move(masks_), body.friction = friction_;
     body.shapes = std::move(shapes_);
     if (std::none_of(body.shapes.begin(), body.shapes.end(), drawn))
       body.shapes.insert(body.shapes.end(), hidden_shapes_.begin(), hidden_shapes_.end());
     reading_.import.model.bodies.push_back(std::move(body));
     const int number = static_cast<int>(reading_.import.model.bodies.size()) - 1;
+    for (const auto& [geom, friction] : paired_) reading_.geoms[geom] = {number, friction};
     for (const XmlElement site : sites_) read_site(site, childclass_, name_, number, reading_);
     return number;
   }
@@ -261,8 +262,12 @@ class BodyReader {
       Geom geom = read_geom(child, childclass_, reading_);
       if (geom.without_inertia && !without_inertia_) without_inertia_ = child;
       if (geom.mass.mass > 0) masses_.push_back(geom.mass);
-      if (geom.shape.kind != Shape::Kind::none && geom.touches) {
+      const auto geom_name = child.find("name");
+      const bool paired = geom_name && reading_.geoms_of_pairs.contains(std::string(child.attribute(*geom_name)));
+      if (paired) paired_.emplace_back(child.attribute(*geom_name), geom.friction);
+      if (geom.shape.kind != Shape::Kind::none && (paired || geom.mask.own != 0 || geom.mask.others != 0)) {
         collision_.push_back(geom.shape);
+        masks_.push_back(geom.mask);
         friction_ = std::max(friction_, geom.friction);
       }
       if (geom.shape.kind != Shape::Kind::none) (geom.hidden ? hidden_shapes_ : shapes_).push_back(std::move(geom.shape));
@@ -344,11 +349,23 @@ class BodyReader {
   std::vector<Joint> joints_;
   std::vector<Mass> masses_;
   std::vector<Shape> collision_;
-  double friction_ = -1;                       ///< negative: nothing touches
-  std::vector<Shape> shapes_, hidden_shapes_;  ///< the hidden ones are drawn if there are no others
+  std::vector<CollisionMask> masks_;
+  std::vector<std::pair<std::string, double>> paired_;  // geoms of <pair>, with their friction
+  double friction_ = -1;                                ///< negative: nothing touches
+  std::vector<Shape> shapes_, hidden_shapes_;           ///< the hidden ones are drawn if there are no others
   std::vector<XmlElement> inner_, sites_;
   XmlElement inertial_{}, without_inertia_{};
 };
+
+// A plane of the world stands for the floor of the scenario; other geoms there are left out.
+void read_world_geom(XmlElement element, const std::string& childclass, std::optional<CollisionMask>& planes, Reading& reading) {
+  Attributes attributes(element, childclass, reading);
+  if (attributes.string("type") != "plane") return;
+  const Geom geom = read_geom(element, childclass, reading);
+  if (!planes) planes = {0, 0};
+  planes->own |= geom.mask.own, planes->others |= geom.mask.others;
+  if (const auto name = element.find("name")) reading.geoms[std::string(element.attribute(*name))] = {-1, geom.friction};
+}
 
 }  // namespace
 
@@ -365,16 +382,20 @@ void read_world(XmlElement worldbody, Reading& reading) {
   std::string childclass;
   if (const auto own = worldbody.find("childclass")) childclass = worldbody.attribute(*own);
   std::vector<XmlElement> bodies;
+  std::optional<CollisionMask> planes;
   for (const XmlElement child : children_of(worldbody, reading)) {
     const std::string_view name = child.name();
     if (name == "body")
       bodies.push_back(child);
+    else if (name == "geom")
+      read_world_geom(child, childclass, planes, reading);
     else if (name == "site")
       read_site(child, childclass, "", -1, reading);
     else if (name == "frame" || name == "replicate" || name == "composite" || name == "flexcomp" || name == "attach")
       reading.file_of(child).error({child}, child.tag() + " is not supported",
                                    "save the model as MuJoCo compiled it (mj_saveLastXML)");
   }
+  if (planes) reading.import.model.ground = *planes;
   push(bodies, childclass, -1);
   while (!open.empty()) {
     const Open next = open.back();

@@ -1,6 +1,7 @@
 // Geoms: their masses and shapes.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include <momentree/base/error.hpp>
@@ -126,6 +127,15 @@ Shape shape_of(Type type, const Placed& placed) {
   return shape;
 }
 
+// A mask of 32 bits.
+std::uint32_t read_bits(Attributes& attributes, const char* name) {
+  const double given = attributes.number(name).value_or(1);
+  if (given == std::floor(given) && std::fabs(given) < 4294967296.0)
+    return static_cast<std::uint32_t>(static_cast<std::int64_t>(given));
+  attributes.error(name, std::string(name) + ": must be an integer of 32 bits");
+  return 1;
+}
+
 }  // namespace
 
 Geom read_geom(XmlElement element, const std::string& childclass, Reading& reading) {
@@ -137,6 +147,9 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
   Attributes attributes(element, childclass, reading);
   Geom geom;
   const Type type = read_type(attributes);
+  geom.mask = {read_bits(attributes, "contype"), read_bits(attributes, "conaffinity")};
+  if (const auto friction = attributes.numbers("friction", 1, 3)) geom.friction = friction->front();
+  geom.plane = type == Type::plane;
   if (type == Type::plane || type == Type::hfield) return geom;  // they belong to the ground
   const Placed placed = read_placement(attributes, type);
   geom.shape = shape_of(type, placed);
@@ -146,13 +159,6 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
   else if (const auto material = attributes.string("material"); material && reading.colours.contains(*material))
     geom.shape.colour = reading.colours.at(*material);
 
-  const double contype = attributes.number("contype").value_or(1), conaffinity = attributes.number("conaffinity").value_or(1);
-  geom.touches = contype != 0 || conaffinity != 0;
-  if (geom.touches && (contype != 1 || conaffinity != 1))
-    reading.file_of(element).once(Severity::note,
-                                  "contype and conaffinity of a geom count only if both are 0: it then touches nothing",
-                                  "[[contact]] with off = true lets bodies pass through each other", {element});
-  if (const auto friction = attributes.numbers("friction", 1, 3)) geom.friction = friction->front();
   const auto mass = attributes.not_negative("mass"), density = attributes.not_negative("density");
   const double group = attributes.number("group").value_or(0);
   geom.hidden = group >= 3;

@@ -37,20 +37,6 @@ void leave_out(XmlElement section, const std::string& why, Reading& reading) {
     reading.file_of(each).once(Severity::note, each.tag() + " in " + section.tag() + " is ignored", why, {each});
 }
 
-// <exclude> in <contact>.
-void read_contacts(XmlElement contact, Reading& reading) {
-  for (const XmlElement each : children_of(contact, reading)) {
-    XmlFile& file = reading.file_of(each);
-    const auto one = each.find("body1"), other = each.find("body2");
-    if (each.name() != "exclude")
-      file.once(Severity::note, each.tag() + " in <contact> is ignored", "[[contact]] gives pairs their friction", {each});
-    else if (one && other)
-      reading.import.model.excluded.emplace_back(each.attribute(*one), each.attribute(*other));
-    else
-      file.error({each}, "<exclude> names two bodies", "body1 and body2");
-  }
-}
-
 void scale_mass(ImportedModel& model, double total) {
   double sum = 0;
   for (const ImportedBody& body : model.bodies) sum += body.spec.mass;
@@ -88,8 +74,9 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
   for (const XmlElement each : sections)
     if (each.name() == "asset") read_assets(each, reading);
   bool has_world = false;
-  std::vector<XmlElement> tendons;
-  std::vector<XmlElement> equalities;
+  std::vector<XmlElement> tendons, equalities, contacts;
+  for (const XmlElement each : sections)
+    if (each.name() == "contact") find_pairs(contacts.emplace_back(each), reading);
   for (const XmlElement each : sections) {
     const std::string_view tag = each.name();
     XmlFile& file = reading.file_of(each);
@@ -99,8 +86,6 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
       if (file.enough()) return;
     } else if (tag == "equality") {
       equalities.push_back(each);
-    } else if (tag == "contact") {
-      read_contacts(each, reading);
     } else if (tag == "tendon") {
       tendons.push_back(each);
     } else if (tag == "actuator" || tag == "sensor") {
@@ -109,8 +94,8 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
       file.error({each}, each.tag() + " is not supported: bodies are rigid", "leave it out");
     } else if (tag == "keyframe" || tag == "custom" || tag == "extension" || tag == "skin") {
       file.once(Severity::note, each.tag() + " is ignored", "", {each});
-    } else if (tag != "compiler" && tag != "default" && tag != "option" && tag != "asset" && tag != "size" && tag != "visual" &&
-               tag != "statistic") {
+    } else if (tag != "compiler" && tag != "default" && tag != "option" && tag != "contact" && tag != "asset" && tag != "size" &&
+               tag != "visual" && tag != "statistic") {
       file.once(Severity::note, each.tag() + " in <mujoco> is ignored",
                 did_you_mean(tag, {"worldbody", "default", "compiler", "option"}), {each});
     }
@@ -120,6 +105,7 @@ void Mjcf::read(XmlElement mujoco, Import& import) {
                                          "for example <worldbody><body><geom size=\"1\"/></body></worldbody>");
   if (reading.compiler.settotalmass > 0) scale_mass(import.model, reading.compiler.settotalmass);
   name_joints(import.model, reading);
+  for (const XmlElement each : contacts) read_contacts(each, reading);
   for (const XmlElement each : tendons) read_tendons(each, reading);
   if (!equalities.empty()) read_equalities(equalities, reading);
 }

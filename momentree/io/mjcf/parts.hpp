@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include <momentree/io/model/importer.hpp>
@@ -29,6 +30,12 @@ struct MeshAsset {
   Shape shape{};  ///< of kind mesh, with its scale, at the origin of a geom; none if it is not drawn
 };
 
+/// A geom with a name: its body's number, −1: the world, and its coefficient of sliding.
+struct NamedGeom {
+  int body = -1;
+  double friction = 1;
+};
+
 /// State shared while one model is read.
 struct Reading {
   Import& import;
@@ -51,6 +58,8 @@ struct Reading {
     SpringEnd end{};
   };
   std::unordered_map<std::string, Site> sites{};
+  std::unordered_set<std::string> geoms_of_pairs{};
+  std::unordered_map<std::string, NamedGeom> geoms{};  ///< of pairs
   int unnamed = 0;
 
   XmlFile& file_of(XmlElement element) { return import.file_of(element); }
@@ -97,12 +106,18 @@ struct Geom {
   Mass mass{};
   Shape shape{};
   bool without_inertia = false;  ///< a mesh, whose inertia is not computed
-  bool touches = false;          ///< its contype or conaffinity is not 0
+  bool plane = false;            ///< which belongs to the ground
+  CollisionMask mask{};          ///< contype and conaffinity
   double friction = 1;           ///< coefficient of sliding
   bool hidden = false;           ///< in a group from 3 on, which is for collisions
 };
 Geom read_geom(XmlElement element, const std::string& childclass, Reading& reading);
 Mass sum_of(const std::vector<Mass>& parts);
+
+/// Finds the geoms that the <pair> elements of <contact> name: they touch also if their masks are 0. Before bodies are read.
+void find_pairs(XmlElement contact, Reading& reading);
+/// Reads <contact>, once all bodies are read.
+void read_contacts(XmlElement contact, Reading& reading);
 
 /// Reads a <mesh> of <asset>, for pictures.
 void read_mesh_asset(XmlElement element, Reading& reading);

@@ -1,6 +1,8 @@
 #pragma once
 // The result of an importer, whatever the format: bodies in tree order, with their places in the file for messages.
 #include <array>
+#include <compare>
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
@@ -20,14 +22,24 @@ struct BodySpots {
   XmlElement body{}, joint{}, inertia{}, limits{};
 };
 
+/// Which solids touch, by bits: two do if the `own` bits of one and the `others` of the other have a bit in common.
+struct CollisionMask {
+  std::uint32_t own = 1, others = 1;
+  friend auto operator<=>(const CollisionMask&, const CollisionMask&) = default;
+};
+inline bool touch_by_masks(const CollisionMask& a, const CollisionMask& b) {
+  return (a.own & b.others) != 0 || (b.own & a.others) != 0;
+}
+
 struct ImportedBody {
   BodySpec spec;          ///< names without a mechanism; the parent is an index among the bodies of this model, or the ground
   bool own_joint = true;  ///< false for a root without a joint in the file: `root` determines how it is attached
   bool floats = false;    ///< such a root is free, not fixed, unless `root` is given
   JointLimits limits{};   ///< as in the file; used if the mechanism requests it
   std::vector<Shape> shapes{};
-  std::vector<Shape> collision{};  ///< what it touches with
-  double friction = -1;            ///< coefficient of its contacts; negative: the file gives none
+  std::vector<Shape> collision{};      ///< what it touches with
+  std::vector<CollisionMask> masks{};  ///< by collision; without them all touch
+  double friction = -1;                ///< coefficient of its contacts; negative: the file gives none
   BodySpots spots{};
 };
 
@@ -64,8 +76,19 @@ struct ImportedSpring {
 /// Files give dry friction without the speed over which it builds up (rad/s or m/s); this speed is used.
 inline constexpr double imported_friction_speed = 1e-2;
 
+/// The warning of files with a second coefficient of contact friction, and its hint.
+inline constexpr const char* different_friction =
+    "different friction along two tangents is not represented: the first coefficient counts";
+inline constexpr const char* friction_hint = "[[contact]] gives pairs their friction";
+
 /// Of two bodies with coefficients of their own, the file's format takes this one.
 enum class FrictionOfTwo { larger, smaller };
+
+/// Two bodies that touch whatever their masks are; an index of −1: the ground.
+struct ImportedPair {
+  int one = -1, other = -1;
+  double friction = 0;
+};
 
 struct ImportedModel {
   std::string title;  ///< the model's name in the file
@@ -77,6 +100,8 @@ struct ImportedModel {
   std::optional<Vec3> gravity;  ///< if the file has one (m/s²)
   FrictionOfTwo friction_of_two = FrictionOfTwo::smaller;
   std::vector<std::pair<std::string, std::string>> excluded;  ///< bodies that pass through each other
+  CollisionMask ground{};                                     ///< of what is in the world
+  std::vector<ImportedPair> pairs;                            ///< not `excluded`
 };
 
 }  // namespace momentree::io

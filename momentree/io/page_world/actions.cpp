@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <momentree/io/page_world/page_world.hpp>
+#include <momentree/simulate/topology_record.hpp>
 
 namespace momentree::io {
 
@@ -55,6 +56,22 @@ std::vector<Action> scaled_damping(const World& world, const Model& model, doubl
     for (int i = 0; i < kind.nv; ++i)
       all.damping.push_back(factor * declared.parameters.damping.of(i) + (kind.v_units[i] == 'r' ? offset : 0));
     actions.push_back(set_parameters(std::string(joint.name), all));
+  }
+  return actions;
+}
+
+std::vector<Action> limited_strength(const World& world, const Model& model, double force) {
+  std::vector<Action> actions;
+  for (const JointId number : present_joints(world)) {
+    const JointView joint = world.joint(number);
+    if (joint.kind == Kind::free) continue;
+    JointParameters strength;
+    strength.strength.force = force;
+    if (!is_loop(number) && number.index < model.size()) {
+      const JointStrength& declared = model[BodyId{number.index}].joint.parameters.strength;
+      strength.strength = {std::min(force, declared.force), declared.torque};
+    }
+    actions.push_back(set_parameters(std::string(joint.name), strength));
   }
   return actions;
 }

@@ -18,8 +18,9 @@ int joint_row_count(const World& world);
 
 /// {"mechanisms": […], "joints": […], …}: see mt_topology in wasm/engine.h.
 std::string topology_json(const World& world);
-/// The members of "scenario" that a page needs, as an object: title, until, every, step, method, gravity and events.
-std::string scenario_json(const Scenario& scenario, const Vec3& gravity);
+/// The members of "scenario" that a page needs, as an object: title, until, every, step, method, gravity, floor (whether
+/// put_on_floor changed the scenario) and events.
+std::string scenario_json(const Scenario& scenario, const Vec3& gravity, bool floor = false);
 
 /// The lines of events.jsonl of events from number `first` on, separated by commas.
 std::string event_list(const std::vector<Event>& events, std::size_t first);
@@ -52,6 +53,9 @@ Wrench pull(const Grip& grip, const EvaluationContext& context);
 
 /// Sets each joint's damping to that of `model` times `factor`, plus `offset` (N m s) for joints that can rotate.
 std::vector<Action> scaled_damping(const World& world, const Model& model, double factor, double offset);
+
+/// Sets the force at which each joint breaks (N) to the smaller one of `force` and that of `model`.
+std::vector<Action> limited_strength(const World& world, const Model& model, double force);
 
 /// The name of a joint that exists, or of a body that was not removed, by number; −1 is the ground if `ground_too`.
 std::optional<std::string> joint_name(const World& world, int joint);

@@ -18,13 +18,13 @@ int joint_row_count(const World& world) {
   return rows;
 }
 
-std::string scenario_json(const Scenario& scenario, const Vec3& gravity) {
+std::string scenario_json(const Scenario& scenario, const Vec3& gravity, bool floor) {
   std::string text;
   JsonWriter json(text);
   json.begin_object().member("title", scenario.title);
   json.member("until", scenario.until).member("every", scenario.output_every);
   json.member("step", scenario.integration.step).member("method", scenario.integration.method);
-  json.member("gravity", gravity).key("events").begin_array();
+  json.member("gravity", gravity).member("floor", floor).key("events").begin_array();
   for (const ScenarioEvent& event : scenario.events) {
     json.begin_object().member("name", event.name).member("time", event.time).member("line", event.place.line);
     json.key("actions").begin_array();

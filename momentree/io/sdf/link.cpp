@@ -156,7 +156,10 @@ std::optional<double> read_surface(XmlElement surface, XmlFile& file) {
     if (const XmlElement ode = of.fields.child("ode")) {
       Texts coefficients(ode, file);
       friction = coefficients.not_negative("mu");
-      coefficients.fields.known_children({"mu2", "fdir1", "slip1", "slip2"});
+      const auto other = coefficients.not_negative("mu2");
+      if (other && *other != friction.value_or(1))
+        file.once(Severity::warning, different_friction, friction_hint, coefficients.location());
+      coefficients.fields.known_children({"fdir1", "slip1", "slip2"});
       coefficients.fields.finish();
     }
     of.fields.known_children({"bullet", "torsional"});

@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
 
 #include <momentree/io/model/importer.hpp>
 #include <momentree/io/xml/fields.hpp>
@@ -37,5 +38,8 @@ struct Joint {
   XmlElement mimic{};
 };
 Joint read_joint(XmlElement joint, XmlFile& file);
+
+/// Reads the friction of links from <gazebo> elements: mu1, the first of two coefficients.
+void read_gazebo(const std::vector<XmlElement>& elements, ImportedModel& model, XmlFile& file);
 
 }  // namespace momentree::io::urdf

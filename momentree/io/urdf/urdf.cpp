@@ -115,7 +115,8 @@ void Urdf::read(XmlElement robot, Import& import) {
     if (file.enough()) return;
   }
   fields.leave_out({"transmission"}, "efforts act on joints directly");
-  fields.leave_out({"gazebo", "sensor", "ros2_control"}, "it belongs to another program");
+  const std::vector<XmlElement> gazebo = fields.children("gazebo");
+  fields.leave_out({"sensor", "ros2_control"}, "it belongs to another program");
   fields.finish();
   if (links.empty()) return file.error({robot}, "the robot has no <link>");
 
@@ -141,6 +142,7 @@ void Urdf::read(XmlElement robot, Import& import) {
   if (errors != file.out().errors()) return;
   check_roots(import.model.bodies, file);
   read_mimics(joints, ends, tree, body_of_link, import);
+  read_gazebo(gazebo, import.model, file);
 }
 
 }  // namespace momentree::io

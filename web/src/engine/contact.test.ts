@@ -127,3 +127,69 @@ describe("a world that makes no progress", () => {
     expect(posted.filter(({ type }) => type === "playing")).toEqual([{ type: "playing", on: false }]);
   });
 });
+
+describe("a floor below a scenario that has none", () => {
+  afterEach(() => vi.restoreAllMocks());
+  const chain = `format = 1
+title = "A chain"
+[[mechanism]]
+name = "chain"
+[mechanism.chain]
+links = 8
+length = 0.1
+mass = 0.05
+inertia = 4e-5
+axis = [0, 1, 0]
+damping = 0.0002
+`;
+
+  it("a chain that is cut and thrown lands there, with forces in the frames", () => {
+    vi.spyOn(performance, "now").mockReturnValue(0);
+    const { session, play, run, posted } = opened(chain);
+    session.handle({ type: "load", text: chain, floor: true });
+    const [, loaded] = posted.filter(({ type }) => type === "loaded");
+    expect(loaded.type === "loaded" && loaded.world?.scenario.floor).toBe(true);
+    const planes = loaded.type === "loaded" ? modelOf(loaded.world!.model).planes! : [];
+    expect(planes).toHaveLength(1);
+    const height = planes[0].point[2];
+    expect(height).toBeLessThan(-0.8);
+    play(30);
+    session.handle({ type: "act", action: { action: "cut", joint: 0 } });
+    session.handle({ type: "grab", body: 4, point: [0, 0, 0], target: [0, 0, 0.3] });
+    play(30, (i) => session.handle({ type: "pull", target: [0.02 * i, 0, 0.3] }));
+    session.handle({ type: "release" });
+    play(240);
+    expect(posted.filter(({ type }) => type === "stopped" || type === "refused")).toEqual([]);
+    for (let frame = 0; frame < run().frames; frame++)
+      for (let body = 0; body < 8; body++) expect(run().poses(frame)[7 * body + 2]).toBeGreaterThan(height - 0.002);
+    // It lies there, folded as it fell, with its weight.
+    for (let body = 0; body < 8; body++) expect(run().last.poses[7 * body + 2]).toBeLessThan(height + 0.2);
+    const force = run()
+      .contacts(run().frames - 1)
+      .reduce((sum, each) => sum + each.force[2], 0);
+    expect(force).toBeGreaterThan(0.9 * 8 * 0.05 * 9.81);
+    expect(force).toBeLessThan(1.1 * 8 * 0.05 * 9.81);
+  });
+
+  it("a joint breaks when it is pulled harder than the limit", () => {
+    vi.spyOn(performance, "now").mockReturnValue(0);
+    const { session, play, run } = opened(chain);
+    session.handle({ type: "load", text: chain, floor: true });
+    session.handle({ type: "strength", force: 20 });
+    play(60);
+    expect(run().topology.joints.some(({ force }) => force === 20)).toBe(true);
+    const joints = run().topology.joints.filter(({ kind }) => kind !== "free").length;
+    session.handle({ type: "grab", body: 7, point: [0.1, 0, 0], target: [0, 0, -0.7] });
+    play(60, (i) => session.handle({ type: "pull", target: [0.1 * i, 0, 0] }));
+    expect(run().events.some(({ event }) => event.startsWith("strength of"))).toBe(true);
+    expect(run().topology.joints.filter(({ kind }) => kind !== "free").length).toBeLessThan(joints);
+  });
+
+  it("is the one of the scenario if it has one", () => {
+    const { session, posted } = opened(crates);
+    session.handle({ type: "load", text: crates, floor: true });
+    const worlds = posted.flatMap((message) => (message.type === "loaded" && message.world ? [message.world] : []));
+    expect(worlds.map(({ model }) => modelOf(model).planes!.length)).toEqual([1, 1]);
+    expect(modelOf(worlds[0].model).planes).toEqual(modelOf(worlds[1].model).planes);
+  });
+});

@@ -19,7 +19,8 @@ export interface SliderInfo {
 
 export type ToWorker =
   | { type: "module"; bytes: ArrayBuffer }
-  | { type: "load"; text: string }
+  /** `floor`: with a floor below the mechanisms, on which all bodies land. */
+  | { type: "load"; text: string; floor?: boolean }
   /** Checks a text for errors without loading it. */
   | { type: "check"; text: string }
   | { type: "play"; on: boolean }
@@ -29,6 +30,8 @@ export type ToWorker =
   | { type: "set"; joint: number; damping?: number; stiffness?: number }
   | { type: "gravity"; value: Triple }
   | { type: "damping"; factor: number; offset: number }
+  /** The force at which every joint breaks at the latest (N). */
+  | { type: "strength"; force: number }
   | { type: "grab"; body: number; point: Triple; target: Triple }
   | { type: "pull"; target: Triple }
   | { type: "release" }

@@ -88,7 +88,7 @@ export class Session {
       case "module":
         return;
       case "load":
-        return this.load(message.text);
+        return this.load(message.text, message.floor ?? false);
       case "check":
         return this.check(message.text);
       case "play":
@@ -104,6 +104,8 @@ export class Session {
         return this.change(() => this.world.setGravity(message.value));
       case "damping":
         return this.change(() => this.world.setDamping(message.factor, message.offset));
+      case "strength":
+        return this.change(() => this.world.limitStrength(message.force));
       case "grab":
         return this.change(() => {
           const outcome = this.world.grab(message.body, message.point);
@@ -158,9 +160,9 @@ export class Session {
     }
   }
 
-  private load(text: string) {
+  private load(text: string, floor: boolean) {
     const fresh = this.engine.world();
-    const { scenario, diagnostics } = fresh.load(text);
+    const { scenario, diagnostics } = fresh.load(text, { floor });
     if (!scenario) {
       fresh.destroy();
       return this.post({ type: "loaded", diagnostics, world: null });

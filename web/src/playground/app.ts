@@ -27,6 +27,8 @@ export class App implements Clock {
   engineSeconds = 0;
   private listeners: ((changed: Changed) => void)[] = [];
   private requested: string | null = null;
+  /** Whether the world has the floor of this page, or is about to have it. */
+  floor = false;
   private playsWhenLoaded = false;
   private ready = false;
   onChecked: (diagnostics: readonly Diagnostic[]) => void = () => undefined;
@@ -55,10 +57,12 @@ export class App implements Clock {
   }
 
   /** `play`: whether it starts to move as soon as it is loaded. */
-  load(text: string, play = false) {
+  load(text: string, play = false, floor = false) {
     this.requested = text;
     this.playsWhenLoaded = play;
-    if (this.ready) this.send({ type: "load", text });
+    this.floor = floor;
+    if (this.ready) this.send({ type: "load", text, floor });
+    this.notify("status");
   }
 
   check(text: string) {
@@ -128,15 +132,18 @@ export class App implements Clock {
     switch (message.type) {
       case "ready":
         this.ready = true;
-        if (this.requested !== null) this.send({ type: "load", text: this.requested });
+        if (this.requested !== null) this.send({ type: "load", text: this.requested, floor: this.floor });
         return;
-      case "loaded":
+      case "loaded": {
         this.onDiagnostics(message.diagnostics);
         if (!message.world) {
+          this.floor = this.scenario?.floor ?? false;
           this.showNotice(this.run ? `The scenario has errors: see the editor. This is still “${this.run.model.title}”.` : "");
           return;
         }
         this.scenario = message.world.scenario;
+        const asked = this.floor;
+        this.floor = this.scenario.floor;
         this.text = this.requested ?? "";
         this.run = new LiveRecording(
           modelOf(message.world.model, undefined, this.meshes),
@@ -144,11 +151,12 @@ export class App implements Clock {
           message.world.frame,
         );
         this.shownFrame = null;
-        this.notice = "";
+        this.notice = asked && !this.floor ? "All bodies of this scenario touch its own floor already" : "";
         this.notify("world");
         if (this.playsWhenLoaded) this.play(true);
         this.playsWhenLoaded = false;
         return;
+      }
       case "checked":
         return this.onChecked(message.diagnostics);
       case "frame":

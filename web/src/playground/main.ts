@@ -44,12 +44,12 @@ async function begin(page: HTMLElement) {
   const follow = async (otherwise: string | null) => {
     const link = await linkOf(location.hash);
     if (link.content === "error") playground.showProblem(link.message, own);
-    else if (link.content === "scenario") playground.start(link.text, "The scenario in this link");
+    else if (link.content === "scenario") playground.start(link.text, { from: "The scenario in this link", floor: link.floor });
     else if (otherwise !== null) playground.start(otherwise);
   };
   window.addEventListener("hashchange", async () => {
     const link = await linkOf(location.hash);
-    if (link.content !== "scenario" || link.text !== app.text) await follow(null);
+    if (link.content !== "scenario" || link.text !== app.text || link.floor !== app.floor) await follow(null);
   });
   await follow(own);
 }

@@ -24,7 +24,7 @@ export function showPlayground(page: HTMLElement, app: App) {
   const shared = h("output", { class: "shared", "aria-live": "polite" });
   const share = h("button", { type: "button", title: "Copy a link that contains this scenario" }, "Share");
   share.addEventListener("click", async () => {
-    location.hash = await fragmentOf(editor.text);
+    location.hash = await fragmentOf(editor.text, app.floor);
     const scope = scopeOf(location);
     let message = "link copied";
     try {
@@ -36,14 +36,24 @@ export function showPlayground(page: HTMLElement, app: App) {
   });
 
   const editor = new Editor(
-    (text) => start(text),
+    (text) => start(text, { floor: app.floor }),
     (text) => app.check(text),
   );
   const restart = h(
     "button",
-    { type: "button", title: "From the start (R)", onclick: () => start(app.text || editor.text) },
+    { type: "button", title: "From the start (R)", onclick: () => start(app.text || editor.text, { floor: app.floor }) },
     "⟲",
   );
+  const floor = h(
+    "button",
+    {
+      type: "button",
+      title: "A floor below the mechanisms, on which all bodies land; starts again (D)",
+      onclick: () => start(app.text || editor.text, { floor: !app.floor }),
+    },
+    "Floor",
+  );
+  app.listen(() => floor.setAttribute("aria-pressed", String(app.floor)));
   const world = showWorldPage(page, app, {
     name: "momentree playground",
     header: [choice, share, shared],
@@ -52,15 +62,16 @@ export function showPlayground(page: HTMLElement, app: App) {
     controls: [jointControls(app), weldControls(app), connections(app), sliders(app), history(app)],
     tabs: [{ name: "Scenario", content: editor.element }],
     restart,
+    tool: { button: floor, key: "d" },
   });
   let source = "";
-  /** `from`: description of the text, as the beginning of a sentence. */
-  const start = (text: string, from = "The scenario") => {
+  /** `from`: description of the text, as the beginning of a sentence. `floor`: with the floor of this page. */
+  const start = (text: string, { from = "The scenario", floor = false } = {}) => {
     source = from;
     app.play(false);
     if (editor.text !== text) editor.text = text;
     choice.value = gallery.find((example) => example.text === text)?.name ?? "";
-    app.load(text, lively);
+    app.load(text, lively, floor);
   };
   /** There is no scenario to show: gives the reason, and shows no other scenario instead. */
   const showProblem = (reason: string, other: string) => {

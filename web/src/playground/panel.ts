@@ -87,6 +87,8 @@ export function sliders(app: App): HTMLElement {
   const gravityText = h("output");
   const damping = h("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0 });
   const dampingText = h("output");
+  const strength = h("input", { type: "range", min: -1, max: 3, step: 0.05, value: 3 });
+  const strengthText = h("output", {}, "as given");
   let direction: [number, number, number] = [0, 0, -1];
   const scale = () => {
     const model = app.run?.model;
@@ -102,6 +104,11 @@ export function sliders(app: App): HTMLElement {
   });
   damping.addEventListener("change", () => app.send({ type: "damping", factor: 1, offset: added() }));
   damping.addEventListener("input", showDamping);
+  /** From a tenth of the weight of everything on earth to a thousand times it. */
+  const force = () => massOf(app.run?.model.bodies ?? []) * 9.81 * 10 ** Number(strength.value);
+  const showStrength = () => (strengthText.textContent = `${Number(force().toPrecision(2))} N`);
+  strength.addEventListener("input", showStrength);
+  strength.addEventListener("change", () => app.send({ type: "strength", force: force() }));
   app.listen((changed) => {
     if ((changed !== "world" && changed !== "sliders") || !app.scenario) return;
     const [x, y, z] = app.scenario.gravity;
@@ -114,6 +121,8 @@ export function sliders(app: App): HTMLElement {
     if (changed !== "world") return;
     damping.value = "0";
     showDamping();
+    strength.value = "3";
+    strengthText.textContent = "as given";
   });
   return h(
     "fieldset",
@@ -121,6 +130,14 @@ export function sliders(app: App): HTMLElement {
     h("legend", {}, "World"),
     h("label", {}, "Gravity", gravity, gravityText),
     h("label", { title: "Added to the damping of every joint" }, "Damping", damping, dampingText),
+    !app.live &&
+      h(
+        "label",
+        { title: "Joints break when their force exceeds this: pull until they do" },
+        "Strength",
+        strength,
+        strengthText,
+      ),
   );
 }
 

@@ -5,13 +5,19 @@ import { fragmentOf, linkOf, scopeOf } from "./share";
 describe("a link", () => {
   it("contains any text", async () => {
     for (const text of ["", 'title = "Größe ≤ 3"\n', "x".repeat(100_000)])
-      expect(await linkOf(await fragmentOf(text))).toEqual({ content: "scenario", text });
+      expect(await linkOf(await fragmentOf(text))).toEqual({ content: "scenario", text, floor: false });
     expect((await fragmentOf("x".repeat(100_000))).length).toBeLessThan(400);
   });
 
   it("is empty without text; punctuation that follows it is ignored", async () => {
     for (const fragment of ["", "#"]) expect(await linkOf(fragment)).toEqual({ content: "nothing" });
-    expect(await linkOf(`${await fragmentOf("a")}).`)).toEqual({ content: "scenario", text: "a" });
+    expect(await linkOf(`${await fragmentOf("a")}).`)).toEqual({ content: "scenario", text: "a", floor: false });
+  });
+
+  it("keeps the floor of the page", async () => {
+    const fragment = await fragmentOf("a", true);
+    expect(fragment).toMatch(/^#s1=/);
+    expect(await linkOf(fragment)).toEqual({ content: "scenario", text: "a", floor: true });
   });
 
   it("that is damaged is reported, wherever the damage is", async () => {

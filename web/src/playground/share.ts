@@ -29,18 +29,22 @@ const deflated = async (bytes: Uint8Array) =>
 
 export const bytesOf = (base64: string) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 
-export async function fragmentOf(text: string): Promise<string> {
+/** `floor`: of a scenario with the floor of this page, which older pages do not have. */
+export async function fragmentOf(text: string, floor = false): Promise<string> {
   const packed = await deflated(new TextEncoder().encode(text));
   let binary = "";
   for (const byte of packed) binary += String.fromCharCode(byte);
-  return `#s=${btoa(binary).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "")}`;
+  return `#s${floor ? onFloor : ""}=${btoa(binary).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "")}`;
 }
 
 /** The content of an address's fragment: nothing, a scenario, or unreadable data and the reason. */
 export type Link =
   | { readonly content: "nothing" }
-  | { readonly content: "scenario"; readonly text: string }
+  | { readonly content: "scenario"; readonly text: string; readonly floor: boolean }
   | { readonly content: "error"; readonly message: string };
+
+/** The version of links to scenarios with the floor of this page. */
+const onFloor = "1";
 
 const damaged = "It may have been cut off or changed when it was copied or sent. Ask for it again.";
 
@@ -49,12 +53,13 @@ export async function linkOf(fragment: string): Promise<Link> {
   const found = /^#s(\d*)=([\w-]*)(.*)$/s.exec(fragment);
   if (!found) return { content: "error", message: `This address does not end with a scenario. ${damaged}` };
   const [, version, base64, rest] = found;
-  if (version !== "")
+  if (version !== "" && version !== onFloor)
     return { content: "error", message: "This link was made by a newer version of momentree. Open it with that." };
   try {
     if (/[^\s.,;:!?)\]>"'*]/.test(rest)) throw new Error("not base64"); // a sentence's punctuation is harmless
     const bytes = await inflated(bytesOf(base64.replace(/-/g, "+").replace(/_/g, "/")), mostBytes);
-    return { content: "scenario", text: new TextDecoder("utf-8", { fatal: true }).decode(bytes) };
+    const text = new TextDecoder("utf-8", { fatal: true }).decode(bytes);
+    return { content: "scenario", text, floor: version === onFloor };
   } catch {
     return { content: "error", message: `The link to this scenario is damaged. ${damaged}` };
   }

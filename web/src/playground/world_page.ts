@@ -46,6 +46,8 @@ export interface Shell {
   readonly tabs: readonly { readonly name: string; readonly content: HTMLElement }[];
   /** A button next to that for playing. */
   readonly restart?: HTMLElement;
+  /** A button beside the tools. */
+  readonly tool?: { readonly button: HTMLElement; readonly key: string };
 }
 
 export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
@@ -135,6 +137,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     "div",
     { class: "tools", role: "group", "aria-label": "Tools" },
     ...toolButtons.map(({ button }) => button),
+    ...(shell.tool ? [shell.tool.button] : []),
   );
   const menu = viewMenu(loadButton, colours, arrows, follow, fit, save.element);
   const over = h("div", { class: "over" }, buttons, menu.element);
@@ -270,6 +273,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     if (!app.run) return;
     const found = stage && toolButtons.find(({ key }) => key === event.key.toLowerCase());
     if (found) choose(found.tool);
+    else if (event.key.toLowerCase() === shell.tool?.key) shell.tool.button.click();
     else if (event.key === " " && !target.matches("button")) app.toggle();
     else if (event.key.toLowerCase() === "r" && shell.restart) shell.restart.click();
     else if (event.key.toLowerCase() === "f") loadButton.click();
