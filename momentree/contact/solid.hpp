@@ -18,6 +18,7 @@ struct Solid {
     Vec3 normal;               ///< outward
     double offset = 0;         ///< normal·x of its points
     std::vector<int> corners;  ///< counterclockwise, seen from outside
+    int plane = 0;             ///< the first face of the same plane
   };
   std::vector<Vec3> vertices;  ///< in the body's frame (m)
   std::vector<Edge> edges;     ///< without those between faces of one plane
