@@ -7,6 +7,7 @@
 
 #include <momentree/contact/candidates_impl.hpp>
 #include <momentree/contact/circle.hpp>
+#include <momentree/contact/cylinder_overlap.hpp>
 
 namespace momentree::contact {
 
@@ -226,9 +227,15 @@ void cylinder_faces(const Solid& cylinder, const Place& of_cylinder, const Solid
   Search search{cylinder, other, of_cylinder, of_other, second, within, out, normalized(along), norm(along)};
   if (search.apart()) return;
   perpendiculars(search.axis, search.across.data());
+  const std::size_t first = out.size();
   search.corners();
   search.rims_before_faces();
   search.edges();
+  // Deep overlaps have none of these features where solids are thin there.
+  const auto negative = [](const Candidate& c) { return c.gap < 0; };
+  if (std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), negative)) return;
+  if (!cylinder_overlaps(cylinder, of_cylinder, other, of_other)) return;
+  cylinder_overlap_points(cylinder, of_cylinder, other, of_other, second, 0, out);
 }
 
 Tilt tilt_of(const Features& f, const Place& a, const Place& b) {
