@@ -141,19 +141,11 @@ struct Search {
   }
 };
 
-}  // namespace
-
-double tilt_of(const Solid& cylinder, const Place& place, const Vec3& normal) {
-  return norm(cross(place.R * normalized(cylinder.ends[1] - cylinder.ends[0]), normal));
-}
-
-namespace {
-
 // A cylinder on a plane touches it with the lowest points of its ends, one that stands on it with points around its rim.
 void cylinder_on_plane(const Solid& solid, const Place& place, const Vec3& point, const Vec3& normal, const Place& of_plane,
                        double within, std::vector<Candidate>& out) {
   const Vec3 axis = normalized(solid.ends[1] - solid.ends[0]);
-  const bool stands = solid.rim * tilt_of(solid, place, of_plane.R * normal) < standing;
+  const bool stands = solid.rim * norm(cross(place.R * axis, of_plane.R * normal)) < standing;
   Vec3 across[2];
   perpendiculars(axis, across);
   for (std::size_t end = 0; end < 2; ++end) {
@@ -168,10 +160,10 @@ void cylinder_on_plane(const Solid& solid, const Place& place, const Vec3& point
     const double gap = touch(f, place, of_plane).gap;
     if (!(gap < within)) continue;
     f.pair = FeaturePair::point_plane, f.line_a = {}, f.rim = 0;
-    for (std::size_t k = 0; k < 8; ++k) {
-      const double angle = static_cast<double>(k) * std::numbers::pi / 4;
+    for (std::size_t k = 0; k < points_of_rim; ++k) {
+      const double angle = static_cast<double>(k) * 2 * std::numbers::pi / points_of_rim;
       f.point_a = solid.ends[end] + solid.rim * (std::cos(angle) * across[0] + std::sin(angle) * across[1]);
-      out.push_back({f, false, id_of(f.pair, false, 8 * end + k, 0), gap});
+      out.push_back({f, false, id_of(f.pair, false, points_of_rim * end + k, 0), gap});
     }
   }
 }

@@ -12,6 +12,11 @@ namespace momentree::contact {
 inline constexpr double parallel = 1e-6;    // sine of the angle of edges that do not cross
 inline constexpr double edge_slack = 1e-9;  // what is this near the outline of a face is above it; relative to the solid's size
 
+// Faces give several points, edges one: an edge is taken only if the overlap along it is clearly less. Between faces that are
+// nearly parallel, edges and faces differ by rounding, and bodies that rest would lose all points but one.
+inline constexpr double clearly_less = 0.9;
+inline constexpr double nearly_parallel = 3e-5;  // of the thickness of the thinner solid
+
 inline std::uint64_t id_of(FeaturePair pair, bool swapped, std::size_t a, std::size_t b) {
   return static_cast<std::uint64_t>(pair) | (swapped ? 8u : 0u) | static_cast<std::uint64_t>(a) << 4 |
          static_cast<std::uint64_t>(b) << 34;

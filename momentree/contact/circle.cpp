@@ -7,16 +7,16 @@ namespace momentree::contact {
 
 namespace {
 
-constexpr int most_iterations = 60;
-constexpr double nearly_parallel = 1e-9;  // sine of the angle between a line and an axis: the circle is seen as a circle
+constexpr int most_halvings = 60;
+constexpr double seen_round = 1e-9;  // sine of the angle between a line and an axis: the circle is seen as a circle
 
-struct Sine {
+struct OnEllipse {
   double cosine, sine;
 };
 
 // The point (a cos, b sin) of an ellipse with a ≥ b ≥ 0 that is nearest to a point of the first quadrant (D. Eberly, Distance from
 // a point to an ellipse).
-Sine on_ellipse(double a, double b, double x, double y) {
+OnEllipse on_ellipse(double a, double b, double x, double y) {
   if (!(b > 0)) {
     const double cosine = std::min(1.0, x / a);
     return {cosine, std::sqrt(1 - cosine * cosine)};
@@ -30,7 +30,7 @@ Sine on_ellipse(double a, double b, double x, double y) {
   // (ratio zx/(s + ratio))² + (zy/(s + 1))² = 1: a convex decreasing function of s.
   double low = zy - 1, high = std::hypot(ratio * zx, zy) - 1, s = std::max(low, 0.0);
   if (zx * zx + zy * zy < 1) high = std::min(high, 0.0), s = low;
-  for (int k = 0; k < most_iterations; ++k) {
+  for (int k = 0; k < most_halvings; ++k) {
     const double p = ratio * zx / (s + ratio), q = zy / (s + 1), value = p * p + q * q - 1;
     (value > 0 ? low : high) = s;
     const double slope = -2 * (p * p / (s + ratio) + q * q / (s + 1));
@@ -51,14 +51,14 @@ OnCircle nearest_to_line(const Vec3& from, const Vec3& axis, double rim, const V
   const Vec3 rise = axis - along * line, level = cross(line, axis);
   const double sine = norm(level);
   OnCircle found;
-  if (sine < nearly_parallel) {
+  if (sine < seen_round) {
     found.radial = -(apart - dot(apart, axis) * axis);
     if (!(norm(found.radial) > 0)) return found;
     found.radial = normalized(found.radial);
   } else {
     const Vec3 u = (1 / sine) * level, w = cross(axis, u);
     const double x = -dot(apart, u), y = -dot(apart, rise) / sine, b = std::fabs(along) * rim;
-    Sine at{};
+    OnEllipse at{};
     if (ahead && y < 0) {
       if (!(std::fabs(x) < rim)) return found;
       at.cosine = x / rim, at.sine = std::sqrt(1 - at.cosine * at.cosine);

@@ -15,10 +15,9 @@ namespace {
 
 constexpr double thin = 0.5;           // a rim is seen along an edge as an ellipse; thinner ones have two sides
 constexpr double nearly_along = 1e-4;  // sine of the angle of an edge and the tangent of a rim that it leaves at the same point
-constexpr double level = 1e-6;         // angles of faces beside an edge on which an end stands
-constexpr int points_of_rim = 8;
+constexpr double flush = 1e-6;         // angles of faces beside an edge on which an end stands
 
-struct Search {
+struct CylinderSearch {
   const Solid &cylinder, &other;
   const Place &of_cylinder, &of_other;
   bool second;
@@ -199,7 +198,7 @@ struct Search {
     const double middle = dot(to, centre - from);
     const Vec3 aside = from + middle * to - centre;
     const double off = norm(aside - dot(aside, out_world) * out_world), half = std::sqrt(std::max(0.0, cylinder.rim * cylinder.rim - off * off));
-    if (!(half > nearly_along * cylinder.rim) || !leaves(other, of_other, other.edges[k], line, -out_world, level)) return;
+    if (!(half > nearly_along * cylinder.rim) || !leaves(other, of_other, other.edges[k], line, -out_world, flush)) return;
     std::array<Features, 2> found{};
     std::array<std::size_t, 2> sector{};
     std::size_t count = 0;
@@ -224,7 +223,7 @@ struct Search {
 void cylinder_faces(const Solid& cylinder, const Place& of_cylinder, const Solid& other, const Place& of_other, bool second,
                     double within, std::vector<Candidate>& out) {
   const Vec3 along = cylinder.ends[1] - cylinder.ends[0];
-  Search search{cylinder, other, of_cylinder, of_other, second, within, out, normalized(along), norm(along)};
+  CylinderSearch search{cylinder, other, of_cylinder, of_other, second, within, out, normalized(along), norm(along)};
   if (search.apart()) return;
   perpendiculars(search.axis, search.across.data());
   const std::size_t first = out.size();

@@ -12,10 +12,7 @@ namespace momentree::contact {
 
 namespace {
 
-// As for polyhedra: faces give several points.
-constexpr double clearly_less = 0.9, nearly_parallel = 3e-5;
 constexpr double alongside = 0.9998;  // cosine of the angle of edges that touch the side along a line
-constexpr std::size_t points_of_rim = 8;
 
 bool in_outline(const Solid& solid, std::size_t plane, const Vec3& p) {
   return std::any_of(solid.faces.begin(), solid.faces.end(),
@@ -40,7 +37,7 @@ Part in_disc(const Vec3& p, const Vec3& d, double radius) {
   return {std::max(0.0, (-b - root) / a), std::min(1.0, (-b + root) / a)};
 }
 
-struct Overlap {
+struct CylinderOverlap {
   const Solid& can;
   const Place& of_can;
   const Solid& other;
@@ -153,11 +150,11 @@ struct Overlap {
         push(true, f);
       }
     } else {
-      const Vec3 down = transpose_times(of_can.R, n), level = down - dot(down, axis) * axis;
+      const Vec3 down = transpose_times(of_can.R, n), slope = down - dot(down, axis) * axis;
       std::array<Vec3, 2> across{};
       perpendiculars(axis, across.data());
       const bool stands = can.rim * tilt < standing;
-      if (!stands) across[0] = -normalized(level), across[1] = cross(axis, across[0]);
+      if (!stands) across[0] = -normalized(slope), across[1] = cross(axis, across[0]);
       for (std::size_t i = 0; i < points_of_rim; ++i) {
         const double angle = static_cast<double>(i) * 2 * std::numbers::pi / points_of_rim;
         const Vec3 p = can.ends[end] + can.rim * (std::cos(angle) * across[0] + std::sin(angle) * across[1]);
@@ -335,9 +332,9 @@ bool cylinder_overlaps(const Solid& cylinder, const Place& of_cylinder, const So
   for (std::size_t f = 0; f < other.faces.size(); ++f) {
     const Solid::Face& face = other.faces[f];
     const double above = dot(face.normal, centre) - face.offset, upright = dot(face.normal, along);
-    const Vec3 level = face.normal - upright * along;
-    const double tilt = norm(level);
-    const Vec3 up = (upright > 0 ? 0.5 * length : -0.5 * length) * along + (tilt > 0 ? cylinder.rim / tilt : 0.0) * level;
+    const Vec3 slope = face.normal - upright * along;
+    const double tilt = norm(slope);
+    const Vec3 up = (upright > 0 ? 0.5 * length : -0.5 * length) * along + (tilt > 0 ? cylinder.rim / tilt : 0.0) * slope;
     const double half = dot(face.normal, up);
     inside = inside && above <= 0;
     if (std::fabs(above) > half || at(face.plane) != f) continue;
@@ -348,7 +345,7 @@ bool cylinder_overlaps(const Solid& cylinder, const Place& of_cylinder, const So
 
 void cylinder_overlap_points(const Solid& cylinder, const Place& of_cylinder, const Solid& other, const Place& of_other, bool second,
                              double within, std::vector<Candidate>& out) {
-  Overlap{cylinder, of_cylinder, other, of_other, second, within, out}.find();
+  CylinderOverlap{cylinder, of_cylinder, other, of_other, second, within, out}.find();
 }
 
 }  // namespace momentree::contact

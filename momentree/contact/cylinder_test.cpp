@@ -102,7 +102,6 @@ TEST_CASE("cylinders: features touch where the solids do, and no earlier") {
   Prng random(31);
   int touched = 0, missed = 0;
   int kinds[8] = {};
-  double worst = 0;
   for (int k = 0; k < 1500; ++k) {
     const Solid can = random_cylinder(random), other = random_solid(random);
     const Place a = random_place(random, 0.3);
@@ -140,44 +139,46 @@ TEST_CASE("cylinders: features touch where the solids do, and no earlier") {
     CHECK(std::fabs(distance) < 1e-11);
     const double before = gap(high - 1e-6), exact = oracle.distance(other, b);
     CHECK(exact > 0);
-    if (!(exact > 0)) {
-      double l = 0, h = high;
-      for (int i = 0; i < 60; ++i) {
-        const double m = 0.5 * (l + h);
-        b.r = start - m * way;
-        (oracle.distance(other, b) > 0 ? l : h) = m;
-      }
-      MESSAGE("touches at " << h << " found " << high << " rim " << can.rim << " L " << norm(can.ends[1]-can.ends[0]) << " faces " << other.faces.size());
-      for (double t : {h - 0.02, h - 0.001, h-1e-6, h + 1e-6, h + 0.001, h+0.01, high}) {
-        MESSAGE("t " << t - h << " gap " << gap(t) << " distance " << oracle.distance(other, b));
-        for (auto& c : found) if (c.gap < 0.05) MESSAGE("   " << int(c.features.pair) << " sw " << c.swapped << " " << c.gap);
-      }
-    }
-    worst = std::max(worst, std::fabs(before - exact));
     CHECK(std::fabs(before - exact) < 1e-9);
   }
-  MESSAGE(touched << " " << missed << " worst " << worst);
-  for (int i = 0; i < 8; ++i) MESSAGE(i << ": " << kinds[i]);
+  CHECK(touched > 1000);
+  CHECK(missed > 20);
+  for (const FeaturePair pair : {FeaturePair::point_plane, FeaturePair::point_line, FeaturePair::line_line,
+                                 FeaturePair::circle_plane, FeaturePair::point_circle, FeaturePair::circle_line})
+    CHECK(kinds[static_cast<int>(pair)] > 30);
 }
 
-TEST_CASE("cylinders: gaps are never below distances") {
+TEST_CASE("cylinders: no gap is below the distance, which is exact") {
   Prng random(32);
-  int apart = 0, rounded = 0;
+  int apart = 0, rounded = 0, overlapping = 0;
   for (int k = 0; k < 3000; ++k) {
     const Solid can = random_cylinder(random), other = random_solid(random);
     const Place a = random_place(random, 0.8), b = random_place(random, 0.8);
     std::vector<Candidate> found;
     const double least = least_gap(can, a, other, b, found), distance = Oracle{can, a}.distance(other, b);
     CAPTURE(k);
-    if (!(distance > 0)) continue;
+    const NearestPoints near = momentree::contact::distance(can, a, other, b), turned = momentree::contact::distance(other, b, can, a);
+    CHECK(near.distance == turned.distance);
+    if (!(distance > 0)) {
+      // Of overlapping solids that are sharp nothing is known but that.
+      CHECK((near.distance > -1e-12) == (other.radius == 0));
+      CHECK(near.distance < 1e-12);
+      ++overlapping;
+      continue;
+    }
+    CHECK(std::fabs(near.distance - distance) < 1e-11);
+    CHECK(std::fabs(norm(near.on_one - near.on_other) - distance) < 1e-10);
+    CHECK(norm(near.on_one - near.on_other - near.distance * near.normal) < 1e-10);
+    CHECK(norm(turned.on_one - near.on_other) + norm(turned.normal + near.normal) < 1e-12);
     ++apart;
     CHECK(least > distance - 1e-10);
-    if (least < distance - 1e-10) for (auto& c : found) if (c.gap < distance) MESSAGE(int(c.features.pair) << " " << c.swapped << " gap " << c.gap << " d " << distance << " f " << other.faces.size() << " side " << c.features.side);
     if (other.radius > 0) {
       ++rounded;
       CHECK(least < distance + 1e-10);
     }
     for (const Candidate& c : found) CHECK(touch(c.features, c.swapped ? b : a, c.swapped ? a : b).gap == c.gap);
   }
-  MESSAGE(apart << " " << rounded);
+  CHECK(apart > 1000);
+  CHECK(rounded > 300);
+  CHECK(overlapping > 100);
 }

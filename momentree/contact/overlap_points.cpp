@@ -3,19 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/contact/candidates_impl.hpp>
 #include <momentree/contact/cylinder_overlap.hpp>
-#include <momentree/contact/indices.hpp>
 
 namespace momentree::contact {
-
-namespace {
-
-// Faces give several points, edges one: an edge is taken only if the overlap along it is clearly less. Between faces that are
-// nearly parallel, edges and faces differ by rounding, and bodies that rest would lose all points but one.
-constexpr double clearly_less = 0.9;
-constexpr double nearly_parallel = 3e-5;  // of the thickness of the thinner solid
-
-}  // namespace
 
 // The face of the other solid above which the solid is the most, or below which it is the least.
 OverlapPoints::Above OverlapPoints::highest(const Solid& solid, const Place& place, const Solid& other, const Place& of_other) {
