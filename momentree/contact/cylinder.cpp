@@ -160,10 +160,12 @@ struct CylinderSearch {
     const Vec3 apart = world_end(0) + where.a * along - from - where.b * to;
     for (const double side : {1.0, -1.0}) {
       const Vec3 n = (side / sine) * normal;
-      // On the other side of the axis it is another edge that is before the side, unless this one is inside.
-      if (dot(n, apart) < 0 && (other.faces.empty() || norm(apart) >= cylinder.rim)) continue;
+      if (dot(n, apart) < 0) continue;
       if (!leaves(other, of_other, other.edges[k], line, n)) continue;
       f.side = side;
+      // An edge in the plane of an end is not inside.
+      const double gap = norm(apart) - cylinder.rim - other.radius;
+      if (gap < -slack && !(where.a > slack && where.a < length - slack)) return;
       add(true, f, 0, k);
       return;
     }
