@@ -14,8 +14,8 @@ struct OnEllipse {
   double cosine, sine;
 };
 
-// The point (a cos, b sin) of an ellipse with a ≥ b ≥ 0 that is nearest to a point of the first quadrant (D. Eberly, Distance from
-// a point to an ellipse).
+// The point (a cos, b sin) of an ellipse with a ≥ b ≥ 0 that is nearest to a point of the first quadrant (D. Eberly, Distance
+// from a point to an ellipse).
 OnEllipse on_ellipse(double a, double b, double x, double y) {
   if (!(b > 0)) {
     const double cosine = std::min(1.0, x / a);

@@ -35,8 +35,7 @@ struct CylinderSearch {
     if (gap < within) out.push_back({f, swapped, id_of(f.pair, swapped, a, b), gap});
   }
   void add(bool cylinder_first, const Features& f, std::size_t a, std::size_t b) const {
-    push(cylinder_first, f, a, b,
-         touch(f, cylinder_first ? of_cylinder : of_other, cylinder_first ? of_other : of_cylinder).gap);
+    push(cylinder_first, f, a, b, touch(f, cylinder_first ? of_cylinder : of_other, cylinder_first ? of_other : of_cylinder).gap);
   }
 
   // A plane leaves everything on its other side.
@@ -51,7 +50,8 @@ struct CylinderSearch {
       const Vec3 n = of_cylinder.R * outward(end), from = world_end(end) - of_other.r;
       const Vec3 own = transpose_times(of_other.R, n);
       const double least = dot(n, from) + other.radius + within;
-      if (std::none_of(other.vertices.begin(), other.vertices.end(), [&](const Vec3& v) { return dot(own, v) < least; })) return true;
+      if (std::none_of(other.vertices.begin(), other.vertices.end(), [&](const Vec3& v) { return dot(own, v) < least; }))
+        return true;
     }
     return false;
   }
@@ -199,7 +199,8 @@ struct CylinderSearch {
     const Vec3 centre = world_end(end), out_world = of_cylinder.R * outward(end);
     const double middle = dot(to, centre - from);
     const Vec3 aside = from + middle * to - centre;
-    const double off = norm(aside - dot(aside, out_world) * out_world), half = std::sqrt(std::max(0.0, cylinder.rim * cylinder.rim - off * off));
+    const double off = norm(aside - dot(aside, out_world) * out_world),
+                 half = std::sqrt(std::max(0.0, cylinder.rim * cylinder.rim - off * off));
     if (!(half > nearly_along * cylinder.rim) || !leaves(other, of_other, other.edges[k], line, -out_world, flush)) return;
     std::array<Features, 2> found{};
     std::array<std::size_t, 2> sector{};
@@ -209,7 +210,8 @@ struct CylinderSearch {
       if (!inside(line, s)) continue;
       const Vec3 p = into(of_cylinder, from + s * to) - cylinder.ends[end];
       const Vec3 radial = normalized(p - dot(axis, p) * axis), tangent = cross(axis, radial);
-      Features f{FeaturePair::line_line, cylinder.ends[end] + cylinder.rim * radial, tangent, line.from, line.along, 0, other.radius};
+      Features f{
+          FeaturePair::line_line, cylinder.ends[end] + cylinder.rim * radial, tangent, line.from, line.along, 0, other.radius};
       f.side = dot(cross(of_cylinder.R * tangent, to), out_world) < 0 ? 1 : -1;
       lowest = std::min(lowest, touch(f, of_cylinder, of_other).gap);
       const double turns = std::atan2(dot(radial, across[1]), dot(radial, across[0])) / (2 * std::numbers::pi);

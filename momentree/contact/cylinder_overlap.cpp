@@ -21,7 +21,8 @@ bool in_outline(const Solid& solid, std::size_t plane, const Vec3& p) {
 
 // Of the outline of the faces of one plane.
 bool is_of_outline(const Solid& solid, const Solid::Edge& edge, std::size_t plane) {
-  return edge.faces[0] >= 0 && (at(solid.faces[at(edge.faces[0])].plane) == plane || at(solid.faces[at(edge.faces[1])].plane) == plane);
+  return edge.faces[0] >= 0 &&
+         (at(solid.faces[at(edge.faces[0])].plane) == plane || at(solid.faces[at(edge.faces[1])].plane) == plane);
 }
 
 struct Part {
@@ -343,8 +344,8 @@ bool cylinder_overlaps(const Solid& cylinder, const Place& of_cylinder, const So
   return inside;
 }
 
-void cylinder_overlap_points(const Solid& cylinder, const Place& of_cylinder, const Solid& other, const Place& of_other, bool second,
-                             double within, std::vector<Candidate>& out) {
+void cylinder_overlap_points(const Solid& cylinder, const Place& of_cylinder, const Solid& other, const Place& of_other,
+                             bool second, double within, std::vector<Candidate>& out) {
   CylinderOverlap{cylinder, of_cylinder, other, of_other, second, within, out}.find();
 }
 

@@ -157,7 +157,8 @@ TEST_CASE("cylinders: no gap is below the distance, which is exact") {
     std::vector<Candidate> found;
     const double least = least_gap(can, a, other, b, found), distance = Oracle{can, a}.distance(other, b);
     CAPTURE(k);
-    const NearestPoints near = momentree::contact::distance(can, a, other, b), turned = momentree::contact::distance(other, b, can, a);
+    const NearestPoints near = momentree::contact::distance(can, a, other, b),
+                        turned = momentree::contact::distance(other, b, can, a);
     CHECK(near.distance == turned.distance);
     if (!(distance > 0)) {
       // Of overlapping solids that are sharp nothing is known but that.

@@ -108,7 +108,10 @@ Touch touch(const Features& f, const Place& a, const Place& b) noexcept {
       out.normal = d.n, out.normal_rate = d.rate, out.gap = f.length - d.length;
       break;
     }
-    case FeaturePair::circle_line: circle_before_line(f, a, b, out, surface_rate); surface = out.point; break;
+    case FeaturePair::circle_line:
+      circle_before_line(f, a, b, out, surface_rate);
+      surface = out.point;
+      break;
   }
   out.gap -= f.radius_a + f.radius_b;
   out.point = surface - f.radius_a * out.normal;

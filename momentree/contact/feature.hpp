@@ -26,8 +26,8 @@ struct Features {
   /// Of line_line: the sign with which side·(line_a × line_b) points from b to a. Of circle_line: above zero if the line of b is
   /// before the half of the circle that is ahead along line_a; else before the nearest point.
   double side = 1;
-  double rim = 0;                     ///< radius of a circle, whose centre is the point and whose axis is the line (m)
-  double length = 0;                  ///< of a cable (m)
+  double rim = 0;     ///< radius of a circle, whose centre is the point and whose axis is the line (m)
+  double length = 0;  ///< of a cable (m)
 };
 
 /// Pose and velocity of a body's frame, in world axes.

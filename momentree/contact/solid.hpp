@@ -1,6 +1,6 @@
 #pragma once
 // Convex solids that can touch: a point, a line or a polyhedron, rounded by a radius. A sphere is a rounded point, a capsule a
-// rounded line, a box and a convex mesh are polyhedra. A cylinder is one, too, but touches planes and spheres as what it is.
+// rounded line, a box and a convex mesh are polyhedra. A cylinder is one only for another cylinder.
 #include <array>
 #include <span>
 #include <vector>

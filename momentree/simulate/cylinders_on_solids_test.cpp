@@ -120,7 +120,8 @@ TEST_CASE("cylinders on solids: one that leans falls back on its end and rocks u
 
 TEST_CASE("cylinders on solids: stepped through one rolls as well, to the order of the step") {
   for (const Below below : {Below::box, Below::narrow}) {
-    Simulation sim(can_above(below, Pose(Vec3{-3, 0, radius}, lying), {3, 0, 0, 0, 0, 0}, 0.2), {.method = "stepping", .step = 1e-3});
+    Simulation sim(can_above(below, Pose(Vec3{-3, 0, radius}, lying), {3, 0, 0, 0, 0, 0}, 0.2),
+                   {.method = "stepping", .step = 1e-3});
     REQUIRE(sim.run_until(2));
     const BodyMotion& end = sim.world().motions()[0];
     CHECK(std::fabs(end.linear.x - 2) < 5e-3);
@@ -147,7 +148,10 @@ TEST_CASE("cylinders on solids: momentum is exact at impacts of free bodies, and
                                     .q = {0, 0, 0, r.w, r.x, r.y, r.z},
                                     .v = {0, 0, 0, random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)}});
     const contact::Solid box = contact::box({0.5, 0.6, 0.7});
-    model.add_collider({.body = block, .solid = k % 3 == 0 ? contact::capsule(0.2, 0.6) : k % 3 == 1 ? contact::hull(box.vertices) : box});
+    model.add_collider({.body = block,
+                        .solid = k % 3 == 0   ? contact::capsule(0.2, 0.6)
+                                 : k % 3 == 1 ? contact::hull(box.vertices)
+                                              : box});
     const double mu = random.uniform(0, 1);
     model.add_contact_rule({.law = {.friction = mu, .static_friction = mu, .restitution = random.uniform(0, 1)}});
     Simulation sim(model, {.method = "dop853", .step = 1e-2, .rtol = 1e-10, .atol = 1e-12});
