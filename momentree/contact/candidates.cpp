@@ -7,6 +7,7 @@
 
 #include <momentree/contact/candidates_impl.hpp>
 #include <momentree/contact/cylinder.hpp>
+#include <momentree/contact/cylinder_pair.hpp>
 
 namespace momentree::contact {
 
@@ -220,6 +221,7 @@ void face_each_other(const Solid& one, const Place& place_one, const Solid& othe
   if (norm(apart) > one.reach + other.reach + within) return;
   if (is_ball(one) && other.rim > 0) return ball_before_cylinder(one, place_one, other, place_other, false, within, out);
   if (is_ball(other) && one.rim > 0) return ball_before_cylinder(other, place_other, one, place_one, true, within, out);
+  if (one.rim > 0 && other.rim > 0) return cylinders_face(one, place_one, other, place_other, within, out);
   if (one.rim > 0 && other.rim == 0) return cylinder_faces(one, place_one, other, place_other, false, within, out);
   if (other.rim > 0 && one.rim == 0) return cylinder_faces(other, place_other, one, place_one, true, within, out);
   if (is_above_a_face(one, place_one, other, place_other, within) || is_above_a_face(other, place_other, one, place_one, within))

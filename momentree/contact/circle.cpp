@@ -112,4 +112,60 @@ void circle_before_line(const Features& f, const Place& a, const Place& b, Touch
   out.gap = dot(out.normal, d);
 }
 
+TwoCircles nearest_of_circles(const Vec3& from, const Vec3& axis_a, double rim_a, const Vec3& axis_b, double rim_b,
+                              double side) noexcept {
+  TwoCircles found;
+  const Vec3 level = cross(axis_a, axis_b);
+  const double sine = norm(level);
+  if (sine < seen_round) return found;
+  // Where the first circle passes through the plane of the second one, or comes nearest to it.
+  const Vec3 u = (1 / sine) * level, w = cross(axis_a, u);
+  const double s = std::clamp(dot(from, axis_b) / (rim_a * sine), -1.0, 1.0);
+  Vec3 &a = found.radial_a, &b = found.radial_b;
+  a = std::copysign(std::sqrt(1 - s * s), side) * u + s * w;
+  const Vec3 there = from + rim_a * a, flat = there - dot(there, axis_b) * axis_b;
+  if (!(norm(flat) > 0)) return found;
+  b = normalized(flat);
+  for (int k = 0; k < 30; ++k) {
+    const Vec3 ta = cross(axis_a, a), tb = cross(axis_b, b), d = from + rim_a * a - rim_b * b;
+    const double c = dot(ta, tb), aa = rim_a - dot(d, a), bb = rim_b + dot(d, b), determinant = aa * bb - rim_a * rim_b * c * c;
+    if (!(aa > 0 && determinant > 1e-12 * rim_a * rim_b)) return found;
+    // d·ta and −d·tb are to vanish, as the square of the distance is least.
+    const double fa = dot(d, ta), fb = -dot(d, tb);
+    double turn_a = -(bb * fa + rim_b * c * fb) / determinant, turn_b = -(aa * fb + rim_a * c * fa) / determinant;
+    const double most = std::max(std::fabs(turn_a), std::fabs(turn_b));
+    if (most > 0.3) turn_a *= 0.3 / most, turn_b *= 0.3 / most;
+    a = normalized(std::cos(turn_a) * a + std::sin(turn_a) * ta), b = normalized(std::cos(turn_b) * b + std::sin(turn_b) * tb);
+    found.found = most < 1e-9;
+    if (most < 1e-15) break;
+  }
+  return found;
+}
+
+void circle_before_circle(const Features& f, const Place& a, const Place& b, Touch& out, Vec3& rate) noexcept {
+  const Vec3 axis_a = a.R * f.line_a, axis_b = b.R * f.line_b, centre_a = a.r + a.R * f.point_a, centre_b = b.r + b.R * f.point_b;
+  const TwoCircles at = nearest_of_circles(centre_a - centre_b, axis_a, f.rim, axis_b, f.length, f.side);
+  const Vec3 ta = cross(axis_a, at.radial_a), tb = cross(axis_b, at.radial_b);
+  const Vec3 on_a = centre_a + f.rim * at.radial_a, on_b = centre_b + f.length * at.radial_b, d = on_a - on_b;
+  const Vec3 va = a.v + cross(a.w, on_a - a.r), vb = b.v + cross(b.w, on_b - b.r);
+  const double c = dot(ta, tb), aa = f.rim - dot(d, at.radial_a), bb = f.length + dot(d, at.radial_b);
+  const double determinant = aa * bb - f.rim * f.length * c * c;
+  const double fa = dot(va - vb, ta) + dot(d, cross(a.w, ta)), fb = -dot(va - vb, tb) - dot(d, cross(b.w, tb));
+  const bool regular = determinant > 0;
+  const double turning_a = regular ? -(bb * fa + f.length * c * fb) / determinant : 0.0;
+  const double turning_b = regular ? -(aa * fb + f.rim * c * fa) / determinant : 0.0;
+  const Vec3 ta_rate = cross(a.w, ta) - turning_a * at.radial_a, tb_rate = cross(b.w, tb) - turning_b * at.radial_b;
+  out.point = on_a, rate = va + (turning_a * f.rim) * ta;
+  Vec3 normal = cross(ta, tb), normal_rate = cross(ta_rate, tb) + cross(ta, tb_rate);
+  if (dot(normal, at.radial_b + axis_b - at.radial_a - axis_a) < 0) normal = -normal, normal_rate = -normal_rate;
+  const double size = norm(normal);
+  if (!(size > 0)) {
+    out.normal = axis_b, out.gap = norm(d);
+    return;
+  }
+  out.normal = (1 / size) * normal;
+  out.normal_rate = (1 / size) * (normal_rate - dot(out.normal, normal_rate) * out.normal);
+  out.gap = dot(out.normal, d);
+}
+
 }  // namespace momentree::contact

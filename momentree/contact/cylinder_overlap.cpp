@@ -25,19 +25,6 @@ bool is_of_outline(const Solid& solid, const Solid::Edge& edge, std::size_t plan
          (at(solid.faces[at(edge.faces[0])].plane) == plane || at(solid.faces[at(edge.faces[1])].plane) == plane);
 }
 
-struct Part {
-  double from, to;  // of a line, within 0 and 1; empty if from > to
-};
-// The part of the segment p + s d within the circle of that radius around zero, all in its plane.
-Part in_disc(const Vec3& p, const Vec3& d, double radius) {
-  const double a = dot(d, d), b = dot(p, d), c = dot(p, p) - radius * radius;
-  if (!(a > 0)) return c <= 0 ? Part{0, 1} : Part{1, 0};
-  const double square = b * b - a * c;
-  if (square < 0) return {1, 0};
-  const double root = std::sqrt(square);
-  return {std::max(0.0, (-b - root) / a), std::min(1.0, (-b + root) / a)};
-}
-
 struct CylinderOverlap {
   const Solid& can;
   const Place& of_can;

@@ -7,6 +7,7 @@
 
 #include <momentree/contact/cylinder.hpp>
 #include <momentree/contact/cylinder_overlap.hpp>
+#include <momentree/contact/cylinder_pair.hpp>
 
 namespace momentree::contact {
 
@@ -168,11 +169,16 @@ NearestPoints distance(const Solid& one, const Place& place_one, const Solid& ot
     turned.normal = -turned.normal;
     return turned;
   }
+  if (one.rim > 0 && other.rim > 0) return cylinders_distance(one, place_one, other, place_other);
   if (one.rim > 0 && is_edged(other)) return cylinder_to_edged(one, place_one, other, place_other);
   if (other.rim > 0 && is_edged(one)) {
     const NearestPoints turned = cylinder_to_edged(other, place_other, one, place_one);
     return {turned.distance, turned.on_other, turned.on_one, -turned.normal};
   }
+  return distance_of_polyhedra(one, place_one, other, place_other);
+}
+
+NearestPoints distance_of_polyhedra(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other) {
   // Relative to the centre of the first solid, for rounding.
   const Vec3 origin = place_one.r + place_one.R * one.centre;
   const auto vertex = [&](const Vec3& along) {

@@ -109,7 +109,7 @@ Touch touch(const Features& f, const Place& a, const Place& b) noexcept {
       break;
     }
     case FeaturePair::circle_line:
-      circle_before_line(f, a, b, out, surface_rate);
+      (f.length > 0 ? circle_before_circle : circle_before_line)(f, a, b, out, surface_rate);
       surface = out.point;
       break;
   }

@@ -5,6 +5,7 @@
 
 #include <momentree/contact/candidates_impl.hpp>
 #include <momentree/contact/cylinder_overlap.hpp>
+#include <momentree/contact/cylinder_pair.hpp>
 
 namespace momentree::contact {
 
@@ -61,6 +62,7 @@ void OverlapPoints::clip(const Solid& solid, const Place& place, const Solid& fa
 
 void OverlapPoints::find(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other, double within,
                          std::vector<Candidate>& out) {
+  if (one.rim > 0 && other.rim > 0) return cylinders_overlap_points(one, place_one, other, place_other, within, out);
   if (one.rim > 0 && other.rim == 0) return cylinder_overlap_points(one, place_one, other, place_other, false, within, out);
   if (other.rim > 0 && one.rim == 0) return cylinder_overlap_points(other, place_other, one, place_one, true, within, out);
   const Above above_other = highest(one, place_one, other, place_other);
