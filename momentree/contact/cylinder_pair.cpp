@@ -66,7 +66,7 @@ struct CanPair {
           if (before_end(k, lowest.point)) push(f, i, k, lowest.gap);
           continue;
         }
-        if (!(dot(a.outward(i), b.outward(k)) < 0)) continue;
+        if (!(dot(a.outward(i), b.outward(k)) < 0) || lowest.gap < -0.5 * std::min(a.length, b.length)) continue;
         f.pair = FeaturePair::point_plane, f.line_a = {}, f.rim = 0;
         for (std::size_t n = 0; n < points_of_rim; ++n) {
           f.point_a = a.on_rim(i, static_cast<double>(n) * 2 * std::numbers::pi / points_of_rim);

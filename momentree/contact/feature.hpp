@@ -14,7 +14,7 @@ enum class FeaturePair : unsigned char {
   circle_plane,  ///< the lowest point of a circle of body a, a plane of body b
   point_circle,  ///< a point of body a, a circle of body b
   cable,         ///< two points that are never farther apart than a length
-  circle_line    ///< a circle of body a, a line of body b
+  circle_line    ///< a circle of body a, a line of body b; or two circles, if there is a `length`
 };
 
 /// Two features, each in the frame of its body.
@@ -24,10 +24,10 @@ struct Features {
   Vec3 point_b{}, line_b{};           ///< of body b: a point, and the unit vector along a line or normal to a plane, outward
   double radius_a = 0, radius_b = 0;  ///< m
   /// Of line_line: the sign with which side·(line_a × line_b) points from b to a. Of circle_line: above zero if the line of b is
-  /// before the half of the circle that is ahead along line_a; else before the nearest point.
+  /// before the half of the circle ahead along line_a; of two circles, the sign of the nearest point along line_a × line_b.
   double side = 1;
   double rim = 0;     ///< radius of a circle, whose centre is the point and whose axis is the line (m)
-  double length = 0;  ///< of a cable (m)
+  double length = 0;  ///< of a cable; of two circles, the radius of that of b (m)
 };
 
 /// Pose and velocity of a body's frame, in world axes.
