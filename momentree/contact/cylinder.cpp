@@ -201,7 +201,9 @@ struct CylinderSearch {
     const Vec3 aside = from + middle * to - centre;
     const double off = norm(aside - dot(aside, out_world) * out_world),
                  half = std::sqrt(std::max(0.0, cylinder.rim * cylinder.rim - off * off));
-    if (!(half > nearly_along * cylinder.rim) || dot(aside, out_world) < -0.5 * length || !leaves(other, of_other, other.edges[k], line, -out_world, flush)) return;
+    if (!(half > nearly_along * cylinder.rim) || dot(aside, out_world) < -0.5 * length ||
+        !leaves(other, of_other, other.edges[k], line, -out_world, flush))
+      return;
     std::array<Features, 2> found{};
     std::array<std::size_t, 2> sector{};
     std::size_t count = 0;

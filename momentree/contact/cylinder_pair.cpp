@@ -15,8 +15,8 @@ namespace {
 constexpr double cone_slack = 1e-6;   // of directions between a side and an end
 constexpr double thin_ellipse = 0.5;  // a rim is seen along an axis as an ellipse; thinner ones have two sides
 constexpr double same_tangent = 1e-4;
-constexpr double off_prism = 0.02;     // of the radius: the surface is nearer to the prism than this
-constexpr double along_axis = 0.9998;  // cosine of the angle of axes of sides that touch along a line
+constexpr double off_prism = 0.02;    // of the radius: the surface is nearer to the prism than this
+constexpr double same_axis = 0.9998;  // cosine of the angle of axes of sides that touch along a line
 
 // A cylinder in the world.
 struct Can {
@@ -288,7 +288,7 @@ void points_before_end(const CanPair& pair, std::size_t k) {
 void points_at_sides(const CanPair& pair, const Best& best) {
   const Can &a = pair.a, &b = pair.b;
   const double cosine = dot(a.axis, b.axis);
-  if (std::fabs(cosine) > along_axis && best.features.length == 0) {
+  if (std::fabs(cosine) > same_axis && best.features.length == 0) {
     double low = a.height(b.ends[0]), high = a.height(b.ends[1]);
     if (low > high) std::swap(low, high);
     low = std::clamp(low, 0.0, a.length), high = std::clamp(high, 0.0, a.length);

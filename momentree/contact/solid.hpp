@@ -1,6 +1,6 @@
 #pragma once
 // Convex solids that can touch: a point, a line or a polyhedron, rounded by a radius. A sphere is a rounded point, a capsule a
-// rounded line, a box and a convex mesh are polyhedra. A cylinder is one only for another cylinder.
+// rounded line, a box and a convex mesh are polyhedra. A cylinder has a prism for rough tests.
 #include <array>
 #include <span>
 #include <vector>
