@@ -5,65 +5,13 @@
 #include <cmath>
 #include <numbers>
 
-#include <momentree/contact/indices.hpp>
+#include <momentree/contact/candidates_impl.hpp>
+#include <momentree/contact/cylinder.hpp>
+#include <momentree/contact/cylinder_pair.hpp>
 
 namespace momentree::contact {
 
 namespace {
-
-constexpr double parallel = 1e-6;    // sine of the angle of edges that do not cross
-constexpr double edge_slack = 1e-9;  // what is this near the outline of a face is above it; relative to the solid's size
-
-std::uint64_t id_of(FeaturePair pair, bool swapped, std::size_t a, std::size_t b) {
-  return static_cast<std::uint64_t>(pair) | (swapped ? 8u : 0u) | static_cast<std::uint64_t>(a) << 4 |
-         static_cast<std::uint64_t>(b) << 34;
-}
-
-Vec3 into(const Place& place, const Vec3& world) { return transpose_times(place.R, world - place.r); }
-Vec3 out_of(const Place& place, const Vec3& own) { return place.r + place.R * own; }
-
-struct Line {
-  Vec3 from, along;
-  double length;
-};
-Line line_of(const Solid& solid, const Solid::Edge& edge) {
-  const Vec3 &a = solid.vertices[at(edge.ends[0])], &b = solid.vertices[at(edge.ends[1])];
-  const double length = norm(b - a);
-  return {a, (1 / length) * (b - a), length};
-}
-
-bool above_face(const Solid& solid, const Solid::Face& face, const Vec3& p) {
-  const double slack = edge_slack * solid.reach;
-  for (std::size_t k = 0; k < face.corners.size(); ++k) {
-    const Vec3 &a = solid.vertices[at(face.corners[k])], &b = solid.vertices[at(face.corners[(k + 1) % face.corners.size()])];
-    if (dot(cross(face.normal, b - a), p - a) < -slack * norm(b - a)) return false;
-  }
-  return true;
-}
-
-// The face that is the least below, or the most above, a point; −1: a solid without faces. Faces from which edges of the point
-// lead inward count only if the point is above them: then it is not before another face.
-struct Height {
-  int face = -1;
-  double above = -HUGE_VAL;
-};
-Height over_faces(const Solid& solid, const Vec3& p, const std::vector<Vec3>& edges) {
-  Height found;
-  const double slack = edge_slack * solid.reach;
-  for (std::size_t f = 0; f < solid.faces.size(); ++f) {
-    const Solid::Face& face = solid.faces[f];
-    const double above = dot(face.normal, p) - face.offset;
-    bool inward = false;
-    for (const Vec3& edge : edges) inward = inward || dot(face.normal, edge) < -0.1;
-    if (inward && above <= slack) continue;
-    if (above < found.above - slack) continue;
-    // Of equal ones, such as triangles of one plane, that under the point.
-    const bool equal = found.face >= 0 && above <= found.above + slack;
-    if (equal && above_face(solid, solid.faces[at(found.face)], p)) continue;
-    found = {static_cast<int>(f), above};
-  }
-  return found;
-}
 
 struct Search {
   const Solid &one, &other;
@@ -140,21 +88,6 @@ struct Search {
     });
   }
 
-  // The direction `outward` leaves a solid at an edge between the directions of its faces.
-  static bool leaves(const Solid& solid, const Place& place, const Solid::Edge& edge, const Line& line, const Vec3& outward) {
-    if (edge.faces[0] < 0) return true;
-    const Vec3 own = transpose_times(place.R, outward);
-    for (const int f : edge.faces) {
-      // From the edge into the face.
-      Vec3 inward = cross(solid.faces[at(f)].normal, line.along);
-      Vec3 middle{};
-      for (const int corner : solid.faces[at(f)].corners) middle += solid.vertices[at(corner)] - line.from;
-      if (dot(inward, middle) < 0) inward = -inward;
-      if (dot(own, inward) > 1e-9) return false;
-    }
-    return true;
-  }
-
   // Edges of the other solid in the world, some at a time: every edge of the first one meets them.
   struct WorldLine {
     Line own;
@@ -209,19 +142,11 @@ struct Search {
   }
 };
 
-}  // namespace
-
-double tilt_of(const Solid& cylinder, const Place& place, const Vec3& normal) {
-  return norm(cross(place.R * normalized(cylinder.ends[1] - cylinder.ends[0]), normal));
-}
-
-namespace {
-
 // A cylinder on a plane touches it with the lowest points of its ends, one that stands on it with points around its rim.
 void cylinder_on_plane(const Solid& solid, const Place& place, const Vec3& point, const Vec3& normal, const Place& of_plane,
                        double within, std::vector<Candidate>& out) {
   const Vec3 axis = normalized(solid.ends[1] - solid.ends[0]);
-  const bool stands = solid.rim * tilt_of(solid, place, of_plane.R * normal) < standing;
+  const bool stands = solid.rim * norm(cross(place.R * axis, of_plane.R * normal)) < standing;
   Vec3 across[2];
   perpendiculars(axis, across);
   for (std::size_t end = 0; end < 2; ++end) {
@@ -236,10 +161,10 @@ void cylinder_on_plane(const Solid& solid, const Place& place, const Vec3& point
     const double gap = touch(f, place, of_plane).gap;
     if (!(gap < within)) continue;
     f.pair = FeaturePair::point_plane, f.line_a = {}, f.rim = 0;
-    for (std::size_t k = 0; k < 8; ++k) {
-      const double angle = static_cast<double>(k) * std::numbers::pi / 4;
+    for (std::size_t k = 0; k < points_of_rim; ++k) {
+      const double angle = static_cast<double>(k) * 2 * std::numbers::pi / points_of_rim;
       f.point_a = solid.ends[end] + solid.rim * (std::cos(angle) * across[0] + std::sin(angle) * across[1]);
-      out.push_back({f, false, id_of(f.pair, false, 8 * end + k, 0), gap});
+      out.push_back({f, false, id_of(f.pair, false, points_of_rim * end + k, 0), gap});
     }
   }
 }
@@ -296,6 +221,9 @@ void face_each_other(const Solid& one, const Place& place_one, const Solid& othe
   if (norm(apart) > one.reach + other.reach + within) return;
   if (is_ball(one) && other.rim > 0) return ball_before_cylinder(one, place_one, other, place_other, false, within, out);
   if (is_ball(other) && one.rim > 0) return ball_before_cylinder(other, place_other, one, place_one, true, within, out);
+  if (one.rim > 0 && other.rim > 0) return cylinders_face(one, place_one, other, place_other, within, out);
+  if (one.rim > 0 && other.rim == 0) return cylinder_faces(one, place_one, other, place_other, false, within, out);
+  if (other.rim > 0 && one.rim == 0) return cylinder_faces(other, place_other, one, place_one, true, within, out);
   if (is_above_a_face(one, place_one, other, place_other, within) || is_above_a_face(other, place_other, one, place_one, within))
     return;
   std::vector<Vec3> scratch;

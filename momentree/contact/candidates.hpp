@@ -22,8 +22,8 @@ void face_plane(const Solid& solid, const Place& place, const Vec3& point, const
 
 /// A cylinder whose rim is higher on one side by less than twice this stands on its end (m).
 inline constexpr double standing = 1e-9;
-/// Sine of the angle between the axis of a cylinder and a normal, in the world.
-double tilt_of(const Solid& cylinder, const Place& place, const Vec3& normal);
+/// Then so many points of its rim carry it.
+inline constexpr std::size_t points_of_rim = 8;
 
 /// All pairs of features with a gap below `within`: vertices before faces, edges that cross, and for rounded solids also vertices
 /// before edges and vertices. The solids overlap by little at most.

@@ -3,6 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
+
+#include <momentree/contact/cylinder.hpp>
+#include <momentree/contact/cylinder_overlap.hpp>
+#include <momentree/contact/cylinder_pair.hpp>
 
 namespace momentree::contact {
 
@@ -121,6 +126,37 @@ NearestPoints ball_to_cylinder(const Solid& ball, const Place& of_ball, const So
   return result;
 }
 
+// The least gap of all features, and of all corners: none of them is less than the distance.
+NearestPoints cylinder_to_edged(const Solid& cylinder, const Place& of_cylinder, const Solid& other, const Place& of_other) {
+  NearestPoints best;
+  if (cylinder_overlaps(cylinder, of_cylinder, other, of_other)) {
+    best.distance = -other.radius;
+    best.on_one = best.on_other = of_cylinder.r + of_cylinder.R * cylinder.centre;
+    return best;
+  }
+  best.distance = HUGE_VAL;
+  const auto look = [&](const NearestPoints& next) {
+    if (next.distance < best.distance) best = next;
+  };
+  for (const Vec3& v : other.vertices) {
+    const NearestPoints corner = ball_to_cylinder(sphere(other.radius, Pose(v)), of_other, cylinder, of_cylinder);
+    look({corner.distance, corner.on_other, corner.on_one, -corner.normal});
+  }
+  std::vector<Candidate> features;
+  cylinder_faces(cylinder, of_cylinder, other, of_other, false, best.distance, features);
+  for (const Candidate& c : features) {
+    const Touch t = touch(c.features, c.swapped ? of_other : of_cylinder, c.swapped ? of_cylinder : of_other);
+    const Vec3 on_b = t.point - t.gap * t.normal;
+    if (c.swapped)
+      look({t.gap, on_b, t.point, -t.normal});
+    else
+      look({t.gap, t.point, on_b, t.normal});
+  }
+  return best;
+}
+
+bool is_edged(const Solid& other) { return other.rim == 0 && other.vertices.size() > 1; }
+
 bool is_round(const Solid& ball, const Solid& cylinder) { return ball.vertices.size() == 1 && cylinder.rim > 0; }
 
 }  // namespace
@@ -133,6 +169,16 @@ NearestPoints distance(const Solid& one, const Place& place_one, const Solid& ot
     turned.normal = -turned.normal;
     return turned;
   }
+  if (one.rim > 0 && other.rim > 0) return cylinders_distance(one, place_one, other, place_other);
+  if (one.rim > 0 && is_edged(other)) return cylinder_to_edged(one, place_one, other, place_other);
+  if (other.rim > 0 && is_edged(one)) {
+    const NearestPoints turned = cylinder_to_edged(other, place_other, one, place_one);
+    return {turned.distance, turned.on_other, turned.on_one, -turned.normal};
+  }
+  return distance_of_polyhedra(one, place_one, other, place_other);
+}
+
+NearestPoints distance_of_polyhedra(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other) {
   // Relative to the centre of the first solid, for rounding.
   const Vec3 origin = place_one.r + place_one.R * one.centre;
   const auto vertex = [&](const Vec3& along) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <momentree/contact/circle.hpp>
+
 namespace momentree::contact {
 
 namespace {
@@ -106,6 +108,10 @@ Touch touch(const Features& f, const Place& a, const Place& b) noexcept {
       out.normal = d.n, out.normal_rate = d.rate, out.gap = f.length - d.length;
       break;
     }
+    case FeaturePair::circle_line:
+      (f.length > 0 ? circle_before_circle : circle_before_line)(f, a, b, out, surface_rate);
+      surface = out.point;
+      break;
   }
   out.gap -= f.radius_a + f.radius_b;
   out.point = surface - f.radius_a * out.normal;

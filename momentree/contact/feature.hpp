@@ -1,6 +1,6 @@
 #pragma once
 // Pairs of features of two bodies that can touch, with their gap, the point and the normal of the contact, and how these move.
-// Everything is in closed form and smooth as long as the same features are nearest.
+// Everything is smooth as long as the same features are nearest, and in closed form or solved to rounding.
 #include <momentree/math/vec.hpp>
 
 namespace momentree::contact {
@@ -13,7 +13,8 @@ enum class FeaturePair : unsigned char {
   line_line,
   circle_plane,  ///< the lowest point of a circle of body a, a plane of body b
   point_circle,  ///< a point of body a, a circle of body b
-  cable          ///< two points that are never farther apart than a length
+  cable,         ///< two points that are never farther apart than a length
+  circle_line    ///< a circle of body a, a line of body b; or two circles, if there is a `length`
 };
 
 /// Two features, each in the frame of its body.
@@ -22,9 +23,11 @@ struct Features {
   Vec3 point_a{}, line_a{};           ///< of body a: a point (m), and the unit vector along a line
   Vec3 point_b{}, line_b{};           ///< of body b: a point, and the unit vector along a line or normal to a plane, outward
   double radius_a = 0, radius_b = 0;  ///< m
-  double side = 1;                    ///< of line_line: the sign with which side·(line_a × line_b) points from b to a
-  double rim = 0;                     ///< radius of a circle, whose centre is the point and whose axis is the line (m)
-  double length = 0;                  ///< of a cable (m)
+  /// Of line_line: the sign with which side·(line_a × line_b) points from b to a. Of circle_line: above zero if the line of b is
+  /// before the half of the circle ahead along line_a; of two circles, the sign of the nearest point along line_a × line_b.
+  double side = 1;
+  double rim = 0;     ///< radius of a circle, whose centre is the point and whose axis is the line (m)
+  double length = 0;  ///< of a cable; of two circles, the radius of that of b (m)
 };
 
 /// Pose and velocity of a body's frame, in world axes.

@@ -3,18 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/contact/indices.hpp>
+#include <momentree/contact/candidates_impl.hpp>
+#include <momentree/contact/cylinder_overlap.hpp>
+#include <momentree/contact/cylinder_pair.hpp>
 
 namespace momentree::contact {
-
-namespace {
-
-// Faces give several points, edges one: an edge is taken only if the overlap along it is clearly less. Between faces that are
-// nearly parallel, edges and faces differ by rounding, and bodies that rest would lose all points but one.
-constexpr double clearly_less = 0.9;
-constexpr double nearly_parallel = 3e-5;  // of the thickness of the thinner solid
-
-}  // namespace
 
 // The face of the other solid above which the solid is the most, or below which it is the least.
 OverlapPoints::Above OverlapPoints::highest(const Solid& solid, const Place& place, const Solid& other, const Place& of_other) {
@@ -69,6 +62,9 @@ void OverlapPoints::clip(const Solid& solid, const Place& place, const Solid& fa
 
 void OverlapPoints::find(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other, double within,
                          std::vector<Candidate>& out) {
+  if (one.rim > 0 && other.rim > 0) return cylinders_overlap_points(one, place_one, other, place_other, within, out);
+  if (one.rim > 0 && other.rim == 0) return cylinder_overlap_points(one, place_one, other, place_other, false, within, out);
+  if (other.rim > 0 && one.rim == 0) return cylinder_overlap_points(other, place_other, one, place_one, true, within, out);
   const Above above_other = highest(one, place_one, other, place_other);
   if (above_other.gap > within) return;
   const Above above_one = highest(other, place_other, one, place_one);

@@ -1,6 +1,6 @@
 #pragma once
-// The points at which two polyhedra touch that may overlap, for time stepping: the direction in which they overlap least, and the
-// points of one of them below the face of the other.
+// The points at which two solids with faces touch that may overlap, for time stepping: the direction in which they overlap least,
+// and the points of one of them below the face of the other.
 #include <cmath>
 #include <vector>
 

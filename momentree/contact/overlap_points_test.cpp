@@ -25,10 +25,17 @@ Place random_place(Prng& random, double size) {
 
 // The least overlap of two solids along a direction and its opposite (m).
 double overlap_along(const Vec3& n, const Solid& one, const Place& a, const Solid& other, const Place& b) {
-  double lowest = HUGE_VAL, highest = -HUGE_VAL;
-  for (const Vec3& v : one.vertices) lowest = std::min(lowest, dot(n, a.r + a.R * v));
-  for (const Vec3& v : other.vertices) highest = std::max(highest, dot(n, b.r + b.R * v));
-  return highest - lowest + one.radius + other.radius;
+  const auto highest = [](const Vec3& along, const Solid& solid, const Place& place) {
+    double most = -HUGE_VAL;
+    if (solid.rim > 0) {
+      const double tilt = norm(cross(along, place.R * normalized(solid.ends[1] - solid.ends[0])));
+      for (const Vec3& end : solid.ends) most = std::max(most, dot(along, place.r + place.R * end) + solid.rim * tilt);
+      return most;
+    }
+    for (const Vec3& v : solid.vertices) most = std::max(most, dot(along, place.r + place.R * v));
+    return most;
+  };
+  return highest(n, other, b) + highest(-n, one, a) + one.radius + other.radius;
 }
 
 }  // namespace
@@ -36,7 +43,7 @@ double overlap_along(const Vec3& n, const Solid& one, const Place& a, const Soli
 TEST_CASE("overlap points: a motion by their depth separates the solids") {
   Prng random(5);
   OverlapPoints find;
-  int overlaps = 0, edges = 0, apart = 0;
+  int overlaps = 0, edges = 0, round = 0, apart = 0;
   for (int k = 0; k < 20000; ++k) {
     const Solid one = k % 3 == 0 ? cylinder(0.3, 0.8) : box({0.4, 0.6, 1.0});
     const Solid other = box({0.8, 0.5, 0.7});
@@ -47,6 +54,7 @@ TEST_CASE("overlap points: a motion by their depth separates the solids") {
     for (const auto& [solid, place] : {std::pair{&one, &a}, {&other, &b}})
       for (const Solid::Face& face : solid->faces) {
         const Vec3 n = place->R * face.normal;
+        if (solid->rim > 0 && norm(cross(face.normal, solid->ends[1] - solid->ends[0])) > 1e-9) continue;  // a side of a prism
         least = std::min(least, overlap_along(solid == &one ? -n : n, one, a, other, b));
       }
     if (points.empty()) {
@@ -63,15 +71,18 @@ TEST_CASE("overlap points: a motion by their depth separates the solids") {
       depth = std::max(depth, -touch.gap);
       normal = c.swapped ? -touch.normal : touch.normal;  // from the second solid to the first
     }
-    if (points.front().features.pair == FeaturePair::line_line) ++edges;
     CHECK(depth <= least * (1 + 2e-3));
-    if (points.front().features.pair == FeaturePair::line_line)
-      CHECK(depth == doctest::Approx(overlap_along(normal, one, a, other, b)).epsilon(1e-6));
-    else
-      CHECK(overlap_along(normal, one, a, other, b) <= least * (1 + 2e-3) + 1e-12);
+    CHECK(overlap_along(normal, one, a, other, b) <= least * (1 + 2e-3) + 1e-12);
+    if (k % 3 == 0)
+      for (int i = 0; i < 200; ++i) CHECK(0.9 * depth <= overlap_along(random.direction(), one, a, other, b) * (1 + 2e-3));
+    const FeaturePair pair = points.front().features.pair;
+    if (pair == FeaturePair::point_plane || pair == FeaturePair::circle_plane || points.size() > 1) continue;
+    ++(pair == FeaturePair::line_line ? edges : round);
+    CHECK(depth == doctest::Approx(overlap_along(normal, one, a, other, b)).epsilon(1e-6));
   }
   CHECK(overlaps > 3000);
   CHECK(edges > 200);
+  CHECK(round > 100);
   CHECK(apart > 3000);
 }
 

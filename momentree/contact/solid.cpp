@@ -46,6 +46,14 @@ void find_reach(Solid& solid) {
   solid.centre = 0.5 * (low + high);
   for (const Vec3& v : solid.vertices) solid.reach = std::max(solid.reach, norm(v - solid.centre));
   solid.reach += solid.radius;
+  for (std::size_t f = 0; f < solid.faces.size(); ++f) {
+    Solid::Face& face = solid.faces[f];
+    const auto same = [&](const Solid::Face& first) {
+      return norm(first.normal - face.normal) < 1e-9 && std::fabs(first.offset - face.offset) < 1e-9 * solid.reach;
+    };
+    const auto first = std::find_if(solid.faces.begin(), solid.faces.begin() + static_cast<std::ptrdiff_t>(f), same);
+    face.plane = static_cast<int>(first - solid.faces.begin());
+  }
   // The least width across a face.
   double width = HUGE_VAL;
   for (const Solid::Face& face : solid.faces) {

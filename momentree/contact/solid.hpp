@@ -1,6 +1,6 @@
 #pragma once
 // Convex solids that can touch: a point, a line or a polyhedron, rounded by a radius. A sphere is a rounded point, a capsule a
-// rounded line, a box and a convex mesh are polyhedra. A cylinder is one, too, but touches planes and spheres as what it is.
+// rounded line, a box and a convex mesh are polyhedra. A cylinder has a prism for rough tests.
 #include <array>
 #include <span>
 #include <vector>
@@ -18,6 +18,7 @@ struct Solid {
     Vec3 normal;               ///< outward
     double offset = 0;         ///< normal·x of its points
     std::vector<int> corners;  ///< counterclockwise, seen from outside
+    int plane = 0;             ///< the first face of the same plane
   };
   std::vector<Vec3> vertices;  ///< in the body's frame (m)
   std::vector<Edge> edges;     ///< without those between faces of one plane

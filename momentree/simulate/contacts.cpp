@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include <momentree/contact/cylinder.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/contacts_impl.hpp>
@@ -192,19 +193,32 @@ double Contacts::speed_bound(const Pair& pair) const {
   return norm(va - vb) + norm(a.w) * one.reach + (pair.other->plane ? 0.0 : norm(b.w) * other.reach);
 }
 
-// The lowest point of a cylinder's rim jumps to the other side where an end is parallel to the plane. A time in which the tilt
-// does not get that far, or infinity once the cylinder stands.
+// The nearest point of a cylinder's rim jumps to the other side where an end is parallel to a plane, or to an edge. A time in
+// which the tilt does not get that far, or infinity once the cylinder stands.
 double Contacts::time_to_stand(const Pair& pair, double acceleration) const {
-  const contact::Solid& solid = pair.one->solid;
-  const contact::Place a = place(pair.a);
-  const Vec3& n = pair.other->normal;
-  const double tilt = contact::tilt_of(solid, a, n);
-  if (solid.rim * tilt < contact::standing) return HUGE_VAL;
-  const Vec3 axis = a.R * normalized(solid.ends[1] - solid.ends[0]);
-  const double along = dot(n, axis), rate = -along * dot(n, cross(a.w, axis)) / tilt;  // of the tilt: its square is 1 − along²
-  const double falling = std::max(0.0, -rate), quicker = acceleration / solid.rim;
-  if (!(quicker > 0)) return falling > 0 ? 0.9 * tilt / falling : HUGE_VAL;
-  return (std::sqrt(falling * falling + 3.6 * tilt * quicker) - falling) / (2 * quicker);
+  const contact::Solid &one = pair.one->solid, &other = pair.other->solid;
+  const double rim = std::max(one.rim, other.rim);
+  if (!(rim > 0)) return HUGE_VAL;
+  const auto time = [&](const contact::Tilt& tilt) {
+    if (!(tilt.sine * rim >= contact::standing) || !std::isfinite(tilt.sine)) return HUGE_VAL;
+    const double falling = std::max(0.0, -tilt.rate), quicker = acceleration / rim;
+    if (!(quicker > 0)) return falling > 0 ? 0.9 * tilt.sine / falling : HUGE_VAL;
+    return (std::sqrt(falling * falling + 3.6 * tilt.sine * quicker) - falling) / (2 * quicker);
+  };
+  const contact::Place a = place(pair.a), b = place(pair.b);
+  if (pair.other->plane) {
+    const contact::Features end{.pair = contact::FeaturePair::circle_plane,
+                                .line_a = normalized(one.ends[1] - one.ends[0]),
+                                .line_b = pair.other->normal};
+    return time(contact::tilt_of(end, a, b));
+  }
+  constexpr double near = 1e-3;  // of the radius
+  found_candidates_.clear();
+  candidates(pair, near * rim, found_candidates_);
+  double least = HUGE_VAL;
+  for (const contact::Candidate& c : found_candidates_)
+    least = std::min(least, time(contact::tilt_of(c.features, c.swapped ? b : a, c.swapped ? a : b)));
+  return least;
 }
 
 // Negative where the solids of a pair overlap, apart from contacts that are closed; `within` if nothing is that near.
@@ -291,10 +305,11 @@ void Contacts::add_near(double within, std::vector<Contact>& out) const {
 // A time (s) within which a pair does not come near and leave again unseen.
 double Contacts::longest_step(const Pair& pair, double distance, double speed, double acceleration) const {
   const double until_near = 2 * std::max(distance, 0.0) / speed;
-  if (pair.cable >= 0 || !pair.other->plane) return until_near + margin_within(pair) / speed;
+  if (pair.cable >= 0) return until_near + margin_within(pair) / speed;
+  if (!pair.other->plane) return std::min(until_near + margin_within(pair) / speed, time_to_stand(pair, acceleration));
   // Above a plane not through an angle within which points come near and leave again.
   const double longest = std::max(until_near, 0.3 / norm(place(pair.a).w));
-  return pair.one->solid.rim > 0 ? std::min(longest, time_to_stand(pair, acceleration)) : longest;
+  return std::min(longest, time_to_stand(pair, acceleration));
 }
 
 std::span<const Watch> Contacts::watches(double& h) {

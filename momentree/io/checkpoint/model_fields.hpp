@@ -143,7 +143,7 @@ void fields(Archive& archive, Part<Archive, contact::Features>& f) {
   auto pair = static_cast<unsigned>(f.pair);
   archive(pair, f.point_a, f.line_a, f.point_b, f.line_b, f.radius_a, f.radius_b, f.side, f.rim, f.length);
   if constexpr (!Archive::writes) {
-    archive.require(pair <= static_cast<unsigned>(contact::FeaturePair::cable));
+    archive.require(pair <= static_cast<unsigned>(contact::FeaturePair::circle_line));
     f.pair = static_cast<contact::FeaturePair>(pair);
   }
 }
