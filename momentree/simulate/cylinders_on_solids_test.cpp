@@ -179,7 +179,7 @@ TEST_CASE("cylinders on solids: thrown on boxes they never gain energy and never
     const double e = random.uniform(0, 0.7);
     const Pose start(Vec3{0, 0, 0.8}, random.rotation());
     Simulation sim(can_above(k % 2 == 0 ? Below::narrow : Below::hull, start, v, mu, e),
-                   {.method = "dop853", .step = 1e-2, .rtol = 1e-9, .atol = 1e-11});
+                   {.method = "dop853", .step = 1e-2, .rtol = 1e-11, .atol = 1e-13});
     const RunResult run = sim.run_until(1);
     CAPTURE(k);
     INFO(run.reason);
