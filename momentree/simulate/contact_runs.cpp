@@ -47,10 +47,60 @@ std::span<const Watch> Simulation::Impl::watches(double& h) {
   return all_watches;
 }
 
+// Stops that are hit while contacts are closed, and contacts. Joints that rest on stops take part in these impacts for as long as
+// their stops need not pull, in all of them together.
+std::optional<Contacts::Unresolved> Simulation::Impl::resolve_stops_and_contacts() {
+  const auto start_again = [&] {
+    world.take_variables(world.own_variables());
+    evaluate_state();
+  };
+  const std::size_t first = events.size();
+  std::optional<WorldSnapshot> before;
+  if (stops.any()) before = world.snapshot();
+  for (;;) {
+    if (before && !world.tree_.contacts().empty() && stops.strike(events)) start_again();
+    const std::optional<Contacts::Unresolved> failed = contacts.resolve(events);
+    if (!before || events.size() == first) return failed;
+    const std::vector<Event> happened(events.begin() + static_cast<std::ptrdiff_t>(first), events.end());
+    const WorldSnapshot after = world.snapshot();
+    world.restore(*before);
+    if (failed || !stops.release_pulled(happened)) {
+      world.restore(after);
+      evaluate_state();
+      return failed;
+    }
+    start_again();
+    before = world.snapshot();  // released joints stay released
+    events.resize(first);
+    contacts.take_lost();
+  }
+}
+
+// What happens at stops and contacts at the end of a step. Contacts that are closed take part in what happens at stops.
+bool Simulation::Impl::resolve_after_step() {
+  if (!contacts.any() || steps_through()) {
+    resolve_limits();
+    if (contacts.any()) after_contact_step();
+    return true;
+  }
+  constexpr int most_rounds = 100;
+  const auto closed = [this] { return !world.tree_.contacts().empty(); };
+  bool due = contacts.must_resolve();
+  for (int k = 0; k < most_rounds; ++k) {
+    if ((due || (closed() && stops.would_strike())) && !resolve_contacts(true)) return false;
+    if (steps_through()) return true;
+    const std::size_t count = events.size();
+    resolve_limits();
+    due = events.size() != count && closed();
+    if (!due) return true;
+  }
+  return true;
+}
+
 bool Simulation::Impl::resolve_contacts(bool after_step) {
   if (steps_through()) return true;
   const std::size_t before = events.size();
-  const std::optional<Contacts::Unresolved> failed = contacts.resolve(events);
+  const std::optional<Contacts::Unresolved> failed = resolve_stops_and_contacts();
   for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
   balance.lost_in_impacts += contacts.take_lost();
   queue.forget_looks();

@@ -250,6 +250,7 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
     if (!(speed > slowest_slip) || !(system_.laws[i].friction > 0)) continue;
+    if (system_.state(i) == contact::PointState::stick) continue;  // no finite force keeps it slipping: it stops (Painlevé)
     system_.laws[i].slipping = true, system_.laws[i].direction = {v1 / speed, v2 / speed};
   }
   return solved;

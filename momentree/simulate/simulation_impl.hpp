@@ -189,6 +189,8 @@ struct Simulation::Impl {
   // Impacts of bodies, and contacts that close, open, slip or stick. False: there is no solution, and the run ends.
   // `after_step`: not at the start, nor after an action, where an overlap is a mistake.
   bool resolve_contacts(bool after_step = false);
+  std::optional<Contacts::Unresolved> resolve_stops_and_contacts();
+  bool resolve_after_step();
   std::span<const Watch> watches(double& h);
 
   // contact_runs.cpp: contacts that are stepped through instead of being located.

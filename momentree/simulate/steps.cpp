@@ -60,13 +60,7 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   }
   if (*stepped == h && std::isfinite(end)) set_time(end);
   ++statistics.steps;
-  resolve_limits();
-  if (contacts.any()) {
-    if (steps_through())
-      after_contact_step();
-    else if (contacts.must_resolve() && !resolve_contacts(true))
-      return false;
-  }
+  if (!resolve_after_step()) return false;
   statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, detail::seconds_since(start));
   return true;
 }

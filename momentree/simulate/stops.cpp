@@ -156,10 +156,11 @@ bool Stops::release_pulled(const std::vector<Event>& events) {
   return found;
 }
 
-// Handles the most urgent impact, rest or release; false if there is none.
-bool Stops::one_thing(std::vector<Event>& events) {
+bool Stops::at_stop(const Side& s) const { return s.sign * (coordinate(s) - s.limit) >= -rounding(s); }
+
+// The fastest impact faster than its rest speed, or null.
+const Stops::Side* Stops::fastest_hit() {
   (*evaluate_)(world_->state_);
-  const auto at_stop = [this](const Side& s) { return s.sign * (coordinate(s) - s.limit) >= -rounding(s); };
   const Side* hit = nullptr;
   bool accelerated = false;
   for (const Side& s : sides_) {
@@ -168,6 +169,24 @@ bool Stops::one_thing(std::vector<Event>& events) {
     accelerated = true;
     if (speed(s) > rest_speed(s)) hit = &s;
   }
+  return hit;
+}
+
+bool Stops::strike(std::vector<Event>& events) {
+  const std::size_t count = events.size();
+  for (int k = 0; any() && k < most_impacts; ++k) {
+    const Side* const hit = fastest_hit();
+    if (hit == nullptr) break;
+    const Side side = *hit;
+    act(events, side, LimitEvent::hit, side.restitution);
+    if (side.restitution == 0) act(events, side, LimitEvent::rest, 0);
+  }
+  return events.size() != count;
+}
+
+// Handles the most urgent impact, rest or release; false if there is none.
+bool Stops::one_thing(std::vector<Event>& events) {
+  const Side* const hit = fastest_hit();
   if (hit != nullptr) {
     // Joints that rest on other stops take part in the impact for as long as their stops need not pull.
     const Side side = *hit;

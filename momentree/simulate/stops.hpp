@@ -44,6 +44,12 @@ class Stops {
   /// Resolves the present contacts with stops: impacts, rests, releases, one event for each.
   void resolve_limits(std::vector<Event>& events);
 
+  /// Joints that hit stops at present, faster than their rest speeds, rebound, or rest on stops without restitution, whatever
+  /// other stops transmit. False: there are none.
+  bool strike(std::vector<Event>& events);
+  /// True if strike() would find any.
+  bool would_strike() { return any() && fastest_hit() != nullptr; }
+
   /// One step of at most h seconds, which ends early if a stop is hit or must release its joint, or one of `watches` fires.
   /// Returns the length of the step (s), or nothing if the method failed (the state is then restored).
   std::optional<double> step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches = {});
@@ -87,6 +93,8 @@ class Stops {
   double rest_speed(const Side& side) const;    // slower impacts come to rest; the workspace holds accelerations
   bool holds(const Side& side) const;
   bool locked(const Side& side) const;
+  bool at_stop(const Side& side) const;
+  const Side* fastest_hit();
   bool one_thing(std::vector<Event>& events);
   enum class LimitEvent { hit, rest, leave };
   void act(std::vector<Event>& events, const Side& side, LimitEvent deed, double restitution);

@@ -1,0 +1,128 @@
+// Stops of joints that are hit, or transmit impulses, while bodies touch: one impact, in closed form.
+#include <cmath>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+using namespace momentree;
+
+namespace {
+
+constexpr double g = 9.81;
+constexpr double box = 3, slider = 2;  // kg
+
+// A box that moves along z above a floor, and a slider in it that moves along z too and is pushed up.
+struct Machine {
+  double height = 0;  ///< of the box above the floor (m)
+  JointLimits limits{};
+  double q = 0, v = 0;  ///< of the slider
+  double push = 0;      ///< N
+};
+Simulation simulation(const Machine& machine) {
+  Model model;
+  const BodyId a = model.add({.name = "box",
+                              .mass = box,
+                              .inertia = diagonal(0.02),
+                              .joint = Prismatic{.axis = {0, 0, 1}},
+                              .q = {machine.height + 0.1}});
+  model.add({.name = "slider",
+             .mass = slider,
+             .inertia = diagonal(0.01),
+             .parent = a,
+             .joint = Prismatic{.axis = {0, 0, 1}, .effort = machine.push, .limits = machine.limits},
+             .q = {machine.q},
+             .v = {machine.v}});
+  model.add_collider({.body = a, .solid = contact::box({0.2, 0.2, 0.2})});
+  model.add_collider({.plane = true});
+  return Simulation(model, {.method = "dop853", .step = 1e-2, .rtol = 1e-12, .atol = 1e-14});
+}
+
+double lost(const Simulation& sim) {
+  double all = 0;
+  for (const Event& event : sim.events()) all += event.lost;
+  return all;
+}
+double speed(const Simulation& sim, const char* joint) {
+  return std::fabs(sim.world().joint(sim.world().model().joint(joint)).v[0]);
+}
+std::vector<const Event*> impacts(const Simulation& sim) {
+  std::vector<const Event*> found;
+  for (const Event& event : sim.events())
+    if (event.name == "impact") found.push_back(&event);
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("contact and stops: a slider that hits its lower stop stops dead, in a box that stands on the floor") {
+  for (const double v : {0.3, 2.0}) {
+    Simulation sim = simulation({.limits = {.lower = 0}, .q = 0.05, .v = -v});
+    REQUIRE(sim.run_until(1) == Status::ok);
+    CHECK(lost(sim) == doctest::Approx(0.5 * slider * v * v + slider * g * 0.05).epsilon(1e-9));
+    CHECK(speed(sim, "box") < 1e-12);
+    CHECK(speed(sim, "slider") < 1e-12);
+    CHECK(std::fabs(sim.energy().error) < 1e-9);
+  }
+}
+
+TEST_CASE("contact and stops: a slider that hits its upper stop takes the box with it, which lands again") {
+  const double v = 2, rise = 0.05, at_stop = std::sqrt(v * v - 2 * g * rise), both = slider * at_stop / (slider + box);
+  Simulation sim = simulation({.limits = {.lower = 0, .upper = rise}, .v = v});
+  REQUIRE(sim.run_until(0.5) == Status::ok);
+  REQUIRE(!sim.events().empty());
+  CHECK(lost(sim) > 0);
+  const double hit = (v - at_stop) / g;
+  for (const Event& event : sim.events()) {
+    if (event.time > hit + 1e-6 || event.lost < 1e-9) continue;
+    CHECK(event.time == doctest::Approx(hit).epsilon(1e-9));
+    CHECK(event.lost == doctest::Approx(0.5 * slider * box / (slider + box) * at_stop * at_stop).epsilon(1e-9));
+  }
+  REQUIRE_FALSE(impacts(sim).empty());
+  CHECK(impacts(sim).front()->time == doctest::Approx(hit + 2 * both / g).epsilon(1e-9));
+  CHECK(std::fabs(sim.energy().error) < 1e-9);
+}
+
+TEST_CASE("contact and stops: what rests on a stop takes part in a landing if the stop need not pull") {
+  const double height = 0.3;
+  for (const bool lower : {true, false}) {  // on its lower stop; or pushed against its upper one
+    Simulation sim = simulation({.height = height, .limits = {.lower = 0, .upper = 0.05}, .q = lower ? 0 : 0.05,
+                                 .push = lower ? 0 : 2 * slider * g});
+    REQUIRE(sim.run_until(1) == Status::ok);
+    REQUIRE_FALSE(impacts(sim).empty());
+    const double mass = lower ? box + slider : box;
+    CHECK(impacts(sim).front()->time == doctest::Approx(std::sqrt(2 * height / g)).epsilon(1e-9));
+    double at_landing = 0;
+    for (const Event& event : sim.events())
+      if (event.time < impacts(sim).front()->time + 1e-6) at_landing += event.lost;
+    CHECK(at_landing == doctest::Approx(mass * g * height).epsilon(1e-9));
+    CHECK(std::fabs(sim.energy().error) < 1e-9);
+  }
+}
+
+TEST_CASE("contact: slip that no finite force allows ends at once, by an impact") {
+  // A rod leans on the floor and slips slowly in the direction of its lean: Painlevé's example.
+  constexpr double mass = 2, half = 1, radius = 0.01, mu = 2, lean = 0.55, v = 1e-4, moment = mass * half * half / 3;
+  Model model;
+  const double z = half * std::cos(lean) + radius, x = half * std::sin(lean);  // the end is at −x
+  const BodyId rod = model.add({.name = "rod",
+                                .mass = mass,
+                                .inertia = diagonal(moment, moment, 0.01),
+                                .joint = Free{},
+                                .q = {0, 0, z, std::cos(lean / 2), 0, std::sin(lean / 2), 0},
+                                .v = {-v * std::cos(lean), 0, -v * std::sin(lean), 0, 0, 0}});
+  model.add_collider({.body = rod, .solid = contact::sphere(radius, {0, 0, -half})});
+  model.add_collider({.plane = true});
+  model.add_contact_rule({.law = {.friction = mu, .static_friction = mu}});
+  Simulation sim(model, {.method = "dop853", .step = 1e-3, .rtol = 1e-12, .atol = 1e-14});
+  const double nn = 1 / mass + x * x / moment, tt = 1 / mass + z * z / moment, nt = x * z / moment;
+  REQUIRE(nn < mu * nt);  // no finite force
+  REQUIRE(sim.run_until(0.05) == Status::ok);
+  const double impact = 0.5 * v * v * nn / (nn * tt - nt * nt);  // until it stops
+  CHECK(sim.energy().lost_in_impacts / impact == doctest::Approx(1).epsilon(1e-5));
+  for (const ContactPoint& contact : sim.world().contacts()) CHECK(contact.force.z > 0);
+  CHECK(sim.world().contacts().size() == 1);
+  CHECK(std::fabs(sim.energy().error) < 1e-9);
+}
