@@ -136,6 +136,30 @@ TEST_CASE("dominoes: all of them fall, and the energy balance closes to the orde
   CHECK(run.energy("projection") < 0.05 * run.energy("lost_in_impacts"));
 }
 
+TEST_CASE("walker_falls: steps of a steady gait, each of which loses what the slope gives, until a knee seizes") {
+  const Run run("walker_falls");
+  std::vector<Json> landings;
+  std::vector<double> lost{0};  // since the landing before
+  for (const Json& event : run.events) {
+    lost.back() += event.at("lost").get<double>();
+    if (event.at("event") != "impact" || time_of(event) > 5.3 || event.at("lost").get<double>() < 1) continue;
+    landings.push_back(event), lost.push_back(0);
+  }
+  REQUIRE(landings.size() == 8);
+  const auto energy = [](const Json& event, const char* kind) { return event.at("after").at(kind).get<double>(); };
+  for (std::size_t k = 1; k < landings.size(); ++k) {
+    CHECK(landings[k].at("contact").at("one") != landings[k - 1].at("contact").at("one"));
+    CHECK(time_of(landings[k]) - time_of(landings[k - 1]) == doctest::Approx(0.6757).epsilon(2e-3));
+    CHECK(energy(landings[k], "kinetic") == doctest::Approx(energy(landings[k - 1], "kinetic")).epsilon(2e-3));
+    const double given = energy(landings[k - 1], "potential") - energy(landings[k], "potential");
+    CHECK(lost[k] == doctest::Approx(given).epsilon(5e-3));
+  }
+  for (const char* body : {"hip", "left shank", "right shank"})
+    CHECK(speed_of(run.final_state, std::string("walker/") + body) < 1e-9);
+  CHECK(run.final_state.at("bodies").at("walker/hip").at("position").at(2).get<double>() < 0.3);
+  CHECK(std::abs(run.energy("error")) < 1e-6 * run.energy("initial"));
+}
+
 TEST_CASE("wrecking_ball: two cables hold the ball, one is cut, and it swings through the wall") {
   const Run run("wrecking_ball");
   REQUIRE(!run.events.empty());

@@ -35,6 +35,7 @@ const scenes: readonly (readonly [string, number])[] = [
   ["dominoes", 0.75],
   ["chain_piles_up", 1.0],
   ["wrecking_ball", 2.2],
+  ["walker_falls", 5.0],
 ];
 
 export async function drawGallery(browser: Browser, folder: string, webp: (png: Buffer) => Promise<Buffer>) {
