@@ -88,8 +88,8 @@ TEST_CASE("contact and stops: a slider that hits its upper stop takes the box wi
 TEST_CASE("contact and stops: what rests on a stop takes part in a landing if the stop need not pull") {
   const double height = 0.3;
   for (const bool lower : {true, false}) {  // on its lower stop; or pushed against its upper one
-    Simulation sim = simulation({.height = height, .limits = {.lower = 0, .upper = 0.05}, .q = lower ? 0 : 0.05,
-                                 .push = lower ? 0 : 2 * slider * g});
+    Simulation sim = simulation(
+        {.height = height, .limits = {.lower = 0, .upper = 0.05}, .q = lower ? 0 : 0.05, .push = lower ? 0 : 2 * slider * g});
     REQUIRE(sim.run_until(1) == Status::ok);
     REQUIRE_FALSE(impacts(sim).empty());
     const double mass = lower ? box + slider : box;
