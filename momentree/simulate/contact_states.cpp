@@ -178,8 +178,12 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
     if (!law.slipping) c.keeps_direction = 0;
     if (law.slipping) {
       c.mode = Contact::Mode::slip;
-      if (c.keeps_direction == 0)
+      const Vec3 v =
+          rows_.velocity[3 * i + 1] * rows_.touches[i].tangent[0] + rows_.velocity[3 * i + 2] * rows_.touches[i].tangent[1];
+      if (!keeps_direction(c, v)) {
         c.direction = law.direction[0] * rows_.touches[i].tangent[0] + law.direction[1] * rows_.touches[i].tangent[1];
+        if (norm(v) >= 2 * c.keeps_direction) c.keeps_direction = 0;
+      }
     } else if (!(own.static_friction > 0)) {
       c.mode = Contact::Mode::smooth;
     } else if (system_.state(i) == contact::PointState::slip && std::hypot(after_[3 * i + 1], after_[3 * i + 2]) > inexact) {
@@ -229,7 +233,7 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
     const contact::Touch& touch = rows_.touches[i];
     const Vec3 v = v1 * touch.tangent[0] + v2 * touch.tangent[1];
     const bool keeps = keeps_direction(contacts[i], v), ahead = dot(v, contacts[i].direction) > slowest_slip;
-    law.slipping = (keeps ? ahead : speed > slowest_slip) && own.friction > 0;
+    law.slipping = (keeps ? ahead : speed > slowest_) && own.friction > 0;
     law.friction = law.slipping ? own.friction : own.static_friction;
     if (!law.slipping) continue;
     const Vec3 s = keeps ? v + contacts[i].keeps_direction * contacts[i].direction : v;
@@ -249,7 +253,7 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
   const bool solved = system_.solve(contact::Effort::full, acceptable);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
-    if (!(speed > slowest_slip) || !(system_.laws[i].friction > 0)) continue;
+    if (!(speed > slowest_) || !(system_.laws[i].friction > 0)) continue;
     if (system_.state(i) == contact::PointState::stick) continue;  // no finite force keeps it slipping: it stops (Painlevé)
     system_.laws[i].slipping = true, system_.laws[i].direction = {v1 / speed, v2 / speed};
   }
@@ -277,14 +281,16 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
     (*evaluate_)(world_->state_);
   }
   if (!failure.empty()) return Unresolved{failure};
+  const double crept = slowest_ > slowest_slip ? stop_creeping(touching) : 0;
   std::vector<Contact> closed;
   for (Contact& c : touching) {
     const auto same = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return same_contact(b, c); });
     if (same == before.end() || same->mode != Contact::Mode::slip || !(same->keeps_direction > 0)) continue;
     c.direction = same->direction, c.keeps_direction = same->keeps_direction;  // it still begins to slip
   }
-  if (!touching.empty() && !choose(touching, closed))
-    return Unresolved{"no forces were found for " + std::to_string(touching.size()) + " points of contact at once"};
+  const bool chosen = touching.empty() || choose(touching, closed);
+  slowest_ = slowest_slip;
+  if (!chosen) return Unresolved{"no forces were found for " + std::to_string(touching.size()) + " points of contact at once"};
   for (Contact& c : closed) {
     const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
     const auto then = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return b.pair == c.pair; });
@@ -295,7 +301,7 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   }
   set(closed);
   const std::size_t reported = events.size();
-  const double lost = stop(closed);
+  const double lost = crept + stop(closed);
   (*evaluate_)(world_->state_);
   report_changes(before, first, events);
   if (lost != 0) (events.size() > reported ? events[reported].lost : lost_) += lost;
@@ -312,6 +318,21 @@ double Contacts::stop(const std::vector<Contact>& closed) {
     if (!stop_contacts(tree, edit.time, edit.q.data(), edit.u.data(), world_->workspace_)) return 0;
   }
   return before - world_->totals().kinetic;
+}
+
+// Stops the slip of contacts that creep, as if they stuck; returns the energy lost (J).
+double Contacts::stop_creeping(std::vector<Contact> contacts) {
+  locate_bodies(world_->tree_, world_->state_, world_->workspace_);
+  place_contacts(world_->tree_, world_->workspace_, contacts, rows_);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const bool creeps = std::hypot(rows_.velocity[3 * i + 1], rows_.velocity[3 * i + 2]) < slowest_;
+    contacts[i].mode = creeps ? Contact::Mode::stick : Contact::Mode::smooth;
+  }
+  set(contacts);
+  const double lost = stop(contacts);
+  set({});
+  (*evaluate_)(world_->state_);
+  return lost;
 }
 
 // Events of pairs whose contacts closed, opened, began to slip or to stick. A contact that bounces too low to be followed closes

@@ -1,5 +1,6 @@
 // Stops of joints that are hit, or transmit impulses, while bodies touch: one impact, in closed form.
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -125,4 +126,50 @@ TEST_CASE("contact: slip that no finite force allows ends at once, by an impact"
   for (const ContactPoint& contact : sim.world().contacts()) CHECK(contact.force.z > 0);
   CHECK(sim.world().contacts().size() == 1);
   CHECK(std::fabs(sim.energy().error) < 1e-9);
+}
+
+TEST_CASE("contact and stops: arms that fall on a floor come to rest, however slowly their last points slip") {
+  std::mt19937 random(7);
+  const auto gauss = [&](double sigma) { return std::normal_distribution<>(0, sigma)(random); };
+  const auto between = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(random); };
+  const auto solid = [&] {
+    switch (random() % 4) {
+      case 0: return contact::box({0.2, 0.15, 0.1});
+      case 1: return contact::sphere(0.08);
+      case 2: return contact::capsule(0.05, 0.2);
+      default: return contact::cylinder(0.06, 0.2);
+    }
+  };
+  for (int i = 0; i < 24; ++i) {
+    CAPTURE(i);
+    Model model;
+    const double a = gauss(1), b = gauss(1), c = gauss(1), d = gauss(1), size = std::sqrt(a * a + b * b + c * c + d * d);
+    const BodyId base = model.add({.name = "base",
+                                   .mass = 2,
+                                   .inertia = diagonal(0.02),
+                                   .joint = Free{},
+                                   .q = {0, 0, 0.8, a / size, b / size, c / size, d / size},
+                                   .v = {gauss(1), gauss(1), gauss(1), gauss(3), gauss(3), gauss(3)}});
+    const double limit = between(0.1, 1), e = i % 2 == 0 ? 0 : 0.3;
+    const Vec3 axis{gauss(1), gauss(1), gauss(1)};
+    const BodyId arm = model.add({.name = "arm",
+                                  .mass = between(0.3, 2),
+                                  .inertia = diagonal(0.01, 0.012, 0.008),
+                                  .parent = base,
+                                  .at = {0.15, 0, 0.1},
+                                  .joint = Revolute{.axis = axis, .limits = {.lower = -limit, .upper = limit, .restitution = e}},
+                                  .q = {between(-0.1, 0.1)},
+                                  .v = {gauss(2)},
+                                  .child_at = {-0.15, 0, 0}});
+    model.add_collider({.body = base, .solid = solid()});
+    model.add_collider({.body = arm, .solid = solid()});
+    model.add_collider({.plane = true});
+    model.add_contact_rule({.law = {.friction = 0.4, .static_friction = 0.4}});
+    const bool fixed = i % 3 == 2;
+    Simulation sim(model, {.method = i % 3 == 0 ? "dop853" : i % 3 == 1 ? "dopri5" : "rk4", .step = 1e-3});
+    REQUIRE(sim.run_until(1.2) == Status::ok);
+    for (const Event& event : sim.events()) CHECK(event.lost > -1e-9);
+    CHECK(std::fabs(sim.energy().error) < (fixed ? 1e-4 : 1e-5));
+    CHECK(sim.statistics().steps < 10000);
+  }
 }

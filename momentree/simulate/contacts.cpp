@@ -18,6 +18,8 @@ namespace {
 // slip turns too late where its force turns.
 constexpr double slow_slip = 1e-5;  // s, for methods that adapt their steps
 constexpr double slow_slip_in_steps = 0.1;
+constexpr double shortest_step_of_slip = 0.05;  // of the given step
+constexpr double creeping = 1e-7;               // m/s: slip as slow as that for a step has no direction that steps could follow
 
 }  // namespace
 
@@ -330,13 +332,17 @@ std::span<const Watch> Contacts::watches(double& h) {
     noise_.push_back(noise_of(i));
   }
   const std::span<const Contact> closed = world.tree_.contacts();
+  slow_.assign(closed.size(), false);
+  started_ = world.time();
   if (!closed.empty()) conditions_.emplace_back(std::make_shared<Hold>(*this), 0.0, true);
   for (std::size_t i = 0; i < closed.size(); ++i)
     if (closed[i].mode == Contact::Mode::slip) {
       const Vec3 v = slip_velocity(static_cast<int>(i));
-      // The direction of slow slip changes quickly: steps are limited to the time in which friction would stop it.
+      slow_[i] = norm(v) < creeping;
+      // The direction of slow slip changes quickly: fixed steps are limited to the time in which friction would stop it.
       if (const double keeps = closed[i].keeps_direction; keeps > 0 && step_ > 0)
         h = std::min(h, 2 * slow_slip_ * (norm(v) + keeps) / keeps);
+      if (step_ > 0) h = std::min(h, std::max(slip_time(i), shortest_step_of_slip * step_));
       if (norm(v) > slowest_slip)
         conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), normalized(v)), 0.0, true);
     }
@@ -360,14 +366,26 @@ bool Contacts::must_resolve() {
   if (next_rest() <= world_->time()) return true;
   for (const Watch& watch : watches_)
     if (watch.condition->excess(*world_, {}).value_or(-1) + watch.offset > -2 * touching_within) return true;
-  // Slip that came to an end just before a step did has no direction left that could be watched.
   const std::span<const Contact> closed = world_->tree_.contacts();
+  bool creeps = false, in_short_step = false;
   for (std::size_t i = 0; i < closed.size(); ++i) {
     if (closed[i].mode != Contact::Mode::slip) continue;
     const Vec3 v = slip_velocity(static_cast<int>(i));
+    // Slip that came to an end just before a step did has no direction left that could be watched.
     if (norm(v) <= slowest_slip && dot(v, closed[i].direction) < 0) return true;
+    // It no longer slips in the direction that it keeps.
+    const double keeps = closed[i].keeps_direction;
+    if (keeps > 0 && norm(v) > slowest_slip && !keeps_direction(closed[i], v)) return true;
+    if (i >= slow_.size() || !slow_[i] || !(norm(v) < creeping)) continue;
+    // It is about to stick or to slip anew. Where slip has just begun, only if steps cannot follow it.
+    creeps = creeps || keeps == 0;
+    in_short_step = in_short_step || (world_->time() - started_) * keeps < 2 * slow_slip_ * creeping;
   }
-  return false;
+  constexpr int most_short_steps = 20;
+  short_steps_ = in_short_step ? short_steps_ + 1 : 0;
+  if (!creeps && short_steps_ < most_short_steps) return false;
+  slowest_ = creeping, short_steps_ = 0;
+  return true;
 }
 
 double Contacts::next_rest() const {
@@ -415,6 +433,23 @@ Vec3 Contacts::slip_velocity(int contact) const {
   const contact::Touch touch = contact::touch(c.features, a, b);
   const Vec3 v = contact::relative_velocity(touch, a, b);
   return v - dot(v, touch.normal) * touch.normal;
+}
+
+// The shortest time (s) in which the velocity of slip at a contact can turn into another direction of friction.
+double Contacts::slip_time(std::size_t contact) const {
+  world_->evaluate();
+  const ContactRows& rows = world_->workspace_.contacts->rows;
+  const std::span<const Contact> closed = world_->tree_.contacts();
+  const std::size_t n = 3 * closed.size();
+  double rate = 0;
+  for (std::size_t j = 0; j < closed.size(); ++j) {
+    if (closed[j].mode != Contact::Mode::slip) continue;
+    const double* const A = rows.A.data() + (3 * contact + 1) * n + 3 * j + 1;
+    const double f1 = rows.forces[3 * j + 1], f2 = rows.forces[3 * j + 2];
+    rate += std::hypot(A[0] * f1 + A[1] * f2, A[n] * f1 + A[n + 1] * f2) /
+            std::hypot(rows.velocity[3 * j + 1], rows.velocity[3 * j + 2]);
+  }
+  return 1 / rate;
 }
 
 double Contacts::Pair::size(const Contacts& all) const { return std::max(1.0, norm(all.place(a).r)); }

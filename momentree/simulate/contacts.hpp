@@ -123,6 +123,7 @@ class Contacts {
   Gap gap_of(int pair, double within) const;
   double noise_of(int pair) const;
   Vec3 slip_velocity(int contact) const;
+  double slip_time(std::size_t contact) const;
   bool is_closed(int pair, std::uint64_t id) const;
   std::vector<Contact> touching();
   Contact contact_of(const Pair& pair, int number, const contact::Candidate& candidate) const;
@@ -132,6 +133,7 @@ class Contacts {
   void weaken_friction();
   void set(std::vector<Contact> contacts);
   double stop(const std::vector<Contact>& closed);
+  double stop_creeping(std::vector<Contact> contacts);
   void report_changes(const std::vector<Contact>& before, std::size_t first, std::vector<Event>& events);
   Event begin_event(const char* what, int pair);
   void locate_event(Event& event, const std::vector<Contact>& contacts, const std::vector<double>& weights, int pair) const;
@@ -162,6 +164,10 @@ class Contacts {
   double lost_ = 0;
   std::vector<double> restitution_, after_, weaker_;
   bool weakened_ = false;
+  std::vector<bool> slow_;         // by closed contact: it crept at the start of the step
+  double started_ = 0;             // when the step began (s)
+  int short_steps_ = 0;            // in a row in which a contact crept
+  double slowest_ = slowest_slip;  // slower contacts have no direction of slip when their states are next chosen (m/s)
   mutable std::vector<contact::Candidate> found_candidates_;
 };
 
