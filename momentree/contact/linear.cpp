@@ -88,10 +88,25 @@ void shorten(const std::vector<double>& M, std::size_t n, std::size_t rank, std:
     }
 }
 
-}  // namespace
+// Unknowns that equations connect, by the number of one of them.
+bool find_blocks(const std::vector<double>& M, std::size_t n, std::vector<std::size_t>& block_of) {
+  block_of.assign(n, SIZE_MAX);
+  std::vector<std::size_t> open;
+  for (std::size_t first = 0; first < n; ++first) {
+    if (block_of[first] != SIZE_MAX) continue;
+    open.push_back(first), block_of[first] = first;
+    while (!open.empty()) {
+      const std::size_t i = open.back();
+      open.pop_back();
+      for (std::size_t j = 0; j < n; ++j)
+        if (block_of[j] == SIZE_MAX && (M[i * n + j] != 0 || M[j * n + i] != 0)) block_of[j] = first, open.push_back(j);
+    }
+  }
+  return std::any_of(block_of.begin(), block_of.end(), [](std::size_t block) { return block != 0; });
+}
 
-bool solve_linear(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of, Solution which,
-                  double zero) {
+bool solve_whole(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of, Solution which,
+                 double zero) {
   const std::size_t n = right.size();
   column_of.resize(n);
   for (std::size_t i = 0; i < n; ++i) column_of[i] = i;
@@ -108,6 +123,28 @@ bool solve_linear(std::vector<double>& M, std::vector<double>& right, std::vecto
       std::swap(right[i], right[other]);
       std::swap(column_of[i], column_of[other]);
     }
+  return true;
+}
+
+}  // namespace
+
+bool solve_linear(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of, Solution which,
+                  double zero) {
+  const std::size_t n = right.size();
+  std::vector<std::size_t> block_of;
+  if (!find_blocks(M, n, block_of)) return solve_whole(M, right, column_of, which, zero);
+  std::vector<double> block, own_right;
+  std::vector<std::size_t> own;
+  for (std::size_t first = 0; first < n; ++first) {
+    if (block_of[first] != first) continue;
+    own.clear(), block.clear(), own_right.clear();
+    for (std::size_t i = first; i < n; ++i)
+      if (block_of[i] == first) own.push_back(i), own_right.push_back(right[i]);
+    for (const std::size_t i : own)
+      for (const std::size_t j : own) block.push_back(M[i * n + j]);
+    if (!solve_whole(block, own_right, column_of, which, zero)) return false;
+    for (std::size_t i = 0; i < own.size(); ++i) right[own[i]] = own_right[i];
+  }
   return true;
 }
 

@@ -12,7 +12,8 @@ enum class Solution : unsigned char {
 };
 
 /// Solves M x = right in place (x in `right`) by elimination with complete pivoting; M is overwritten. Pivots below `zero`,
-/// relative to the largest element of their row, count as zero. Returns false if a number is not finite.
+/// relative to the largest element of their row, count as zero. Unknowns that no equation connects are solved for one after the
+/// other. Returns false if a number is not finite.
 [[nodiscard]] bool solve_linear(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of,
                                 Solution which = Solution::basic, double zero = 1e-12);
 

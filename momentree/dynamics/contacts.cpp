@@ -123,9 +123,32 @@ void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::s
   }
 }
 
+namespace {
+
+// The mechanism of each body, and its part of the tree's order.
+void find_mechanisms(const Tree& tree, ContactWorkspace& all) {
+  const std::span<const int> order = tree.order();
+  const std::size_t bodies = at(tree.bodies());
+  all.root_of.assign(bodies, -1), all.begin_of.assign(bodies, 0), all.end_of.assign(bodies, 0);
+  all.first_of.assign(bodies, tree.nv()), all.last_of.assign(bodies, 0);
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    const int b = order[place], parent = tree.parent(b);
+    const int root = parent < 0 ? b : all.root_of[at(parent)];
+    if (parent < 0) all.begin_of[at(b)] = static_cast<int>(place);
+    all.root_of[at(b)] = root, all.end_of[at(root)] = static_cast<int>(place) + 1;
+    all.first_of[at(root)] = std::min(all.first_of[at(root)], tree.first_p(b));
+    all.last_of[at(root)] = std::max(all.last_of[at(root)], tree.first_p(b) + info(tree.kind(b)).nv);
+  }
+}
+
+}  // namespace
+
 void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
                            ContactRows& rows) {
   const std::size_t n = 3 * contacts.size(), nv = at(tree.nv());
+  ContactWorkspace& all = memory_of(workspace);
+  find_mechanisms(tree, all);
+  const auto root = [&](int body) { return body < 0 ? -1 : all.root_of[at(body)]; };
   rows.J.assign(n * nv, 0.0);
   for (std::size_t i = 0; i < contacts.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -140,18 +163,80 @@ void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>&
   rows.Y = rows.J;
   for (std::size_t row = 0; row < n; ++row) {
     double* const y = rows.Y.data() + row * nv;
-    if (tree.has_loops())
+    if (tree.has_loops()) {
       solve_with_loops(tree, q, workspace, y);
-    else
-      solve_with_factors<double>(tree, q, workspace, y);
-  }
-  rows.A.resize(n * n);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j <= i; ++j) {
-      double sum = 0;
-      for (std::size_t k = 0; k < nv; ++k) sum += rows.J[i * nv + k] * rows.Y[j * nv + k];
-      rows.A[i * n + j] = rows.A[j * n + i] = sum;
+      continue;
     }
+    const int a = root(contacts[row / 3].a), b = root(contacts[row / 3].b);
+    for (const int mechanism : {a, b == a ? -1 : b})
+      if (mechanism >= 0) solve_mechanism<double>(tree, q, workspace, y, all.begin_of[at(mechanism)], all.end_of[at(mechanism)]);
+  }
+  rows.A.assign(n * n, 0.0);
+  const auto apart = [&](std::size_t i, std::size_t j) {
+    const int a = root(contacts[i].a), b = root(contacts[i].b), c = root(contacts[j].a), d = root(contacts[j].b);
+    return !tree.has_loops() && (a < 0 || (a != c && a != d)) && (b < 0 || (b != c && b != d));
+  };
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    // J of a contact is zero beyond the numbers of its mechanisms.
+    std::size_t first = 0, last = nv;
+    if (!tree.has_loops()) {
+      const int a = root(contacts[i].a), b = root(contacts[i].b), one = std::max(a, b),
+                other = std::min(a, b) < 0 ? one : std::min(a, b);
+      first = at(std::min(all.first_of[at(one)], all.first_of[at(other)]));
+      last = at(std::max(all.last_of[at(one)], all.last_of[at(other)]));
+    }
+    for (std::size_t j = 0; j <= i; ++j) {
+      if (apart(i, j)) continue;
+      for (std::size_t r = 3 * i; r < 3 * i + 3; ++r)
+        for (std::size_t c = 3 * j; c < 3 * j + 3; ++c) {
+          double sum = 0;
+          for (std::size_t k = first; k < last; ++k) sum += rows.J[r * nv + k] * rows.Y[c * nv + k];
+          rows.A[r * n + c] = rows.A[c * n + r] = sum;
+        }
+    }
+  }
+}
+
+ContactRows ContactRows::of(const std::vector<std::size_t>& numbers) const {
+  ContactRows some;
+  const std::size_t n = 3 * touches.size();
+  const auto copy = [&](const std::vector<double>& all, std::vector<double>& to) {
+    if (all.size() != n) return;
+    for (const std::size_t i : numbers)
+      for (std::size_t k = 0; k < 3; ++k) to.push_back(all[3 * i + k]);
+  };
+  copy(velocity, some.velocity), copy(acceleration, some.acceleration), copy(forces, some.forces);
+  for (const std::size_t i : numbers) {
+    some.touches.push_back(touches[i]);
+    if (slip.size() == touches.size()) some.slip.push_back(slip[i]);
+  }
+  for (const std::size_t i : numbers)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const std::size_t j : numbers)
+        for (std::size_t l = 0; l < 3; ++l) some.A.push_back(A[(3 * i + k) * n + 3 * j + l]);
+  return some;
+}
+
+std::vector<std::vector<std::size_t>> ContactRows::islands() const {
+  std::vector<std::vector<std::size_t>> all;
+  const std::size_t count = touches.size(), n = 3 * count;
+  std::vector<bool> taken(count, false);
+  const auto connected = [&](std::size_t i, std::size_t j) {
+    for (std::size_t k = 0; k < 9; ++k)
+      if (A[(3 * i + k / 3) * n + 3 * j + k % 3] != 0) return true;
+    return false;
+  };
+  for (std::size_t first = 0; first < count; ++first) {
+    if (taken[first]) continue;
+    std::vector<std::size_t> island{first};
+    taken[first] = true;
+    for (std::size_t next = 0; next < island.size(); ++next)
+      for (std::size_t j = 0; j < count; ++j)
+        if (!taken[j] && connected(island[next], j)) taken[j] = true, island.push_back(j);
+    std::sort(island.begin(), island.end());
+    all.push_back(std::move(island));
+  }
+  return all;
 }
 
 void find_contact_accelerations(const Tree& tree, const double* q, const Workspace<double>& workspace,

@@ -29,6 +29,10 @@ struct ContactRows {
   std::vector<double> forces;        ///< along the rows, on body a
   std::vector<Vec3> slip;            ///< by contact: direction of slip
   std::size_t contacts() const { return touches.size(); }
+  /// The rows of some contacts, by their numbers, without J and Y.
+  ContactRows of(const std::vector<std::size_t>& numbers) const;
+  /// Numbers of contacts that move each other, according to A: the islands.
+  std::vector<std::vector<std::size_t>> islands() const;
 };
 
 /// A force at a point, world axes, on body a and its opposite on body b; −1: the ground.
@@ -46,9 +50,12 @@ struct ContactWorkspace {
   bool solved = true;           ///< the forces are finite
   std::vector<double> matrix, right, change, move, missing;  ///< scratch
   std::vector<std::size_t> columns, unknowns;
-  std::vector<Vec3> chosen_slip;  ///< by contact: direction of slip at the last state
-  std::vector<bool> keeps;        ///< by contact: it keeps to its direction until the next state
-  std::uint64_t topology = 0;     ///< Tree::revision() for which it was chosen
+  std::vector<int> root_of;            ///< by body: the root of its mechanism
+  std::vector<int> begin_of, end_of;   ///< by root: its bodies in the tree's order
+  std::vector<int> first_of, last_of;  ///< by root: between which numbers of p those of its joints are
+  std::vector<Vec3> chosen_slip;       ///< by contact: direction of slip at the last state
+  std::vector<bool> keeps;             ///< by contact: it keeps to its direction until the next state
+  std::uint64_t topology = 0;          ///< Tree::revision() for which it was chosen
 };
 
 /// Geometry and velocities of contacts at q. Requires workspace.bodies of this configuration: locate_stage.

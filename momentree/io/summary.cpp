@@ -149,6 +149,11 @@ std::string event_json(const Event& event) {
     if (contact.in_turn) json.member("in_turn", true);
   }
   if (!event.reason.empty()) json.member("reason", event.reason);
+  if (!event.stepped.empty()) {
+    json.key("stepped").begin_array();
+    for (const std::string& name : event.stepped) json.value(name);
+    json.end_array();
+  }
   json.key(at_contact ? "joint_impulse" : "impulse").begin_object();
   for (const auto& [joint, impulse] : event.impulse) json.member(joint, std::span<const double>(impulse));
   json.end_object();

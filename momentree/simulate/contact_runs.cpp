@@ -3,6 +3,8 @@
 // Contacts are located one by one as long as that goes on: time stepping begins where no forces are found, or where these grow
 // without bounds, where too many points touch, and where contacts change too often. It ends when no bodies have hit each other
 // for a while.
+#include <map>
+
 #include <momentree/simulate/separate.hpp>
 #include <momentree/simulate/simulation_impl.hpp>
 
@@ -13,7 +15,6 @@ namespace {
 // Changes of contacts within these times are a flood (s).
 constexpr int most_changes = 200, most_changes_at_once = 300;
 constexpr double window_length = 1e-2, instant_length = 1e-6;
-constexpr double longest_patience = 10;  // s
 
 }  // namespace
 
@@ -32,13 +33,14 @@ void Simulation::Impl::make_methods() {
   method = make(integration.method);
   method_steps = steps_through_contacts(integration.method);
   stepper = world.model_.has_contact() ? make(contact_stepping_method()) : nullptr;
-  if (stepper == nullptr) stepping = {};
+  if (stepper == nullptr) stepping = {}, contacts.set_stepped({});
   if (!contact_steps.points().empty()) contact_steps.set_points({});  // their numbers are those of the former bodies
 }
 
 // Events with conditions, and contacts, to be located within a step of at most h seconds, which contacts may shorten.
 std::span<const Watch> Simulation::Impl::watches(double& h) {
-  if (contacts.any() && steps_through()) h = contacts.limit_step(h);
+  if (some_step()) h = std::min(h, integration.step);
+  if (contacts.any() && (steps_through() || some_step())) h = contacts.limit_step(h);
   const std::span<const Watch> of_events = queue.watches(world);
   if (!contacts.any() || steps_through()) return of_events;
   const std::span<const Watch> of_contacts = contacts.watches(h);
@@ -77,12 +79,14 @@ std::optional<Contacts::Unresolved> Simulation::Impl::resolve_stops_and_contacts
 }
 
 // What happens at stops and contacts at the end of a step. Contacts that are closed take part in what happens at stops.
-bool Simulation::Impl::resolve_after_step() {
+bool Simulation::Impl::resolve_after_step(double h) {
   if (!contacts.any() || steps_through()) {
     resolve_limits();
     if (contacts.any()) after_contact_step();
     return true;
   }
+  if (some_step()) step_islands(h);
+  if (steps_through()) return true;
   constexpr int most_rounds = 100;
   const auto closed = [this] { return !world.tree_.contacts().empty(); };
   bool due = contacts.must_resolve();
@@ -98,22 +102,27 @@ bool Simulation::Impl::resolve_after_step() {
 }
 
 bool Simulation::Impl::resolve_contacts(bool after_step) {
+  if (stepping.on) update_islands();
+  if (some_step()) join_touched_islands();
   if (steps_through()) return true;
-  const std::size_t before = events.size();
-  const std::optional<Contacts::Unresolved> failed = resolve_stops_and_contacts();
-  for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
-  balance.lost_in_impacts += contacts.take_lost();
-  queue.forget_looks();
-  if (failed && !failed->can_be_stepped && !after_step) {
-    message = no_progress_at(world.time()) + failed->why;
-    if (statistics.steps == 0) message += "; resolve = true pushes bodies apart at the start";
-    stalled = true;
-    return false;
+  const std::size_t first = events.size();
+  for (;;) {
+    const std::size_t before = events.size();
+    const std::optional<Contacts::Unresolved> failed = resolve_stops_and_contacts();
+    for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
+    balance.lost_in_impacts += contacts.take_lost();
+    queue.forget_looks();
+    if (!failed) break;
+    if (!failed->can_be_stepped && !after_step) {
+      message = no_progress_at(world.time()) + failed->why;
+      if (statistics.steps == 0) message += "; resolve = true pushes bodies apart at the start";
+      stalled = true;
+      return false;
+    }
+    begin_stepping(failed->why, failed->bodies);
+    if (steps_through()) return true;
   }
-  if (failed)
-    begin_stepping(failed->why);
-  else if (flood_of_changes(before))
-    begin_stepping("contacts change too often");
+  if (flood_of_changes(first)) begin_stepping("contacts change too often", bodies_of_flood());
   return true;
 }
 
@@ -126,6 +135,31 @@ bool Simulation::Impl::flood_of_changes(std::size_t first) {
   const bool bounces = first > 0 && first + 1 == events.size() && pair_of(first) == pair_of(first - 1);
   if (!bounces) ++stepping.changes;
   return stepping.changes > most_changes || ++stepping.changes_at_once > most_changes_at_once;
+}
+
+// Those whose contacts changed most often.
+std::vector<int> Simulation::Impl::bodies_of_flood() const {
+  std::map<std::string_view, int> changes;
+  std::string_view most;
+  for (auto event = events.rbegin(); event != events.rend() && event->time >= stepping.window; ++event)
+    if (!event->contact.one.empty() && ++changes[event->contact.one] > changes[most]) most = event->contact.one;
+  if (most.empty()) return {};
+  return {world.model_.body(most).index};
+}
+
+// Adaptive steps that contacts keep short beyond reason would never reach the end.
+void Simulation::Impl::judge_steps() {
+  constexpr int count = 5000;
+  constexpr double shortest = 1e-5;  // on average, of the given step
+  if (steps_through() || !method->adaptive() || world.tree_.contacts().empty()) {
+    stepping.steps = 0;
+    return;
+  }
+  if (stepping.steps == 0) stepping.steps_began = world.time();
+  if (++stepping.steps <= count) return;
+  stepping.steps = 0;
+  if (world.time() - stepping.steps_began < count * shortest * integration.step)
+    begin_stepping("steps become too short", contacts.slowest());
 }
 
 void Simulation::Impl::note_before_contact_step() {
@@ -151,64 +185,19 @@ void Simulation::Impl::undo_contact_step() {
   method->set_proposal(before_step.proposal);
 }
 
-void Simulation::Impl::begin_stepping(const std::string& why) {
-  contacts.open();
-  contact_steps.set_points({});
-  stepping.on = true, stepping.since_impact = world.time();
-  stepping.changes = stepping.changes_at_once = 0;
-  evaluate_state();
-  Event event;
-  event.time = world.time(), event.name = "stepping", event.reason = why;
-  event.mechanisms_before = event.mechanisms_after = world.mechanism_names();
-  event.before = event.after = world.totals();
-  events.push_back(std::move(event));
-}
-
-void Simulation::Impl::after_contact_step() {
-  if (!stepping.on) return;  // the method itself steps
-  if (contact_steps.hit()) stepping.since_impact = world.time();
-  if (world.time() - stepping.since_impact < stepping.patience || contact_steps.points().size() > Contacts::most_points) return;
-  try_to_locate();
-}
-
-void Simulation::Impl::try_to_locate() {
-  const std::vector<SteppedContact> points = contact_steps.points();
-  contact_steps.set_points({});
-  std::vector<Event> changes;
-  const std::optional<Contacts::Unresolved> failed = contacts.resolve(changes);
-  // Each attempt that does not last is followed by a longer wait.
-  stepping.patience = std::min(2 * stepping.patience, longest_patience);
-  stepping.since_impact = world.time();
-  stepping.on = failed.has_value();
-  if (failed) {
-    contacts.open();
-    contact_steps.set_points(points);
-    evaluate_state();
-  } else {
-    Event event;
-    event.time = world.time(), event.name = "resume";
-    event.mechanisms_before = event.mechanisms_after = world.mechanism_names();
-    event.before = event.after = world.totals();
-    events.push_back(std::move(event));
-  }
-  for (Event& change : changes) {  // impacts may have happened before an attempt failed
-    add_to_balance(change);
-    events.push_back(std::move(change));
-  }
-  balance.lost_in_impacts += contacts.take_lost();
-  queue.forget_looks();
-}
-
 SteppingState Simulation::Impl::stepping_state() const {
   SteppingState now = stepping;
   now.points = contact_steps.points();
+  now.short_steps = contacts.short_steps();
   return now;
 }
 
 void Simulation::Impl::continue_stepping(const SteppingState& from) {
   stepping = from;
   stepping.points.clear();
-  if (steps_through() || !contact_steps.points().empty()) contact_steps.set_points(from.points);
+  contacts.set_short_steps(from.short_steps);
+  contacts.set_stepped(stepped_bodies());
+  if (stepping.on || method_steps || !contact_steps.points().empty()) contact_steps.set_points(from.points);
 }
 
 }  // namespace momentree

@@ -266,31 +266,60 @@ void Contacts::set(std::vector<Contact> contacts) {
   world_->state_.replace(0, 0, {}, 0, 0, {}, world_->tree_);
 }
 
+// Contacts of each island, in their order.
+std::vector<std::vector<Contact>> Contacts::by_island(const std::vector<Contact>& contacts) const {
+  Islands islands(world_->tree_);
+  for (const Contact& c : contacts) islands.join(c.a, c.b);
+  std::vector<std::vector<Contact>> all;
+  std::map<int, std::size_t> place;
+  for (const Contact& c : contacts) {
+    const auto [known, first] = place.emplace(islands.of(c.a >= 0 ? c.a : c.b), all.size());
+    if (first) all.emplace_back();
+    all[known->second].push_back(c);
+  }
+  return all;
+}
+
+// Impacts of an island, and which of its contacts are closed from now on, which are appended. `before`: those that were closed.
+std::optional<Contacts::Unresolved> Contacts::resolve_island(std::vector<Contact>& touching, const std::vector<Contact>& before,
+                                                             std::vector<Contact>& closed, std::vector<Event>& events) {
+  const std::vector<int> here{touching.front().a, touching.front().b};
+  if (touching.size() > most_points) return Unresolved{std::to_string(touching.size()) + " points touch at once", true, here};
+  std::string failure;
+  for (int k = 0; k < most_impacts; ++k) {
+    if (!impact(touching, events, failure)) break;
+    (*evaluate_)(world_->state_);
+  }
+  if (!failure.empty()) return Unresolved{failure, true, here};
+  if (slowest_ > slowest_slip) lost_ += stop_creeping(touching);
+  for (Contact& c : touching) {
+    const auto same = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return same_contact(b, c); });
+    if (same == before.end() || same->mode != Contact::Mode::slip || !(same->keeps_direction > 0)) continue;
+    c.direction = same->direction, c.keeps_direction = same->keeps_direction;  // it still begins to slip
+  }
+  std::vector<Contact> chosen;
+  if (!choose(touching, chosen))
+    return Unresolved{"no forces were found for " + std::to_string(touching.size()) + " points of contact at once", true, here};
+  closed.insert(closed.end(), chosen.begin(), chosen.end());
+  return std::nullopt;
+}
+
 std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events) {
   const std::vector<Contact> before(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
   set({});
   settling_.clear();
   const std::size_t first = events.size();
   (*evaluate_)(world_->state_);
-  if (const std::optional<Overlap> worst = overlap()) return Unresolved{worst->text(), worst->depth <= left_by_steps};
-  std::vector<Contact> touching = this->touching();
-  if (touching.size() > most_points) return Unresolved{std::to_string(touching.size()) + " points touch at once"};
-  std::string failure;
-  for (int k = 0; !touching.empty() && k < most_impacts; ++k) {
-    if (!impact(touching, events, failure)) break;
-    (*evaluate_)(world_->state_);
-  }
-  if (!failure.empty()) return Unresolved{failure};
-  const double crept = slowest_ > slowest_slip ? stop_creeping(touching) : 0;
+  if (const std::optional<Overlap> worst = overlap())
+    return Unresolved{worst->text(), worst->depth <= left_by_steps, {worst->a, worst->b}};
   std::vector<Contact> closed;
-  for (Contact& c : touching) {
-    const auto same = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return same_contact(b, c); });
-    if (same == before.end() || same->mode != Contact::Mode::slip || !(same->keeps_direction > 0)) continue;
-    c.direction = same->direction, c.keeps_direction = same->keeps_direction;  // it still begins to slip
+  for (std::vector<Contact>& touching : by_island(this->touching())) {
+    std::optional<Unresolved> failed = resolve_island(touching, before, closed, events);
+    if (!failed) continue;
+    slowest_ = slowest_slip;
+    return failed;
   }
-  const bool chosen = touching.empty() || choose(touching, closed);
   slowest_ = slowest_slip;
-  if (!chosen) return Unresolved{"no forces were found for " + std::to_string(touching.size()) + " points of contact at once"};
   for (Contact& c : closed) {
     const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
     const auto then = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return b.pair == c.pair; });
@@ -301,7 +330,7 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   }
   set(closed);
   const std::size_t reported = events.size();
-  const double lost = crept + stop(closed);
+  const double lost = stop(closed);
   (*evaluate_)(world_->state_);
   report_changes(before, first, events);
   if (lost != 0) (events.size() > reported ? events[reported].lost : lost_) += lost;
@@ -377,13 +406,24 @@ std::string Contacts::event_name(const char* what, int number) const {
   return name.empty() ? what : std::string(what) + " " + name;
 }
 
-// Of the present forces: how far they are outside of what contacts can exert, relative to the largest force. Where several
-// contacts share a load, others may carry it as well: only if no forces can, the contacts change.
+// Of the present forces: how far they are outside of what contacts can exert, relative to the largest force of their island.
+// Where several contacts share a load, others may carry it as well: only if no forces can, the contacts change.
 double Contacts::excess_of_forces() {
   const World& world = *world_;
   world.evaluate();
-  const std::vector<double>& r = world.workspace_.contacts->rows.forces;
   const std::span<const Contact> closed = world.tree_.contacts();
+  const ContactRows& rows = world.workspace_.contacts->rows;
+  double worst = -1;
+  for (const std::vector<std::size_t>& island : rows.islands()) {
+    std::vector<Contact> contacts;
+    for (const std::size_t i : island) contacts.push_back(closed[i]);
+    worst = std::max(worst, excess_of_island(contacts, rows.of(island)));
+  }
+  return worst;
+}
+
+double Contacts::excess_of_island(const std::vector<Contact>& closed, ContactRows rows) {
+  const std::vector<double>& r = rows.forces;
   const double size = std::max(largest(r), 1e-300);
   double worst = -1;
   for (std::size_t i = 0; i < closed.size(); ++i) {
@@ -393,15 +433,13 @@ double Contacts::excess_of_forces() {
     worst = std::max(worst, (std::hypot(r[3 * i + 1], r[3 * i + 2]) - most) / size);
   }
   if (worst <= rounding || closed.size() < 2) return worst;
-  return excess_of_shared_forces(worst);
+  rows_ = std::move(rows);
+  return excess_of_shared_forces(closed, worst);
 }
 
 // Positive if no forces keep the contacts as they are: the acceleration with which they open or begin to slip, relative to the
 // largest one without forces.
-double Contacts::excess_of_shared_forces(double otherwise) {
-  World& world = *world_;
-  const std::vector<Contact> closed(world.tree_.contacts().begin(), world.tree_.contacts().end());
-  rows_ = world.workspace_.contacts->rows;
+double Contacts::excess_of_shared_forces(const std::vector<Contact>& closed, double otherwise) {
   if (!solve_states(closed)) return otherwise;
   system_.velocities(after_);
   const double size = std::max(largest(system_.b), 1e-300);

@@ -10,8 +10,9 @@ namespace momentree {
 
 namespace {
 
-constexpr double slow_impact = 1e-3;  // m/s: bodies that approach more slowly do not hit each other
-constexpr double least_depth = 1e-9;  // m, relative to coordinates: deeper overlaps are removed after a step
+constexpr double slow_impact = 1e-3;      // m/s: bodies that approach more slowly do not hit each other
+constexpr double touching_within = 1e-6;  // m
+constexpr double least_depth = 1e-9;      // m, relative to coordinates: deeper overlaps are removed after a step
 
 bool earlier(const SteppedContact& x, const SteppedContact& y) { return x.pair != y.pair ? x.pair < y.pair : x.id < y.id; }
 
@@ -62,7 +63,6 @@ void ContactSteps::guess(double h) {
 // When each point was reached, its restitution, and a first guess.
 void ContactSteps::set_law(double h) {
   reached_.resize(near_.size());
-  hit_ = false;
   guess(h);
   const double fast = std::max(0.25 * norm(world_->model_.gravity()) * h, 1e-6);  // so that the time of touching is known
   for (std::size_t i = 0; i < near_.size(); ++i) {
@@ -84,7 +84,8 @@ void ContactSteps::set_law(double h) {
     const bool hits = speed > std::max(slow_impact, std::fabs(a) * h);
     if (v < -fast) reached_[i] = std::min(h, depth / -v);
     if (!hits) continue;
-    hit_ = true;
+    for (const int body : {c.a, c.b})
+      if (body >= 0) hits_.push_back(body);
     const double since = std::min(h, 2 * depth / (speed - v)), leaves = law.restitution * speed + a * since;
     if (!(law.restitution > 0 && leaves > 0)) continue;
     many_.points[i].restitution = leaves / -v;
@@ -165,6 +166,11 @@ void ContactSteps::set_points(std::vector<SteppedContact> points) {
   static_cast<void>(world_->state_.edit());  // its evaluation is without them
 }
 
+void ContactSteps::release() {
+  held_forces(world_->workspace_).clear();
+  static_cast<void>(world_->state_.edit());
+}
+
 void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   held_forces(world_->workspace_).clear();
   (*evaluate_)(state);
@@ -173,12 +179,14 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
     const double speed = contacts_->fastest() + norm(world_->model_.gravity()) * h;
     find_points(h * speed);
   }
-  hit_ = false;
+  hits_.clear(), touching_.clear();
   if (near_.empty()) {
     points_.clear();
     return;
   }
   set_law(h);
+  for (std::size_t i = 0; i < near_.size(); ++i)
+    if (!(rows_.touches[i].gap > touching_within)) touching_.emplace_back(near_[i].a, near_[i].b);
   many_.solve();
   many_.velocities(after_);
   gaps_.resize(near_.size());

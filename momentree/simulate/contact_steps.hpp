@@ -27,8 +27,12 @@ class ContactSteps final : public StepContacts {
   /// Continues with these points, or without any.
   void set_points(std::vector<SteppedContact> points);
 
-  /// True if bodies hit each other in the last step, rather than to lie on each other.
-  bool hit() const { return hit_; }
+  /// The bodies that hit others in the last step, rather than to lie on them.
+  const std::vector<int>& hits() const { return hits_; }
+  /// Pairs of bodies that touched in the last step; −1: the ground.
+  const std::vector<std::pair<int, int>>& touching() const { return touching_; }
+  /// The next step is made without the forces of the last one.
+  void release();
 
  private:
   void find_points(double within);
@@ -51,7 +55,8 @@ class ContactSteps final : public StepContacts {
   std::vector<double> reached_;  // by point: the time since it was reached (s)
   std::vector<double> after_, gaps_, pushes_, packed_;
   std::vector<SteppedContact> points_;
-  bool hit_ = false;
+  std::vector<int> hits_;
+  std::vector<std::pair<int, int>> touching_;
 };
 
 }  // namespace momentree

@@ -185,11 +185,9 @@ TEST_CASE("stepping: runs in which contacts are too many or change too often go 
     CHECK(sim.world().time() == 1.6);
     CHECK(std::fabs(sim.energy().error) < 0.02 * sim.energy().largest_kinetic);
   }
-  Model many;
-  for (int i = 0; i < 30; ++i) {
-    const BodyId box = many.add(free_body("c" + std::to_string(i) + "/b", {0.5 + 0.3 * i, 0, 0.1 + 0.3}));
-    many.add_collider({.body = box, .solid = contact::box({0.2, 0.2, 0.2})});
-  }
+  Model many;  // one body with nine feet
+  const BodyId table = many.add(free_body("table/b", {0, 0, 0.1 + 0.3}));
+  for (int i = 0; i < 9; ++i) many.add_collider({.body = table, .solid = contact::box({0.2, 0.2, 0.2}, {0.3 * i, 0, 0})});
   add_floor(many, 0.5, 0);
   Simulation sim(many, {.method = "rk4", .step = 1e-3});
   REQUIRE(sim.run_until(0.6));

@@ -163,7 +163,7 @@ std::vector<Contact> Contacts::touching() {
   for (const int i : near_pairs(0, touching_within)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     const double size = pair.size(*this);
-    if (apart(pair) > touching_within * size) continue;
+    if (handling(pair) != Handling::located || apart(pair) > touching_within * size) continue;
     found_candidates_.clear();
     candidates(pair, touching_within * size, found_candidates_);
     for (const contact::Candidate& found : found_candidates_) all.push_back(contact_of(pair, i, found));
@@ -253,16 +253,10 @@ double Contacts::margin_within(const Pair& pair) const {
   return 0.5 * std::min({pair.thickness, pair.one->solid.reach, pair.other->solid.reach});
 }
 
-double Contacts::limit_step(double h) const {
-  const double accelerated = norm(world_->model_.gravity()) * h;
-  for (const int i : near_pairs(h, 0)) {
-    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
-    if (pair.cable >= 0 || pair.other->plane) continue;
-    const double speed = 2 * speed_bound(pair) + 2 * accelerated, distance = apart(pair);
-    if (distance > speed * h) continue;
-    h = std::min(h, std::max((2 * std::max(distance, 0.0) + margin_within(pair)) / speed, 1e-3 * h));
-  }
-  return h;
+// How near features are whose gap is watched, and how deep they may overlap (m).
+double Contacts::looked_within(const Pair& pair) {
+  if (std::isfinite(pair.thickness)) return 0.5 * pair.thickness + 1e-9;
+  return pair.cable >= 0 ? HUGE_VAL : pair.one->solid.reach;
 }
 
 double Contacts::energy_of_heights() const {
@@ -271,37 +265,6 @@ double Contacts::energy_of_heights() const {
     if (!collider.plane && collider.body != ground && world_->alive(collider.body))
       sum += world_->tree_.link(collider.body.index).body.m * collider.solid.reach;
   return norm(world_->model_.gravity()) * sum;
-}
-
-double Contacts::fastest() const {
-  double most = 0;
-  for (const Collider& collider : world_->model_.colliders()) {
-    if (collider.plane || collider.body == ground || !world_->alive(collider.body)) continue;
-    const contact::Place at = place(collider.body.index);
-    most = std::max(most, norm(at.v + cross(at.w, at.R * collider.solid.centre)) + norm(at.w) * collider.solid.reach);
-  }
-  for (std::size_t s = 0; s < world_->model_.springs().size(); ++s) {
-    if (!can_be_taut(s)) continue;
-    const Spring& cable = world_->model_.springs()[s];
-    for (const SpringEnd* end : {&cable.from, &cable.to}) {
-      const contact::Place at = place(end->body.index);
-      most = std::max(most, norm(at.v + cross(at.w, at.R * end->point)));
-    }
-  }
-  return most;
-}
-
-void Contacts::add_near(double within, std::vector<Contact>& out) const {
-  for (const int i : near_pairs(0, within)) {
-    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
-    if (apart(pair) > within) continue;
-    found_candidates_.clear();
-    if (pair.cable < 0 && !pair.other->plane && !pair.one->solid.faces.empty() && !pair.other->solid.faces.empty())
-      overlap_.find(pair.one->solid, place(pair.a), pair.other->solid, place(pair.b), within, found_candidates_);
-    else
-      candidates(pair, within, found_candidates_);
-    for (const contact::Candidate& found : found_candidates_) out.push_back(contact_of(pair, i, found));
-  }
 }
 
 // A time (s) within which a pair does not come near and leave again unseen.
@@ -321,14 +284,11 @@ std::span<const Watch> Contacts::watches(double& h) {
   for (const int i : near_pairs(h, 0)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     const double speed = 2 * speed_bound(pair) + 2 * accelerated, distance = apart(pair);
-    if (distance > speed * h) continue;
+    if (distance > speed * h || handling(pair) == Handling::stepped) continue;
     if (pair.cable >= 0 && is_closed(i, 0)) continue;
     const double longest = longest_step(pair, distance, speed, accelerated / h);
     if (h > longest) h = std::max(longest, 1e-9 * h);
-    const double within = std::isfinite(pair.thickness) ? 0.5 * pair.thickness + 1e-9
-                          : pair.cable >= 0             ? HUGE_VAL
-                                                        : pair.one->solid.reach;
-    conditions_.emplace_back(std::make_shared<PairGap>(*this, i, within), 0.0, false);
+    conditions_.emplace_back(std::make_shared<PairGap>(*this, i, looked_within(pair)), 0.0, false);
     noise_.push_back(noise_of(i));
   }
   const std::span<const Contact> closed = world.tree_.contacts();
@@ -400,10 +360,10 @@ std::optional<Overlap> Contacts::overlap() {
   std::optional<Overlap> worst;
   for (const int i : near_pairs(0, 0)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
-    if (apart(pair) > 0) continue;
+    if (apart(pair) > 0 || handling(pair) != Handling::located) continue;
     const double depth = -gap_of(i, 0).value;
     if (depth > overlapping * pair.size(*this) && (!worst || depth > worst->depth))
-      worst = Overlap{name_of(pair.a), name_of(pair.b), depth, pair.cable >= 0 ? pair.law_name : ""};
+      worst = Overlap{name_of(pair.a), name_of(pair.b), depth, pair.cable >= 0 ? pair.law_name : "", pair.a, pair.b};
   }
   return worst;
 }

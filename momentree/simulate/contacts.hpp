@@ -17,6 +17,7 @@
 #include <momentree/contact/impact.hpp>
 #include <momentree/contact/overlap_points.hpp>
 #include <momentree/dynamics/contacts.hpp>
+#include <momentree/simulate/islands.hpp>
 #include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/stops.hpp>
 #include <momentree/simulate/world.hpp>
@@ -42,6 +43,7 @@ class Contacts {
   struct Unresolved {
     std::string why;
     bool can_be_stepped = true;  ///< time stepping continues from there
+    std::vector<int> bodies{};   ///< where that is; empty: at all contacts
   };
   /// Resolves the present instant: impacts, and which contacts are closed from now on.
   std::optional<Unresolved> resolve(std::vector<Event>& events);
@@ -53,8 +55,19 @@ class Contacts {
   std::span<const Watch> watches(double& h);
 
   // For time stepping, which follows no closed contacts.
-  /// Opens all contacts.
-  void open() { set({}); }
+  /// The bodies that are stepped through, by number; none: all or no bodies are.
+  void set_stepped(std::vector<bool> bodies);
+  /// Of bodies that touch at present, or whose contacts are closed.
+  void join_touching(Islands& islands);
+  std::vector<int> touching_bodies();
+  /// The bodies of pairs that touch, one of which is stepped through and one of which is not.
+  std::vector<int> touched_by_stepped();
+  /// The bodies of the closed contact with the largest force.
+  std::vector<int> most_loaded() const;
+  /// The bodies of the contact with the slowest slip; of any closed contact if none slips.
+  std::vector<int> slowest() const;
+  int short_steps() const { return short_steps_; }
+  void set_short_steps(int count) { short_steps_ = count; }
   /// A step of at most h seconds in which no body passes through another.
   double limit_step(double h) const;
   /// The fastest point of any solid (m/s).
@@ -109,6 +122,11 @@ class Contacts {
   static constexpr double overlapping = 1e-8;       ///< more cannot come from rounding or tolerances (m, relative to coordinates)
   static constexpr double rounding = 1e-13;
 
+  enum class Handling : unsigned char { located, stepped, between };
+  Handling handling(const Pair& pair) const;
+  bool is_stepped(int body) const {
+    return body >= 0 && static_cast<std::size_t>(body) < stepped_.size() && stepped_[static_cast<std::size_t>(body)];
+  }
   void find_any();
   const std::vector<int>& near_pairs(double h, double margin) const;
   contact::Place place(int body) const;
@@ -118,6 +136,7 @@ class Contacts {
   double apart(const Pair& pair) const;
   double speed_bound(const Pair& pair) const;
   double margin_within(const Pair& pair) const;
+  static double looked_within(const Pair& pair);
   double longest_step(const Pair& pair, double distance, double speed, double acceleration) const;
   double time_to_stand(const Pair& pair, double acceleration) const;
   Gap gap_of(int pair, double within) const;
@@ -134,13 +153,17 @@ class Contacts {
   void set(std::vector<Contact> contacts);
   double stop(const std::vector<Contact>& closed);
   double stop_creeping(std::vector<Contact> contacts);
+  std::vector<std::vector<Contact>> by_island(const std::vector<Contact>& contacts) const;
+  std::optional<Unresolved> resolve_island(std::vector<Contact>& touching, const std::vector<Contact>& before,
+                                           std::vector<Contact>& closed, std::vector<Event>& events);
   void report_changes(const std::vector<Contact>& before, std::size_t first, std::vector<Event>& events);
   Event begin_event(const char* what, int pair);
   void locate_event(Event& event, const std::vector<Contact>& contacts, const std::vector<double>& weights, int pair) const;
   std::string name_of(int body) const;
   std::string event_name(const char* what, int pair) const;
   double excess_of_forces();
-  double excess_of_shared_forces(double otherwise);
+  double excess_of_island(const std::vector<Contact>& closed, ContactRows rows);
+  double excess_of_shared_forces(const std::vector<Contact>& closed, double otherwise);
 
   World* world_;
   Evaluator* evaluate_;
@@ -149,6 +172,7 @@ class Contacts {
   contact::Simultaneous simultaneous_;
   int bodies_ = -1;   // of the model when any_ was found
   bool any_ = false;  // two bodies can touch
+  std::vector<bool> stepped_;
   Pairs pairs_;
   mutable contact::BroadPhase broad_phase_;
   mutable contact::OverlapPoints overlap_;

@@ -87,7 +87,9 @@ struct Event {
     std::string cable{};     ///< that became taut or slack; empty: the bodies touch
   };
   Contact contact{};
-  std::string reason{};  ///< of an event that changes how contacts are computed
+  /// Of an event that changes how contacts are computed: why, and the mechanisms of which this is true.
+  std::string reason{};
+  std::vector<std::string> stepped{};
   /// The impulse that the ground exerted on the mechanisms: force (N s), then torque (N m s) about the world's origin, in world
   /// axes.
   std::array<double, 6> ground_impulse{};

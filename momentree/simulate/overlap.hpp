@@ -14,6 +14,7 @@ struct Overlap {
   std::string one, other;    ///< bodies, or "ground"
   double depth = 0;          ///< m; of a cable, the distance of its ends less its length
   std::string cable{};       ///< its name; empty: the bodies overlap
+  int a = -1, b = -1;        ///< numbers of the bodies; −1: the ground
   std::string text() const;  ///< "'crate' and 'ground' overlap by 0.01 m"
 };
 

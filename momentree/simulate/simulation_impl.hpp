@@ -69,12 +69,13 @@ struct Simulation::Impl {
 
   // The method of steps, and the one that takes its place while contacts are stepped through.
   void make_methods();
-  Integrator& present_method() { return stepping.on ? *stepper : *method; }
-  const Integrator& present_method() const { return stepping.on ? *stepper : *method; }
+  Integrator& present_method() { return stepping.all ? *stepper : *method; }
+  const Integrator& present_method() const { return stepping.all ? *stepper : *method; }
 
   void begin() {
     unadjusted.reset();
     stepping = {};
+    contacts.set_stepped({});
     evaluate_state();
     balance = {};
     ledger = {};
@@ -190,15 +191,23 @@ struct Simulation::Impl {
   // `after_step`: not at the start, nor after an action, where an overlap is a mistake.
   bool resolve_contacts(bool after_step = false);
   std::optional<Contacts::Unresolved> resolve_stops_and_contacts();
-  bool resolve_after_step();
+  bool resolve_after_step(double h);
   std::span<const Watch> watches(double& h);
 
-  // contact_runs.cpp: contacts that are stepped through instead of being located.
-  bool steps_through() const { return stepping.on || method_steps; }
-  void begin_stepping(const std::string& why);
-  void try_to_locate();
+  // Contacts that are stepped through instead of being located: of all bodies, or of some islands.
+  bool steps_through() const { return stepping.all || method_steps; }
+  bool some_step() const { return stepping.on && !stepping.all; }
+  void begin_stepping(const std::string& why, const std::vector<int>& at);
+  std::vector<bool> stepped_bodies() const;
+  void update_islands();
+  void join_touched_islands();
+  void step_islands(double h);
+  void try_to_locate(const Islands& islands, int number);
   void after_contact_step();
+  void report_stepping(const char* what, const std::string& why, const std::vector<int>& bodies);
   bool flood_of_changes(std::size_t first);
+  std::vector<int> bodies_of_flood() const;
+  void judge_steps();
   void note_before_contact_step();
   bool contacts_gained_energy();
   void undo_contact_step();

@@ -19,14 +19,23 @@ struct SteppedContact {
   int cable = -1;          ///< the spring of the model that is taut; −1: bodies touch
 };
 
-/// Whether contacts are stepped through at present, although the method locates them.
-struct SteppingState {
+/// Whether the contacts of a body are stepped through at present, although the method locates them.
+struct SteppedBody {
   bool on = false;
-  double since_impact = 0;  ///< when bodies last hit each other, or stepping began (s)
-  double patience = 0.1;    ///< time without impacts after which contacts are located again (s)
+  double since_impact = 0;  ///< when it last hit something, or stepping began (s)
+  double patience = 0.1;    ///< time without impacts after which its contacts are located again (s)
+};
+
+struct SteppingState {
+  bool on = false;   ///< of any bodies
+  bool all = false;  ///< of all mechanisms
+  std::vector<SteppedBody> bodies;
   // Changes of contacts in a short time, and in a very short one, and when these times began (s).
   int changes = 0, changes_at_once = 0;
   double window = 0, instant = 0;
+  int short_steps = 0;                 ///< in a row in which a contact that is located crept
+  int steps = 0;                       ///< with closed contacts since these were last judged by their length
+  double steps_began = 0;              ///< when that was (s)
   std::vector<SteppedContact> points;  ///< of the last step
 };
 

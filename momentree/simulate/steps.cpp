@@ -43,6 +43,11 @@ bool Simulation::Impl::step_towards(double end) {
 // of a full step.
 bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point start) {
   double most = h;
+  if (some_step()) {
+    // The evaluation of the state has the forces of contacts in the last step: this one is made without them.
+    contact_steps.release();
+    evaluate_state();
+  }
   // Where nothing moves, adaptive steps grow whatever forces do: these must not rise and fall again within one.
   if (present_method().adaptive()) most = std::min(most, 0.25 * world.tree_.shortest_period());
   const std::span<const Watch> watched = watches(most);
@@ -50,8 +55,9 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   if (closed) note_before_contact_step();
   const std::optional<double> stepped = stops.step(present_method(), ledger, most, watched);
   if (closed && (!stepped || contacts_gained_energy())) {
+    const std::vector<int> where = contacts.most_loaded();
     undo_contact_step();
-    begin_stepping("the forces of contacts grow without bounds");
+    begin_stepping("the forces of contacts grow without bounds", where);
     return true;
   }
   if (!stepped) {
@@ -60,7 +66,8 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   }
   if (*stepped == h && std::isfinite(end)) set_time(end);
   ++statistics.steps;
-  if (!resolve_after_step()) return false;
+  if (!resolve_after_step(*stepped)) return false;
+  judge_steps();
   statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, detail::seconds_since(start));
   return true;
 }

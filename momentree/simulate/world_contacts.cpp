@@ -32,7 +32,7 @@ bool are_possible(const Model& model, std::span<const Contact> contacts, const s
 }
 
 // Of redundant contacts the evaluation takes the least forces, some of which may pull. Others with the same effect do not.
-std::vector<double> possible_forces(const Model& model, std::span<const Contact> contacts, const ContactRows& rows) {
+std::vector<double> forces_of_island(const Model& model, std::span<const Contact> contacts, const ContactRows& rows) {
   if (contacts.size() < 2 || are_possible(model, contacts, rows.forces)) return rows.forces;
   contact::System system;
   system.resize(contacts.size());
@@ -47,6 +47,19 @@ std::vector<double> possible_forces(const Model& model, std::span<const Contact>
   }
   constexpr double acceptable = 1e-9;
   return system.solve(contact::Effort::full, acceptable) ? system.r : rows.forces;
+}
+
+std::vector<double> possible_forces(const Model& model, std::span<const Contact> contacts, const ContactRows& rows) {
+  if (contacts.size() < 2 || are_possible(model, contacts, rows.forces)) return rows.forces;
+  std::vector<double> all = rows.forces;
+  for (const std::vector<std::size_t>& island : rows.islands()) {
+    std::vector<Contact> own;
+    for (const std::size_t i : island) own.push_back(contacts[i]);
+    const std::vector<double> forces = forces_of_island(model, own, rows.of(island));
+    for (std::size_t i = 0; i < island.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k) all[at_row(island[i], k)] = forces[at_row(i, k)];
+  }
+  return all;
 }
 
 ContactPoint from_first_body(ContactPoint point) {

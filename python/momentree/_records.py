@@ -220,6 +220,8 @@ class Event:
     """Of an event at a contact: its bodies, point, normal and impulse; otherwise None."""
     reason: str = ""
     """Why contacts are stepped through from then on; empty for other events."""
+    stepped: tuple[str, ...] = ()
+    """The mechanisms whose contacts are stepped through from then on, or located again; empty for other events."""
 
     @property
     def linear_error(self) -> float:

@@ -138,7 +138,8 @@ nb::object event_record(const Event& event) {
       "mechanisms_after"_a = nb::tuple(texts(event.mechanisms_after)), "before"_a = totals(event.before),
       "after"_a = totals(event.after), "released"_a = event.released, "lost"_a = event.lost, "work"_a = event.work,
       "impulse"_a = impulse, "ground_impulse"_a = impulse_of(event.ground_impulse), "hardest_joint"_a = event.hardest_joint,
-      "duration_ns"_a = event.duration_ns, "contact"_a = contact_of(event.contact), "reason"_a = event.reason);
+      "duration_ns"_a = event.duration_ns, "contact"_a = contact_of(event.contact), "reason"_a = event.reason,
+      "stepped"_a = nb::tuple(texts(event.stepped)));
 }
 
 void register_events(nb::module_& m, SimulationClass& simulation) {

@@ -138,6 +138,8 @@ export interface RunEvent {
   readonly impulse?: Vec3;
   /** Why contacts are stepped through from now on. */
   readonly reason?: string;
+  /** The mechanisms of which that is true. */
+  readonly stepped?: readonly string[];
   /** The share of its restitution that the impact has; absent: all of it. */
   readonly scaled?: number;
 }

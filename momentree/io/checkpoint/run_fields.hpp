@@ -78,7 +78,7 @@ template <class Archive>
 void fields(Archive& archive, Part<Archive, Event>& e) {
   archive(e.time, e.name, e.actions, e.topology, e.mechanisms_before, e.mechanisms_after, e.before, e.after, e.released, e.lost,
           e.work, e.impulse, e.ground_impulse, e.coupling_impulse, e.contact, e.hardest_joint, e.hardest_linear,
-          e.hardest_angular, e.duration_ns, e.reason);
+          e.hardest_angular, e.duration_ns, e.reason, e.stepped);
 }
 
 template <class Archive>
@@ -86,8 +86,13 @@ void fields(Archive& archive, Part<Archive, SteppedContact>& c) {
   archive(c.pair, c.id, c.a, c.b, c.point, c.normal, c.force, c.slip, c.cable);
 }
 template <class Archive>
+void fields(Archive& archive, Part<Archive, SteppedBody>& b) {
+  archive(b.on, b.since_impact, b.patience);
+}
+template <class Archive>
 void fields(Archive& archive, Part<Archive, SteppingState>& s) {
-  archive(s.on, s.since_impact, s.patience, s.changes, s.changes_at_once, s.window, s.instant, s.points);
+  archive(s.on, s.all, s.bodies, s.changes, s.changes_at_once, s.window, s.instant, s.short_steps, s.steps, s.steps_began,
+          s.points);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, RunState>& r) {

@@ -1,0 +1,146 @@
+// Islands whose contacts are stepped through while those of all others are located: when that begins for which bodies, and when
+// it ends.
+//
+// An island is what loops, couplings and contacts connect. Its bodies move without contacts within steps of the method, which are
+// then not longer than the given step, and get their impulses at the ends. A body that such an island touches joins it. If all
+// mechanisms are stepped through, the method of time stepping takes the place of the other one.
+#include <algorithm>
+
+#include <momentree/simulate/simulation_impl.hpp>
+
+namespace momentree {
+
+namespace {
+
+constexpr double longest_patience = 10;  // s
+
+}  // namespace
+
+std::vector<bool> Simulation::Impl::stepped_bodies() const {
+  std::vector<bool> on;
+  if (!stepping.on) return on;
+  for (const SteppedBody& body : stepping.bodies) on.push_back(body.on);
+  return on;
+}
+
+// All bodies of an island are stepped through, or none: also after a topology change, and of bodies that are added.
+void Simulation::Impl::update_islands() {
+  const Islands islands(world.tree_);
+  stepping.bodies.resize(static_cast<std::size_t>(world.tree_.bodies()));
+  const auto of = [&](int body) -> SteppedBody& { return stepping.bodies[static_cast<std::size_t>(body)]; };
+  std::vector<bool> on(stepping.bodies.size(), false);
+  for (const int b : world.tree_.order())
+    if (of(b).on) on[static_cast<std::size_t>(islands.of(b))] = true;
+  stepping.on = false, stepping.all = true;
+  for (const int b : world.tree_.order()) {
+    of(b).on = on[static_cast<std::size_t>(islands.of(b))];
+    stepping.on = stepping.on || of(b).on, stepping.all = stepping.all && of(b).on;
+  }
+  stepping.all = stepping.all && stepping.on;
+  contacts.set_stepped(stepped_bodies());
+}
+
+// `at`: bodies of the islands; empty: of all islands that touch anything, or of all if none does.
+void Simulation::Impl::begin_stepping(const std::string& why, const std::vector<int>& at) {
+  Islands islands(world.tree_);
+  contacts.join_touching(islands);
+  std::vector<int> chosen;
+  for (const int body : at.empty() ? contacts.touching_bodies() : at)
+    if (body >= 0) chosen.push_back(islands.of(body));
+  stepping.bodies.resize(static_cast<std::size_t>(world.tree_.bodies()));
+  std::vector<int> begin;
+  for (const int b : world.tree_.order()) {
+    SteppedBody& body = stepping.bodies[static_cast<std::size_t>(b)];
+    if (body.on || (!chosen.empty() && std::find(chosen.begin(), chosen.end(), islands.of(b)) == chosen.end())) continue;
+    body.on = true, body.since_impact = world.time();
+    begin.push_back(b);
+  }
+  if (!stepping.on) contact_steps.set_points({});
+  stepping.on = true;
+  stepping.changes = stepping.changes_at_once = 0;
+  update_islands();
+  evaluate_state();
+  report_stepping("stepping", why, begin);
+}
+
+void Simulation::Impl::report_stepping(const char* what, const std::string& why, const std::vector<int>& bodies) {
+  Event event;
+  event.time = world.time(), event.name = what, event.reason = why;
+  event.mechanisms_before = event.mechanisms_after = world.mechanism_names();
+  for (const Mechanism& mechanism : world.mechanisms())
+    if (std::find(bodies.begin(), bodies.end(), mechanism.root.index) != bodies.end()) event.stepped.emplace_back(mechanism.name);
+  event.before = event.after = world.totals();
+  events.push_back(std::move(event));
+}
+
+void Simulation::Impl::join_touched_islands() {
+  const std::vector<int> touched = contacts.touched_by_stepped();
+  if (!touched.empty()) begin_stepping("touches what is stepped through", touched);
+}
+
+// Completes a step of h seconds, which the bodies of these islands have made without contacts.
+void Simulation::Impl::step_islands(double h) {
+  contact_steps.apply(world.state_, ledger, h);
+  evaluate_state();
+  after_contact_step();
+  if (some_step()) join_touched_islands();
+}
+
+void Simulation::Impl::after_contact_step() {
+  if (!stepping.on) return;  // the method itself steps
+  const auto of = [&](int body) -> SteppedBody& { return stepping.bodies[static_cast<std::size_t>(body)]; };
+  for (const int body : contact_steps.hits()) of(body).since_impact = world.time();
+  Islands islands(world.tree_);
+  for (const auto& [a, b] : contact_steps.touching()) islands.join(a, b);
+  for (const int number : islands.all()) {
+    if (!of(number).on) continue;
+    double since = 0, patience = 0;
+    for (const int b : world.tree_.order())
+      if (islands.of(b) == number) since = std::max(since, of(b).since_impact), patience = std::max(patience, of(b).patience);
+    if (world.time() - since < patience) continue;
+    const auto here = [&](const SteppedContact& point) { return islands.of(point.a >= 0 ? point.a : point.b) == number; };
+    const std::vector<SteppedContact>& points = contact_steps.points();
+    if (static_cast<std::size_t>(std::count_if(points.begin(), points.end(), here)) > Contacts::most_points) continue;
+    try_to_locate(islands, number);
+    if (!stepping.on) return;
+  }
+}
+
+// Each attempt that does not last is followed by a longer wait.
+void Simulation::Impl::try_to_locate(const Islands& islands, int number) {
+  const std::vector<SteppedContact> points = contact_steps.points();
+  const SteppingState as_before = stepping;
+  std::vector<int> bodies;
+  for (const int b : world.tree_.order()) {
+    if (islands.of(b) != number) continue;
+    stepping.bodies[static_cast<std::size_t>(b)].on = false;
+    bodies.push_back(b);
+  }
+  std::vector<SteppedContact> others = points;
+  std::erase_if(others, [&](const SteppedContact& point) { return islands.of(point.a >= 0 ? point.a : point.b) == number; });
+  contact_steps.set_points(others);
+  update_islands();
+  std::vector<Event> changes;
+  const std::optional<Contacts::Unresolved> failed = contacts.resolve(changes);
+  if (failed) {
+    stepping = as_before;
+    contacts.set_stepped(stepped_bodies());
+    contact_steps.set_points(points);
+  }
+  for (const int b : bodies) {
+    SteppedBody& body = stepping.bodies[static_cast<std::size_t>(b)];
+    body.patience = std::min(2 * body.patience, longest_patience), body.since_impact = world.time();
+  }
+  evaluate_state();
+  if (!failed) report_stepping("resume", {}, bodies);
+  for (Event& change : changes) {  // impacts may have happened before an attempt failed
+    add_to_balance(change);
+    events.push_back(std::move(change));
+  }
+  balance.lost_in_impacts += contacts.take_lost();
+  queue.forget_looks();
+  // The attempt opened the other contacts that are located.
+  if (failed && some_step()) static_cast<void>(resolve_contacts(true));
+}
+
+}  // namespace momentree
