@@ -60,17 +60,16 @@ void read_law(Fields& fields, ContactLaw& law, Reading& reading) {
     reading.out.error(fields.place_of("restitution"), "restitution: at most 1: an impact can't gain energy");
 }
 
-// The bodies of one name of `between`; empty with a report if there are none.
-std::vector<BodyId> bodies_of(const Value& value, Reading& reading) {
+// The bodies of one name of `between`; empty with a report if there are none. Writes the name unless it is that of the ground.
+std::vector<BodyId> bodies_of(const Value& value, Reading& reading, std::string& written) {
   const auto name = read_string(value, "between", reading.out);
   if (!name) return {};
   if (*name == "ground" || *name == "floor") return {ground};
   const Model& model = reading.scenario.model;
   std::vector<BodyId> all;
-  for (int b = 0; b < model.size(); ++b) {
-    const std::string& body = model[BodyId{b}].name;
-    if (matches_wildcard(*name, body) || matches_wildcard(*name + "/*", body)) all.push_back({b});
-  }
+  for (int b = 0; b < model.size(); ++b)
+    if (names_body(*name, model[BodyId{b}].name)) all.push_back({b});
+  written = *name;
   if (!all.empty() || reading.opaque.contains(mechanism_of(*name))) return all;
   std::string hint = reading.suggest(*name, reading.bodies);
   if (hint.empty()) hint = reading.suggest(*name, reading.mechanisms);
@@ -165,7 +164,8 @@ void read_contact(const Value& table, Reading& reading) {
     if (names == nullptr || names->size() != 2)
       out.error(between->place, "between: expected two names", "for example between = [\"chain/*\", \"floor\"]");
     else
-      rule.one = bodies_of(names->front(), reading), rule.other = bodies_of(names->back(), reading);
+      rule.one = bodies_of(names->front(), reading, rule.one_name),
+      rule.other = bodies_of(names->back(), reading, rule.other_name);
   }
   read_law(fields, rule.law, reading);
   rule.law.off = fields.boolean("off").value_or(false);

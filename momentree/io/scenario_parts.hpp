@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <momentree/base/wildcard.hpp>
 #include <momentree/io/fields.hpp>
 #include <momentree/io/model/model_file.hpp>
 #include <momentree/io/scenario.hpp>
@@ -196,8 +197,6 @@ void read_parameters(Fields& fields, const KindInfo* kind, JointParameters& para
 /// Reports the findings of check_joint() at the keys; true if there are any.
 bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& out);
 
-/// `*` matches any sequence of characters except '/'.
-bool matches_wildcard(std::string_view pattern, std::string_view name);
 /// The joints that match a name with `*`, in the order of the model; with `springs_too` then the springs.
 std::vector<std::string> matching_joints(const std::string& pattern, bool springs_too, Reading& reading);
 std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading);

@@ -37,6 +37,9 @@ struct ContactRule {
   std::string name{};  ///< of its impacts, if it has one
   std::vector<BodyId> one{}, other{};
   ContactLaw law{};
+  /// Bodies that are added later, also to a running world, belong to a set that is not empty, too, if this is their name or that
+  /// of their mechanism; `*` stands for any part of a name. Empty: they do not.
+  std::string one_name{}, other_name{};
 };
 
 }  // namespace momentree

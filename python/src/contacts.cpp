@@ -63,7 +63,7 @@ nb::tuple contact_state(const ModelObject& self) {
     colliders.append(nb::make_tuple(c.body.index, c.plane, from_vec(c.point), from_vec(c.normal), from_solid(c.solid)));
   for (const ContactRule& r : self.model.contact_rules())
     rules.append(nb::make_tuple(r.name, numbers_of_bodies(r.one), numbers_of_bodies(r.other), r.law.friction,
-                                r.law.static_friction, r.law.restitution, r.law.off));
+                                r.law.static_friction, r.law.restitution, r.law.off, r.one_name, r.other_name));
   return nb::make_tuple(colliders, rules);
 }
 
@@ -81,7 +81,9 @@ void set_contact_state(ModelObject& self, nb::handle state) {
                                  .law = {.friction = nb::cast<double>(each[3]),
                                          .static_friction = nb::cast<double>(each[4]),
                                          .restitution = nb::cast<double>(each[5]),
-                                         .off = nb::cast<bool>(each[6])}});
+                                         .off = nb::cast<bool>(each[6])},
+                                 .one_name = nb::cast<std::string>(each[7]),
+                                 .other_name = nb::cast<std::string>(each[8])});
 }
 
 }  // namespace
