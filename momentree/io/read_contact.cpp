@@ -88,15 +88,17 @@ std::string text_of_length(double metres) {
 constinit const KeyTable contact_table{"[[contact]]", "contact", "Friction and restitution of contacts", contact_entries};
 constinit const KeyTable floor_table{"floor", "", "A plane with the ground below it", floor_entries};
 
-std::vector<contact::Solid> read_collision(const Value& value, const Shape& drawn, Reading& reading) {
-  std::vector<contact::Solid> all;
+void read_collision(const Value& value, BodyEntry& body, Reading& reading) {
   const auto add = [&](const Shape& shape) {
     if (shape.kind == Shape::Kind::none) return;  // reported already
     auto solid = solid_of(
         shape,
         [&](const std::string& what, const std::string& hint) { reading.out.error(value.place, "collision: " + what, hint); },
         [&](const std::string& what, const std::string& hint) { reading.out.warning(value.place, "collision: " + what, hint); });
-    if (solid) all.push_back(std::move(*solid));
+    if (!solid) return;
+    body.collision.push_back(std::move(*solid));
+    body.collision_shapes.push_back(shape);
+    body.collision_shapes.back().more.clear(), body.collision_shapes.back().colour.clear();
   };
   const auto add_all = [&](const Shape& shape) {
     add(shape);
@@ -106,14 +108,13 @@ std::vector<contact::Solid> read_collision(const Value& value, const Shape& draw
   if (word == nullptr) {
     add_all(read_shape(value, reading));
   } else if (*word == "shape") {
-    if (drawn.kind == Shape::Kind::none)
+    if (body.shape.kind == Shape::Kind::none)
       reading.out.error(value.place, "collision: the body has no shape", "give it one, or a list of shapes as its collision");
     else
-      add_all(drawn);
+      add_all(body.shape);
   } else if (*word != "none") {
     reading.out.error(value.place, "collision: expected shapes, \"shape\" or \"none\", not " + in_quotes(*word));
   }
-  return all;
 }
 
 void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model& model) {

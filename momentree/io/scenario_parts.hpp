@@ -110,6 +110,7 @@ struct BodyEntry {
   BodySpec spec;
   Shape shape;
   std::vector<contact::Solid> collision;  ///< what it touches with
+  std::vector<Shape> collision_shapes{};  ///< of which these are made, one of each
   const Value* table = nullptr;
   const Value* joint = nullptr;  ///< the joint's table, or null
   std::string bare_name, bare_joint, parent;
@@ -205,8 +206,8 @@ void read_force(const Value& table, Reading& reading);
 void read_spring(const Value& table, Reading& reading);
 void read_cable(const Value& table, Reading& reading);
 
-/// The value of a body's `collision`. `drawn`: its shape.
-std::vector<contact::Solid> read_collision(const Value& value, const Shape& drawn, Reading& reading);
+/// The value of a body's `collision`; it has its shape already.
+void read_collision(const Value& value, BodyEntry& body, Reading& reading);
 void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model& model);
 /// What a shape touches with, in the body's frame. If it has no volume or cannot be read: nothing, and `refuse` is called.
 /// `warn` is called where a mesh differs from its hull.

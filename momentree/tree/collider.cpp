@@ -6,6 +6,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/base/wildcard.hpp>
+#include <momentree/tree/contact_rules.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree {
@@ -67,15 +68,16 @@ void Model::add_contact_rule(ContactRule rule) {
   contact_rules_.push_back(std::move(rule));
 }
 
+bool applies(const ContactRule& rule, const Model& model, BodyId one, BodyId other) {
+  const bool names_both = !rule.one.empty() && !rule.other.empty();
+  if (!names_both && !rule.law.off && are_neighbours(model, one, other)) return false;
+  return (holds(rule.one, one) && holds(rule.other, other)) || (holds(rule.one, other) && holds(rule.other, one));
+}
+
 const ContactRule* Model::contact_rule(BodyId one, BodyId other) const {
-  const bool near = are_neighbours(*this, one, other);
-  const ContactRule* found = nullptr;
-  for (const ContactRule& rule : contact_rules_) {
-    const bool names_both = !rule.one.empty() && !rule.other.empty();
-    if (near && !names_both && !rule.law.off) continue;
-    if ((holds(rule.one, one) && holds(rule.other, other)) || (holds(rule.one, other) && holds(rule.other, one))) found = &rule;
-  }
-  return found;
+  for (std::size_t i = contact_rules_.size(); i-- > 0;)
+    if (applies(contact_rules_[i], *this, one, other)) return &contact_rules_[i];
+  return nullptr;
 }
 
 ContactLaw Model::contact_law(BodyId one, BodyId other) const {

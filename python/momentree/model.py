@@ -328,7 +328,7 @@ class Model(_core.ModelBase):
         return f"<momentree.Model: {len(self)} bodies>"
 
 
-def _model_from_toml(text: str, order: list[str], contact: Any = ((), ())) -> Model:
+def _model_from_toml(text: str, order: list[str], contact: Any = ((), (), ())) -> Model:
     from momentree.simulation import loads
 
     model = Model.__new__(Model)

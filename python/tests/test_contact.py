@@ -108,3 +108,77 @@ def test_mistakes():
         sim.when(mt.gap("box/box", "thing/b") < 1)
     with pytest.raises(mt.Error, match="takes no threshold"):
         sim.when(mt.Quantity("touch", ["box/box", "ground"]) > 1)
+
+
+def test_a_body_that_is_added_moves_as_one_that_was_there():
+    ball = dict(mass=1, inertia=0.004, joint=mt.Free(), collision={"sphere": 0.1})
+    start = dict(q=[0.05, 0, 1, 1, 0, 0, 0], v=[0.1, 0, -1, 0, 0, 0])
+    for method in ("rk4", "dop853", "stepping"):
+        model = box_above_floor(0.1, restitution=0.3)
+        sim = mt.Simulation(model, method=method, step=1e-3)
+        sim.run(0.2)
+        q, v = list(sim.q), list(sim.v)
+        handle = sim.add("ball/ball", **ball, **start)
+        model.add("ball/ball", **ball, **start)
+        other = mt.Simulation(model, method=method, step=1e-3)
+        other.set_state(q=q + start["q"], v=v + start["v"], time=0.2)
+        branch = sim.branch()
+        for each in (sim, other, branch):
+            each.run(0.5)
+            assert sum(e.name == "impact" and e.contact.one == "ball/ball" for e in each.events) == (method != "stepping")
+        np.testing.assert_allclose(other.q, sim.q, atol=1e-12)
+        np.testing.assert_array_equal(branch.q, sim.q)
+        sim.run(3)
+        assert {c.one for c in sim.world.contacts if c.other == "ground"} >= {"box/box"}
+        assert abs(sim.energy_balance["error"]) < 1e-6
+        sim.remove(handle)
+        sim.run(4)
+        assert {(c.one, c.other) for c in sim.world.contacts} == {("box/box", "ground")}
+        np.testing.assert_allclose(sum(c.force for c in sim.world.contacts), [0, 0, 2 * 9.81], atol=1e-5)
+
+
+def test_what_a_body_that_is_added_overlaps():
+    box = dict(mass=1, inertia=0.01, joint=mt.Free(), shape={"box": [0.2, 0.2, 0.2]}, collision="shape")
+    for resolve in (None, True):
+        sim = mt.Simulation(box_above_floor(0), resolve=resolve)
+        sim.run(0.1)
+        if resolve:
+            sim.add("new/new", q=[2, 0, 0.095, 1, 0, 0, 0], **box)
+            assert sim.world.bodies["new/new"].position[2] == pytest.approx(0.1, abs=1e-12)
+            assert sim.events[-2].name == "add" and sim.events[-2].work == pytest.approx(0.1 * 9.81)
+        else:
+            with pytest.raises(mt.Error, match="'new/new' and 'ground' overlap by 0.00"):
+                sim.add("new/new", q=[2, 0, 0.095, 1, 0, 0, 0], **box)
+            assert "new/new" not in sim.world.bodies
+        sim.run(0.3)
+        assert abs(sim.energy_balance["error"]) < 1e-9
+    sim = mt.Simulation(mt.Model(), method="midpoint")
+    with pytest.raises(mt.Error, match="does not support contact"):
+        sim.add("new/new", q=[2, 0, 0.095, 1, 0, 0, 0], **box)
+
+
+def test_contact_rules_stand_for_bodies_that_are_added_by_their_names():
+    sim = mt.Simulation(pickle.loads(pickle.dumps(box_above_floor(0, friction=0))), method="dop853")
+    for name, x in (("box/2", 0.25), ("crate/1", 1 / (2 * 0.4 * 9.81))):  # the rule for box/*, and that of the floor
+        y = len(sim.world.bodies)
+        sim.add(name, mass=1, inertia=0.01, joint=mt.Free(), q=[0, y, 0.1, 1, 0, 0, 0], v=[1, 0, 0, 0, 0, 0],
+                collision={"box": [0.2, 0.2, 0.2]})  # fmt: skip
+        end = sim.time + 0.25
+        sim.run(end)
+        assert sim.world.bodies[name].position[0] == pytest.approx(x, rel=1e-9)
+
+
+def test_rules_are_written_as_they_were_given():
+    model = box_above_floor(0, friction=0.1, name="box")
+    model.add_contact(friction=0.7)
+    model.add_contact(("box", "box/*"), off=True)
+    text = model.to_toml()
+    assert text.count("[[contact]]") == 4
+    for written in ('["*", "ground"]', '["box/*", "ground"]', '["box", "box/*"]'):
+        assert f"between = {written}" in text
+    again = mt.loads(text).model
+    assert again.to_toml() == text
+    sim = mt.Simulation(again, method="dop853")
+    sim.add("box/2", mass=1, inertia=0.01, joint=mt.Free(), q=[0, 0, 0.2, 1, 0, 0, 0], collision={"box": [0.2, 0.2, 0.2]})
+    sim.run(0.2)  # through the other box
+    assert sim.world.bodies["box/2"].position[2] == pytest.approx(0.1)
