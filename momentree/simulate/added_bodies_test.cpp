@@ -196,8 +196,9 @@ TEST_CASE("added: an overlap names the pair and the depth, and changes nothing")
   pendulum.add({.name = "p/p", .mass = 1, .com = {1, 0, 0}, .inertia = diagonal(0.1), .joint = Revolute{.axis = {0, 1, 0}}});
   Simulation sim(pendulum, {.method = "midpoint"}), other(pendulum, {.method = "midpoint"});
   for (Simulation* each : {&sim, &other}) REQUIRE(each->run_until(0.1));
-  CHECK(error_of([&] { sim.add(floating("new/new", {0, 5, 0}), {cube()}); }).find("does not support contact") !=
-        std::string::npos);
+  CHECK(error_of([&] {
+          sim.add(floating("new/new", {0, 5, 0}), {cube()});
+        }).find("does not support contact") != std::string::npos);
   for (Simulation* each : {&sim, &other}) REQUIRE(each->run_until(0.2));
   CHECK(largest_difference(sim, other) == 0);
 }
@@ -275,9 +276,14 @@ TEST_CASE("added: what is joined to a body at rest is carried at once, and touch
     Simulation sim(model, {.method = method, .step = 1e-3});
     REQUIRE(sim.run_until(0.1));
     // It reaches beyond the box, and would tip it over if its foot did not stand on the floor.
-    const BodyId arm = sim.add(
-        {.name = "box/arm", .mass = 3, .com = {0.3, 0, 0}, .inertia = diagonal(0.1), .parent = box, .at = {0.1, 0, 0}, .joint = Weld{}},
-        {contact::box({0.02, 0.02, 0.2}, {{0.5, 0, 0}, {}})});
+    const BodyId arm = sim.add({.name = "box/arm",
+                                .mass = 3,
+                                .com = {0.3, 0, 0},
+                                .inertia = diagonal(0.1),
+                                .parent = box,
+                                .at = {0.1, 0, 0},
+                                .joint = Weld{}},
+                               {contact::box({0.02, 0.02, 0.2}, {{0.5, 0, 0}, {}})});
     const auto force = [&](BodyId body) {
       double sum = 0;
       for (const ContactPoint& point : sim.world().contacts())
@@ -290,7 +296,13 @@ TEST_CASE("added: what is joined to a body at rest is carried at once, and touch
     CHECK(norm(at(sim, box.index) - Vec3{0, 0, 0.1}) < 1e-9);
     sim.remove(arm);
     CHECK(std::fabs(force(box) - 2 * g) < 1e-9);
-    sim.add({.name = "box/mast", .mass = 3, .com = {0.3, 0, 0}, .inertia = diagonal(0.1), .parent = box, .at = {0.1, 0, 0}, .joint = Weld{}});
+    sim.add({.name = "box/mast",
+             .mass = 3,
+             .com = {0.3, 0, 0},
+             .inertia = diagonal(0.1),
+             .parent = box,
+             .at = {0.1, 0, 0},
+             .joint = Weld{}});
     REQUIRE(sim.run_until(1));
     CHECK(at(sim, 2).z < 0.09);  // without a foot it tips over
   }
@@ -300,9 +312,8 @@ TEST_CASE("added: contact rules apply by name, and those without names to all") 
   Model model = with_floor({.friction = 0, .static_friction = 0, .restitution = 0});
   const BodyId crate = model.add(floating("crate/1", {0, 0, 0.1}));
   model.add_collider({.body = crate, .solid = cube()});
-  model.add_contact_rule({.other = {ground},
-                          .law = {.friction = 0.5, .static_friction = 0.5, .restitution = 0},
-                          .one_name = "crate/*"});
+  model.add_contact_rule(
+      {.other = {ground}, .law = {.friction = 0.5, .static_friction = 0.5, .restitution = 0}, .one_name = "crate/*"});
   model.add_contact_rule({.other = {ground}, .law = {.off = true}, .one_name = "ghost"});
   Simulation sim(model, {.method = "dop853"});
   REQUIRE(sim.run_until(0.1));
@@ -323,7 +334,8 @@ TEST_CASE("added: contact rules apply by name, and those without names to all") 
           {contact::sphere(0.08)});
   static_cast<void>(sim.when(touching("crate", "floor")));
   static_cast<void>(sim.when(touching("slab/1", "crate/3")));
-  CHECK(error_of([&] { static_cast<void>(sim.when(touching("ghost/1", "floor"))); }).find("pass through each other") != std::string::npos);
+  CHECK(error_of([&] { static_cast<void>(sim.when(touching("ghost/1", "floor"))); }).find("pass through each other") !=
+        std::string::npos);
   CHECK(sim.run_until(0.6));
 }
 
@@ -368,8 +380,7 @@ TEST_CASE("removed: what lay on a body falls, and what lies elsewhere stays") {
     Model model = with_floor();
     for (const char* name : {"lower/b", "upper/b", "far/b"}) {
       const std::string which = name;
-      const BodyId box =
-          model.add(floating(which, {which == "far/b" ? 2.0 : 0.0, 0, which == "upper/b" ? 0.3 : 0.1}));
+      const BodyId box = model.add(floating(which, {which == "far/b" ? 2.0 : 0.0, 0, which == "upper/b" ? 0.3 : 0.1}));
       model.add_collider({.body = box, .solid = cube()});
     }
     Simulation sim(model, {.method = method, .step = 1e-3});

@@ -107,7 +107,7 @@ struct WorldSnapshot {
   Snapshot engine;
   std::vector<std::pair<int, std::string>> joint_names, mechanism_names;  ///< those that differ from the model's
   std::vector<ActiveLimit> active_limits;
-  std::vector<BodySpec> added{};              ///< bodies that were added after the start
+  std::vector<BodySpec> added{};            ///< bodies that were added after the start
   std::vector<Collider> added_colliders{};  ///< and what they touch with
 };
 

@@ -69,8 +69,8 @@ nb::tuple contact_state(const ModelObject& self) {
     const io::Shape& shape = self.collision_shapes[i];
     const Quat& r = shape.at.rotation;
     if (shape.kind == io::Shape::Kind::mesh)
-      meshes.append(nb::make_tuple(i, shape.mesh, from_vec(shape.scale), from_vec(shape.at.position),
-                                   nb::make_tuple(r.w, r.x, r.y, r.z)));
+      meshes.append(
+          nb::make_tuple(i, shape.mesh, from_vec(shape.scale), from_vec(shape.at.position), nb::make_tuple(r.w, r.x, r.y, r.z)));
   }
   return nb::make_tuple(colliders, rules, meshes);
 }

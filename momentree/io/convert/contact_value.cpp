@@ -1,6 +1,7 @@
 // What bodies touch with, the floor and the laws of contacts, as parts of a scenario.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <momentree/base/error.hpp>
 #include <momentree/base/wildcard.hpp>
@@ -100,6 +101,14 @@ Value describe_rule(const ContactRule& rule, const std::string& one, const std::
   return value(std::move(table));
 }
 
+// The rule that friction and restitution of a floor are read as, before all others.
+bool begins_with_rule_of_floor(const Model& model) {
+  if (model.contact_rules().empty()) return false;
+  const bool plane = std::any_of(model.colliders().begin(), model.colliders().end(), [](const Collider& c) { return c.plane; });
+  const ContactRule& rule = model.contact_rules().front();
+  return plane && rule.one.empty() && rule.other == std::vector<BodyId>{ground} && rule.name.empty() && !rule.law.off;
+}
+
 // The pairs to which a rule applies unless a later one does.
 void add_pairs(const Model& model, const std::vector<BodyId>& bodies, const ContactRule& rule, Value::Array& out) {
   for (std::size_t i = 0; i < bodies.size(); ++i)
@@ -132,14 +141,19 @@ Value::Table describe_floor(const Model& model) {
     add(table, "height", number(dot(collider.normal, collider.point)));
     add(table, "normal", list(collider.normal));
   }
+  if (table.empty() || !begins_with_rule_of_floor(model)) return table;
+  const ContactLaw& law = model.contact_rules().front().law;
+  add(table, "friction", describe_friction(law));
+  if (law.restitution != 0) add(table, "restitution", number(law.restitution));
   return table;
 }
 
 Value describe_contacts(const Model& model) {
   const std::vector<BodyId> bodies = bodies_that_touch(model);
   Value::Array by_rules;
-  bool whole = true;
+  bool whole = true, of_floor = begins_with_rule_of_floor(model);
   for (const ContactRule& rule : model.contact_rules()) {
+    if (std::exchange(of_floor, false)) continue;  // it is in the floor's table
     const std::string one = name_of(rule.one, rule.one_name, model), other = name_of(rule.other, rule.other_name, model);
     if (!one.empty() && !other.empty())
       by_rules.push_back(describe_rule(rule, one, other));
