@@ -337,16 +337,14 @@ class Simulation(_core.SimulationBase):
     ) -> Body:
         """Add a body to the running world. The velocities of other bodies do not change.
 
-        The arguments are those of :meth:`Model.add`; ``parent`` may also be a handle of this simulation. With a ``collision`` the
-        body hits at this instant what it touches, by the contact rules of the model. With ``resolve`` bodies that it overlaps are
-        pushed apart.
+        The arguments are those of :meth:`Model.add`; ``parent`` may also be a handle of this simulation. With a ``collision`` it
+        hits what it touches by the model's contact rules; what it overlaps is an Error or, with ``resolve``, pushed apart.
 
         Returns:
             The body's handle.
 
         Raises:
-            Error: A value is impossible, a name is unknown or used twice, the body overlaps others, or the method does not
-                support contact; the world is unchanged.
+            Error: A value is impossible, a name unknown or used twice, or contact not supported; the world is unchanged.
         """
         fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape, collision)
         self._add(name, parent, fields)
