@@ -63,7 +63,7 @@ BodyPart PartReader::body(const std::string& name, const Value& table) const {
   read.spec.name = name;
   const bool named = read.bare_joint != read.bare_name;
   read.spec.joint_name = !named ? name : slash == std::string::npos ? read.bare_joint : mechanism + "/" + read.bare_joint;
-  return {std::move(read.spec), std::move(read.shape), std::move(read.collision)};
+  return {std::move(read.spec), std::move(read.shape), std::move(read.collision), std::move(read.collision_shapes)};
 }
 
 void PartReader::add_floor(const Value& value, Model& model) const {

@@ -24,6 +24,7 @@ struct BodyPart {
   BodySpec spec;
   Shape shape;
   std::vector<contact::Solid> solids{};
+  std::vector<Shape> collision_shapes{};  ///< of which the solids are made
 };
 
 /// A condition; if a name in it has a wildcard, that of one match. Actions with the same wildcard then act on this match.

@@ -86,7 +86,7 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
   else
     body.rooted = true;
   if (const Value* shape = fields.find("shape")) body.shape = read_shape(*shape, reading);
-  if (const Value* collision = fields.find("collision")) body.collision = read_collision(*collision, body.shape, reading);
+  if (const Value* collision = fields.find("collision")) read_collision(*collision, body, reading);
   fields.finish();
 
   if (body.bare_name.empty()) return body;

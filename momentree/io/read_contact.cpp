@@ -60,17 +60,16 @@ void read_law(Fields& fields, ContactLaw& law, Reading& reading) {
     reading.out.error(fields.place_of("restitution"), "restitution: at most 1: an impact can't gain energy");
 }
 
-// The bodies of one name of `between`; empty with a report if there are none.
-std::vector<BodyId> bodies_of(const Value& value, Reading& reading) {
+// The bodies of one name of `between`; empty with a report if there are none. Writes the name unless it is that of the ground.
+std::vector<BodyId> bodies_of(const Value& value, Reading& reading, std::string& written) {
   const auto name = read_string(value, "between", reading.out);
   if (!name) return {};
   if (*name == "ground" || *name == "floor") return {ground};
   const Model& model = reading.scenario.model;
   std::vector<BodyId> all;
-  for (int b = 0; b < model.size(); ++b) {
-    const std::string& body = model[BodyId{b}].name;
-    if (matches_wildcard(*name, body) || matches_wildcard(*name + "/*", body)) all.push_back({b});
-  }
+  for (int b = 0; b < model.size(); ++b)
+    if (names_body(*name, model[BodyId{b}].name)) all.push_back({b});
+  written = *name;
   if (!all.empty() || reading.opaque.contains(mechanism_of(*name))) return all;
   std::string hint = reading.suggest(*name, reading.bodies);
   if (hint.empty()) hint = reading.suggest(*name, reading.mechanisms);
@@ -89,15 +88,17 @@ std::string text_of_length(double metres) {
 constinit const KeyTable contact_table{"[[contact]]", "contact", "Friction and restitution of contacts", contact_entries};
 constinit const KeyTable floor_table{"floor", "", "A plane with the ground below it", floor_entries};
 
-std::vector<contact::Solid> read_collision(const Value& value, const Shape& drawn, Reading& reading) {
-  std::vector<contact::Solid> all;
+void read_collision(const Value& value, BodyEntry& body, Reading& reading) {
   const auto add = [&](const Shape& shape) {
     if (shape.kind == Shape::Kind::none) return;  // reported already
     auto solid = solid_of(
         shape,
         [&](const std::string& what, const std::string& hint) { reading.out.error(value.place, "collision: " + what, hint); },
         [&](const std::string& what, const std::string& hint) { reading.out.warning(value.place, "collision: " + what, hint); });
-    if (solid) all.push_back(std::move(*solid));
+    if (!solid) return;
+    body.collision.push_back(std::move(*solid));
+    body.collision_shapes.push_back(shape);
+    body.collision_shapes.back().more.clear(), body.collision_shapes.back().colour.clear();
   };
   const auto add_all = [&](const Shape& shape) {
     add(shape);
@@ -107,14 +108,13 @@ std::vector<contact::Solid> read_collision(const Value& value, const Shape& draw
   if (word == nullptr) {
     add_all(read_shape(value, reading));
   } else if (*word == "shape") {
-    if (drawn.kind == Shape::Kind::none)
+    if (body.shape.kind == Shape::Kind::none)
       reading.out.error(value.place, "collision: the body has no shape", "give it one, or a list of shapes as its collision");
     else
-      add_all(drawn);
+      add_all(body.shape);
   } else if (*word != "none") {
     reading.out.error(value.place, "collision: expected shapes, \"shape\" or \"none\", not " + in_quotes(*word));
   }
-  return all;
 }
 
 void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model& model) {
@@ -165,7 +165,8 @@ void read_contact(const Value& table, Reading& reading) {
     if (names == nullptr || names->size() != 2)
       out.error(between->place, "between: expected two names", "for example between = [\"chain/*\", \"floor\"]");
     else
-      rule.one = bodies_of(names->front(), reading), rule.other = bodies_of(names->back(), reading);
+      rule.one = bodies_of(names->front(), reading, rule.one_name),
+      rule.other = bodies_of(names->back(), reading, rule.other_name);
   }
   read_law(fields, rule.law, reading);
   rule.law.off = fields.boolean("off").value_or(false);

@@ -205,6 +205,8 @@ void add_bodies(std::vector<BodyEntry>& bodies, const std::vector<std::size_t>& 
     if (spec.parent != ground) spec.parent.index += first;
     const BodyId added = reading.scenario.model.add_unjudged(std::move(spec));
     add_colliders(added, bodies[order[i]].collision, reading.scenario.model);
+    note_collision_shapes(reading.scenario.model, std::move(bodies[order[i]].collision_shapes),
+                          reading.scenario.collision_shapes);
     reading.scenario.shapes.resize(static_cast<std::size_t>(reading.scenario.model.size()));
     reading.scenario.shapes.back() = std::move(bodies[order[i]].shape);
   }

@@ -114,7 +114,7 @@ void RunRecord::observe(const Simulation& simulation) {
         add(six);
       }
     }
-    if (reactions_ && !model_.colliders().empty()) contact_rows(contacts_.emplace_back(), world);
+    if (reactions_) contact_rows(contacts_.emplace_back(), world);
     const EnergyBalance e = simulation.energy();
     offsets_.push_back(offset);
     ledger_.push_back({e.dissipated, e.lost_in_impacts, e.released, e.work, e.error});

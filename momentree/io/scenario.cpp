@@ -266,6 +266,11 @@ ReadResult refused(const std::string& path, std::string what, std::string hint) 
 
 }  // namespace
 
+void note_collision_shapes(const Model& model, std::vector<Shape> added, std::vector<Shape>& all) {
+  all.resize(model.colliders().size());
+  std::move(added.begin(), added.end(), all.end() - static_cast<std::ptrdiff_t>(added.size()));
+}
+
 constinit const KeyTable scenario_table{
     "a scenario", "", "A scenario: mechanisms, events, and the settings for integration and output", keys_entries};
 

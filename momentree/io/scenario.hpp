@@ -59,8 +59,12 @@ struct Scenario {
   std::vector<ScenarioEvent> events;     ///< in the order of the file
   std::vector<StateFile> state_files;    ///< the document of the whole world first
   std::vector<Shape> shapes;             ///< by body number
+  std::vector<Shape> collision_shapes;   ///< by collider; none, or missing: it was not given as a shape of a body
   std::shared_ptr<InputCache> inputs{};  ///< files that further readings need not read again; null: they read them
 };
+
+/// Appends the shapes of the colliders that were added last to those of all colliders of a model.
+void note_collision_shapes(const Model& model, std::vector<Shape> added, std::vector<Shape>& all);
 
 struct ReadResult {
   std::optional<Scenario> scenario;        ///< absent if there is an error

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <momentree/base/wildcard.hpp>
 #include <momentree/io/fields.hpp>
 #include <momentree/io/model/model_file.hpp>
 #include <momentree/io/scenario.hpp>
@@ -109,6 +110,7 @@ struct BodyEntry {
   BodySpec spec;
   Shape shape;
   std::vector<contact::Solid> collision;  ///< what it touches with
+  std::vector<Shape> collision_shapes{};  ///< of which these are made, one of each
   const Value* table = nullptr;
   const Value* joint = nullptr;  ///< the joint's table, or null
   std::string bare_name, bare_joint, parent;
@@ -196,8 +198,6 @@ void read_parameters(Fields& fields, const KindInfo* kind, JointParameters& para
 /// Reports the findings of check_joint() at the keys; true if there are any.
 bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& out);
 
-/// `*` matches any sequence of characters except '/'.
-bool matches_wildcard(std::string_view pattern, std::string_view name);
 /// The joints that match a name with `*`, in the order of the model; with `springs_too` then the springs.
 std::vector<std::string> matching_joints(const std::string& pattern, bool springs_too, Reading& reading);
 std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading);
@@ -206,8 +206,8 @@ void read_force(const Value& table, Reading& reading);
 void read_spring(const Value& table, Reading& reading);
 void read_cable(const Value& table, Reading& reading);
 
-/// The value of a body's `collision`. `drawn`: its shape.
-std::vector<contact::Solid> read_collision(const Value& value, const Shape& drawn, Reading& reading);
+/// The value of a body's `collision`; it has its shape already.
+void read_collision(const Value& value, BodyEntry& body, Reading& reading);
 void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model& model);
 /// What a shape touches with, in the body's frame. If it has no volume or cannot be read: nothing, and `refuse` is called.
 /// `warn` is called where a mesh differs from its hull.

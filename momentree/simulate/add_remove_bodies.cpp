@@ -6,11 +6,13 @@
 
 namespace momentree {
 
-BodyId World::add(BodySpec spec) {
+BodyId World::add(BodySpec spec, std::vector<contact::Solid> collision) {
   if (spec.parent != ground && !alive(spec.parent)) throw_error({"the parent is no body of this world", spec.name, ""});
   const std::string joint = spec.joint_name.empty() ? spec.name : spec.joint_name;
   if (names_.find_joint(joint) >= 0)
     throw_error({"there is already a joint '" + joint + "'", spec.name, "give the new one another name"});
+  Model trial;  // throws for what is no solid
+  for (const contact::Solid& solid : collision) trial.add_collider({.solid = solid});
   const WorldSnapshot before = snapshot();
   const JointDrive* drive = spec.joint.parameters.drive.get();
   if (drive != nullptr && drive->motion.size() == 1) {
@@ -34,6 +36,7 @@ BodyId World::add(BodySpec spec) {
     throw_error(
         {"the joint '" + joint + "' would move no mass or inertia", name, "give the body a mass and an inertia, or weld it"});
   }
+  for (contact::Solid& solid : collision) model_.add_collider({.body = body, .solid = std::move(solid)});
   return body;
 }
 

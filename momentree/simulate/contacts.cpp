@@ -56,15 +56,15 @@ const Contacts::Pair& Contacts::Pairs::operator[](std::size_t number) const {
   const auto found = known_.find(number);
   if (found != known_.end()) return found->second;
   const std::vector<Collider>& all = model_->colliders();
-  if (number >= all.size() * all.size()) {
-    const auto spring = number - all.size() * all.size();
+  if (number >= most_colliders * most_colliders) {
+    const auto spring = number - most_colliders * most_colliders;
     const Spring& cable = model_->springs()[spring];
     Pair pair{.a = cable.from.body.index, .b = cable.to.body.index, .law_name = cable.name, .cable = static_cast<int>(spring)};
     if (pair.a < 0) std::swap(pair.a, pair.b);
     pair.law = {.friction = 0, .static_friction = 0, .restitution = cable.restitution};
     return known_.emplace(number, std::move(pair)).first->second;
   }
-  const Collider &first = all[number / all.size()], &second = all[number % all.size()];
+  const Collider &first = all[number / most_colliders], &second = all[number % most_colliders];
   // The ground is the second one.
   const bool swap = first.body == ground;
   const Collider &one = swap ? second : first, &other = swap ? first : second;
@@ -89,22 +89,22 @@ const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
     balls_.push_back({at.r + arm, solid.reach + speed * h + margin * std::max(1.0, norm(at.r))});
     solids_.push_back(static_cast<int>(i));
   }
-  const int count = static_cast<int>(all.size());
+  constexpr int stride = static_cast<int>(most_colliders);
   const auto add = [&](int one, int other) {
-    const int number = one * count + other;
+    const int number = one * stride + other;
     if (all[static_cast<std::size_t>(one)].body == all[static_cast<std::size_t>(other)].body) return;
     if (!pairs_[static_cast<std::size_t>(number)].law.off) near_.push_back(number);
   };
   for (const auto& [one, other] : broad_phase_.find(balls_))
     add(solids_[static_cast<std::size_t>(one)], solids_[static_cast<std::size_t>(other)]);
-  for (int plane = 0; plane < count; ++plane) {
+  for (int plane = 0; plane < static_cast<int>(all.size()); ++plane) {
     const Collider& floor = all[static_cast<std::size_t>(plane)];
     if (!floor.plane) continue;
     for (std::size_t i = 0; i < balls_.size(); ++i)
       if (!(dot(floor.normal, balls_[i].centre - floor.point) > balls_[i].radius)) add(solids_[i], plane);
   }
   for (std::size_t s = 0; s < world_->model_.springs().size(); ++s)
-    if (can_be_taut(s)) near_.push_back(count * count + static_cast<int>(s));
+    if (can_be_taut(s)) near_.push_back(stride * stride + static_cast<int>(s));
   std::sort(near_.begin(), near_.end());
   return near_;
 }
@@ -355,12 +355,17 @@ double Contacts::next_rest() const {
   return next;
 }
 
-std::optional<Overlap> Contacts::overlap() {
+std::optional<Overlap> Contacts::overlap() { return deepest(-1); }
+std::optional<Overlap> Contacts::overlap_with(BodyId body) { return deepest(body.index); }
+
+// Of that body, or of all if it is negative.
+std::optional<Overlap> Contacts::deepest(int body) {
   if (!any()) return std::nullopt;
   std::optional<Overlap> worst;
   for (const int i : near_pairs(0, 0)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
-    if (apart(pair) > 0 || handling(pair) != Handling::located) continue;
+    if (body >= 0 ? pair.a != body && pair.b != body : handling(pair) != Handling::located) continue;
+    if (apart(pair) > 0) continue;
     const double depth = -gap_of(i, 0).value;
     if (depth > overlapping * pair.size(*this) && (!worst || depth > worst->depth))
       worst = Overlap{name_of(pair.a), name_of(pair.b), depth, pair.cable >= 0 ? pair.law_name : "", pair.a, pair.b};

@@ -38,6 +38,8 @@ class Contacts {
 
   /// False if no bodies can touch: no other function of this class needs to be called then.
   bool any();
+  /// To be called after bodies that can touch were added to the world or left it.
+  void renew() { bodies_ = -1; }
 
   /// Why an instant can't be resolved.
   struct Unresolved {
@@ -55,6 +57,10 @@ class Contacts {
   std::span<const Watch> watches(double& h);
 
   // For time stepping, which follows no closed contacts.
+  /// Opens all contacts.
+  void open() { set({}); }
+  /// Closes contacts that were closed before.
+  void close(std::vector<Contact> closed) { set(std::move(closed)); }
   /// The bodies that are stepped through, by number; none: all or no bodies are.
   void set_stepped(std::vector<bool> bodies);
   /// Of bodies that touch at present, or whose contacts are closed.
@@ -84,6 +90,8 @@ class Contacts {
 
   /// The pair that overlaps most at present, if any do.
   std::optional<Overlap> overlap();
+  /// The pair of this body and another one that overlaps most.
+  std::optional<Overlap> overlap_with(BodyId body);
   static std::optional<Overlap> overlap_of(World& world);
 
   /// Energy (J) that velocities below the resolution of coordinates lost since the last call, at instants without an event.
@@ -102,8 +110,8 @@ class Contacts {
     int cable = -1;                          ///< its number as a spring; −1: two solids
     double size(const Contacts& all) const;  ///< of coordinates, for tolerances (m)
   };
-  // Pairs of colliders by number: that of the first one times the number of colliders, plus that of the second one. After these,
-  // cables in the order of the model's springs.
+  // Pairs of colliders by number: that of the first one times the largest number of colliders, plus that of the second one. After
+  // these, cables in the order of the model's springs. Colliders that are added to the world change no numbers.
   class Pairs {
    public:
     explicit Pairs(const Model& model) : model_(&model) {}
@@ -128,6 +136,7 @@ class Contacts {
     return body >= 0 && static_cast<std::size_t>(body) < stepped_.size() && stepped_[static_cast<std::size_t>(body)];
   }
   void find_any();
+  std::optional<Overlap> deepest(int body);
   const std::vector<int>& near_pairs(double h, double margin) const;
   contact::Place place(int body) const;
   bool can_be_taut(std::size_t spring) const;

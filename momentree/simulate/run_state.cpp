@@ -21,8 +21,10 @@ SimulationSnapshot Simulation::Impl::snapshot() {
 void Simulation::Impl::go_back(const SimulationSnapshot& to) {
   unadjusted.reset();
   const int bodies = world.tree_.bodies();
+  const bool populated = !to.world.added.empty() || world.model_.size() != world.first_bodies_;
   world.restore(to.world);
-  if (world.tree_.bodies() != bodies) make_methods();
+  if (populated) contacts.renew();
+  if (populated || world.tree_.bodies() != bodies) make_methods();
   method->set_proposal(to.proposal);
   continue_stepping(to.stepping);
   balance = to.balance;
@@ -68,6 +70,7 @@ void Simulation::Impl::continue_from(const RunState& from) {
   history.clear();
   recover();
   world.restore(from.world);
+  contacts.renew();
   make_methods();
   method->set_proposal(from.proposal);
   continue_stepping(from.stepping);

@@ -160,64 +160,7 @@ void Simulation::set_gravity(Vec3 gravity) {
   impl.recover();
 }
 
-// The energy that bodies bring into the world and take out of it is work; the event's certificate states it.
-template <class Act>
-void Simulation::Impl::populate(const char* what, const std::string& body, Act act) {
-  settle();
-  continues = false;
-  const During working(doing, Doing::working);
-  Event event;
-  event.time = world.time();
-  event.name = what;
-  const Membership members(world);
-  const std::vector<JointId> joints = present_joints(world);
-  std::vector<std::string> names;
-  for (const JointId joint : joints) names.emplace_back(world.joint_name(joint));
-  std::vector<int> springs;  // that act
-  for (int s = 0; s < world.springs(); ++s)
-    if (world.tree().spring_acts(s)) springs.push_back(s);
-  const std::vector<unsigned char> coupled = acting_couplings(world.tree());
-  event.mechanisms_before = world.mechanism_names();
-  event.before = world.totals();
-  std::optional<SimulationSnapshot> past;
-  if (keeps_history) past = snapshot();
-  act();  // throws if nothing happened
-  if (past) history.push_back({events.size(), std::move(*past), {}});
-  world.take_variables(world.own_variables());
-  make_methods();
-  evaluate_state();
-  event.after = world.totals();
-  event.mechanisms_after = world.mechanism_names();
-  event.work = event.after.kinetic + event.after.potential - event.before.kinetic - event.before.potential;
-  event.actions = {{what, body, {}, body, {}, {}}};
-  for (std::size_t i = 0; i < joints.size(); ++i)
-    if (is_loop(joints[i]) ? world.tree().find_loop(joints[i]) == nullptr : world.tree().carrier(joints[i].index) < 0)
-      event.topology.gone.push_back(std::move(names[i]));
-  for (const int s : springs)
-    if (!world.tree().spring_acts(s))
-      event.topology.broken_springs.push_back(world.model().springs()[static_cast<std::size_t>(s)].name);
-  for (std::size_t c = 0; c < coupled.size(); ++c)
-    if (coupled[c] != 0 && !world.tree().coupling_acts(static_cast<int>(c)))
-      event.topology.ended_couplings.push_back(world.coupling_names({static_cast<int>(c)}));
-  if (world.tree().bodies() > members.bodies()) event.topology.joints.push_back(joint_record(world, {world.tree().bodies() - 1}));
-  event.topology.moved = members.moved(Membership(world));
-  balance.work += event.work;
-  events.push_back(std::move(event));
-  queue.forget_looks();
-  resolve_limits();
-}
-
 DryRun Simulation::dry_run() { return changing().dry_run(); }
-BodyId Simulation::add(BodySpec spec) {
-  const std::string name = spec.name;
-  BodyId body;
-  changing().populate("add", name, [&] { body = impl_->world.add(std::move(spec)); });
-  return body;
-}
-void Simulation::remove(BodyId body) {
-  if (!changing().world.alive(body)) throw_error({"the body is no longer in this world", "", ""});
-  impl_->populate("remove", impl_->world.model()[body].name, [&] { impl_->world.remove(body); });
-}
 SimulationSnapshot Simulation::snapshot() const { return steady().snapshot(); }
 void Simulation::restore(const SimulationSnapshot& snapshot) { changing().go_back(snapshot); }
 void Simulation::keep_history() { scheduling().keeps_history = true; }

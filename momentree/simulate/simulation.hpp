@@ -271,7 +271,11 @@ class Simulation {
   /// Adds a body to any body of the world or to the ground, with the coordinates and velocities of its spec; the velocities of
   /// other bodies do not change, so that a joint at rest takes no energy. The body and its joint get the next number. Throws
   /// Error as Model::add does, and for a joint that would move no mass.
-  BodyId add(BodySpec spec);
+  ///
+  /// `collision`: what it touches others with, by the contact rules of the model. What it touches it hits at this instant. A
+  /// body that overlaps others is an Error that names the pair and the depth, or all that overlap are pushed apart
+  /// (Integration::resolve), whose energy counts as work. Throws Error for a method that does not support contact.
+  BodyId add(BodySpec spec, std::vector<contact::Solid> collision = {});
   /// Removes a body and all bodies outboard of it from the world; the joint that carries it breaks first. Their names and numbers
   /// are not used again. Actions scheduled for them are skipped or refused.
   void remove(BodyId body);

@@ -325,6 +325,9 @@ struct Simulation::Impl {
   /// Runs `act`, which adds or removes bodies, and records it as an event named `what`.
   template <class Act>
   void populate(const char* what, const std::string& body, Act act);
+  /// Adds a body to the world; throws Error, with nothing changed, if it overlaps others for good.
+  BodyId add(BodySpec spec, std::vector<contact::Solid> collision);
+  std::optional<Error> find_room(BodyId body);
 
   DryRun dry_run();
 

@@ -296,6 +296,8 @@ Model World::first_model() const {
 WorldSnapshot World::snapshot() const {
   WorldSnapshot all{
       take_snapshot(tree_, state_), {}, {}, active_limits_, {model_.bodies().begin() + first_bodies_, model_.bodies().end()}};
+  for (const Collider& collider : model_.colliders())
+    if (collider.body.index >= first_bodies_) all.added_colliders.push_back(collider);
   for (int k = 0; k < model_.size(); ++k) {
     if (names_.joint(k) != declared_.joint(k)) all.joint_names.emplace_back(k, names_.joint(k));
     if (names_.mechanism(k) != declared_.mechanism(k)) all.mechanism_names.emplace_back(k, names_.mechanism(k));
@@ -310,6 +312,7 @@ void World::restore(const WorldSnapshot& snapshot) {
   if (!snapshot.added.empty() || model_.size() != first_bodies_) {
     model_.keep(first_bodies_);
     for (const BodySpec& body : snapshot.added) model_.add_unjudged(body);
+    for (const Collider& collider : snapshot.added_colliders) model_.add_collider(collider);
     declared_ = Names(model_);
     make_room();
   }

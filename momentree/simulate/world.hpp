@@ -107,7 +107,8 @@ struct WorldSnapshot {
   Snapshot engine;
   std::vector<std::pair<int, std::string>> joint_names, mechanism_names;  ///< those that differ from the model's
   std::vector<ActiveLimit> active_limits;
-  std::vector<BodySpec> added;  ///< bodies that were added after the start
+  std::vector<BodySpec> added{};            ///< bodies that were added after the start
+  std::vector<Collider> added_colliders{};  ///< and what they touch with
 };
 
 /// Topology and names where they differ from the model: which body is carried by which, and by which joint, as in a state
@@ -266,7 +267,7 @@ class World {
   JointView loop_view(JointId joint) const;
   JointForces loop_forces(JointId joint) const;
   int carrier(JointId joint) const;
-  BodyId add(BodySpec spec);
+  BodyId add(BodySpec spec, std::vector<contact::Solid> collision);
   void remove(BodyId body);
   void make_room();
   void drive(int joint, JointFunction function);

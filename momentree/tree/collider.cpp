@@ -2,13 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <momentree/base/error.hpp>
+#include <momentree/base/wildcard.hpp>
+#include <momentree/tree/contact_rules.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree {
 
 namespace {
+
+constexpr BodyId nobody{-2};  // alone in a set: there is none yet, which is not the same as all
 
 bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -45,7 +50,7 @@ ColliderId Model::add_collider(Collider collider) {
 void Model::add_contact_rule(ContactRule rule) {
   for (const std::vector<BodyId>* const set : {&rule.one, &rule.other})
     for (const BodyId body : *set)
-      if (body != ground && (body.index < 0 || body.index >= size()))
+      if (body != ground && body != nobody && (body.index < 0 || body.index >= size()))
         throw_error({"a contact names bodies of the model, or the ground", "between", ""});
   const ContactLaw& law = rule.law;
   if (!(law.friction >= 0) || !std::isfinite(law.friction))
@@ -54,18 +59,25 @@ void Model::add_contact_rule(ContactRule rule) {
     throw_error({"the static coefficient of friction can't be smaller than the kinetic one", "friction", ""});
   if (!(law.restitution >= 0 && law.restitution <= 1))
     throw_error({"a restitution is from 0 to 1: an impact can't gain energy", "restitution", ""});
+  for (const auto& [name, set] : {std::pair{&rule.one_name, &rule.one}, {&rule.other_name, &rule.other}}) {
+    if (name->empty()) continue;
+    for (int b = 0; b < size(); ++b)
+      if (names_body(*name, (*this)[BodyId{b}].name) && (set->empty() || !holds(*set, {b}))) set->push_back({b});
+    if (set->empty()) set->push_back(nobody);
+  }
   contact_rules_.push_back(std::move(rule));
 }
 
+bool applies(const ContactRule& rule, const Model& model, BodyId one, BodyId other) {
+  const bool names_both = !rule.one.empty() && !rule.other.empty();
+  if (!names_both && !rule.law.off && are_neighbours(model, one, other)) return false;
+  return (holds(rule.one, one) && holds(rule.other, other)) || (holds(rule.one, other) && holds(rule.other, one));
+}
+
 const ContactRule* Model::contact_rule(BodyId one, BodyId other) const {
-  const bool near = are_neighbours(*this, one, other);
-  const ContactRule* found = nullptr;
-  for (const ContactRule& rule : contact_rules_) {
-    const bool names_both = !rule.one.empty() && !rule.other.empty();
-    if (near && !names_both && !rule.law.off) continue;
-    if ((holds(rule.one, one) && holds(rule.other, other)) || (holds(rule.one, other) && holds(rule.other, one))) found = &rule;
-  }
-  return found;
+  for (std::size_t i = contact_rules_.size(); i-- > 0;)
+    if (applies(contact_rules_[i], *this, one, other)) return &contact_rules_[i];
+  return nullptr;
 }
 
 ContactLaw Model::contact_law(BodyId one, BodyId other) const {

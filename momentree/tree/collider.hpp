@@ -37,6 +37,9 @@ struct ContactRule {
   std::string name{};  ///< of its impacts, if it has one
   std::vector<BodyId> one{}, other{};
   ContactLaw law{};
+  /// All bodies with this name, or of the mechanism with this name, belong to the set, too, also those that are added later, even
+  /// to a running world; `*` stands for any part of a name. Empty: only those in the set.
+  std::string one_name{}, other_name{};
 };
 
 }  // namespace momentree

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <momentree/base/wildcard.hpp>
 #include <momentree/math/unit.hpp>
 #include <momentree/tree/ids.hpp>
 
@@ -88,6 +89,10 @@ BodyId Model::add_unjudged(BodySpec spec) {
   by_body_.own().emplace(spec.name, index);
   by_joint_.own().emplace(spec.joint_name, index);
   if (spec.parent == ground) by_mechanism_.own().emplace(prefix(spec.name), index);
+  for (ContactRule& rule : contact_rules_) {
+    if (!rule.one_name.empty() && names_body(rule.one_name, spec.name)) rule.one.push_back({index});
+    if (!rule.other_name.empty() && names_body(rule.other_name, spec.name)) rule.other.push_back({index});
+  }
   bodies_.own().push_back(std::move(spec));
   return {index};
 }

@@ -141,11 +141,11 @@ class Model(_core.ModelBase):
         off: bool | None = None,
         name: str | None = None,
     ) -> None:
-        """Set the law of contacts between bodies that were added before. The last one that names a pair applies.
+        """Set the law of contacts between bodies. The last one that names a pair applies.
 
         Args:
             between: Two bodies, or names of bodies or mechanisms with ``*``, or ``"ground"``; default: all with all but
-                neighbours in the tree.
+                neighbours in the tree. Each name must be that of a body, but also stands for those that are added later.
             friction: A coefficient, or ``{"static": …, "kinetic": …}``; default 0.5.
             restitution: From 0 (default) to 1.
             off: True: they pass through each other.
@@ -328,7 +328,7 @@ class Model(_core.ModelBase):
         return f"<momentree.Model: {len(self)} bodies>"
 
 
-def _model_from_toml(text: str, order: list[str], contact: Any = ((), ())) -> Model:
+def _model_from_toml(text: str, order: list[str], contact: Any = ((), (), ())) -> Model:
     from momentree.simulation import loads
 
     model = Model.__new__(Model)

@@ -28,7 +28,7 @@ from momentree._vocabulary import (
     Vector,
     portable,
 )
-from momentree.model import Model, Parent, Shape, body_fields
+from momentree.model import Collision, Model, Parent, Shape, body_fields
 from momentree.run import Run
 
 Trigger = Union[Condition, Onset, Callable[[World], float]]
@@ -333,18 +333,20 @@ class Simulation(_core.SimulationBase):
         v: Numbers | None = None,
         joint_name: str | None = None,
         shape: Shape | None = None,
+        collision: Collision | None = None,
     ) -> Body:
         """Add a body to the running world. The velocities of other bodies do not change.
 
-        The arguments are those of :meth:`Model.add`; ``parent`` may also be a handle of this simulation.
+        The arguments are those of :meth:`Model.add`; ``parent`` may also be a handle of this simulation. With a ``collision`` it
+        hits what it touches by the model's contact rules; what it overlaps is an Error or, with ``resolve``, pushed apart.
 
         Returns:
             The body's handle.
 
         Raises:
-            Error: A value is impossible or a name unknown or used twice; the world is unchanged.
+            Error: A value is impossible, a name unknown or used twice, or contact not supported; the world is unchanged.
         """
-        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape)
+        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape, collision)
         self._add(name, parent, fields)
         return self.world.bodies[name]
 

@@ -63,8 +63,16 @@ nb::tuple contact_state(const ModelObject& self) {
     colliders.append(nb::make_tuple(c.body.index, c.plane, from_vec(c.point), from_vec(c.normal), from_solid(c.solid)));
   for (const ContactRule& r : self.model.contact_rules())
     rules.append(nb::make_tuple(r.name, numbers_of_bodies(r.one), numbers_of_bodies(r.other), r.law.friction,
-                                r.law.static_friction, r.law.restitution, r.law.off));
-  return nb::make_tuple(colliders, rules);
+                                r.law.static_friction, r.law.restitution, r.law.off, r.one_name, r.other_name));
+  nb::list meshes;  // those of collision shapes, by collider
+  for (std::size_t i = 0; i < self.collision_shapes.size(); ++i) {
+    const io::Shape& shape = self.collision_shapes[i];
+    const Quat& r = shape.at.rotation;
+    if (shape.kind == io::Shape::Kind::mesh)
+      meshes.append(
+          nb::make_tuple(i, shape.mesh, from_vec(shape.scale), from_vec(shape.at.position), nb::make_tuple(r.w, r.x, r.y, r.z)));
+  }
+  return nb::make_tuple(colliders, rules, meshes);
 }
 
 void set_contact_state(ModelObject& self, nb::handle state) {
@@ -74,6 +82,13 @@ void set_contact_state(ModelObject& self, nb::handle state) {
                              .plane = nb::cast<bool>(each[1]),
                              .point = vec_from(each[2]),
                              .normal = vec_from(each[3])});
+  self.collision_shapes.resize(self.model.colliders().size());
+  for (nb::handle each : state[2]) {
+    io::Shape& shape = self.collision_shapes.at(nb::cast<std::size_t>(each[0]));
+    const auto part = [&each](int k) { return nb::cast<double>(each[4][k]); };
+    shape.kind = io::Shape::Kind::mesh, shape.mesh = nb::cast<std::string>(each[1]), shape.scale = vec_from(each[2]);
+    shape.at = {vec_from(each[3]), {part(0), part(1), part(2), part(3)}};
+  }
   for (nb::handle each : state[1])
     self.model.add_contact_rule({.name = nb::cast<std::string>(each[0]),
                                  .one = body_ids_from(each[1]),
@@ -81,7 +96,9 @@ void set_contact_state(ModelObject& self, nb::handle state) {
                                  .law = {.friction = nb::cast<double>(each[3]),
                                          .static_friction = nb::cast<double>(each[4]),
                                          .restitution = nb::cast<double>(each[5]),
-                                         .off = nb::cast<bool>(each[6])}});
+                                         .off = nb::cast<bool>(each[6])},
+                                 .one_name = nb::cast<std::string>(each[7]),
+                                 .other_name = nb::cast<std::string>(each[8])});
 }
 
 }  // namespace

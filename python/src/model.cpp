@@ -16,6 +16,7 @@ std::shared_ptr<const io::Scenario> scenario_of(const ModelObject& model, const 
   scenario->integration = integration;
   scenario->couplings = model.couplings;
   scenario->shapes = model.shapes;
+  scenario->collision_shapes = model.collision_shapes;
   scenario->shapes.resize(static_cast<std::size_t>(model.model.size()));
   return scenario;
 }
@@ -48,6 +49,7 @@ ModelBody add(const ModelPtr& self, const std::string& name, nb::handle parent, 
   self->shapes.resize(static_cast<std::size_t>(self->model.size()));
   self->shapes.back() = std::move(part.shape);
   for (contact::Solid& solid : part.solids) self->model.add_collider({.body = body, .solid = std::move(solid)});
+  io::note_collision_shapes(self->model, std::move(part.collision_shapes), self->collision_shapes);
   return {self, body};
 }
 
@@ -194,9 +196,9 @@ void register_model(nb::module_& m) {
           "Gravity (m/s²), world axes, shape (3,), a copy; assign three numbers to change it.")
       .def("_in_order", &in_order)
       .def(
-          "to_toml", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes); },
+          "to_toml", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, true, self.collision_shapes); },
           "The model as the text of a scenario file (TOML), without events. `momentree.loads` reads it.\n\n"
-          "Raises:\n    Error: A body touches with a mesh, which a scenario names by its file.")
+          "Raises:\n    Error: A body touches with a mesh of a model file.")
       .def("_to_toml_without_contact", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, false); })
       .def("to_urdf", &to_urdf, "mechanism"_a = "",
            "One mechanism as the text of a URDF file.\n\n"

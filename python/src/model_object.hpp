@@ -15,6 +15,7 @@ struct ModelObject {
   std::vector<io::Shape> shapes;  ///< by body number
   std::vector<io::JointCoupling> couplings{};
   std::string title{};
+  std::vector<io::Shape> collision_shapes{};  ///< by collider, as in a scenario
 };
 using ModelPtr = std::shared_ptr<ModelObject>;
 

@@ -153,8 +153,7 @@ std::string add_body(const SimulationPtr& self, const std::string& name, nb::han
   std::string ground_name;
   const bool on_ground = parent.is_none() || (nb::try_cast(parent, ground_name) && ground_name == "ground");
   part.spec.parent = on_ground ? ground : body_of(world, *self, parent);
-  if (!part.solids.empty()) refuse("collision: bodies that are added to a running world can't touch others yet", "");
-  self->simulation().add(std::move(part.spec));
+  self->simulation().add(std::move(part.spec), std::move(part.solids));
   return name;
 }
 
@@ -207,7 +206,7 @@ void register_simulation(nb::module_& m) {
       .def("_model",
            [](const SimulationPtr& self) {
              const io::Scenario& s = self->scenario();
-             return std::make_shared<ModelObject>(ModelObject{s.model, s.shapes, s.couplings, s.title});
+             return std::make_shared<ModelObject>(ModelObject{s.model, s.shapes, s.couplings, s.title, s.collision_shapes});
            })
       .def_prop_ro("_has_functions",
                    [](const SimulationPtr& self) {

@@ -155,7 +155,9 @@ class Operations:
         else:
             kind = rng.choice(["Revolute", "Ball", "Free", "Weld"])
             parent = rng.choice([None, *sim.world.bodies])
-            sim.add(f"new/b{rng.randrange(99)}", mass=1, inertia=0.1, parent=parent, joint=joint(rng, kind), at=vector(rng))
+            touches = rng.choice([None, None, {"sphere": 0.1}, [{"box": [0.1, 0.2, 0.3]}, {"sphere": 0.15}]])
+            sim.add(f"new/b{rng.randrange(99)}", mass=1, inertia=0.1, parent=parent, joint=joint(rng, kind), at=vector(rng),
+                    collision=touches)  # fmt: skip
 
     def pickled(self) -> None:
         kind = self.rng.choice(list(self.pools))

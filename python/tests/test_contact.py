@@ -108,3 +108,115 @@ def test_mistakes():
         sim.when(mt.gap("box/box", "thing/b") < 1)
     with pytest.raises(mt.Error, match="takes no threshold"):
         sim.when(mt.Quantity("touch", ["box/box", "ground"]) > 1)
+
+
+def test_a_body_that_is_added_moves_as_one_that_was_there():
+    ball = dict(mass=1, inertia=0.004, joint=mt.Free(), collision={"sphere": 0.1})
+    start = dict(q=[0.05, 0, 1, 1, 0, 0, 0], v=[0.1, 0, -1, 0, 0, 0])
+    for method in ("rk4", "dop853", "stepping"):
+        model = box_above_floor(0.1, restitution=0.3)
+        sim = mt.Simulation(model, method=method, step=1e-3)
+        sim.run(0.2)
+        q, v = list(sim.q), list(sim.v)
+        handle = sim.add("ball/ball", **ball, **start)
+        model.add("ball/ball", **ball, **start)
+        other = mt.Simulation(model, method=method, step=1e-3)
+        other.set_state(q=q + start["q"], v=v + start["v"], time=0.2)
+        branch = sim.branch()
+        for each in (sim, other, branch):
+            each.run(0.5)
+            assert any("ball/ball" in (e.contact.one, e.contact.other) for e in each.events if e.name == "impact") == (method != "stepping")
+        np.testing.assert_allclose(other.q, sim.q, atol=1e-12)
+        np.testing.assert_array_equal(branch.q, sim.q)
+        sim.run(3)
+        assert {c.one for c in sim.world.contacts if c.other == "ground"} >= {"box/box"}
+        assert abs(sim.energy_balance["error"]) < 1e-6
+        sim.remove(handle)
+        sim.run(4)
+        assert {(c.one, c.other) for c in sim.world.contacts} == {("box/box", "ground")}
+        np.testing.assert_allclose(sum(c.force for c in sim.world.contacts), [0, 0, 2 * 9.81], atol=1e-5)
+
+
+def test_what_a_body_that_is_added_overlaps():
+    box = dict(mass=1, inertia=0.01, joint=mt.Free(), shape={"box": [0.2, 0.2, 0.2]}, collision="shape")
+    for resolve in (None, True):
+        sim = mt.Simulation(box_above_floor(0), resolve=resolve)
+        sim.run(0.1)
+        if resolve:
+            sim.add("new/new", q=[2, 0, 0.095, 1, 0, 0, 0], **box)
+            assert sim.world.bodies["new/new"].position[2] == pytest.approx(0.1, abs=1e-12)
+            assert sim.events[-2].name == "add" and sim.events[-2].work == pytest.approx(0.1 * 9.81)
+        else:
+            with pytest.raises(mt.Error, match="'new/new' and 'ground' overlap by 0.00"):
+                sim.add("new/new", q=[2, 0, 0.095, 1, 0, 0, 0], **box)
+            assert "new/new" not in sim.world.bodies
+        sim.run(0.3)
+        assert abs(sim.energy_balance["error"]) < 1e-9
+    sim = mt.Simulation(mt.Model(), method="midpoint")
+    with pytest.raises(mt.Error, match="does not support contact"):
+        sim.add("new/new", q=[2, 0, 0.095, 1, 0, 0, 0], **box)
+
+
+def test_contact_rules_stand_for_bodies_that_are_added_by_their_names():
+    sim = mt.Simulation(pickle.loads(pickle.dumps(box_above_floor(0, friction=0))), method="dop853")
+    for name, x in (("box/2", 0.3), ("crate/1", 1 / (2 * 0.4 * 9.81))):  # the rule for box/*, and that of the floor
+        y = len(sim.world.bodies)
+        sim.add(name, mass=1, inertia=0.01, joint=mt.Free(), q=[0, y, 0.1, 1, 0, 0, 0], v=[1, 0, 0, 0, 0, 0],
+                collision={"box": [0.2, 0.2, 0.2]})  # fmt: skip
+        end = sim.time + 0.3
+        sim.run(end)
+        assert sim.world.bodies[name].position[0] == pytest.approx(x, rel=1e-9)
+
+
+def test_rules_are_written_as_they_were_given():
+    model = box_above_floor(0, friction=0.1, name="box")
+    model.add_contact(friction=0.7)
+    model.add_contact(("box", "box/*"), off=True)
+    text = model.to_toml()
+    assert text.count("friction = ") == 4
+    for written in ('["box/*", "ground"]', '["box", "box/*"]'):
+        assert f"between = {written}" in text
+    again = mt.loads(text).model
+    assert again.to_toml() == text
+    sim = mt.Simulation(again, method="dop853")
+    sim.add("box/2", mass=1, inertia=0.01, joint=mt.Free(), q=[0, 0, 0.2, 1, 0, 0, 0], collision={"box": [0.2, 0.2, 0.2]})
+    sim.run(0.2)  # through the other box
+    assert sim.world.bodies["box/2"].position[2] == pytest.approx(0.1)
+
+
+def test_meshes_are_written_by_their_files(tmp_path):
+    corners = np.array([[0, 0, 0], [0.2, 0, 0], [0, 0.2, 0], [0, 0, 0.2]]) - 0.05
+    faces = [[corners[i] for i in face] for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))]
+    facets = ["facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in face) + "endloop\nendfacet\n"
+              for face in faces]  # fmt: skip
+    (tmp_path / "wedge.stl").write_text("solid wedge\n" + "".join(facets) + "endsolid wedge\n")
+    (tmp_path / "wedges.toml").write_text("""
+format = 1
+world = { floor = { restitution = 0.3 } }
+[[mechanism]]
+name = "one"
+root = "free"
+pose = { xyz = [0, 0, 0.5] }
+body = [{ name = "one", mass = 1, inertia = 0.01, collision = { mesh = "wedge.stl" } }]
+[[mechanism]]
+name = "two"
+root = "free"
+pose = { xyz = [1, 0, 0.5] }
+[[mechanism.body]]
+name = "two"
+mass = 1
+inertia = 0.01
+collision = [{ sphere = 0.05 }, { mesh = "wedge.stl", scale = 0.5, at = { xyz = [0, 0.1, 0], rpy = [0.3, 0.2, 0.1] } }]
+""")
+    model = mt.load(tmp_path / "wedges.toml").model
+    text = model.to_toml()
+    assert text.count("wedge.stl") == 2
+    (tmp_path / "again.toml").write_text(text)
+    models = [mt.load(tmp_path / "again.toml").model, pickle.loads(pickle.dumps(model)), copy.copy(model)]
+    expected = mt.Simulation(model).run(0.6)
+    assert any(e.name == "impact" for e in expected.events)
+    for other in models:
+        assert other.to_toml() == text
+        run = mt.Simulation(other).run(0.6)
+        for name in model.body_names:
+            np.testing.assert_allclose(run.bodies[name].position[-1], expected.bodies[name].position[-1], atol=1e-9)

@@ -1,9 +1,12 @@
 // What bodies touch with, the floor and the laws of contacts, as parts of a scenario.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <momentree/base/error.hpp>
+#include <momentree/base/wildcard.hpp>
 #include <momentree/io/convert/describe.hpp>
+#include <momentree/tree/contact_rules.hpp>
 
 namespace momentree::io {
 
@@ -69,13 +72,62 @@ Value describe_friction(const ContactLaw& law) {
   return value(std::move(table));
 }
 
+std::string name_of(const Model& model, BodyId body) { return body == ground ? "ground" : model[body].name; }
+
+// How `between` names the bodies of a rule; empty if no single name stands for them.
+std::string name_of(const std::vector<BodyId>& set, const std::string& written, const Model& model) {
+  if (set.size() == 1 && set.front() == ground) return "ground";
+  if (set.empty() || std::any_of(set.begin(), set.end(), [](BodyId body) { return body.index < 0; })) return {};
+  if (!written.empty() && std::all_of(set.begin(), set.end(), [&](BodyId body) { return names_body(written, model[body].name); }))
+    return written;
+  return set.size() == 1 ? model[set.front()].name : std::string();
+}
+
+std::vector<BodyId> bodies_that_touch(const Model& model) {
+  std::vector<BodyId> bodies;
+  for (const Collider& collider : model.colliders())
+    if (bodies.empty() || std::find(bodies.begin(), bodies.end(), collider.body) == bodies.end()) bodies.push_back(collider.body);
+  return bodies;
+}
+
+// Names that are empty: all bodies.
+Value describe_rule(const ContactRule& rule, const std::string& one, const std::string& other) {
+  Value::Table table;
+  if (!rule.name.empty()) add(table, "name", text(rule.name));
+  if (!one.empty()) add(table, "between", value(Value::Array{text(one), text(other)}));
+  add(table, "friction", describe_friction(rule.law));
+  if (rule.law.restitution != 0) add(table, "restitution", number(rule.law.restitution));
+  if (rule.law.off) add(table, "off", Value(true, Place{}));
+  return value(std::move(table));
+}
+
+// The rule that friction and restitution of a floor are read as, before all others.
+bool begins_with_rule_of_floor(const Model& model) {
+  if (model.contact_rules().empty()) return false;
+  const bool plane = std::any_of(model.colliders().begin(), model.colliders().end(), [](const Collider& c) { return c.plane; });
+  const ContactRule& rule = model.contact_rules().front();
+  return plane && rule.one.empty() && rule.other == std::vector<BodyId>{ground} && rule.name.empty() && !rule.law.off;
+}
+
+// The pairs to which a rule applies unless a later one does.
+void add_pairs(const Model& model, const std::vector<BodyId>& bodies, const ContactRule& rule, Value::Array& out) {
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    for (std::size_t k = i + 1; k < bodies.size(); ++k)
+      if (applies(rule, model, bodies[i], bodies[k]))
+        out.push_back(describe_rule(rule, name_of(model, bodies[i]), name_of(model, bodies[k])));
+}
+
 }  // namespace
 
-Value describe_collision(const Model& model, BodyId body) {
+Value describe_collision(const Model& model, BodyId body, const std::vector<Shape>& collision_shapes) {
   Value::Array all;
   LeftOut none;
-  for (const Collider& collider : model.colliders())
-    if (collider.body == body) all.push_back(describe_shape(shape_of(collider.solid, model[body].name), {}, none));
+  for (std::size_t i = 0; i < model.colliders().size(); ++i) {
+    const Collider& collider = model.colliders()[i];
+    if (collider.body != body) continue;
+    const bool mesh = i < collision_shapes.size() && collision_shapes[i].kind == Shape::Kind::mesh;
+    all.push_back(describe_shape(mesh ? collision_shapes[i] : shape_of(collider.solid, model[body].name), {}, none));
+  }
   return value(std::move(all));
 }
 
@@ -89,28 +141,37 @@ Value::Table describe_floor(const Model& model) {
     add(table, "height", number(dot(collider.normal, collider.point)));
     add(table, "normal", list(collider.normal));
   }
+  if (table.empty() || !begins_with_rule_of_floor(model)) return table;
+  const ContactLaw& law = model.contact_rules().front().law;
+  add(table, "friction", describe_friction(law));
+  if (law.restitution != 0) add(table, "restitution", number(law.restitution));
   return table;
 }
 
 Value describe_contacts(const Model& model) {
-  std::vector<BodyId> bodies;
-  for (const Collider& collider : model.colliders())
-    if (bodies.empty() || std::find(bodies.begin(), bodies.end(), collider.body) == bodies.end()) bodies.push_back(collider.body);
-  const auto name = [&model](BodyId body) { return text(body == ground ? "ground" : model[body].name); };
-  Value::Array all;
+  const std::vector<BodyId> bodies = bodies_that_touch(model);
+  Value::Array by_rules;
+  bool whole = true, of_floor = begins_with_rule_of_floor(model);
+  for (const ContactRule& rule : model.contact_rules()) {
+    if (std::exchange(of_floor, false)) continue;  // it is in the floor's table
+    const std::string one = name_of(rule.one, rule.one_name, model), other = name_of(rule.other, rule.other_name, model);
+    if (!one.empty() && !other.empty())
+      by_rules.push_back(describe_rule(rule, one, other));
+    else if (rule.one.empty() && rule.other.empty())
+      by_rules.push_back(describe_rule(rule, "", ""));
+    else if ((rule.one.empty() && other == "ground") || (rule.other.empty() && one == "ground"))
+      by_rules.push_back(describe_rule(rule, "*", "ground"));
+    else
+      whole = false, add_pairs(model, bodies, rule, by_rules);
+  }
+  if (whole) return value(std::move(by_rules));
+  // Rules for many bodies by number: pair by pair, either of each rule, or with the rule that applies in the end.
+  Value::Array by_pairs;
   for (std::size_t i = 0; i < bodies.size(); ++i)
-    for (std::size_t k = i + 1; k < bodies.size(); ++k) {
-      const ContactRule* const rule = model.contact_rule(bodies[i], bodies[k]);
-      if (rule == nullptr) continue;
-      Value::Table table;
-      if (!rule->name.empty()) add(table, "name", text(rule->name));
-      add(table, "between", value(Value::Array{name(bodies[i]), name(bodies[k])}));
-      add(table, "friction", describe_friction(rule->law));
-      if (rule->law.restitution != 0) add(table, "restitution", number(rule->law.restitution));
-      if (rule->law.off) add(table, "off", Value(true, Place{}));
-      all.push_back(value(std::move(table)));
-    }
-  return value(std::move(all));
+    for (std::size_t k = i + 1; k < bodies.size(); ++k)
+      if (const ContactRule* const rule = model.contact_rule(bodies[i], bodies[k]))
+        by_pairs.push_back(describe_rule(*rule, name_of(model, bodies[i]), name_of(model, bodies[k])));
+  return value(by_rules.size() <= by_pairs.size() ? std::move(by_rules) : std::move(by_pairs));
 }
 
 }  // namespace momentree::io

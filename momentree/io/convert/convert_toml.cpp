@@ -243,10 +243,10 @@ class Converter {
 namespace {
 
 // `bodies`: of the mechanism, in the order of its tables.
-void add_collisions(const Model& model, const std::vector<int>& bodies, Value& described) {
+void add_collisions(const Model& model, const std::vector<int>& bodies, const std::vector<Shape>& shapes, Value& described) {
   Value::Array& tables = *described.find("body")->value.array();
   for (std::size_t i = 0; i < tables.size(); ++i) {
-    Value all = describe_collision(model, {bodies[i]});
+    Value all = describe_collision(model, {bodies[i]}, shapes);
     Value::Table& body = *tables[i].table();
     if (!all.array()->empty()) body.insert(body.end() - 1, {"collision", {}, std::move(all)});
   }
@@ -264,7 +264,8 @@ Converted to_toml(const Scenario& scenario, const MeshNames& meshes) {
   return Converter(scenario, "", &meshes).convert();
 }
 
-std::string to_toml(const Model& model, const std::vector<Shape>& shapes, bool contact) {
+std::string to_toml(const Model& model, const std::vector<Shape>& shapes, bool contact,
+                    const std::vector<Shape>& collision_shapes) {
   Value::Table document, world;
   add(document, "format", Value(std::int64_t{1}, Place{}));
   const Vec3 g = model.gravity(), usual = Model().gravity();
@@ -282,7 +283,7 @@ std::string to_toml(const Model& model, const std::vector<Shape>& shapes, bool c
     if (bodies.at(mechanism).front() != b) continue;
     mechanisms.push_back(value(describe_mechanism(mechanism, model, bodies.at(mechanism), shapes, {}, "", left_out)));
     explain_carriers(mechanisms.back());
-    if (contact) add_collisions(model, bodies.at(mechanism), mechanisms.back());
+    if (contact) add_collisions(model, bodies.at(mechanism), collision_shapes, mechanisms.back());
   }
   for (const BodyForce& force : model.forces()) forces.push_back(value(describe_force(force, model)));
   for (const LoopSpec& loop : model.loops()) loops.push_back(value(describe_loop(loop, model)));

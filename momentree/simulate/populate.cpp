@@ -1,0 +1,105 @@
+// Bodies that are added to a running simulation, and those that are removed.
+#include <momentree/simulate/separate.hpp>
+#include <momentree/simulate/simulation_impl.hpp>
+
+namespace momentree {
+
+// The energy that bodies bring into the world and take out of it is work; the event's certificate states it.
+template <class Act>
+void Simulation::Impl::populate(const char* what, const std::string& body, Act act) {
+  settle();
+  continues = false;
+  const During working(doing, Doing::working);
+  Event event;
+  event.time = world.time();
+  event.name = what;
+  const Membership members(world);
+  const std::vector<JointId> joints = present_joints(world);
+  std::vector<std::string> names;
+  for (const JointId joint : joints) names.emplace_back(world.joint_name(joint));
+  std::vector<int> springs;  // that act
+  for (int s = 0; s < world.springs(); ++s)
+    if (world.tree().spring_acts(s)) springs.push_back(s);
+  const std::vector<unsigned char> coupled = acting_couplings(world.tree());
+  event.mechanisms_before = world.mechanism_names();
+  event.before = world.totals();
+  std::optional<SimulationSnapshot> past;
+  if (keeps_history) past = snapshot();
+  act();  // throws if nothing happened
+  if (past) history.push_back({events.size(), std::move(*past), {}});
+  world.take_variables(world.own_variables());
+  std::vector<SteppedContact> points = contact_steps.points();
+  make_methods();
+  const auto is_gone = [this](int each) { return each >= 0 && !world.alive({each}); };
+  std::erase_if(points, [&](const SteppedContact& point) { return is_gone(point.a) || is_gone(point.b); });
+  if (!points.empty()) contact_steps.set_points(std::move(points));
+  evaluate_state();
+  event.after = world.totals();
+  event.mechanisms_after = world.mechanism_names();
+  event.work = event.after.kinetic + event.after.potential - event.before.kinetic - event.before.potential;
+  event.actions = {{what, body, {}, body, {}, {}}};
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (is_loop(joints[i]) ? world.tree().find_loop(joints[i]) == nullptr : world.tree().carrier(joints[i].index) < 0)
+      event.topology.gone.push_back(std::move(names[i]));
+  for (const int s : springs)
+    if (!world.tree().spring_acts(s))
+      event.topology.broken_springs.push_back(world.model().springs()[static_cast<std::size_t>(s)].name);
+  for (std::size_t c = 0; c < coupled.size(); ++c)
+    if (coupled[c] != 0 && !world.tree().coupling_acts(static_cast<int>(c)))
+      event.topology.ended_couplings.push_back(world.coupling_names({static_cast<int>(c)}));
+  if (world.tree().bodies() > members.bodies()) event.topology.joints.push_back(joint_record(world, {world.tree().bodies() - 1}));
+  event.topology.moved = members.moved(Membership(world));
+  balance.work += event.work;
+  events.push_back(std::move(event));
+  queue.forget_looks();
+  resolve_limits();
+  // What can't be resolved ends the next run, which says why.
+  if (contacts.any()) static_cast<void>(resolve_contacts());
+}
+
+// What the body overlaps is an error, or pushed apart.
+std::optional<Error> Simulation::Impl::find_room(BodyId body) {
+  if (std::optional<Error> unfit = unfit_for_contact(world.model_, integration.method)) return unfit;
+  world.take_variables(world.own_variables());
+  contacts.renew();
+  const std::optional<Overlap> overlap = contacts.overlap_with(body);
+  if (!overlap) return std::nullopt;
+  if (!integration.resolve)
+    return Error{overlap->text(), "",
+                 "move one of them, let them pass through each other by a contact rule that is off, or push them apart by "
+                 "resolve = true"};
+  const std::vector<Contact> closed(world.tree_.contacts().begin(), world.tree_.contacts().end());
+  contacts.open(), contacts.set_stepped({});
+  std::optional<Error> error = Separator(world, evaluate, contacts).run().error();
+  contacts.set_stepped(stepped_bodies());
+  if (!error) contacts.close(closed);
+  return error;
+}
+
+BodyId Simulation::Impl::add(BodySpec spec, std::vector<contact::Solid> collision) {
+  if (collision.empty()) return world.add(std::move(spec), {});
+  const WorldSnapshot before = world.snapshot();
+  const BodyId body = world.add(std::move(spec), std::move(collision));
+  if (std::optional<Error> error = find_room(body)) {
+    world.restore(before);
+    contacts.renew();
+    contact_steps.set_points(contact_steps.points());
+    evaluate_state();
+    throw_error(std::move(*error));
+  }
+  return body;
+}
+
+BodyId Simulation::add(BodySpec spec, std::vector<contact::Solid> collision) {
+  const std::string name = spec.name;
+  BodyId body;
+  changing().populate("add", name, [&] { body = impl_->add(std::move(spec), std::move(collision)); });
+  return body;
+}
+
+void Simulation::remove(BodyId body) {
+  if (!changing().world.alive(body)) throw_error({"the body is no longer in this world", "", ""});
+  impl_->populate("remove", impl_->world.model()[body].name, [&] { impl_->world.remove(body); });
+}
+
+}  // namespace momentree
