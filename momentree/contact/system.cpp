@@ -102,23 +102,6 @@ void System::relax(std::size_t point) {
   relax_friction(point);
 }
 
-// The law of one point for the present forces of all others, solved exactly.
-void System::relax_exactly(std::size_t point) {
-  const std::size_t n = 3 * point;
-  double own[9], without[3], found[3];
-  for (std::size_t i = 0; i < 3; ++i) {
-    without[i] = velocity(n + i);
-    for (std::size_t j = 0; j < 3; ++j) {
-      own[3 * i + j] = element(n + i, n + j);
-      without[i] -= own[3 * i + j] * r[n + j];
-    }
-  }
-  if (solve_point(own, without, laws[point], found))
-    std::copy_n(found, 3, r.begin() + static_cast<std::ptrdiff_t>(n));
-  else
-    relax(point);
-}
-
 double System::violation(std::size_t point) const {
   const std::size_t n = 3 * point;
   const PointLaw& law = laws[point];
@@ -252,21 +235,19 @@ void System::trim() {
   }
 }
 
-// Sweeps of projections, or of solutions for single points, with Newton's method from time to time.
-bool System::sweep(int sweeps, double relaxation, bool exactly) {
+// Sweeps of projections, with Newton's method from time to time.
+bool System::sweep(int sweeps, double relaxation) {
   int next = sweeps_before_polish;
   for (int k = 1; k <= sweeps; ++k) {
     for (std::size_t i = 0; i < points(); ++i) {
       const double before[3] = {r[3 * i], r[3 * i + 1], r[3 * i + 2]};
-      exactly ? relax_exactly(i) : relax(i);
+      relax(i);
       if (relaxation < 1)
         for (std::size_t d = 0; d < 3; ++d) r[3 * i + d] = before[d] + relaxation * (r[3 * i + d] - before[d]);
     }
     if (k < next) continue;
     next = k + std::max(sweeps_before_polish, k / 2);
-    const std::vector<double> swept = r;
     if (polish()) return true;
-    if (exactly) r = swept;
   }
   return residual() <= acceptable_;
 }
@@ -334,11 +315,6 @@ bool System::solve(Effort effort, double acceptable) {
   for (const double relaxation : {0.5, 0.2, 0.05}) {  // a few sets of many points with friction cycle
     for (std::size_t i = 0; i < points(); ++i) r[3 * i] = laws[i].least, r[3 * i + 1] = r[3 * i + 2] = 0;
     if (sweep(3000, relaxation)) return true;
-  }
-  for (const double relaxation : {1.0, 0.5}) {
-    std::fill(r.begin(), r.end(), 0.0);
-    for (std::size_t i = 0; i < points(); ++i) r[3 * i] = laws[i].least;
-    if (sweep(1000, relaxation, true)) return true;
   }
   return false;
 }

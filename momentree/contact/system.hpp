@@ -63,10 +63,9 @@ class System {
   double tangent_mobility(std::size_t point) const;
   double violation(std::size_t point) const;
   void relax(std::size_t point);
-  void relax_exactly(std::size_t point);
   void relax_normal(std::size_t point);
   void relax_friction(std::size_t point);
-  bool sweep(int sweeps, double relaxation, bool exactly = false);
+  bool sweep(int sweeps, double relaxation);
   double descend();
   bool solve_at_rest();
   bool polish();
