@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Dense>
 #include <doctest/doctest.h>
+#include <Eigen/Dense>
 
 #include <momentree/contact/impact.hpp>
 #include <tests/cross/contact_piles.hpp>
