@@ -104,8 +104,12 @@ void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace
 }
 
 void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& workspace, double* u) noexcept {
-  for (const int b : tree.order()) workspace.biases[at(b)] = {};
   std::copy_n(u, tree.nv(), workspace.a.get());
+  for (const int b : tree.order()) {
+    workspace.biases[at(b)] = {};
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i)  // locks and prescribed motions take up what acts along them
+      if ((tree.link(b).locked >> i & 1u) != 0) workspace.a[tree.first_p(b) + i] = 0;
+  }
   reduce_accelerations<double, true>(tree, q, workspace);
   for (LoopRow& row : workspace.loops->rows) row.jump_to = 0;
   solve_loops(tree, q, workspace, {}, LoopRows::choose, true);

@@ -3,6 +3,7 @@
 // code with the rows of the engine.
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <doctest/doctest.h>
 
@@ -162,6 +163,59 @@ TEST_CASE("loops: rows of parallelograms pass their singular positions") {
     }
     CHECK(turned >= 5);
   }
+}
+
+TEST_CASE("loops: impulses move nothing along locks and prescribed motions, and keep the loops closed") {
+  int held = 0, driven = 0, singular = 0;
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    CAPTURE(seed);
+    RandomTreeOptions options;
+    options.conservative = true;
+    std::optional<Simulation> sim;
+    try {
+      sim.emplace(with_loops(seed, options, seed % 3 == 0), Integration{.method = "dop853", .variables = Variables::velocities});
+    } catch (const Error&) {
+      continue;  // the loops do not let a prescribed motion move
+    }
+    const World& world = sim->world();
+    Prng random(seed + 8000);
+    for (int k = 0; k < 2; ++k) {
+      const Action action = lock(std::string(world.joint_name({random.integer(0, world.model().size() - 1)})));
+      static_cast<void>(sim->try_apply(action));  // a weld has nothing to lock
+    }
+    const Tree& tree = world.tree();
+    const int n = tree.nv();
+    if (world.loops().empty() || n == 0) continue;
+    Matrix J = rows_of(world);
+    for (int b = 0; b < tree.bodies(); ++b) {
+      const JointView joint = world.joint(tree.inboard_joint({b}));
+      for (int i = 0; i < info(tree.kind(b)).nv; ++i) {
+        if (!joint.driven && (joint.locked >> i & 1u) == 0) continue;
+        J.conservativeResize(J.rows() + 1, n);
+        J.row(J.rows() - 1) = Vector::Unit(n, tree.first_p(b) + i).transpose();
+        (joint.driven ? driven : held) += 1;
+      }
+    }
+    if (nearly_singular(J)) {
+      ++singular;
+      continue;
+    }
+    const Matrix N = null_space(J);
+    Vector impulse(n), expected = Vector::Zero(n);
+    for (double& x : impulse) x = random.uniform(-1, 1);
+    if (N.cols() > 0) {
+      const Matrix M = N.transpose() * mass_of(world) * N;
+      expected = N * M.ldlt().solve(N.transpose() * impulse);
+    }
+    Workspace<double> workspace(tree);
+    accelerate(tree, world.state(), workspace);
+    Vector change = impulse;
+    solve_with_loops(tree, world.state().q().data(), workspace, change.data());
+    CHECK((change - expected).cwiseAbs().maxCoeff() < 1e-7 * (1 + expected.cwiseAbs().maxCoeff()));
+  }
+  CHECK(held > 500);
+  CHECK(driven > 50);
+  CHECK(singular < 30);
 }
 
 TEST_CASE("loops: energy and momenta of free mechanisms with loops are conserved, and the loops stay closed") {
