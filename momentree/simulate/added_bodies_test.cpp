@@ -359,20 +359,22 @@ TEST_CASE("added: the first solids of a world, and a method that steps through t
     REQUIRE(sim.run_until(2));
     CHECK(at(sim, 0).x == doctest::Approx(2));
   }
-  // Five cubes whose 40 corners rest are more than the points that are located.
+  // A table with nine feet, whose 36 corners are more than the points that are located.
   Simulation pile(with_floor(), {.method = "rk4", .step = 1e-3});
-  for (int i = 0; i < 9; ++i) pile.add(floating("c" + std::to_string(i) + "/c", {0.5 * i, 0, 0.1}), {cube()});
+  std::vector<contact::Solid> feet;
+  for (int i = 0; i < 9; ++i) feet.push_back(contact::box({0.2, 0.2, 0.2}, {0.5 * (i - 4), 0, 0}));
+  pile.add(floating("c/c", {0, 0, 0.1}), feet);
   CHECK(count(pile, "stepping") == 1);
   REQUIRE(pile.run_until(0.05));
   double force = 0;
   for (const ContactPoint& point : pile.world().contacts()) force += point.force.z;
-  CHECK(force == doctest::Approx(9 * g));
+  CHECK(force == doctest::Approx(g));
   pile.add(floating("d/d", {0, 0, 1}), {cube()});  // forces stay until the next step
   force = 0;
   for (const ContactPoint& point : pile.world().contacts()) force += point.force.z;
-  CHECK(force == doctest::Approx(9 * g));
+  CHECK(force == doctest::Approx(g));
   REQUIRE(pile.run_until(1));
-  CHECK(std::fabs(at(pile, 9).z - 0.3) < 1e-3);
+  CHECK(std::fabs(at(pile, 1).z - 0.3) < 1e-3);
 }
 
 TEST_CASE("removed: what lay on a body falls, and what lies elsewhere stays") {
