@@ -165,18 +165,25 @@ void Simulation::Impl::judge_steps() {
 void Simulation::Impl::note_before_contact_step() {
   before_step.state = world.state_;
   before_step.ledger = ledger, before_step.energy = total_energy(), before_step.proposal = method->proposal();
+  before_step.kinetic = contacts.kinetic_by_island();
 }
 
 // Where friction leaves hardly any force that keeps a contact closed, forces grow within a step to whatever the arithmetic allows
-// (Painlevé). The energy shows it.
+// (Painlevé). The energy shows it: that of the whole world, or that of an island.
 bool Simulation::Impl::contacts_gained_energy() {
   constexpr double most = 0.1, rounding = 1e-6;  // of the kinetic energy, and of all energies
+  constexpr double least_height = 1e-3;          // of the energy of falling by their own size
   const auto brought_in = [](const EnergyLedger& l) { return l.work + l.projection - l.dissipated - l.impacts; };
   const double gained = total_energy() - before_step.energy - (brought_in(ledger) - brought_in(before_step.ledger));
   const Totals now = world.totals();
   const double all = std::fabs(now.kinetic) + std::fabs(now.potential) + std::fabs(balance.initial) + std::fabs(ledger.work);
-  if (gained <= std::max(most * std::max(balance.largest_kinetic, now.kinetic), rounding * all)) return false;
-  return !(gained <= rounding * contacts.energy_of_heights());
+  if (gained <= rounding * all || gained <= rounding * contacts.energy_of_heights()) return false;
+  if (!(gained <= most * std::max(balance.largest_kinetic, now.kinetic))) return true;
+  if (!(gained > least_height * contacts.energy_of_heights())) return false;
+  const std::vector<double> kinetic = contacts.kinetic_by_island();
+  for (std::size_t i = 0; i < kinetic.size(); ++i)
+    if (gained > most * kinetic[i] && kinetic[i] - before_step.kinetic[i] > 0.5 * gained) return true;
+  return false;
 }
 
 void Simulation::Impl::undo_contact_step() {

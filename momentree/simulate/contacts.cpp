@@ -259,6 +259,21 @@ double Contacts::looked_within(const Pair& pair) {
   return pair.cable >= 0 ? HUGE_VAL : pair.one->solid.reach;
 }
 
+std::vector<double> Contacts::kinetic_by_island() const {
+  const Tree& tree = world_->tree_;
+  Islands islands(tree);
+  std::vector<bool> touches(static_cast<std::size_t>(tree.bodies()), false);
+  for (const Contact& c : tree.contacts()) islands.join(c.a, c.b);
+  for (const Contact& c : tree.contacts()) touches[static_cast<std::size_t>(islands.of(c.a >= 0 ? c.a : c.b))] = true;
+  std::vector<double> energies(touches.size(), 0.0);
+  for (const int b : tree.order()) {
+    const auto island = static_cast<std::size_t>(islands.of(b));
+    const Motion<double>& v = world_->workspace_.bodies[static_cast<std::size_t>(b)].velocity;
+    if (touches[island]) energies[island] += 0.5 * dot(v, momentum(tree.link(b).body, v));
+  }
+  return energies;
+}
+
 double Contacts::energy_of_heights() const {
   double sum = 0;
   for (const Collider& collider : world_->model_.colliders())

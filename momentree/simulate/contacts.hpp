@@ -35,6 +35,8 @@ class Contacts {
 
   /// The energy that gravity gives to solids which fall by their own size (J): the scale of energies where all of them are zero.
   double energy_of_heights() const;
+  /// Kinetic energies (J) of the islands of closed contacts, by their numbers, without those of armatures.
+  std::vector<double> kinetic_by_island() const;
 
   /// False if no bodies can touch: no other function of this class needs to be called then.
   bool any();

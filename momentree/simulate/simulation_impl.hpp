@@ -441,6 +441,7 @@ struct Simulation::Impl {
     State state{};
     EnergyLedger ledger{};
     double energy = 0, proposal = 0;
+    std::vector<double> kinetic;  // by island
   };
   BeforeStep before_step;  // of a step with closed contacts
   std::vector<Watch> all_watches;
