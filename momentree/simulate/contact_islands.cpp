@@ -12,7 +12,8 @@ namespace momentree {
 
 namespace {
 
-constexpr double longest_patience = 10;  // s
+constexpr double longest_patience = 10;   // s
+constexpr double touching_within = 1e-6;  // m
 
 }  // namespace
 
@@ -40,21 +41,26 @@ void Simulation::Impl::update_islands() {
   contacts.set_stepped(stepped_bodies());
 }
 
-// `at`: bodies of the islands; empty: of all islands that touch anything, or of all if none does.
+// `at`: bodies of the islands; empty, or if these are stepped through already: of all islands that touch anything, or of all.
 void Simulation::Impl::begin_stepping(const std::string& why, const std::vector<int>& at) {
   Islands islands(world.tree_);
   contacts.join_touching(islands);
-  std::vector<int> chosen;
-  for (const int body : at.empty() ? contacts.touching_bodies() : at)
-    if (body >= 0) chosen.push_back(islands.of(body));
   stepping.bodies.resize(static_cast<std::size_t>(world.tree_.bodies()));
   std::vector<int> begin;
-  for (const int b : world.tree_.order()) {
-    SteppedBody& body = stepping.bodies[static_cast<std::size_t>(b)];
-    if (body.on || (!chosen.empty() && std::find(chosen.begin(), chosen.end(), islands.of(b)) == chosen.end())) continue;
-    body.on = true, body.since_impact = world.time();
-    begin.push_back(b);
-  }
+  const auto begin_at = [&](const std::vector<int>& bodies) {
+    std::vector<int> chosen;
+    for (const int body : bodies)
+      if (body >= 0) chosen.push_back(islands.of(body));
+    for (const int b : world.tree_.order()) {
+      SteppedBody& body = stepping.bodies[static_cast<std::size_t>(b)];
+      if (body.on || std::find(chosen.begin(), chosen.end(), islands.of(b)) == chosen.end()) continue;
+      body.on = true, body.since_impact = world.time();
+      begin.push_back(b);
+    }
+  };
+  begin_at(at);
+  if (begin.empty()) begin_at(contacts.touching_bodies());
+  if (begin.empty()) begin_at({world.tree_.order().begin(), world.tree_.order().end()});
   if (!stepping.on) contact_steps.set_points({});
   stepping.on = true;
   stepping.changes = stepping.changes_at_once = 0;
@@ -92,12 +98,19 @@ void Simulation::Impl::after_contact_step() {
   for (const int body : contact_steps.hits()) of(body).since_impact = world.time();
   Islands islands(world.tree_);
   for (const auto& [a, b] : contact_steps.touching()) islands.join(a, b);
-  for (const int number : islands.all()) {
-    if (!of(number).on) continue;
+  const auto is_due = [&](int number) {
     double since = 0, patience = 0;
     for (const int b : world.tree_.order())
       if (islands.of(b) == number) since = std::max(since, of(b).since_impact), patience = std::max(patience, of(b).patience);
-    if (world.time() - since < patience) continue;
+    return of(number).on && world.time() - since >= patience;
+  };
+  const std::vector<int> all = islands.all();
+  if (std::none_of(all.begin(), all.end(), is_due)) return;
+  std::vector<Contact> near;  // also what the step itself brought together
+  contacts.add_near(touching_within, near);
+  for (const Contact& c : near) islands.join(c.a, c.b);
+  for (const int number : islands.all()) {
+    if (!is_due(number)) continue;
     const auto here = [&](const SteppedContact& point) { return islands.of(point.a >= 0 ? point.a : point.b) == number; };
     const std::vector<SteppedContact>& points = contact_steps.points();
     if (static_cast<std::size_t>(std::count_if(points.begin(), points.end(), here)) > Contacts::most_points) continue;

@@ -133,7 +133,7 @@ bool Simulation::Impl::flood_of_changes(std::size_t first) {
   if (!(now <= stepping.instant + instant_length)) stepping.instant = now, stepping.changes_at_once = 0;
   const auto pair_of = [&](std::size_t event) { return std::pair(events[event].contact.one, events[event].contact.other); };
   const bool bounces = first > 0 && first + 1 == events.size() && pair_of(first) == pair_of(first - 1);
-  if (!bounces) ++stepping.changes;
+  if (!bounces && events.size() > first) ++stepping.changes;
   return stepping.changes > most_changes || ++stepping.changes_at_once > most_changes_at_once;
 }
 
@@ -141,10 +141,13 @@ bool Simulation::Impl::flood_of_changes(std::size_t first) {
 std::vector<int> Simulation::Impl::bodies_of_flood() const {
   std::map<std::string_view, int> changes;
   std::string_view most;
-  for (auto event = events.rbegin(); event != events.rend() && event->time >= stepping.window; ++event)
-    if (!event->contact.one.empty() && ++changes[event->contact.one] > changes[most]) most = event->contact.one;
-  if (most.empty()) return {};
-  return {world.model_.body(most).index};
+  for (auto event = events.rbegin(); event != events.rend() && event->time >= stepping.window; ++event) {
+    const std::string& one = event->contact.one;
+    if (one.empty() || is_stepped(world.model_.body(one))) continue;
+    if (++changes[one] > changes[most]) most = one;
+  }
+  if (!most.empty()) return {world.model_.body(most).index};
+  return world.tree_.contacts().empty() ? std::vector<int>() : contacts.slowest();
 }
 
 // Adaptive steps that contacts keep short beyond reason would never reach the end.

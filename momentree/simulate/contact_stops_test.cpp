@@ -1,6 +1,7 @@
 // Stops of joints that are hit, or transmit impulses, while bodies touch: one impact, in closed form.
 #include <cmath>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -171,5 +172,47 @@ TEST_CASE("contact and stops: arms that fall on a floor come to rest, however sl
     for (const Event& event : sim.events()) CHECK(event.lost > -1e-9);
     CHECK(std::fabs(sim.energy().error) < (fixed ? 1e-4 : 1e-5));
     CHECK(sim.statistics().steps < 10000);
+  }
+}
+
+TEST_CASE("contact: a ball that slides over the edge of a box falls from it, and not at the end of a step only") {
+  // Without friction it leaves the edge where its weight no longer suffices for the circle about it: cos θ = 2/3 + v²/(3 g R).
+  constexpr double radius = 0.15, v = 0.3, x = 0.1, edge = 0.2, top = 0.5;
+  for (const char* method : {"rk4", "dopri5", "dop853"}) {
+    for (const bool other : {false, true}) {  // another contact elsewhere changes nothing
+      CAPTURE(method);
+      Model model;
+      const BodyId table = model.add({.name = "table", .mass = 1, .inertia = diagonal(1), .at = {0, 0, top - 0.1}});
+      model.add_collider({.body = table, .solid = contact::box({0.4, 0.4, 0.2})});
+      const BodyId ball = model.add({.name = "ball",
+                                     .mass = 1,
+                                     .inertia = diagonal(0.01),
+                                     .joint = Free{},
+                                     .q = {x, 0, top + radius, 1, 0, 0, 0},
+                                     .v = {v, 0, 0, 0, 0, 0}});
+      model.add_collider({.body = ball, .solid = contact::sphere(radius)});
+      model.add_contact_rule({.law = {.friction = 0, .static_friction = 0}});
+      if (other) {
+        const BodyId far =
+            model.add({.name = "far", .mass = 1, .inertia = diagonal(0.01), .joint = Free{}, .q = {30, 0, 1.1, 1, 0, 0, 0}});
+        model.add_collider({.body = far, .solid = contact::sphere(0.1)});
+        model.add_collider({.plane = true});
+      }
+      Simulation sim(model, {.method = method, .step = 1e-3, .rtol = 1e-11, .atol = 1e-13});
+      REQUIRE(sim.run_until(0.8) == Status::ok);
+      double lifts = -1;
+      for (const Event& event : sim.events())
+        if (event.name == "lift") lifts = event.time;
+      // From θ = 0 at the edge, with θ'² = (v/R)² + 2 g/R (1 − cos θ).
+      const double leaves = std::acos(2.0 / 3 + v * v / (3 * g * radius));
+      double time = (edge - x) / v;
+      constexpr int parts = 4000;
+      for (int i = 0; i <= parts; ++i) {
+        const double angle = leaves * i / parts, weight = (i == 0 || i == parts ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) / 3;
+        time += weight * leaves / parts / std::sqrt(v * v / (radius * radius) + 2 * g / radius * (1 - std::cos(angle)));
+      }
+      CHECK(std::fabs(lifts - time) < (std::string(method) == "rk4" ? 1e-7 : 1e-8));
+      CHECK(std::fabs(sim.energy().error) < 1e-8);
+    }
   }
 }

@@ -239,6 +239,19 @@ Contacts::Gap Contacts::gap_of(int number, double within) const {
   return least;
 }
 
+// True if the features of a pair that are in contact are still those that touch.
+bool Contacts::face_each_other(int number) const {
+  const Pair& pair = pairs_[static_cast<std::size_t>(number)];
+  found_candidates_.clear();
+  candidates(pair, 1e-6 * pair.size(*this), found_candidates_);
+  for (const Contact& c : world_->tree_.contacts()) {
+    if (c.pair != number) continue;
+    const auto same = [&](const contact::Candidate& found) { return found.id == c.id; };
+    if (std::none_of(found_candidates_.begin(), found_candidates_.end(), same)) return false;
+  }
+  return true;
+}
+
 // How far rounding may be off in a gap (m).
 double Contacts::noise_of(int number) const {
   const Pair& pair = pairs_[static_cast<std::size_t>(number)];
@@ -321,6 +334,13 @@ std::span<const Watch> Contacts::watches(double& h) {
       if (norm(v) > slowest_slip)
         conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), normalized(v)), 0.0, true);
     }
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(closed[i].pair)];
+    if (i > 0 && closed[i].pair == closed[i - 1].pair) continue;
+    // Corners never leave a plane.
+    if (pair.cable >= 0 || (pair.other->plane && pair.one->solid.rim == 0)) continue;
+    conditions_.emplace_back(std::make_shared<Leaves>(*this, closed[i].pair), 0.0, true);
+  }
   for (const Condition& condition : conditions_) {
     const double excess = condition.excess(world, {}).value_or(-1);
     Watch watch{&condition, 0};

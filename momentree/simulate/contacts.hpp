@@ -103,6 +103,7 @@ class Contacts {
   struct PairGap;
   struct Hold;
   struct Slip;
+  struct Leaves;
   struct Pair {
     const Collider *one = nullptr, *other = nullptr;  ///< none of a cable
     int a = -1, b = -1;                               ///< bodies; the ground is the second one
@@ -151,6 +152,7 @@ class Contacts {
   double longest_step(const Pair& pair, double distance, double speed, double acceleration) const;
   double time_to_stand(const Pair& pair, double acceleration) const;
   Gap gap_of(int pair, double within) const;
+  bool face_each_other(int pair) const;
   double noise_of(int pair) const;
   Vec3 slip_velocity(int contact) const;
   double slip_time(std::size_t contact) const;

@@ -29,6 +29,18 @@ struct Contacts::Hold : Quantity {
   std::optional<double> value(const World&, std::span<const Event>) const override { return all->excess_of_forces(); }
 };
 
+/// Positive where features of a pair that are in contact no longer face each other: a ball rolls off the edge of a face.
+struct Contacts::Leaves : Quantity {
+  const Contacts* all;
+  int pair;
+  Leaves(const Contacts& contacts, int number) : all(&contacts), pair(number) {}
+  std::string_view key() const override { return "leaves"; }
+  const char* summary() const override { return "Whether features in contact no longer face each other"; }
+  void fields(QuantityFields&) override {}
+  Dimension dimension() const override { return dimension::number; }
+  std::optional<double> value(const World&, std::span<const Event>) const override { return all->face_each_other(pair) ? -1 : 1; }
+};
+
 /// Positive where a contact moves against the direction in which it slipped at the start of the step.
 struct Contacts::Slip : Quantity {
   const Contacts* all;
