@@ -133,6 +133,11 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
       editor.begin(event, "");
       editor.apply_contact_impulses(generalised, on_bodies, on_ground);
       event.after = world_->totals();
+      if (!tree.driven_joints().empty()) {
+        // What the contacts did not take, prescribed motions brought in.
+        const double taken = -system_.energy_change();
+        event.work += taken - event.lost, event.lost = taken;
+      }
       editor.certify(event);
       booked = true;
     }

@@ -288,3 +288,27 @@ TEST_CASE("contact: a force that grows sets a block in motion at the instant, in
     CHECK(std::fabs(v.y) < 1e-5);
   }
 }
+
+TEST_CASE("contact: what a prescribed motion does in an impact is work, and the impact loses energy") {
+  for (const double e : {0.0, 0.5, 1.0}) {
+    constexpr double mass = 2, height = 0.3, omega = 2 * std::numbers::pi;
+    Model model({.gravity = {0, 0, 0}});
+    const BodyId plate = model.add({.name = "plate",
+                                    .mass = 5,
+                                    .inertia = diagonal(0.1),
+                                    .joint = Prismatic{.axis = {0, 0, 1}, .drive = motion_drive(Signal::sine(0.5, 1))}});
+    const BodyId ball = model.add(
+        {.name = "ball", .mass = mass, .inertia = diagonal(0.01), .joint = Free{}, .q = {0, 0, height + 0.15, 1, 0, 0, 0}});
+    model.add_collider({.body = plate, .solid = contact::box({0.8, 0.8, 0.1})});
+    model.add_collider({.body = ball, .solid = contact::sphere(0.1)});
+    model.add_contact_rule({.law = {.restitution = e}});
+    Simulation sim(model, {.method = "dop853"});
+    REQUIRE(sim.run_until(0.2) == Status::ok);
+    const Event* const hit = first(sim, "impact");
+    REQUIRE(hit != nullptr);
+    const double v = 0.5 * omega * std::cos(omega * hit->time);
+    CHECK(hit->lost == doctest::Approx(0.5 * mass * v * v * (1 - e * e)));
+    CHECK(hit->work == doctest::Approx((1 + e) * mass * v * v));
+    CHECK(std::fabs(sim.energy().error) < 1e-8);
+  }
+}
