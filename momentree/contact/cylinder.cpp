@@ -175,7 +175,10 @@ struct CylinderSearch {
     const Vec3 centre = world_end(end), out_world = of_cylinder.R * outward(end);
     const double s = std::clamp(dot(to, centre - from), 0.0, line.length), seen = std::fabs(dot(out_world, to));
     if (norm(from + s * to - centre) > cylinder.rim + other.radius + within) return;
-    if (cylinder.rim * seen < standing) return edge_across_end(k, line, end, from, to);
+    // Beside an end that is parallel to it an edge passes the rim at one point.
+    const Vec3 aside = from + dot(to, centre - from) * to - centre;
+    const double off = norm(aside - dot(aside, out_world) * out_world);
+    if (cylinder.rim * seen < standing && off < cylinder.rim) return edge_across_end(k, line, end, from, to);
     Features f{FeaturePair::circle_line, cylinder.ends[end], outward(end), line.from, line.along, 0, other.radius};
     f.rim = cylinder.rim, f.side = seen < thin ? 1 : 0;
     if (!nearest_to_line(centre - from, out_world, f.rim, to, f.side > 0).found) return;
