@@ -5,6 +5,7 @@
 // then not longer than the given step, and get their impulses at the ends. A body that such an island touches joins it. If all
 // mechanisms are stepped through, the method of time stepping takes the place of the other one.
 #include <algorithm>
+#include <map>
 
 #include <momentree/simulate/simulation_impl.hpp>
 
@@ -98,19 +99,23 @@ void Simulation::Impl::after_contact_step() {
   for (const int body : contact_steps.hits()) of(body).since_impact = world.time();
   Islands islands(world.tree_);
   for (const auto& [a, b] : contact_steps.touching()) islands.join(a, b);
-  const auto is_due = [&](int number) {
-    double since = 0, patience = 0;
-    for (const int b : world.tree_.order())
-      if (islands.of(b) == number) since = std::max(since, of(b).since_impact), patience = std::max(patience, of(b).patience);
-    return of(number).on && world.time() - since >= patience;
+  const auto find_due = [&] {
+    std::map<int, SteppedBody> all;  // by number of the island
+    for (const int b : world.tree_.order()) {
+      if (!of(b).on) continue;
+      SteppedBody& island = all.try_emplace(islands.of(b), of(b)).first->second;
+      island.since_impact = std::max(island.since_impact, of(b).since_impact);
+      island.patience = std::max(island.patience, of(b).patience);
+    }
+    std::erase_if(all, [&](const auto& each) { return world.time() - each.second.since_impact < each.second.patience; });
+    return all;
   };
-  const std::vector<int> all = islands.all();
-  if (std::none_of(all.begin(), all.end(), is_due)) return;
+  if (find_due().empty()) return;
   std::vector<Contact> near;  // also what the step itself brought together
   contacts.add_near(touching_within, near);
   for (const Contact& c : near) islands.join(c.a, c.b);
-  for (const int number : islands.all()) {
-    if (!is_due(number)) continue;
+  for (const auto& [number, island] : find_due()) {
+    if (!of(number).on) continue;
     const auto here = [&](const SteppedContact& point) { return islands.of(point.a >= 0 ? point.a : point.b) == number; };
     const std::vector<SteppedContact>& points = contact_steps.points();
     if (static_cast<std::size_t>(std::count_if(points.begin(), points.end(), here)) > Contacts::most_points) continue;

@@ -142,23 +142,22 @@ TEST_CASE("islands: what is hit by an island that is stepped through joins it") 
   for (const BodyMotion& m : sim.world().motions()) CHECK(m.pose.position.z > 0.09);
 }
 
-TEST_CASE("islands: momentum is exact, and a pendulum beside them keeps its energy to the method's accuracy") {
+TEST_CASE("islands: a pendulum beside a column that is stepped through keeps its energy to the method's accuracy") {
   Model model;
   add_column(model, 12);
-  const BodyId bob = model.add({.name = "pendulum/bob",
-                                .mass = 1,
-                                .com = {0, 0, -1},
-                                .inertia = diagonal(0.01),
-                                .at = {5, 0, 3},
-                                .joint = Revolute{{0, 1, 0}},
-                                .q = {1.2}});
+  model.add({.name = "pendulum/bob",
+             .mass = 1,
+             .com = {0, 0, -1},
+             .inertia = diagonal(0.01),
+             .at = {5, 0, 3},
+             .joint = Revolute{{0, 1, 0}},
+             .q = {1.2}});
   add_floor(model, 0.5);
   Simulation sim(model, {.method = "dop853", .step = 1e-3, .rtol = 1e-12, .atol = 1e-13});
   REQUIRE(sim.run_until(1.5));
   REQUIRE_FALSE(named(sim, "stepping").empty());
   const double q = sim.world().joint(model.joint("pendulum/bob")).q[0], v = sim.world().joint(model.joint("pendulum/bob")).v[0];
   CHECK(0.5 * 1.01 * v * v - g * std::cos(q) == doctest::Approx(-g * std::cos(1.2)).epsilon(1e-10));
-  CHECK(bob.index >= 0);
 }
 
 TEST_CASE("islands: a run that is restored, or continued from its state, goes on to the bit") {

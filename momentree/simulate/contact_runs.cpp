@@ -143,7 +143,7 @@ std::vector<int> Simulation::Impl::bodies_of_flood() const {
   std::string_view most;
   for (auto event = events.rbegin(); event != events.rend() && event->time >= stepping.window; ++event) {
     const std::string& one = event->contact.one;
-    if (one.empty() || is_stepped(world.model_.body(one))) continue;
+    if (one.empty() || contacts.is_stepped(world.model_.body(one).index)) continue;
     if (++changes[one] > changes[most]) most = one;
   }
   if (!most.empty()) return {world.model_.body(most).index};

@@ -414,32 +414,31 @@ std::string Contacts::event_name(const char* what, int number) const {
 // Of the present forces: how far they are outside of what contacts can exert, relative to the largest force of their island.
 // Where several contacts share a load, others may carry it as well: only if no forces can, the contacts change.
 double Contacts::excess_of_forces() {
-  const World& world = *world_;
-  world.evaluate();
-  const std::span<const Contact> closed = world.tree_.contacts();
-  const ContactRows& rows = world.workspace_.contacts->rows;
+  world_->evaluate();
   double worst = -1;
-  for (const std::vector<std::size_t>& island : rows.islands()) {
-    std::vector<Contact> contacts;
-    for (const std::size_t i : island) contacts.push_back(closed[i]);
-    worst = std::max(worst, excess_of_island(contacts, rows.of(island)));
-  }
+  for (const std::vector<std::size_t>& island : world_->workspace_.contacts->rows.islands())
+    worst = std::max(worst, excess_of_island(island));
   return worst;
 }
 
-double Contacts::excess_of_island(const std::vector<Contact>& closed, ContactRows rows) {
+double Contacts::excess_of_island(const std::vector<std::size_t>& island) {
+  const std::span<const Contact> closed = world_->tree_.contacts();
+  const ContactRows& rows = world_->workspace_.contacts->rows;
   const std::vector<double>& r = rows.forces;
-  const double size = std::max(largest(r), 1e-300);
-  double worst = -1;
-  for (std::size_t i = 0; i < closed.size(); ++i) {
+  double size = 1e-300, worst = -1;
+  for (const std::size_t i : island)
+    for (std::size_t k = 0; k < 3; ++k) size = std::max(size, std::fabs(r[3 * i + k]));
+  for (const std::size_t i : island) {
     worst = std::max(worst, -r[3 * i] / size);
     if (closed[i].mode != Contact::Mode::stick) continue;
     const double most = pairs_[static_cast<std::size_t>(closed[i].pair)].law.static_friction * r[3 * i];
     worst = std::max(worst, (std::hypot(r[3 * i + 1], r[3 * i + 2]) - most) / size);
   }
-  if (worst <= rounding || closed.size() < 2) return worst;
-  rows_ = std::move(rows);
-  return excess_of_shared_forces(closed, worst);
+  if (worst <= rounding || island.size() < 2) return worst;
+  std::vector<Contact> contacts;
+  for (const std::size_t i : island) contacts.push_back(closed[i]);
+  rows_ = rows.of(island);
+  return excess_of_shared_forces(contacts, worst);
 }
 
 // Positive if no forces keep the contacts as they are: the acceleration with which they open or begin to slip, relative to the

@@ -337,8 +337,7 @@ std::span<const Watch> Contacts::watches(double& h) {
   for (std::size_t i = 0; i < closed.size(); ++i) {
     const Pair& pair = pairs_[static_cast<std::size_t>(closed[i].pair)];
     if (i > 0 && closed[i].pair == closed[i - 1].pair) continue;
-    // Corners never leave a plane.
-    if (pair.cable >= 0 || (pair.other->plane && pair.one->solid.rim == 0)) continue;
+    if (pair.cable >= 0 || pair.other->plane) continue;  // a plane has no edges
     conditions_.emplace_back(std::make_shared<Leaves>(*this, closed[i].pair), 0.0, true);
   }
   for (const Condition& condition : conditions_) {

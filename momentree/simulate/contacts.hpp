@@ -47,7 +47,7 @@ class Contacts {
   struct Unresolved {
     std::string why;
     bool can_be_stepped = true;  ///< time stepping continues from there
-    std::vector<int> bodies{};   ///< where that is; empty: at all contacts
+    std::vector<int> bodies{};   ///< of the island for which that is true; empty: of all that touch
   };
   /// Resolves the present instant: impacts, and which contacts are closed from now on.
   std::optional<Unresolved> resolve(std::vector<Event>& events);
@@ -65,7 +65,10 @@ class Contacts {
   void close(std::vector<Contact> closed) { set(std::move(closed)); }
   /// The bodies that are stepped through, by number; none: all or no bodies are.
   void set_stepped(std::vector<bool> bodies);
-  /// Of bodies that touch at present, or whose contacts are closed.
+  bool is_stepped(int body) const {
+    return body >= 0 && static_cast<std::size_t>(body) < stepped_.size() && stepped_[static_cast<std::size_t>(body)];
+  }
+  /// Joins the islands of bodies that touch at present, or whose contacts are closed.
   void join_touching(Islands& islands);
   std::vector<int> touching_bodies();
   /// The bodies of pairs that touch, one of which is stepped through and one of which is not.
@@ -135,9 +138,6 @@ class Contacts {
 
   enum class Handling : unsigned char { located, stepped, between };
   Handling handling(const Pair& pair) const;
-  bool is_stepped(int body) const {
-    return body >= 0 && static_cast<std::size_t>(body) < stepped_.size() && stepped_[static_cast<std::size_t>(body)];
-  }
   void find_any();
   std::optional<Overlap> deepest(int body);
   const std::vector<int>& near_pairs(double h, double margin) const;
@@ -175,7 +175,7 @@ class Contacts {
   std::string name_of(int body) const;
   std::string event_name(const char* what, int pair) const;
   double excess_of_forces();
-  double excess_of_island(const std::vector<Contact>& closed, ContactRows rows);
+  double excess_of_island(const std::vector<std::size_t>& island);
   double excess_of_shared_forces(const std::vector<Contact>& closed, double otherwise);
 
   World* world_;

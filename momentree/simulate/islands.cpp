@@ -5,10 +5,9 @@
 
 namespace momentree {
 
-Islands::Islands(const Tree& tree)
-    : next_(static_cast<std::size_t>(tree.bodies())), order_(tree.order().begin(), tree.order().end()) {
+Islands::Islands(const Tree& tree) : next_(static_cast<std::size_t>(tree.bodies())) {
   std::iota(next_.begin(), next_.end(), 0);
-  for (const int b : order_) join(b, tree.parent(b));
+  for (const int b : tree.order()) join(b, tree.parent(b));
   for (const Loop& loop : tree.loops()) join(loop.body, loop.to);
   const std::span<const Coupling> couplings = tree.couplings();
   for (std::size_t c = 0; c < couplings.size(); ++c)
@@ -25,14 +24,6 @@ void Islands::join(int a, int b) {
 int Islands::of(int body) const {
   while (next_[static_cast<std::size_t>(body)] != body) body = next_[static_cast<std::size_t>(body)];
   return body;
-}
-
-std::vector<int> Islands::all() const {
-  std::vector<int> numbers;
-  for (const int b : order_) numbers.push_back(of(b));
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  return numbers;
 }
 
 }  // namespace momentree

@@ -14,12 +14,9 @@ class Islands {
   void join(int a, int b);
   /// The number of a body's island: that of one of its bodies.
   int of(int body) const;
-  /// The islands that there are, by number, in ascending order.
-  std::vector<int> all() const;
 
  private:
   std::vector<int> next_;  // by body: another one of its island; itself: its number
-  std::vector<int> order_;
 };
 
 }  // namespace momentree

@@ -199,10 +199,6 @@ struct Simulation::Impl {
   bool some_step() const { return stepping.on && !stepping.all; }
   void begin_stepping(const std::string& why, const std::vector<int>& at);
   std::vector<bool> stepped_bodies() const;
-  bool is_stepped(BodyId body) const {
-    const auto i = static_cast<std::size_t>(body.index);
-    return i < stepping.bodies.size() && stepping.bodies[i].on;
-  }
   void update_islands();
   void join_touched_islands();
   void step_islands(double h);
