@@ -52,10 +52,33 @@ void add_conserved(Table& table, const char* what, const char* unit, const Vec3&
              change == 0 ? "0" : format("%.1e %s", change, unit), relative(change, size)});
 }
 
+bool at_contact(const Event& event) { return !event.contact.one.empty(); }
+
+std::string bodies_text(const Event::Contact& contact) {
+  if (!contact.cable.empty()) return "cable " + contact.cable;
+  const auto with_article = [](const std::string& body) { return body == "ground" ? "the ground" : body; };
+  return with_article(contact.one) + " and " + with_article(contact.other);
+}
+
+std::string event_heading(const Event& event, const Style& style) {
+  return "  " + style.heading(format("%.9g s  %s", event.time, event.name.c_str())) + "  ";
+}
+
+// One line: there are many of these events, and their certificates are in events.jsonl.
+std::string contact_text(const Event& event, const Style& style) {
+  std::string text = event_heading(event, style) + bodies_text(event.contact);
+  if (const double size = norm(event.contact.impulse); size > 0) text += format("  impulse %.4g N s", size);
+  if (event.lost > 0) text += format("  lost %.4g J", event.lost);
+  return text + '\n';
+}
+
 std::string event_text(const Event& event, const Style& style) {
-  std::string text = "  " + style.heading(format("%.9g s  %s", event.time, event.name.c_str())) + "  ";
+  if (at_contact(event)) return contact_text(event, style);
+  std::string text = event_heading(event, style);
   for (std::size_t i = 0; i < event.actions.size(); ++i) text += (i > 0 ? "; " : "") + event.actions[i].text();
   text += event.reason;
+  if (!event.stepped.empty()) text += (event.reason.empty() ? "" : ": ") + joined(event.stepped);
+  if (!event.stepped.empty() || !event.reason.empty()) return text + '\n';  // contacts are computed otherwise: nothing changes
   if (event.duration_ns > 0) text += "  " + style.dim("in " + duration_text(event.duration_ns * 1e-9));
   if (event.mechanisms_before != event.mechanisms_after)
     text += "\n    mechanisms: " + joined(event.mechanisms_before) + "  →  " + joined(event.mechanisms_after);
@@ -83,7 +106,7 @@ std::string energy_text(const EnergyBalance& e, const Style& style) {
   };
   row("at the start", e.initial);
   row("at the end", e.final);
-  row("dissipated by dampers", e.dissipated);
+  row("dissipated by damping and friction", e.dissipated);
   row("work of efforts", e.work);
   if (e.lost_in_impacts != 0) row("lost in impacts", e.lost_in_impacts);
   if (e.released != 0) row("released by topology changes", e.released);
@@ -130,8 +153,13 @@ std::string report_text(const RunReport& report, const Simulation& simulation, c
   const std::vector<Event>& events = simulation.events();
   if (!events.empty()) text += '\n' + style.heading("Events") + '\n';
   constexpr std::size_t most = 20;
-  for (std::size_t i = 0; i < std::min(events.size(), most); ++i) text += event_text(events[i], style);
-  if (events.size() > most) text += format("  … and %zu more, in events.jsonl\n", events.size() - most);
+  std::size_t shown[2] = {}, left_out = 0;  // of contacts, and others: many impacts do not hide what breaks
+  for (const Event& event : events)
+    if (++shown[at_contact(event) ? 0 : 1] <= most)
+      text += event_text(event, style);
+    else
+      ++left_out;
+  if (left_out > 0) text += format("  … and %zu more, in events.jsonl\n", left_out);
   const std::vector<MissedEvent> missed = io::missed_events(simulation);
   if (!missed.empty()) text += '\n' + style.heading("Events that did not happen") + '\n';
   for (std::size_t i = 0; i < std::min(missed.size(), most); ++i) text += missed_text(missed[i]);

@@ -79,6 +79,7 @@ ImpactResult ImpactLaw::together(System& system, const std::vector<double>& rest
 
 ImpactResult ImpactLaw::in_turn(System& system, const std::vector<double>& restitution) {
   ImpactResult result;
+  for (PointLaw& law : system.laws) law.least = 0, law.slipping = false;
   const std::size_t points = system.points(), n = system.unknowns();
   total_.assign(n, 0.0);
   velocity_ = system.b;
@@ -92,16 +93,15 @@ ImpactResult ImpactLaw::in_turn(System& system, const std::vector<double>& resti
       if (velocity_[3 * i] < -approach && (found == points || velocity_[3 * i] < velocity_[3 * found] - approach)) found = i;
     return found;
   };
-  // Points may hit each other without end: after this many impacts they no longer rebound.
   const std::size_t most = 1000 * points;
   std::size_t at = fastest();
-  for (std::size_t k = 0; at != points && k < 20 * most; ++k, at = fastest()) {
+  for (std::size_t k = 0; at != points && k < most; ++k, at = fastest()) {
     for (std::size_t i = 0; i < 3; ++i) {
       single_.b[i] = velocity_[3 * at + i];
       for (std::size_t j = 0; j < 3; ++j) single_.element(i, j) = system.element(3 * at + i, 3 * at + j);
     }
     single_.laws[0].friction = system.laws[at].friction;
-    one_restitution_[0] = k < most ? restitution[at] : 0;
+    one_restitution_[0] = restitution[at];
     const ImpactResult one = together(single_, one_restitution_);
     if (!one.solved) {
       result.solved = false;
@@ -112,7 +112,15 @@ ImpactResult ImpactLaw::in_turn(System& system, const std::vector<double>& resti
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < 3; ++j) velocity_[i] += system.element(i, 3 * at + j) * single_.r[j];
   }
-  result.solved = at == points || velocity_[3 * at] > -1e-8 * size;
+  if (at != points) {  // they hit each other without end: the rest at once, and without rebound
+    double left = 0;
+    for (const double x : velocity_) left = std::max(left, std::fabs(x));
+    system.b.swap(velocity_);
+    std::fill(system.r.begin(), system.r.end(), 0.0);
+    result.solved = system.solve(Effort::full, std::max(1e-11, approach / left));
+    system.b.swap(velocity_);
+    for (std::size_t i = 0; i < n; ++i) total_[i] += system.r[i];
+  }
   system.r = total_;
   return result;
 }

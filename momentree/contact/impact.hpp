@@ -15,7 +15,8 @@ namespace momentree::contact {
 /// How simultaneous contacts share an impact.
 enum class Simultaneous : unsigned char {
   together,  ///< one impact at all points
-  in_turn    ///< point by point, the one that approaches fastest first, until none approaches
+  in_turn    ///< point by point, the one that approaches fastest first, until none approaches; after 1000 impacts for each
+             ///< point the rest together, without restitution
 };
 
 struct ImpactResult {

@@ -11,8 +11,7 @@ namespace momentree::contact {
 namespace {
 
 constexpr int sweeps_before_polish = 16;
-constexpr double solved = 5e-14;  // residual of a solution
-constexpr double still = 1e-12;   // sliding velocities below this, relative to the largest |b|, are zero
+constexpr double still = 1e-12;  // sliding velocities below this, relative to the largest |b|, are zero
 
 // The nearest point with N ≥ N0 and |t| ≤ μ N.
 void project_on_cone(const PointLaw& law, double* y) {
@@ -235,21 +234,22 @@ void System::trim() {
   }
 }
 
+bool System::accept() {
+  if (residual() > acceptable_) return false;
+  trim();
+  return true;
+}
+
 // Sweeps of projections, with Newton's method from time to time.
-bool System::sweep(int sweeps, double relaxation) {
+bool System::sweep(int sweeps) {
   int next = sweeps_before_polish;
   for (int k = 1; k <= sweeps; ++k) {
-    for (std::size_t i = 0; i < points(); ++i) {
-      const double before[3] = {r[3 * i], r[3 * i + 1], r[3 * i + 2]};
-      relax(i);
-      if (relaxation < 1)
-        for (std::size_t d = 0; d < 3; ++d) r[3 * i + d] = before[d] + relaxation * (r[3 * i + d] - before[d]);
-    }
+    for (std::size_t i = 0; i < points(); ++i) relax(i);
     if (k < next) continue;
     next = k + std::max(sweeps_before_polish, k / 2);
     if (polish()) return true;
   }
-  return residual() <= acceptable_;
+  return accept();
 }
 
 // One sweep towards the minimum of ½ rᵀA r + bᵀr over the cones of friction, whose velocities are unique. Where nothing slips
@@ -285,10 +285,7 @@ bool System::solve_at_rest() {
     guess_[i] = laws[i].slipping ? PointState::slip : laws[i].friction > 0 ? PointState::stick : PointState::open;
   }
   std::fill(r.begin(), r.end(), 0.0);
-  if (newton_step() && residual() <= acceptable_) {
-    trim();
-    return true;
-  }
+  if (newton_step() && accept()) return true;
   r = kept_;
   return false;
 }
@@ -310,13 +307,10 @@ bool System::solve(Effort effort, double acceptable) {
   for (int k = 0; k < (effort == Effort::little ? 50 : 500) && descend() > 1e-6 * size; ++k) {
   }
   if (polish()) return true;
-  if (effort == Effort::little) return sweep(300, 1);
-  if (sweep(3000, 1)) return true;
-  for (const double relaxation : {0.5, 0.2, 0.05}) {  // a few sets of many points with friction cycle
-    for (std::size_t i = 0; i < points(); ++i) r[3 * i] = laws[i].least, r[3 * i + 1] = r[3 * i + 2] = 0;
-    if (sweep(3000, relaxation)) return true;
-  }
-  return false;
+  if (sweep(100) || approach(effort == Effort::little ? 10 : 40)) return true;
+  if (effort == Effort::little) return false;
+  for (std::size_t i = 0; i < points(); ++i) r[3 * i] = laws[i].least, r[3 * i + 1] = r[3 * i + 2] = 0;
+  return approach(40) || sweep(1000);
 }
 
 }  // namespace momentree::contact

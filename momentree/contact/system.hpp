@@ -65,19 +65,26 @@ class System {
   void relax(std::size_t point);
   void relax_normal(std::size_t point);
   void relax_friction(std::size_t point);
-  bool sweep(int sweeps, double relaxation);
+  bool sweep(int sweeps);
   double descend();
   bool solve_at_rest();
   bool polish();
   void trim();
+  bool accept();
   void classify();
   bool newton_step();
   double scale() const;
+  double find_map(bool with_derivatives);
+  bool search(int most_steps);
+  bool approach(int most_problems);
+
+  static constexpr double solved = 5e-14;  // residual of a solution
 
   double acceptable_ = 0;
   std::vector<PointState> guess_;
   std::vector<bool> pressed_;
   std::vector<double> matrix_, right_, kept_;
+  std::vector<double> map_, start_, rigid_, diagonal_, centre_, best_;  // of proximal.cpp
   std::vector<std::size_t> column_of_;
 };
 

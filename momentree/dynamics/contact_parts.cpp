@@ -120,7 +120,18 @@ void ContactParts::add_points(const Tree& tree, const double* q, Workspace<doubl
     const int one = c.a < 0 ? -1 : mechanism_of_[index_of(c.a)], other = c.b < 0 ? -1 : mechanism_of_[index_of(c.b)];
     if (one >= 0) add_part(tree, q, workspace, one, c, rows.touches[i], many, point.parts[0]);
     if (other >= 0 && other != one) add_part(tree, q, workspace, other, c, rows.touches[i], many, point.parts[1]);
-    for (std::size_t k = 0; k < 3; ++k) many.b.push_back(rows.velocity[3 * i + k]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      double mobility = 0;
+      for (const contact::ManyPoints::Part& part : point.parts)
+        for (std::size_t row = part.at + k * index_of(part.count), end = row + index_of(part.count); row < end; ++row)
+          mobility += many.J[row] * many.Y[row];
+      const bool rigid = is_rigid(tree, c, mobility);
+      many.b.push_back(rigid ? 0 : rows.velocity[3 * i + k]);
+      if (!rigid) continue;
+      for (const contact::ManyPoints::Part& part : point.parts)
+        for (std::size_t row = part.at + k * index_of(part.count), end = row + index_of(part.count); row < end; ++row)
+          many.J[row] = many.Y[row] = 0;
+    }
   }
 }
 

@@ -143,6 +143,14 @@ void find_mechanisms(const Tree& tree, ContactWorkspace& all) {
 
 }  // namespace
 
+bool is_rigid(const Tree& tree, const Contact& contact, double mobility) {
+  constexpr double rounding = 1e-13;
+  double apart = 0;
+  for (const int body : {contact.a, contact.b})
+    if (body >= 0 && tree.link(body).body.m > 0) apart += 1 / tree.link(body).body.m;
+  return mobility < rounding * apart;
+}
+
 void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
                            ContactRows& rows) {
   const std::size_t n = 3 * contacts.size(), nv = at(tree.nv());
@@ -194,6 +202,13 @@ void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>&
           rows.A[r * n + c] = rows.A[c * n + r] = sum;
         }
     }
+  }
+  for (std::size_t row = 0; row < n; ++row) {
+    if (!is_rigid(tree, contacts[row / 3], rows.A[row * n + row])) continue;
+    for (std::size_t k = 0; k < n; ++k) rows.A[row * n + k] = rows.A[k * n + row] = 0;
+    for (std::size_t k = 0; k < nv; ++k) rows.J[row * nv + k] = rows.Y[row * nv + k] = 0;
+    rows.velocity[row] = 0;
+    if (rows.acceleration.size() == n) rows.acceleration[row] = 0;
   }
 }
 
@@ -378,8 +393,8 @@ bool stop_placed(const Tree& tree, const double* q, double* u, Workspace<double>
     all.unknowns.push_back(3 * i);
     if (contacts[i].mode == Contact::Mode::stick) all.unknowns.push_back(3 * i + 1), all.unknowns.push_back(3 * i + 2);
   }
-  for (std::size_t row = 0; row < all.missing.size(); ++row) all.missing[row] = -rows.velocity[row];
   find_contact_mobility(tree, q, workspace, contacts, rows);
+  for (std::size_t row = 0; row < all.missing.size(); ++row) all.missing[row] = -rows.velocity[row];
   if (!solve_rows(all, all.unknowns, all.missing, all.change.data())) return false;
   moved_by(tree, rows, all.change, all.move);
   for (std::size_t k = 0; k < all.move.size(); ++k) u[k] += all.move[k];

@@ -61,8 +61,12 @@ struct ContactWorkspace {
 /// Geometry and velocities of contacts at q. Requires workspace.bodies of this configuration: locate_stage.
 void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::span<const Contact> contacts, ContactRows& rows);
 
+/// True if two bodies cannot move relative to each other along a row, as bodies that are locked together or welded into a loop:
+/// its mobility (1/kg) is what rounding leaves of that of the bodies alone.
+bool is_rigid(const Tree& tree, const Contact& contact, double mobility);
+
 /// J, Y and A of contacts that are placed. Requires the factors of an evaluation at q. With loops the workspace then holds no
-/// evaluation.
+/// evaluation. Rows along which bodies cannot move relative to each other become zero, with their velocities and accelerations.
 void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
                            ContactRows& rows);
 

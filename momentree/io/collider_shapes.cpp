@@ -1,5 +1,6 @@
 #include <momentree/io/collider_shapes.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -46,23 +47,30 @@ Shape solid_shape(const contact::Solid& solid) {
   return shape;
 }
 
+bool can_be_drawn(const Shape& shape) {
+  const auto one = [](const Shape& each) {
+    return each.kind != Shape::Kind::none && (each.kind != Shape::Kind::mesh || each.source != nullptr);
+  };
+  return one(shape) || std::any_of(shape.more.begin(), shape.more.end(), one);
+}
+
 }  // namespace
 
 std::vector<Shape> drawn_shapes(const Model& model, const std::vector<Shape>& shapes) {
-  std::vector<Shape> drawn = shapes;
-  drawn.resize(static_cast<std::size_t>(model.size()));
-  std::vector<bool> own;
-  for (const Shape& shape : drawn) own.push_back(shape.kind != Shape::Kind::none);
+  std::vector<Shape> drawn = shapes, touching(static_cast<std::size_t>(model.size()));
+  drawn.resize(touching.size());
   for (const Collider& collider : model.colliders()) {
     if (collider.plane || collider.body == ground) continue;
     const auto b = static_cast<std::size_t>(collider.body.index);
-    Shape shape = own[b] ? Shape{} : solid_shape(collider.solid);
+    Shape shape = can_be_drawn(drawn[b]) ? Shape{} : solid_shape(collider.solid);
     if (shape.kind == Shape::Kind::none) continue;
-    if (drawn[b].kind == Shape::Kind::none)
-      drawn[b] = std::move(shape);
+    if (touching[b].kind == Shape::Kind::none)
+      touching[b] = std::move(shape);
     else
-      drawn[b].more.push_back(std::move(shape));
+      touching[b].more.push_back(std::move(shape));
   }
+  for (std::size_t b = 0; b < touching.size(); ++b)
+    if (touching[b].kind != Shape::Kind::none) drawn[b] = std::move(touching[b]);
   return drawn;
 }
 

@@ -7,7 +7,7 @@
 
 namespace momentree::io {
 
-/// By body, its shape, or those of its colliders if it has none. Hulls of meshes are not drawn.
+/// By body, its shape, or those of its colliders if it has none but meshes that do not exist. Hulls of meshes are not drawn.
 /// `shapes`: by body; may be shorter than the list of bodies.
 std::vector<Shape> drawn_shapes(const Model& model, const std::vector<Shape>& shapes);
 

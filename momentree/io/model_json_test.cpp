@@ -97,6 +97,11 @@ TEST_CASE("bodies without shapes have those of their colliders, and the planes o
   for (const double end : {-2, 2}) CHECK(norm(shapes[1].at * Vec3{0, 0, end} - at * Vec3{0, 0, end}) < 1e-14);
   CHECK(shapes[2].radius == 8);
   CHECK(shapes[2].more.empty());
+  Shape missing;  // a mesh that does not exist
+  missing.kind = Shape::Kind::mesh, missing.mesh = "ball.stl";
+  CHECK(drawn_shapes(model, {{}, {}, missing})[2].radius == 7);
+  missing.more.push_back(own);
+  CHECK(drawn_shapes(model, {{}, {}, missing})[2].kind == Shape::Kind::mesh);
   const std::string text = model_json(World(model, Variables::velocities), "", {{}, {}, own});
   CHECK(mentions(text, R"({"point": [0, 0, -2], "normal": [0, 1, 0]})"));
   CHECK(mentions(text, R"("kind": "capsule", "radius": 0.125)"));

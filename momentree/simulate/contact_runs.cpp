@@ -15,6 +15,7 @@ namespace {
 // Changes of contacts within these times are a flood (s).
 constexpr int most_changes = 200, most_changes_at_once = 300;
 constexpr double window_length = 1e-2, instant_length = 1e-6;
+constexpr std::size_t crowded = 8;  // points: above, changes count more than once, and fewer short steps are tolerated
 
 }  // namespace
 
@@ -30,6 +31,7 @@ void Simulation::Impl::make_methods() {
     made->use(&contact_steps);
     return made;
   };
+  contact_steps.set_usual_step(integration.step);
   method = make(integration.method);
   method_steps = steps_through_contacts(integration.method);
   stepper = world.model_.has_contact() ? make(contact_stepping_method()) : nullptr;
@@ -126,6 +128,23 @@ bool Simulation::Impl::resolve_contacts(bool after_step) {
   return true;
 }
 
+// The largest number of closed contacts in an island in which one of the events from `first` on happened.
+std::size_t Simulation::Impl::points_at_events(std::size_t first) {
+  const std::span<const Contact> closed = world.tree_.contacts();
+  if (closed.size() <= crowded || events.size() == first) return 0;
+  world.evaluate();
+  std::size_t most = 0;
+  for (const std::vector<std::size_t>& island : world.workspace_.contacts->rows.islands())
+    for (std::size_t i = first; island.size() > most && i < events.size(); ++i) {
+      const std::string& one = events[i].contact.one;
+      if (one.empty()) continue;
+      const int body = world.model_.body(one).index;
+      if (std::any_of(island.begin(), island.end(), [&](std::size_t k) { return closed[k].a == body || closed[k].b == body; }))
+        most = island.size();
+    }
+  return most;
+}
+
 // Impacts of one pair of bodies after the other are those of a body that bounces until it rests, which is followed to the end.
 bool Simulation::Impl::flood_of_changes(std::size_t first) {
   const double now = world.time();
@@ -133,8 +152,12 @@ bool Simulation::Impl::flood_of_changes(std::size_t first) {
   if (!(now <= stepping.instant + instant_length)) stepping.instant = now, stepping.changes_at_once = 0;
   const auto pair_of = [&](std::size_t event) { return std::pair(events[event].contact.one, events[event].contact.other); };
   const bool bounces = first > 0 && first + 1 == events.size() && pair_of(first) == pair_of(first - 1);
-  if (!bounces && events.size() > first) ++stepping.changes;
-  return stepping.changes > most_changes || ++stepping.changes_at_once > most_changes_at_once;
+  // A change costs dozens of evaluations, each of which solves for the forces of an island.
+  const double crowd = static_cast<double>(points_at_events(first)) / static_cast<double>(crowded);
+  const int weight = crowd > 1 ? static_cast<int>(std::ceil(crowd * crowd)) : 1;
+  if (!bounces && events.size() > first) stepping.changes += weight;
+  stepping.changes_at_once += weight;
+  return stepping.changes > most_changes || stepping.changes_at_once > most_changes_at_once;
 }
 
 // Those whose contacts changed most often.
@@ -150,14 +173,16 @@ std::vector<int> Simulation::Impl::bodies_of_flood() const {
   return world.tree_.contacts().empty() ? std::vector<int>() : contacts.slowest();
 }
 
-// Adaptive steps that contacts keep short beyond reason would never reach the end.
+// Adaptive steps that contacts keep short beyond reason would never reach the end. With many contacts each of them takes long.
 void Simulation::Impl::judge_steps() {
-  constexpr int count = 5000;
-  constexpr double shortest = 1e-5;  // on average, of the given step
+  constexpr int most = 5000, least = 500;
+  constexpr double shortest = 1e-4;  // on average, of the given step
   if (steps_through() || !method->adaptive() || world.tree_.contacts().empty()) {
     stepping.steps = 0;
     return;
   }
+  const double crowd = static_cast<double>(world.tree_.contacts().size()) / static_cast<double>(crowded);
+  const int count = crowd > 1 ? std::max(least, static_cast<int>(most / (crowd * crowd))) : most;
   if (stepping.steps == 0) stepping.steps_began = world.time();
   if (++stepping.steps <= count) return;
   stepping.steps = 0;

@@ -10,9 +10,9 @@ namespace momentree {
 
 namespace {
 
-constexpr double slow_impact = 1e-3;      // m/s: bodies that approach more slowly do not hit each other
-constexpr double touching_within = 1e-6;  // m
-constexpr double least_depth = 1e-9;      // m, relative to coordinates: deeper overlaps are removed after a step
+constexpr double slow_impact = 1e-3;   // m/s: bodies that approach more slowly do not hit each other
+constexpr double within_touch = 1e-6;  // m
+constexpr double least_depth = 1e-9;   // m, relative to coordinates: deeper overlaps are removed after a step
 
 bool earlier(const SteppedContact& x, const SteppedContact& y) { return x.pair != y.pair ? x.pair < y.pair : x.id < y.id; }
 
@@ -37,10 +37,10 @@ void ContactSteps::find_points(double within) {
   parts_.add_points(tree, q, workspace, near_, rows_, many_);
 }
 
-// The impulses of the last step, each at the nearest point of its pair: the features that touch may be others, but together they
-// have the same load to carry.
+// The forces of the last step, each at the nearest point of its pair: the features that touch may be others, but together they
+// have the same load to carry. Their impulses are the first guess.
 void ContactSteps::guess(double h) {
-  many_.r.assign(3 * near_.size(), 0.0);
+  carried_.assign(3 * near_.size(), 0.0);
   const auto by_pair = [](const auto& x, const auto& y) { return x.pair < y.pair; };
   Contact key;
   for (const SteppedContact& known : points_) {
@@ -54,10 +54,12 @@ void ContactSteps::guess(double h) {
     for (auto other = begin + 1; other != end; ++other)
       if (distance(*other) < distance(*nearest)) nearest = other;
     const auto i = static_cast<std::size_t>(nearest - near_.begin());
-    const double impulse = nearest->a == known.a ? h : -h;
-    for (std::size_t k = 0; k < 3; ++k) many_.r[3 * i + k] += impulse * dot(known.force, row_direction(rows_.touches[i], k));
+    const double sign = nearest->a == known.a ? 1 : -1;
+    for (std::size_t k = 0; k < 3; ++k) carried_[3 * i + k] += sign * dot(known.force, row_direction(rows_.touches[i], k));
   }
-  for (std::size_t i = 0; i < near_.size(); ++i) many_.r[3 * i] = std::max(0.0, many_.r[3 * i]);
+  for (std::size_t i = 0; i < near_.size(); ++i) carried_[3 * i] = std::max(0.0, carried_[3 * i]);
+  many_.r = carried_;
+  for (double& r : many_.r) r *= h;
 }
 
 // When each point was reached, its restitution, and a first guess.
@@ -138,15 +140,18 @@ void ContactSteps::displace(State& state, const std::vector<double>& by) {
   if (tree.has_loops()) static_cast<void>(evaluate_->close(t, edit.q.data(), edit.u.data(), ignored));
 }
 
-// The points for the next step, and for evaluations of the state until then.
+// The points for the next step, and for evaluations of the state until then. A gap of 1e-9 m that closes in a step of 1e-12 s
+// takes an impulse that would be a huge force: such a step changes the mean by little.
 void ContactSteps::remember(double h) {
   points_.clear();
+  const double over = std::max(h, usual_step_), before = over - h;
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const Contact& c = near_[i];
-    if (!(many_.r[3 * i] > 0)) continue;
+    const auto force = [&](std::size_t k) { return (many_.r[3 * i + k] + before * carried_[3 * i + k]) / over; };
+    if (!(force(0) > 0)) continue;
     const contact::Touch& touch = rows_.touches[i];
     SteppedContact point{c.pair, c.id, c.a, c.b, touch.point, touch.normal, {}, {}, c.cable};
-    for (std::size_t k = 0; k < 3; ++k) point.force += (many_.r[3 * i + k] / h) * row_direction(touch, k);
+    for (std::size_t k = 0; k < 3; ++k) point.force += force(k) * row_direction(touch, k);
     for (std::size_t k = 1; k < 3; ++k) point.slip += after_[3 * i + k] * row_direction(touch, k);
     points_.push_back(point);
   }
@@ -175,9 +180,9 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   held_forces(world_->workspace_).clear();
   (*evaluate_)(state);
   {
-    // Points that others push towards each other in this step count, too.
-    const double speed = contacts_->fastest() + norm(world_->model_.gravity()) * h;
-    find_points(h * speed);
+    // Points that others push towards each other in this step count, too, and those with forces that a short step may not need.
+    const double gravity = norm(world_->model_.gravity()), speed = contacts_->fastest() + gravity * h;
+    find_points(std::max({h * speed, gravity * usual_step_ * usual_step_, within_touch}));
   }
   hits_.clear(), touching_.clear();
   if (near_.empty()) {
@@ -186,7 +191,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   }
   set_law(h);
   for (std::size_t i = 0; i < near_.size(); ++i)
-    if (!(rows_.touches[i].gap > touching_within)) touching_.emplace_back(near_[i].a, near_[i].b);
+    if (!(rows_.touches[i].gap > within_touch)) touching_.emplace_back(near_[i].a, near_[i].b);
   many_.solve();
   many_.velocities(after_);
   gaps_.resize(near_.size());

@@ -22,7 +22,9 @@ class ContactSteps final : public StepContacts {
 
   void apply(State& state, EnergyLedger& ledger, double h) override;
 
-  /// Points with impulses in the last step.
+  /// The usual length of a step (s). Forces are the means over that time: impulses of shorter steps say little.
+  void set_usual_step(double h) { usual_step_ = h; }
+  /// Points with forces in the last step.
   const std::vector<SteppedContact>& points() const { return points_; }
   /// Continues with these points, or without any.
   void set_points(std::vector<SteppedContact> points);
@@ -53,7 +55,9 @@ class ContactSteps final : public StepContacts {
   ContactRows rows_;
   contact::ManyPoints many_;
   std::vector<double> reached_;  // by point: the time since it was reached (s)
+  std::vector<double> carried_;  // by point: three components of the force before (N)
   std::vector<double> after_, gaps_, pushes_, packed_;
+  double usual_step_ = 0;
   std::vector<SteppedContact> points_;
   std::vector<int> hits_;
   std::vector<std::pair<int, int>> touching_;

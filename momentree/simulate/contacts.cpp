@@ -75,10 +75,25 @@ const Contacts::Pair& Contacts::Pairs::operator[](std::size_t number) const {
   return known_.emplace(number, std::move(pair)).first->second;
 }
 
+// Bodies that are welded together, in the present tree.
+void Contacts::find_welded() const {
+  const Tree& tree = world_->tree_;
+  if (welded_of_ == tree.revision() && welded_.size() == static_cast<std::size_t>(tree.bodies())) return;
+  welded_of_ = tree.revision();
+  welded_.resize(static_cast<std::size_t>(tree.bodies()));
+  for (int b = 0; b < tree.bodies(); ++b) welded_[static_cast<std::size_t>(b)] = b;
+  for (const int b : tree.order()) {
+    if (tree.kind(b) != Kind::weld) continue;
+    const int parent = tree.parent(b);
+    welded_[static_cast<std::size_t>(b)] = parent < 0 ? -1 : welded_[static_cast<std::size_t>(parent)];
+  }
+}
+
 // Pairs that can touch within h seconds, or are nearer than `margin` (m), in ascending order; and all cables.
 const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
   const std::vector<Collider>& all = world_->model_.colliders();
   const double accelerated = norm(world_->model_.gravity()) * h;
+  find_welded();
   balls_.clear(), solids_.clear(), near_.clear();
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].plane || (all[i].body != ground && !world_->alive(all[i].body))) continue;
@@ -90,9 +105,13 @@ const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
     solids_.push_back(static_cast<int>(i));
   }
   constexpr int stride = static_cast<int>(most_colliders);
+  const auto group = [&](int collider) {
+    const BodyId body = all[static_cast<std::size_t>(collider)].body;
+    return body == ground ? -1 : welded_[static_cast<std::size_t>(body.index)];
+  };
   const auto add = [&](int one, int other) {
     const int number = one * stride + other;
-    if (all[static_cast<std::size_t>(one)].body == all[static_cast<std::size_t>(other)].body) return;
+    if (group(one) == group(other)) return;
     if (!pairs_[static_cast<std::size_t>(number)].law.off) near_.push_back(number);
   };
   for (const auto& [one, other] : broad_phase_.find(balls_))
@@ -356,10 +375,22 @@ std::span<const Watch> Contacts::watches(double& h) {
   return watches_;
 }
 
+// Where slip ends, the error of the step is left of it, with any direction.
+void Contacts::note_ended_slip() {
+  const std::span<const Contact> closed = world_->tree_.contacts();
+  const double noise = std::max(creeping, 1e-8 * fastest());
+  for (std::size_t i = 0; i < closed.size() && i < slow_.size(); ++i)
+    if (closed[i].mode == Contact::Mode::slip && !slow_[i] && norm(slip_velocity(static_cast<int>(i))) < noise) slowest_ = noise;
+}
+
 bool Contacts::must_resolve() {
-  if (next_rest() <= world_->time()) return true;
+  bool due = next_rest() <= world_->time();
   for (const Watch& watch : watches_)
-    if (watch.condition->excess(*world_, {}).value_or(-1) + watch.offset > -2 * touching_within) return true;
+    due = due || watch.condition->excess(*world_, {}).value_or(-1) + watch.offset > -2 * touching_within;
+  if (due) {
+    note_ended_slip();
+    return true;
+  }
   const std::span<const Contact> closed = world_->tree_.contacts();
   bool creeps = false, in_short_step = false;
   for (std::size_t i = 0; i < closed.size(); ++i) {

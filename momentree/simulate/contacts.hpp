@@ -141,6 +141,7 @@ class Contacts {
   void find_any();
   std::optional<Overlap> deepest(int body);
   const std::vector<int>& near_pairs(double h, double margin) const;
+  void find_welded() const;
   contact::Place place(int body) const;
   bool can_be_taut(std::size_t spring) const;
   contact::Features cable_features(const Pair& cable) const;
@@ -159,10 +160,12 @@ class Contacts {
   bool is_closed(int pair, std::uint64_t id) const;
   std::vector<Contact> touching();
   Contact contact_of(const Pair& pair, int number, const contact::Candidate& candidate) const;
+  std::vector<double> accelerations_on_others(const std::vector<Contact>& contacts, double slow);
   bool impact(const std::vector<Contact>& contacts, std::vector<Event>& events, std::string& failure);
   bool choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed);
   [[nodiscard]] bool solve_states(const std::vector<Contact>& contacts);
   void weaken_friction();
+  void note_ended_slip();
   void set(std::vector<Contact> contacts);
   double stop(const std::vector<Contact>& closed);
   double stop_creeping(std::vector<Contact> contacts);
@@ -191,6 +194,8 @@ class Contacts {
   mutable contact::OverlapPoints overlap_;
   mutable std::vector<contact::Ball> balls_;
   mutable std::vector<int> near_, solids_;
+  mutable std::vector<int> welded_;               // by body: the first one of those that it is welded to; -1: the ground
+  mutable std::uint64_t welded_of_ = 0;           // the revision of the tree when these were found
   std::vector<std::pair<int, double>> settling_;  // at this instant: pairs whose bounces end later, and when
   std::vector<Watch> watches_;
   std::vector<Condition> conditions_;

@@ -1,8 +1,14 @@
 #pragma once
-// Quantities of contacts that are located within steps. Included only by the files that implement Contacts.
+// What the files that implement Contacts share: quantities of contacts that are located within steps, and tolerances. Included
+// only by the files that implement Contacts.
 #include <momentree/simulate/contacts.hpp>
 
 namespace momentree {
+
+inline constexpr double resolved_flight = 1e-12;  // lower flights, relative to coordinates, count as rest (m)
+inline constexpr double no_approach = 1e-10;      // m/s, relative to the fastest point
+
+inline const Vec3& along(const contact::Touch& touch, std::size_t k) { return k == 0 ? touch.normal : touch.tangent[k - 1]; }
 
 /// Gap of a pair of solids that are not in contact, or of further features of a pair that is.
 struct Contacts::PairGap : Quantity {

@@ -312,3 +312,85 @@ TEST_CASE("contact: what a prescribed motion does in an impact is work, and the 
     CHECK(std::fabs(sim.energy().error) < 1e-8);
   }
 }
+
+TEST_CASE("contact: bodies that are welded together do not touch until the weld breaks") {
+  for (const char* method : {"dop853", "stepping"}) {
+    Model model;
+    const auto wall = [&](const char* name, const Vec3& at, const Vec3& size) {
+      const BodyId body = model.add({.name = name, .mass = 1, .inertia = diagonal(0.1), .at = {at}});
+      model.add_collider({.body = body, .solid = contact::box(size)});
+      return body;
+    };
+    wall("one/w", {0, 0, 0.45}, {2, 0.1, 1});  // in the floor and in each other
+    const BodyId other = wall("other/w", {1, 1, 0.5}, {0.1, 2.1, 1});
+    const BodyId shelf =
+        model.add({.name = "other/shelf", .mass = 1, .inertia = diagonal(0.01), .parent = other, .at = {{-0.1, 0, 0}}});
+    model.add_collider({.body = shelf, .solid = contact::box({0.1, 0.2, 0.1})});
+    model.add_collider({.plane = true});
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    sim.at(0.1).then(break_joint("other/shelf"));
+    REQUIRE(sim.run_until(0.1));
+    CHECK(sim.world().contacts().empty());
+    REQUIRE(sim.run_until(2));
+    CHECK(height(sim, shelf.index) == doctest::Approx(0.05).epsilon(1e-9));  // it slides down along the wall
+    CHECK(sim.world().contacts().size() == 4);
+  }
+}
+
+TEST_CASE("contact: a pair of bodies has one order, whichever features touch") {
+  Model model({.gravity = {}});
+  BodyId boxes[2];
+  for (const int i : {0, 1}) {
+    boxes[i] = model.add(
+        {.name = i == 0 ? "a" : "b", .mass = 1, .inertia = diagonal(0.01), .joint = Free{}, .q = {0.2 * i, 0, 0, 1, 0, 0, 0}});
+    model.add_collider({.body = boxes[i], .solid = contact::box({0.2, 0.2, 0.2})});
+  }
+  Simulation sim(model, {.method = "dop853"});
+  for (const int i : {0, 1})
+    sim.force(i == 0 ? "a" : "b", [i](const EvaluationContext&) { return Wrench{{i == 0 ? 7.0 : -7.0, 0, 0}, {}}; });
+  REQUIRE(sim.run_until(0.5));
+  Vec3 sum{};
+  for (const ContactPoint& point : sim.world().contacts()) {
+    CHECK((point.one == boxes[0] && point.other == boxes[1]));
+    sum += point.force;
+  }
+  CHECK(norm(sum - Vec3{-7, 0, 0}) < 1e-9);
+}
+
+TEST_CASE("contact: fingers that touch and then grasp, by a lock or a weld, are one rigid body") {
+  for (const bool weld_them : {false, true})
+    for (const char* method : {"rk4", "dop853", "stepping"}) {
+      Model model({.gravity = {}});
+      const BodyId hub = model.add(
+          {.name = "hub", .mass = 1, .inertia = diagonal(0.01, 0.012, 0.017), .joint = Free{}, .v = {0, 0, 0, 0.3, 0.5, 0.2}});
+      const auto finger = [&](const char* name, double side, double rate) {
+        const BodyId body = model.add({.name = name,
+                                       .mass = 0.5,
+                                       .com = {0, 0, 0.2},
+                                       .inertia = diagonal(0.004),
+                                       .parent = hub,
+                                       .at = {{0.2 * side, 0, 0.1}},
+                                       .joint = Revolute{.axis = {0, 1, 0}},
+                                       .v = {rate}});
+        model.add_collider({.body = body, .solid = contact::sphere(0.1, {{0, 0.01 * side, 0.32}})});
+      };
+      finger("left", -1, 1), finger("right", 1, -0.8);
+      model.add_collider({.plane = true, .point = {0, 0, -100}});
+      Simulation sim(model, {.method = method, .step = 1e-3});
+      Simulation::Scheduled grasp = sim.when(touching("left", "right"));
+      if (weld_them)
+        grasp.then(weld("left", "right"));
+      else
+        grasp.then(lock("left")).then(lock("right"));
+      const Totals start = sim.world().totals();
+      const RunResult run = sim.run_until(3);
+      INFO(run.reason);
+      REQUIRE(run);
+      const Totals end = sim.world().totals();
+      CHECK(norm(end.linear - start.linear) < 1e-10);
+      CHECK(norm(end.angular - start.angular) < (std::string(method) == "stepping" ? 1e-4 : 1e-9));
+      REQUIRE(!sim.events().empty());
+      CHECK(end.kinetic == doctest::Approx(start.kinetic - sim.energy().lost_in_impacts).epsilon(1e-9));
+      CHECK(end.kinetic > 0.5 * start.kinetic);
+    }
+}

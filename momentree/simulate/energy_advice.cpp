@@ -26,15 +26,15 @@ std::string share_text(double share) {
   return share < 10 ? formatted("%.2g %% of", 100 * share) : formatted("%.0f times", share);
 }
 
-// What closing the loops after the steps added or took, if that is a large part.
-std::string advice_on_loops(double projection, double largest, bool adaptive, const Integration& how) {
-  if (!(std::fabs(projection) > tolerated * largest)) return {};
-  return "closing the loops after steps changed the energy by " + formatted("%.3g J", projection) + ", " +
+// What closing loops and contacts after the steps added or took, if that is a large part.
+std::string advice_on_closing(double projection, double largest, double turned_over, const Integration& how) {
+  if (!(std::fabs(projection) > std::max(tolerated * largest, rounding * turned_over))) return {};
+  const bool adaptive = is_adaptive(how.method);
+  return "closing loops and contacts after steps changed the energy by " + formatted("%.3g J", projection) + ", " +
          (largest > 0 ? share_text(std::fabs(projection) / largest) + " the largest kinetic energy"
                       : std::string("although nothing moves")) +
-         ": steps are too long, or the mechanism passes a position in which its loops are singular, such as a four-bar with all "
-         "bars "
-         "in line; use " +
+         ": steps are too long, or loops pass a position in which they are singular, such as a four-bar with all bars in line; "
+         "use " +
          (adaptive ? "smaller tolerances, such as " + formatted("rtol = %.0e", how.rtol / 100)
                    : "a smaller step, such as " + formatted("%.3g s", how.step / 4) + ", or an adaptive method: dop853");
 }
@@ -54,7 +54,7 @@ std::string EnergyBalance::advice(const Integration& how) const {
            " the largest kinetic energy: contacts were stepped through with too long steps; use a smaller step, such as " +
            formatted("%.3g s", how.step / 4);
   if (!(std::fabs(error) > std::max(most, rounding * turned_over)))
-    return stepped ? std::string() : advice_on_loops(projection, largest_kinetic, is_adaptive(how.method), how);
+    return stepped ? std::string() : advice_on_closing(projection, largest_kinetic, turned_over, how);
   std::string what = "the energy balance is off by " + formatted("%.3g J", error) + ", " +
                      (largest_kinetic > 0 ? share_text(std::fabs(error) / largest_kinetic) + " the largest kinetic energy"
                                           : std::string("although nothing moves")) +

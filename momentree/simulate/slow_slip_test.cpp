@@ -10,6 +10,7 @@
 
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <tests/oracle/prng.hpp>
 
 using namespace momentree;
 
@@ -134,4 +135,33 @@ TEST_CASE("adaptive steps: a joint leaves its stop at the first pull") {
         if (left < 0 && !e.actions.empty() && e.actions[0].kind == "leave") left = e.time;
       CHECK(std::fabs(left - std::asin(1 / 1.01) / (2 * std::numbers::pi * frequency)) < 1e-8);
     }
+}
+
+TEST_CASE("slow slip: where both ends of a rolling body stop to slip at once, it goes straight on") {
+  for (const char* method : {"rk4", "dopri5", "dop853"}) {
+    oracle::Prng random(3);
+    for (int k = 0; k < 100; ++k) {
+      const double r = random.uniform(0.05, 0.4), length = random.uniform(0.1, 1), mu = random.uniform(0.05, 1),
+                   v = random.uniform(0.3, 4);
+      const double across = (3 * r * r + length * length) / 6;
+      Model model;
+      const BodyId log = model.add({.name = "log",
+                                    .mass = 2,
+                                    .inertia = diagonal(across, across, r * r),
+                                    .joint = Free{},
+                                    .q = {0, 0, r, std::sqrt(0.5), std::sqrt(0.5), 0, 0},
+                                    .v = {v, 0, 0, 0, 0, 0}});
+      model.add_collider({.body = log, .solid = k % 2 == 0 ? contact::cylinder(r, length) : contact::capsule(r, length)});
+      model.add_collider({.plane = true});
+      model.add_contact_rule({.law = {.friction = mu, .static_friction = mu}});
+      Simulation sim(model, {.method = method, .step = 1e-3});
+      const double sticks = v / (3 * mu * 9.81);
+      REQUIRE(sim.run_until(2 * sticks));
+      const Vec3 end = sim.world().motions()[0].pose.position;
+      CAPTURE(method);
+      CAPTURE(k);
+      CHECK(end.x == doctest::Approx(v * sticks - 0.5 * mu * 9.81 * sticks * sticks + 2 * v / 3 * sticks).epsilon(1e-6));
+      CHECK(std::fabs(end.y) < 1e-8);
+    }
+  }
 }

@@ -77,7 +77,7 @@ struct CouplingView {
 
 /// A point at which two bodies touch.
 struct ContactPoint {
-  BodyId one, other;       ///< `one` is a body; the other one may be the ground
+  BodyId one, other;       ///< of two bodies `one` was added first; `other` may be the ground
   Vec3 point{}, normal{};  ///< in the world (m); the unit normal points from `other` to `one`
   Vec3 force{};            ///< on `one`, normal force and friction (N), world axes
   Vec3 slip{};             ///< velocity of `one`, less that of `other`, along the surface (m/s)

@@ -62,8 +62,9 @@ std::vector<double> possible_forces(const Model& model, std::span<const Contact>
   return all;
 }
 
-ContactPoint from_first_body(ContactPoint point) {
-  if (point.one != ground) return point;
+// A pair has one order, whatever features touch.
+ContactPoint in_order(ContactPoint point) {
+  if (point.other == ground || (point.one != ground && point.one.index < point.other.index)) return point;
   std::swap(point.one, point.other);
   point.normal = -point.normal, point.force = -point.force, point.slip = -point.slip;
   return point;
@@ -85,12 +86,12 @@ std::vector<ContactPoint> World::contacts() const {
     ContactPoint point{{closed[i].a}, {closed[i].b}, touch.point, touch.normal, {}, {}, closed[i].mode == Contact::Mode::slip};
     for (std::size_t k = 0; k < 3; ++k) point.force += r[3 * i + k] * (k == 0 ? touch.normal : touch.tangent[k - 1]);
     for (std::size_t k = 1; k < 3; ++k) point.slip += own.rows.velocity[3 * i + k] * touch.tangent[k - 1];
-    all.push_back(from_first_body(point));
+    all.push_back(in_order(point));
   }
   for (const HeldForce& held : own.held) {
     if (held.cable >= 0) continue;
     if ((held.a >= 0 && !alive({held.a})) || (held.b >= 0 && !alive({held.b}))) continue;
-    all.push_back(from_first_body({{held.a}, {held.b}, held.point, held.normal, held.force, held.slip, norm(held.slip) > 1e-6}));
+    all.push_back(in_order({{held.a}, {held.b}, held.point, held.normal, held.force, held.slip, norm(held.slip) > 1e-6}));
   }
   return all;
 }

@@ -16,6 +16,19 @@ namespace {
 
 using io::Fields;
 
+// Of events at contacts and cables, which rules and cables name.
+void add_contact_names(const Model& model, std::vector<std::string>& names) {
+  if (!model.has_contact()) return;
+  std::vector<std::string> ends{""};
+  for (const ContactRule& rule : model.contact_rules())
+    if (!rule.name.empty()) ends.push_back(" " + rule.name);
+  for (const char* what : {"impact", "rest", "lift", "slip", "stick"})
+    for (const std::string& end : ends) names.push_back(what + end);
+  for (const Spring& spring : model.springs())
+    if (spring.inextensible) names.push_back("taut " + spring.name), names.push_back("slack " + spring.name);
+  names.insert(names.end(), {"stepping", "resume"});
+}
+
 // The names of events that can happen. Joints may get a strength from an event.
 std::vector<std::string> event_names(const io::Scenario& scenario, const Simulation& simulation) {
   std::vector<std::string> names;
@@ -27,6 +40,7 @@ std::vector<std::string> event_names(const io::Scenario& scenario, const Simulat
   for (const LoopSpec& loop : model.loops()) names.push_back("strength of " + loop.name);
   for (const Spring& spring : model.springs()) names.push_back("strength of " + spring.name);
   names.emplace_back("stop");
+  add_contact_names(model, names);
   return names;
 }
 
@@ -178,7 +192,7 @@ class MeasureReader {
       std::shared_ptr<const Quantity> quantity = io::PartReader(reading_.sweep.path).quantity(value, world, joints_);
       unit = io::schema::unit_of(quantity->dimension());
       about = std::string(quantity->key()) + " of";
-      for (const auto& names : {quantity->joints(), quantity->bodies(), quantity->mechanisms()})
+      for (const auto& names : {quantity->joints(), quantity->bodies(), quantity->mechanisms(), quantity->solids()})
         for (const std::string& name : names) about += ' ' + name;
       return Source(std::move(quantity));
     } catch (const io::InputError& error) {

@@ -55,6 +55,38 @@ std::string said(const ReadSweep& read) {
 
 }  // namespace
 
+TEST_CASE("measures of events at contacts") {
+  const Folder folder;
+  std::string bouncing = ball;
+  bouncing.insert(bouncing.find("gravity"), "floor = { friction = 0.3, restitution = 0.5 }\n");
+  bouncing.replace(bouncing.find("root = "), 0, "pose = { xyz = [0, 0.15, 0] }\n");
+  bouncing.replace(bouncing.find("inertia = 1"), 11, "inertia = 0.008\ncollision = { sphere = 0.1 }");
+  bouncing.replace(bouncing.find("until = 1"), 9, "until = 3");
+  momentree::io::write_text_file(folder / "ball.toml", bouncing);
+  const std::string vary = "\"mechanism.m.state.velocity.linear.0\" = [0, 2]";
+  const ReadSweep read =
+      read_sweep_text(sweep_text(vary,
+                                 "n = { count = \"impact\" }\nrest = { time_of = \"rest\" }\nslips = { happened = \"slip\" }\n"
+                                 "load = { max = { contact_force = [\"m/ball\", \"floor\"] } }",
+                                 ""),
+                      folder.sweep());
+  CAPTURE(said(read));
+  REQUIRE(read.sweep);
+  CHECK(read.sweep->measures[3].about == "largest contact_force of m/ball ground");
+  const ScenarioWorlds worlds(*read.sweep, std::nullopt);
+  const double v = std::sqrt(17), rests = (4 + v) / 10 + 2 * 0.5 * v / 10 / (1 - 0.5);  // of the first impact; of all of them
+  for (std::uint64_t w = 0; w < 2; ++w) {
+    const WorldResult result = worlds.run(w);
+    CAPTURE(result.failure);
+    REQUIRE(result.done());
+    CHECK(result.measures[0] > 5);
+    CHECK(result.measures[1] == doctest::Approx(rests).epsilon(1e-5));
+    CHECK(result.measures[3] == doctest::Approx(20).epsilon(1e-9));
+  }
+  const ReadSweep misspelt = read_sweep_text(sweep_text(vary, "n = { count = \"impakt\" }", ""), folder.sweep());
+  CHECK(said(misspelt).find("did you mean 'impact'?") != std::string::npos);
+}
+
 TEST_CASE("measures of a thrown ball have their closed forms") {
   const Folder folder;
   const ReadSweep read =

@@ -234,7 +234,9 @@ class Event:
         return float(np.linalg.norm(self.after.angular - self.before.angular - self.ground_impulse.torque))
 
     def __str__(self) -> str:
-        what = "; ".join(str(action) for action in self.actions)
+        what = "; ".join(str(action) for action in self.actions) or self.reason or ", ".join(self.stepped)
+        if self.contact is not None:
+            what = f"cable {self.contact.cable}" if self.contact.cable else f"{self.contact.one} and {self.contact.other}"
         return f"{self.time:.9g} s  {self.name}  {what}"
 
     def __repr__(self) -> str:

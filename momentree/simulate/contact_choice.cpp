@@ -1,0 +1,204 @@
+// Which contacts stay closed, and whether they stick or slip; and whether the present ones can stay as they are.
+#include <algorithm>
+#include <cmath>
+
+#include <momentree/dynamics/momentum.hpp>
+#include <momentree/simulate/contacts_impl.hpp>
+
+namespace momentree {
+
+namespace {
+
+constexpr double motion_from_residual = 50;  // the motion that a solution may have because it is inexact, by its residual
+
+double largest(const std::vector<double>& all) {
+  double most = 0;
+  for (const double x : all) most = std::max(most, std::fabs(x));
+  return most;
+}
+
+}  // namespace
+
+// Which of the contacts that touch, and do not separate, stay closed: from a complementarity problem in the accelerations.
+bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed) {
+  closed.clear();
+  const Tree& tree = world_->tree_;
+  Workspace<double>& workspace = world_->workspace_;
+  accelerate(tree, world_->state_, workspace);
+  locate_bodies(tree, world_->state_, workspace);
+  place_contacts(tree, workspace, contacts, rows_);
+  const double* const q = world_->state_.q().data();
+  find_contact_accelerations(tree, q, workspace, contacts, rows_);
+  double fastest = 1;
+  for (const BodyMotion& m : world_->motions()) fastest = std::max(fastest, norm(m.linear));
+  std::vector<Contact> staying;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    // Flights too low to be resolved count as rest.
+    const double size = pairs_[static_cast<std::size_t>(contacts[i].pair)].size(*this);
+    const double hidden = std::sqrt(2 * std::max(0.0, -rows_.acceleration[3 * i]) * resolved_flight * size);
+    if (rows_.velocity[3 * i] <= std::max(10 * no_approach * fastest, hidden)) staying.push_back(contacts[i]);
+  }
+  if (staying.empty()) return true;
+  place_contacts(tree, workspace, staying, rows_);
+  find_contact_accelerations(tree, q, workspace, staying, rows_);
+  find_contact_mobility(tree, q, workspace, staying, rows_);
+  static_cast<void>(world_->state_.edit());
+  if (!solve_states(staying)) return false;
+  system_.velocities(after_);
+  weakened_ = false;
+  const double noise = 1e-12 * largest(system_.r), inexact = motion_from_residual * system_.residual() * largest(system_.b);
+  for (std::size_t i = 0; i < staying.size(); ++i) {
+    if (!(system_.r[3 * i] > noise)) continue;
+    Contact c = staying[i];
+    const contact::PointLaw& law = system_.laws[i];
+    const ContactLaw& own = pairs_[static_cast<std::size_t>(c.pair)].law;
+    c.friction = own.friction;
+    if (!law.slipping) c.keeps_direction = 0;
+    if (law.slipping) {
+      c.mode = Contact::Mode::slip;
+      const Vec3 v =
+          rows_.velocity[3 * i + 1] * rows_.touches[i].tangent[0] + rows_.velocity[3 * i + 2] * rows_.touches[i].tangent[1];
+      if (!keeps_direction(c, v)) {
+        c.direction = law.direction[0] * rows_.touches[i].tangent[0] + law.direction[1] * rows_.touches[i].tangent[1];
+        if (norm(v) >= 2 * c.keeps_direction) c.keeps_direction = 0;
+      }
+    } else if (!(own.static_friction > 0)) {
+      c.mode = Contact::Mode::smooth;
+    } else if (system_.state(i) == contact::PointState::slip && std::hypot(after_[3 * i + 1], after_[3 * i + 2]) > inexact) {
+      if (!weakened_) weaken_friction();
+      const double a1 = weaker_[3 * i + 1], a2 = weaker_[3 * i + 2], size = std::hypot(a1, a2);
+      c.mode = Contact::Mode::slip;
+      c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
+      c.keeps_direction = 2 * own.friction * std::fabs(rows_.acceleration[3 * i]) * slow_slip_;
+    } else {
+      c.mode = Contact::Mode::stick;
+    }
+    closed.push_back(c);
+  }
+  return true;
+}
+
+// Accelerations with a little less friction, in weaker_: where bodies begin to slip, their accelerations are nearly zero, and so
+// are known less well than the directions in which they will slip.
+void Contacts::weaken_friction() {
+  constexpr double less = 1 - 1e-5;
+  weakened_ = true;
+  weaker_ = after_;
+  const std::vector<double> solution = system_.r;
+  const std::vector<contact::PointLaw> laws = system_.laws;
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    system_.laws[i].friction *= less;
+    for (std::size_t k = 1; k < 3; ++k) system_.r[3 * i + k] *= less;
+  }
+  if (system_.solve(contact::Effort::little)) {
+    std::vector<double> found;
+    system_.velocities(found);
+    for (std::size_t i = 0; i < laws.size(); ++i)
+      if (std::hypot(found[3 * i + 1], found[3 * i + 2]) > std::hypot(after_[3 * i + 1], after_[3 * i + 2]))
+        std::copy_n(found.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, weaker_.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  }
+  system_.r = solution, system_.laws = laws;
+}
+
+// The forces of contacts that are placed, with their accelerations and mobility.
+bool Contacts::solve_states(const std::vector<Contact>& contacts) {
+  system_.resize(contacts.size());
+  system_.A = rows_.A, system_.b = rows_.acceleration;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const ContactLaw& own = pairs_[static_cast<std::size_t>(contacts[i].pair)].law;
+    contact::PointLaw& law = system_.laws[i];
+    const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
+    const contact::Touch& touch = rows_.touches[i];
+    const Vec3 v = v1 * touch.tangent[0] + v2 * touch.tangent[1];
+    const bool keeps = keeps_direction(contacts[i], v), ahead = dot(v, contacts[i].direction) > slowest_slip;
+    law.slipping = (keeps ? ahead : speed > slowest_) && own.friction > 0;
+    law.friction = law.slipping ? own.friction : own.static_friction;
+    if (!law.slipping) continue;
+    const Vec3 s = keeps ? v + contacts[i].keeps_direction * contacts[i].direction : v;
+    const double along_1 = dot(s, touch.tangent[0]), along_2 = dot(s, touch.tangent[1]), size = std::hypot(along_1, along_2);
+    law.direction = {along_1 / size, along_2 / size};
+  }
+  // Contacts that are nearly at rest contradict each other by what is left of their velocities. The result only tells states
+  // apart.
+  constexpr double acceptable = 1e-8;
+  if (system_.solve(contact::Effort::little, acceptable)) return true;
+  // With many points that slip the solver may cycle. The velocities after a very short time obey a law without given directions.
+  constexpr double soon = 1e-6;  // s
+  for (std::size_t i = 0; i < system_.unknowns(); ++i) system_.b[i] = rows_.velocity[i] + soon * rows_.acceleration[i];
+  for (std::size_t i = 0; i < contacts.size(); ++i) system_.b[3 * i] = soon * rows_.acceleration[3 * i];
+  for (contact::PointLaw& law : system_.laws) law.slipping = false;
+  std::fill(system_.r.begin(), system_.r.end(), 0.0);
+  const bool solved = system_.solve(contact::Effort::full, acceptable);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
+    if (!(speed > slowest_) || !(system_.laws[i].friction > 0)) continue;
+    if (system_.state(i) == contact::PointState::stick) continue;  // no finite force keeps it slipping: it stops (Painlevé)
+    system_.laws[i].slipping = true, system_.laws[i].direction = {v1 / speed, v2 / speed};
+  }
+  return solved;
+}
+
+// Of the present forces: how far they are outside of what contacts can exert, relative to the largest force of their island.
+// Where several contacts share a load, others may carry it as well: only if no forces can, the contacts change.
+double Contacts::excess_of_forces() {
+  world_->evaluate();
+  double worst = -1;
+  for (const std::vector<std::size_t>& island : world_->workspace_.contacts->rows.islands())
+    worst = std::max(worst, excess_of_island(island));
+  return worst;
+}
+
+double Contacts::excess_of_island(const std::vector<std::size_t>& island) {
+  const std::span<const Contact> closed = world_->tree_.contacts();
+  const ContactRows& rows = world_->workspace_.contacts->rows;
+  const std::vector<double>& r = rows.forces;
+  double size = 1e-300, worst = -1;
+  for (const std::size_t i : island)
+    for (std::size_t k = 0; k < 3; ++k) size = std::max(size, std::fabs(r[3 * i + k]));
+  for (const std::size_t i : island) {
+    worst = std::max(worst, -r[3 * i] / size);
+    if (closed[i].mode != Contact::Mode::stick) continue;
+    const double most = pairs_[static_cast<std::size_t>(closed[i].pair)].law.static_friction * r[3 * i];
+    worst = std::max(worst, (std::hypot(r[3 * i + 1], r[3 * i + 2]) - most) / size);
+  }
+  if (worst <= rounding || island.size() < 2) return worst;
+  std::vector<Contact> contacts;
+  for (const std::size_t i : island) contacts.push_back(closed[i]);
+  rows_ = rows.of(island);
+  return excess_of_shared_forces(contacts, worst);
+}
+
+// Positive if no forces keep the contacts as they are: the acceleration with which they open or begin to slip, relative to the
+// largest one without forces.
+double Contacts::excess_of_shared_forces(const std::vector<Contact>& closed, double otherwise) {
+  if (!solve_states(closed)) return otherwise;
+  system_.velocities(after_);
+  const double size = std::max(largest(system_.b), 1e-300);
+  double worst = -1;
+  const double noise = std::max(1e-10, motion_from_residual * system_.residual());
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    worst = std::max(worst, after_[3 * i] / size - noise);
+    if (closed[i].mode == Contact::Mode::stick)
+      worst = std::max(worst, std::hypot(after_[3 * i + 1], after_[3 * i + 2]) / size - noise);
+  }
+  if (worst > 0) return worst;
+  // Forces were found that keep them. How near they are to where none do is known roughly: from the friction of all points of a
+  // pair.
+  const double largest_force = std::max(largest(system_.r), 1e-300);
+  double near = -1;
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    if (i > 0 && closed[i].pair == closed[i - 1].pair) continue;
+    double most = 0;
+    Vec3 friction{};
+    for (std::size_t k = i; k < closed.size() && closed[k].pair == closed[i].pair; ++k) {
+      if (closed[k].mode != Contact::Mode::stick) continue;
+      const double side = closed[k].a == closed[i].a ? 1 : -1;
+      most += system_.laws[k].friction * system_.r[3 * k];
+      for (std::size_t d = 1; d < 3; ++d) friction += side * system_.r[3 * k + d] * along(rows_.touches[k], d);
+    }
+    if (most > 0) near = std::max(near, (norm(friction) - most) / largest_force);
+  }
+  return std::min(worst, near);
+}
+
+}  // namespace momentree
