@@ -113,7 +113,7 @@ std::string energy_text(const EnergyBalance& e, const Style& style) {
   if (e.projection != 0) row("by closing loops and removing overlaps", e.projection);
   std::string text = style.heading("Energy balance") + '\n' + table.text("  ");
   text += format("  error of the integration: %.2e J", e.error);
-  if (e.largest_kinetic > 0)
+  if (e.largest_kinetic > 1e-12 * scale)
     text += format(", %.1e of the largest kinetic energy (%.4g J)", std::fabs(e.error) / e.largest_kinetic, e.largest_kinetic);
   return text + '\n';
 }
