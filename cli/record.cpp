@@ -57,8 +57,7 @@ Recorded record(const io::Scenario& scenario, const std::string& folder, Purpose
   Simulation& simulation = session.simulation();
   const double start = simulation.time();
   const InterruptGuard guard;
-  const io::PackedMeshes meshes =
-      purpose == Purpose::report ? io::meshes_json(io::mesh_sources(scenario.shapes)) : io::PackedMeshes{};
+  const io::PackedMeshes meshes = io::meshes_json(io::mesh_sources(scenario.shapes));
   show(stderr, io::rendered(meshes.warnings));
   io::Recorder recorder(
       simulation, {scenario.name, scenario.title, scenario.path, scenario.hash, {}, start, scenario.until, scenario.integration},

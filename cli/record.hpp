@@ -28,7 +28,7 @@ struct Recorded {
   int code = 0;        ///< exit code of the run; errors have been reported
 };
 
-/// The results needed: those for a picture, or everything in the report, including joint reactions and energy.
+/// The results needed: motion and meshes for a picture, or everything in the report, including joint reactions and energy.
 enum class Purpose { picture, report };
 
 /// Writes a row of the recorder every `every` seconds of the run and shows its progress; the run ends if the user interrupts it.

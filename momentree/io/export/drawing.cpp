@@ -6,9 +6,9 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/colour.hpp>
-#include <momentree/io/export/meshes.hpp>
 #include <momentree/io/export/solids.hpp>
 #include <momentree/io/json.hpp>
+#include <momentree/io/picture/meshes.hpp>
 #include <momentree/io/text_file.hpp>
 
 namespace momentree::io {

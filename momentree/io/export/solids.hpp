@@ -3,7 +3,7 @@
 #include <vector>
 
 #include <momentree/io/export/drawing.hpp>
-#include <momentree/io/export/meshes.hpp>
+#include <momentree/io/picture/meshes.hpp>
 
 namespace momentree::io {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <momentree/io/picture/svg_text.hpp>
 
@@ -68,13 +69,33 @@ std::vector<Point2> widened(const std::vector<Point2>& points, double radius) {
 }
 
 /// Shapes are filled with a light tint of their colour, so that overlapping frames do not become darker.
+std::string glass_of(const Primitive& p) {
+  const std::string colour = colour_of(p);
+  return "fill=\"" + tint(colour, p.colour.empty() ? 0.22 : 0.6) + "\" fill-opacity=\"0.85\" stroke=\"" + colour + "\"";
+}
+
+void append_outline(std::string& svg, const Primitive& p, const Placement& place) {
+  std::string data;
+  std::size_t begin = 0;
+  for (const std::size_t end : p.ends) {
+    std::string last;
+    int count = 0;
+    for (std::size_t i = std::exchange(begin, end); i < end; ++i) {
+      std::string at = pixels(place(p.points[i]));
+      if (at == last) continue;  // details below the resolution of the picture
+      data += (count == 0 ? "M" : count == 1 ? "L" : " ") + at;
+      last = std::move(at), ++count;
+    }
+    data += "Z";
+  }
+  svg += "<path d=\"" + data + "\" " + glass_of(p) + " stroke-width=\"0.7\"/>\n";
+}
+
 void append_area(std::string& svg, const Primitive& p, const Placement& place) {
   std::vector<Point2> points;
   for (const Point2& at : p.points) points.push_back(place(at));
   points = convex_hull(std::move(points));
-  const std::string colour = colour_of(p);
-  const std::string glass =
-      "fill=\"" + tint(colour, p.colour.empty() ? 0.22 : 0.6) + "\" fill-opacity=\"0.85\" stroke=\"" + colour + "\"";
+  const std::string glass = glass_of(p);
   const double radius = p.radius * place.scale;
   if (points.size() == 1) return append_circle(svg, points.front(), std::max(radius, 2.0), glass);
   if (radius > 0) points = convex_hull(widened(points, radius));
@@ -101,6 +122,8 @@ void append_frame(std::string& svg, const SceneFrame& frame, const Placement& pl
       path.close();
       if (p.kind == Kind::area)
         append_area(svg, p, placement);
+      else if (p.kind == Kind::outline)
+        append_outline(svg, p, placement);
       else
         append_circle(svg, placement(p.points.front()), 0.8 * width + 1, "fill=\"" + colour_of(p) + "\"");
     }

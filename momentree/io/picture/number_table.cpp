@@ -11,7 +11,7 @@ namespace momentree::io {
 
 namespace {
 
-constexpr const char* damaged = "the file was truncated or modified: run again";
+constexpr const char* damaged_table = "the file was truncated or modified: run again";
 
 double number(std::string_view cell, const std::string& column, const std::string& where) {
   if (cell.empty()) return std::nan("");
@@ -19,7 +19,7 @@ double number(std::string_view cell, const std::string& column, const std::strin
   const char* end = cell.data() + cell.size();
   const auto [stop, error] = std::from_chars(cell.data(), end, value);
   if (error != std::errc{} || stop != end)
-    throw_error({"column '" + column + "': '" + std::string(cell) + "' is not a number", where, damaged});
+    throw_error({"column '" + column + "': '" + std::string(cell) + "' is not a number", where, damaged_table});
   return value;
 }
 
@@ -56,7 +56,7 @@ NumberTable::NumberTable(std::filesystem::path file) : file_(std::move(file)) {
   while (in.next(line) && in.is_whole()) {
     if (line.empty()) continue;
     const double time = number(std::string_view(line).substr(0, line.find(',')), "time", at_line(in.number()));
-    if (!std::isfinite(time)) throw_error({"the time is not a finite number", at_line(in.number()), damaged});
+    if (!std::isfinite(time)) throw_error({"the time is not a finite number", at_line(in.number()), damaged_table});
     if (!times_.empty() && time < times_.back()) throw_error({"time runs backwards", at_line(in.number()), {}});
     times_.push_back(time);
     lines_.push_back(in.number());
@@ -72,8 +72,8 @@ void NumberTable::append_cells(const std::string& line, const std::string& where
     at = end;
   }
   if (cells != columns_.size())
-    throw_error(
-        {"the row has " + std::to_string(cells + 1) + " of " + std::to_string(columns_.size() + 1) + " columns", where, damaged});
+    throw_error({"the row has " + std::to_string(cells + 1) + " of " + std::to_string(columns_.size() + 1) + " columns", where,
+                 damaged_table});
 }
 
 std::vector<double> NumberTable::read(const std::vector<std::size_t>& rows) const {

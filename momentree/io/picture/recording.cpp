@@ -249,6 +249,7 @@ Recording read_recording(const std::filesystem::path& directory, double every) {
   const std::vector<std::size_t> rows = choose_rows(table, every);
   run.every = every;
   run.frames = table.read(rows);
+  run.meshes = read_meshes(directory / "meshes.json", run.mesh_parts);
   for (RecordedEvent& event : run.events) {
     const std::size_t row = table.row_near(event.time);
     if (std::abs(table.times()[row] - event.time) < 0.25 * every) event.frame = table.read({row}).front();

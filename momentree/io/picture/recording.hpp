@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <momentree/base/value.hpp>
+#include <momentree/io/picture/meshes.hpp>
 #include <momentree/io/shape.hpp>
 #include <momentree/math/vec.hpp>
 
@@ -88,6 +89,8 @@ struct Recording {
   std::vector<RecordedLoop> loops;      ///< all joints of the run that close loops
   std::vector<Phase> phases;            ///< at least one, ordered by time
   std::vector<std::string> mechanisms;  ///< all mechanisms of the run, in order of appearance
+  std::vector<MeshPart> mesh_parts;     ///< of meshes.json; read only for pictures
+  std::vector<MeshParts> meshes;        ///< by their numbers
   double every = 0;                     ///< requested time between frames (s)
 
   const Phase& phase_at(double time) const;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <string_view>
 
 #include <momentree/contact/feature.hpp>
+#include <momentree/io/picture/outline.hpp>
 #include <momentree/joint/joint.hpp>
 
 namespace momentree::io {
@@ -52,7 +54,7 @@ void add_cylinder(double radius, double length, std::vector<Patch>& patches) {
   patches.insert(patches.end(), {side, caps[0], caps[1]});
 }
 
-/// The parts of a shape, in its own axes. Empty for a mesh, which is not drawn.
+/// The parts of a shape, in its own axes. Empty for a mesh.
 std::vector<Patch> patches_of(const Shape& shape) {
   std::vector<Patch> patches;
   const double half = 0.5 * shape.length;
@@ -63,11 +65,20 @@ std::vector<Patch> patches_of(const Shape& shape) {
   return patches;
 }
 
+/// Calls back with each shape of a body, and with the parts of its mesh, if it is one.
 template <class Action>
-void for_each_shape(const Shape& shape, const Action& action) {
-  action(shape);
-  for (const Shape& more : shape.more) action(more);
+void for_each_shape(const Recording& run, const RecordedBody& body, const Action& action) {
+  const auto parts_of = [&](std::size_t place) -> std::span<const MeshPart> {
+    const int number = place < body.meshes.size() ? body.meshes[place] : -1;
+    if (number < 0 || static_cast<std::size_t>(number) >= run.meshes.size()) return {};
+    const auto [first, count] = run.meshes[static_cast<std::size_t>(number)];
+    return std::span(run.mesh_parts).subspan(first, count);
+  };
+  action(body.shape, parts_of(0));
+  for (std::size_t i = 0; i < body.shape.more.size(); ++i) action(body.shape.more[i], parts_of(i + 1));
 }
+
+Vec3 scaled(const Shape& shape, const Vec3& p) { return {shape.scale.x * p.x, shape.scale.y * p.y, shape.scale.z * p.z}; }
 
 constexpr const char* spring_colour = "#6b7684";
 
@@ -126,8 +137,10 @@ class FrameBuilder {
     const RecordedBody& body = run_.bodies[b];
     const Pose& pose = frame_.poses[b];
     bool shaped = false;
-    for_each_shape(body.shape, [&](const Shape& shape) {
+    const std::size_t before = out_.primitives.size();
+    for_each_shape(run_, body, [&](const Shape& shape, std::span<const MeshPart> parts) {
       const Pose placed = pose * shape.at;
+      for (const MeshPart& part : parts) shaped = add_mesh(b, shape, placed, part) || shaped;
       for (Patch patch : patches_of(shape)) {
         shaped = true;
         const Vec3 normal = placed * patch.normal - placed.position;
@@ -136,10 +149,35 @@ class FrameBuilder {
         add(Primitive::Kind::area, b, patch.points, patch.radius, shape.colour);
       }
     });
-    for (const auto& [from, to] : body.extent) add(Primitive::Kind::line, b, {pose * from, pose * to});
+    const auto is_mesh = [](const Primitive& p) { return p.kind == Primitive::Kind::outline; };
+    const bool has_mesh =
+        std::any_of(out_.primitives.begin() + static_cast<std::ptrdiff_t>(before), out_.primitives.end(), is_mesh);
+    for (const auto& [from, to] : body.extent)
+      if (!has_mesh) add(Primitive::Kind::line, b, {pose * from, pose * to});
     if (body.extent.empty() && !shaped) add(Primitive::Kind::dot, b, {pose * body.child_at});
     if (!phase_.joined[b]) return;
     add_joint(b, body.kind, body.parent, body.at, body.child_at);
+  }
+
+  /// False if nothing of it is seen.
+  bool add_mesh(std::size_t b, const Shape& shape, const Pose& placed, const MeshPart& part) {
+    std::vector<Point2> points;
+    double depth = 0;
+    for (const Vec3& p : part.points) {
+      const Vec3 at = placed * scaled(shape, p);
+      points.push_back(view_(at));
+      depth += view_.depth(at) / static_cast<double>(part.points.size());
+    }
+    Primitive outline{Primitive::Kind::outline, {}, 0, phase_.mechanism[b], depth, shape.colour};
+    if (outline.colour.empty()) outline.colour = part.colour;
+    for (const std::vector<Point2>& loop : outline_of(points, part.triangles)) {
+      outline.points.insert(outline.points.end(), loop.begin(), loop.end());
+      outline.ends.push_back(outline.points.size());
+    }
+    if (outline.points.empty()) return false;
+    has_area_ = true;
+    out_.primitives.push_back(std::move(outline));
+    return true;
   }
 
   Vec3 place(int body, const Vec3& point) const {
@@ -249,9 +287,11 @@ std::vector<Vec3> drawn_points(const Recording& run) {
     for (std::size_t b = 0; b < run.bodies.size(); ++b) {
       points.push_back(frame.poses[b].position);
       for (const auto& [from, to] : run.bodies[b].extent) points.push_back(frame.poses[b] * to);
-      for_each_shape(run.bodies[b].shape, [&](const Shape& shape) {
+      for_each_shape(run, run.bodies[b], [&](const Shape& shape, std::span<const MeshPart> parts) {
         for (const Patch& patch : patches_of(shape))
           for (const Vec3& p : patch.points) points.push_back(frame.poses[b] * (shape.at * p));
+        for (const MeshPart& part : parts)
+          for (const Vec3& p : part.points) points.push_back(frame.poses[b] * (shape.at * scaled(shape, p)));
       });
     }
   for (const RecordedFrame& frame : run.frames)
@@ -269,7 +309,7 @@ Scene build_scene(const Recording& run, const View& view) {
   for (const SceneFrame& frame : scene.frames)
     for (const Primitive& p : frame.primitives) {
       for (const Point2& at : p.points) scene.bounds.add(at, p.radius);
-      scene.has_areas = scene.has_areas || p.kind == Primitive::Kind::area;
+      scene.has_areas = scene.has_areas || p.kind == Primitive::Kind::area || p.kind == Primitive::Kind::outline;
     }
   for (std::size_t b = 0; b < run.bodies.size(); ++b) {
     const RecordedBody& body = run.bodies[b];

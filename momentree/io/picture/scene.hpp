@@ -8,16 +8,18 @@
 
 namespace momentree::io {
 
-/// One primitive. A line joins the points, a dot marks one; an area is the convex hull of the points, enlarged by `radius` (m).
+/// One primitive. A line joins the points, a dot marks one; an area is the convex hull of the points, enlarged by `radius` (m);
+/// an outline consists of closed loops, and covers what they wind around.
 struct Primitive {
   /// displacement: from a joint in its parent to the joint in its child; spring: between its ends
-  enum class Kind { line, displacement, spring, area, dot };
+  enum class Kind { line, displacement, spring, area, outline, dot };
   Kind kind = Kind::line;
   std::vector<Point2> points;
   double radius = 0;
   int mechanism = 0;
-  double depth = 0;    ///< the farthest primitives are drawn first
-  std::string colour;  ///< the shape's own colour; empty: the mechanism's
+  double depth = 0;                 ///< the farthest primitives are drawn first
+  std::string colour;               ///< the shape's own colour; empty: the mechanism's
+  std::vector<std::size_t> ends{};  ///< of an outline: where in `points` each of its loops ends
 };
 
 struct SceneFrame {

@@ -1,4 +1,4 @@
-#include <momentree/io/export/meshes.hpp>
+#include <momentree/io/picture/meshes.hpp>
 
 #include <optional>
 
