@@ -134,7 +134,12 @@ void ManyPoints::add(std::size_t point, const double* impulse, std::vector<doubl
 // The law at one point, for the present impulses of all others. Returns the largest change as a velocity.
 double ManyPoints::relax(std::size_t point, double least, const std::vector<double>& start, double* own) {
   const std::array<double, 9>& A = blocks_[point];
-  if (!(A[0] > 0) || points[point].slack == HUGE_VAL) return 0;
+  if (!(A[0] > 0) || points[point].slack == HUGE_VAL) {  // nothing presses them together
+    const double none[3] = {-own[0], -own[1], -own[2]};
+    if (own[0] != 0 || own[1] != 0 || own[2] != 0) add(point, none, change_);
+    own[0] = own[1] = own[2] = 0;
+    return 0;
+  }
   double w[3], before[3] = {own[0], own[1], own[2]};
   all_along(point, change_, w);
   for (std::size_t k = 0; k < 3; ++k) w[k] += start[3 * point + k];
@@ -166,7 +171,9 @@ double ManyPoints::relax(std::size_t point, double least, const std::vector<doub
     for (std::size_t k = 1; k < 3; ++k) w[k] += A[3 * k] * (own[0] - moved[0]);
     w[0] += A[0] * (own[0] - moved[0]);
     const double most = friction * own[0];
-    if (!(most > 0) || !(size > 0)) {
+    if (const double speed = std::hypot(w[1], w[2]); most > 0 && !(size > 0) && speed > 0) {
+      own[1] = -most * w[1] / speed, own[2] = -most * w[2] / speed;  // against a prescribed motion
+    } else if (!(most > 0) || !(size > 0)) {
       own[1] = own[2] = 0;
     } else {
       const double t1 = own[1] - w[1] / size, t2 = own[2] - w[2] / size, square = t1 * t1 + t2 * t2;

@@ -1,7 +1,8 @@
 // The last resort of the solver: Newton's method on the law's projections with shortened steps (Alart & Curnier 1991), for a
 // sequence of problems in which each point yields a little, A + εD instead of A, about the previous solution: proximal points
-// (Rockafellar 1976). Redundant points then have unique forces, and the sequence ends at a solution of the rigid problem. Of 157
-// piles of boxes that projections do not solve in 100 sweeps it solves 155, in 5 to 200 steps.
+// (Rockafellar 1976). Redundant points then share their load in one way, and as a rule the sequence approaches a solution of the
+// rigid problem: from a first guess it does so for 155 of 157 piles of boxes that 100 sweeps of projections do not solve, in 5 to
+// 200 steps.
 #include <algorithm>
 #include <cmath>
 
@@ -98,7 +99,7 @@ bool System::search(int most_steps) {
     for (std::size_t i = 0; i < r.size(); ++i) r[i] = start_[i] - best_length * right_[i];
     now = find_map(true);
   }
-  return false;
+  return now < 1e-24 * size * size;
 }
 
 bool System::approach(int most_problems) {

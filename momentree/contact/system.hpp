@@ -41,7 +41,7 @@ class System {
   double& element(std::size_t row, std::size_t column) { return A[row * unknowns() + column]; }
   double element(std::size_t row, std::size_t column) const { return A[row * unknowns() + column]; }
 
-  /// Finds r, from the present one. Returns false if no solution was found: r is then the last iterate. `acceptable`: the
+  /// Finds r, from the present one. Returns false if no solution was found: r is then an iterate. `acceptable`: the
   /// residual of a solution that cannot be improved, such as where redundant rows contradict each other by rounding.
   [[nodiscard]] bool solve(Effort effort = Effort::full, double acceptable = 1e-11);
 

@@ -125,9 +125,10 @@ void ContactParts::add_points(const Tree& tree, const double* q, Workspace<doubl
       for (const contact::ManyPoints::Part& part : point.parts)
         for (std::size_t row = part.at + k * index_of(part.count), end = row + index_of(part.count); row < end; ++row)
           mobility += many.J[row] * many.Y[row];
-      const bool rigid = is_rigid(tree, c, mobility);
-      many.b.push_back(rigid ? 0 : rows.velocity[3 * i + k]);
-      if (!rigid) continue;
+      const double v = rows.velocity[3 * i + k];
+      const RowOfRigid left = rigid_row(tree, workspace, c, rows.touches[i], k, mobility, v);
+      many.b.push_back(left.rests ? 0 : v);
+      if (!left.rigid) continue;
       for (const contact::ManyPoints::Part& part : point.parts)
         for (std::size_t row = part.at + k * index_of(part.count), end = row + index_of(part.count); row < end; ++row)
           many.J[row] = many.Y[row] = 0;

@@ -143,12 +143,25 @@ void find_mechanisms(const Tree& tree, ContactWorkspace& all) {
 
 }  // namespace
 
-bool is_rigid(const Tree& tree, const Contact& contact, double mobility) {
-  constexpr double rounding = 1e-13;
-  double apart = 0;
-  for (const int body : {contact.a, contact.b})
-    if (body >= 0 && tree.link(body).body.m > 0) apart += 1 / tree.link(body).body.m;
-  return mobility < rounding * apart;
+RowOfRigid rigid_row(const Tree& tree, const Workspace<double>& workspace, const Contact& contact, const contact::Touch& touch,
+                     std::size_t k, double mobility, double velocity) {
+  constexpr double rounding = 1e-13, rounding_of_speeds = 1e-9;
+  double alone = 0, speeds = 0;
+  for (int body : {contact.a, contact.b}) {
+    if (body < 0) continue;
+    const contact::Place place = place_of(tree, workspace, body);
+    speeds += norm(place.v + cross(place.w, touch.point - place.r));
+    while (body >= 0 && !(tree.link(body).body.m > 0)) body = tree.parent(body);  // which carries the massless one
+    if (body < 0) continue;
+    const RigidMass& mass = tree.link(body).body;
+    const Kinematics<double>& kernel = workspace.bodies[at(body)];
+    const Vec3 centre = (1 / mass.m) * mass.mc, arm = cross(touch.point - kernel.r - kernel.R * centre, direction(touch, k));
+    const double inertia =
+        mass.J.xx + mass.J.yy + mass.J.zz - 2 * mass.m * dot(centre, centre);  // above the largest principal one
+    alone += 1 / mass.m + (inertia > 0 ? dot(arm, arm) / inertia : 0);
+  }
+  const bool rigid = mobility < rounding * alone;
+  return {rigid, rigid && std::fabs(velocity) <= rounding_of_speeds * speeds};
 }
 
 void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
@@ -204,9 +217,12 @@ void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>&
     }
   }
   for (std::size_t row = 0; row < n; ++row) {
-    if (!is_rigid(tree, contacts[row / 3], rows.A[row * n + row])) continue;
+    const RowOfRigid left =
+        rigid_row(tree, workspace, contacts[row / 3], rows.touches[row / 3], row % 3, rows.A[row * n + row], rows.velocity[row]);
+    if (!left.rigid) continue;
     for (std::size_t k = 0; k < n; ++k) rows.A[row * n + k] = rows.A[k * n + row] = 0;
     for (std::size_t k = 0; k < nv; ++k) rows.J[row * nv + k] = rows.Y[row * nv + k] = 0;
+    if (!left.rests) continue;
     rows.velocity[row] = 0;
     if (rows.acceleration.size() == n) rows.acceleration[row] = 0;
   }

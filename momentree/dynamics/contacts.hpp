@@ -61,12 +61,18 @@ struct ContactWorkspace {
 /// Geometry and velocities of contacts at q. Requires workspace.bodies of this configuration: locate_stage.
 void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::span<const Contact> contacts, ContactRows& rows);
 
-/// True if two bodies cannot move relative to each other along a row, as bodies that are locked together or welded into a loop:
-/// its mobility (1/kg) is what rounding leaves of that of the bodies alone.
-bool is_rigid(const Tree& tree, const Contact& contact, double mobility);
+/// A row along which no impulse changes the relative velocity of two bodies, as of bodies that are locked together or welded into
+/// a loop, or that both follow prescribed motions: its mobility is zero, apart from rounding.
+struct RowOfRigid {
+  bool rigid = false;
+  bool rests = false;  ///< its velocity is zero, too, apart from rounding: no prescribed motion moves them
+};
+/// `k`: 0 is the normal, 1 and 2 are the tangents. The mobility is compared with that of the bodies alone, the velocity with theirs.
+RowOfRigid rigid_row(const Tree& tree, const Workspace<double>& workspace, const Contact& contact, const contact::Touch& touch,
+                     std::size_t k, double mobility, double velocity);
 
 /// J, Y and A of contacts that are placed. Requires the factors of an evaluation at q. With loops the workspace then holds no
-/// evaluation. Rows along which bodies cannot move relative to each other become zero, with their velocities and accelerations.
+/// evaluation. Rows of rigid pairs become zero; of those at rest, their velocities and accelerations, too.
 void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
                            ContactRows& rows);
 

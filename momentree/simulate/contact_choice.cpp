@@ -129,6 +129,8 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
   for (contact::PointLaw& law : system_.laws) law.slipping = false;
   std::fill(system_.r.begin(), system_.r.end(), 0.0);
   const bool solved = system_.solve(contact::Effort::full, acceptable);
+  for (double& x : system_.b) x /= soon;  // as accelerations and forces again
+  for (double& x : system_.r) x /= soon;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
     if (!(speed > slowest_) || !(system_.laws[i].friction > 0)) continue;

@@ -104,6 +104,10 @@ bool Simulation::Impl::resolve_after_step(double h) {
 }
 
 bool Simulation::Impl::resolve_contacts(bool after_step) {
+  struct Instant {
+    Contacts& contacts;
+    ~Instant() { contacts.forget_slow_slip(); }
+  } const instant{contacts};
   if (stepping.on) update_islands();
   if (some_step()) join_touched_islands();
   if (steps_through()) return true;

@@ -211,11 +211,8 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   std::vector<Contact> closed;
   for (std::vector<Contact>& touching : by_island(this->touching())) {
     std::optional<Unresolved> failed = resolve_island(touching, before, closed, events);
-    if (!failed) continue;
-    slowest_ = slowest_slip;
-    return failed;
+    if (failed) return failed;
   }
-  slowest_ = slowest_slip;
   for (Contact& c : closed) {
     const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
     const auto then = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return b.pair == c.pair; });
@@ -249,9 +246,13 @@ double Contacts::stop(const std::vector<Contact>& closed) {
 double Contacts::stop_creeping(std::vector<Contact> contacts) {
   locate_bodies(world_->tree_, world_->state_, world_->workspace_);
   place_contacts(world_->tree_, world_->workspace_, contacts, rows_);
-  std::size_t place = 0;
-  const auto separates = [&](const Contact&) { return rows_.velocity[3 * place++] > slowest_; };
-  if (std::erase_if(contacts, separates) > 0) place_contacts(world_->tree_, world_->workspace_, contacts, rows_);
+  std::vector<Contact> staying;
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (!(rows_.velocity[3 * i] > slowest_)) staying.push_back(contacts[i]);
+  if (staying.size() != contacts.size()) {
+    contacts = std::move(staying);
+    place_contacts(world_->tree_, world_->workspace_, contacts, rows_);
+  }
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const bool creeps = std::hypot(rows_.velocity[3 * i + 1], rows_.velocity[3 * i + 2]) < slowest_;
     contacts[i].mode = creeps ? Contact::Mode::stick : Contact::Mode::smooth;

@@ -148,7 +148,8 @@ void ContactSteps::remember(double h) {
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const Contact& c = near_[i];
     const auto force = [&](std::size_t k) { return (many_.r[3 * i + k] + before * carried_[3 * i + k]) / over; };
-    if (!(force(0) > 0)) continue;
+    const bool parts = rows_.touches[i].gap > within_touch || after_[3 * i] > slow_impact;
+    if (!(force(0) > 0) || (parts && !(many_.r[3 * i] > 0))) continue;
     const contact::Touch& touch = rows_.touches[i];
     SteppedContact point{c.pair, c.id, c.a, c.b, touch.point, touch.normal, {}, {}, c.cable};
     for (std::size_t k = 0; k < 3; ++k) point.force += force(k) * row_direction(touch, k);

@@ -87,6 +87,12 @@ void Contacts::find_welded() const {
     const int parent = tree.parent(b);
     welded_[static_cast<std::size_t>(b)] = parent < 0 ? -1 : welded_[static_cast<std::size_t>(parent)];
   }
+  for (const Loop& loop : tree.loops()) {
+    if (loop.joint.kind != Kind::weld) continue;
+    const int one = welded_[static_cast<std::size_t>(loop.body)],
+              other = loop.to < 0 ? -1 : welded_[static_cast<std::size_t>(loop.to)];
+    std::replace(welded_.begin(), welded_.end(), std::max(one, other), std::min(one, other));
+  }
 }
 
 // Pairs that can touch within h seconds, or are nearer than `margin` (m), in ascending order; and all cables.
@@ -378,9 +384,17 @@ std::span<const Watch> Contacts::watches(double& h) {
 // Where slip ends, the error of the step is left of it, with any direction.
 void Contacts::note_ended_slip() {
   const std::span<const Contact> closed = world_->tree_.contacts();
-  const double noise = std::max(creeping, 1e-8 * fastest());
-  for (std::size_t i = 0; i < closed.size() && i < slow_.size(); ++i)
-    if (closed[i].mode == Contact::Mode::slip && !slow_[i] && norm(slip_velocity(static_cast<int>(i))) < noise) slowest_ = noise;
+  for (std::size_t i = 0; i < closed.size() && i < slow_.size(); ++i) {
+    if (closed[i].mode != Contact::Mode::slip || slow_[i]) continue;
+    const Vec3 point = contact::touch(closed[i].features, place(closed[i].a), place(closed[i].b)).point;
+    double speeds = 0;
+    for (const int body : {closed[i].a, closed[i].b}) {
+      const contact::Place at = place(body);
+      speeds += norm(at.v + cross(at.w, point - at.r));
+    }
+    const double noise = std::max(creeping, 1e-8 * speeds);
+    if (norm(slip_velocity(static_cast<int>(i))) < noise) slowest_ = std::max(slowest_, noise);
+  }
 }
 
 bool Contacts::must_resolve() {

@@ -77,6 +77,8 @@ class Contacts {
   std::vector<int> most_loaded() const;
   /// The bodies of the contact with the slowest slip; of any closed contact if none slips.
   std::vector<int> slowest() const;
+  /// What must_resolve() found about slow slip is for one instant.
+  void forget_slow_slip() { slowest_ = slowest_slip; }
   int short_steps() const { return short_steps_; }
   void set_short_steps(int count) { short_steps_ = count; }
   /// A step of at most h seconds in which no body passes through another.

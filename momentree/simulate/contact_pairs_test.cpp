@@ -1,0 +1,115 @@
+// Contacts of bodies that are welded or driven, and bounces on what other contacts press against.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/simulation.hpp>
+
+using namespace momentree;
+
+namespace {
+
+void add_floor(Model& model, double friction, double restitution) {
+  model.add_collider({.plane = true});
+  model.add_contact_rule({.law = {.friction = friction, .static_friction = friction, .restitution = restitution}});
+}
+
+}  // namespace
+
+TEST_CASE("contact: friction against a prescribed motion does work, although it changes no velocity") {
+  for (const char* method : {"rk4", "dop853", "stepping"}) {
+    Model model;
+    const BodyId cart = model.add({.name = "cart",
+                                   .mass = 1,
+                                   .inertia = diagonal(0.01),
+                                   .at = {{0, 0, 1}},
+                                   .joint = Prismatic{.axis = {1, 0, 0}, .drive = motion_drive(Signal::sine(0.5, 1))}});
+    const BodyId pin = model.add({.name = "pin",
+                                  .mass = 2,
+                                  .inertia = diagonal(0.01),
+                                  .parent = cart,
+                                  .at = {{0, 0, -0.9}},
+                                  .joint = Prismatic{.axis = {0, 0, 1}}});
+    model.add_collider({.body = pin, .solid = contact::sphere(0.1)});
+    add_floor(model, 0.5, 0);
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    REQUIRE(sim.run_until(0.1));
+    const std::vector<ContactPoint> contacts = sim.world().contacts();
+    CAPTURE(method);
+    REQUIRE(contacts.size() == 1);
+    CHECK(norm(contacts[0].force - Vec3{-9.81, 0, 2 * 9.81}) < 1e-6);
+    CHECK(contacts[0].slips);
+    const double travelled = sim.world().motions()[1].pose.position.x,
+                 lost = sim.energy().dissipated + sim.energy().lost_in_impacts;
+    CHECK(lost == doctest::Approx(9.81 * travelled).epsilon(2e-3));
+    CHECK(std::fabs(sim.energy().error) < 1e-6);
+  }
+}
+
+TEST_CASE("contact: massless pads of fingers that grasp have no forces on each other") {
+  for (const bool weld_them : {false, true})
+    for (const char* method : {"rk4", "dop853", "stepping"}) {
+      Model model({.gravity = {}});
+      const BodyId hub = model.add(
+          {.name = "hub", .mass = 1, .inertia = diagonal(0.01, 0.012, 0.017), .joint = Free{}, .v = {0, 0, 0, 0.3, 0.5, 0.2}});
+      const auto finger = [&](const std::string& name, double side, double rate) {
+        const BodyId body = model.add({.name = name,
+                                       .mass = 0.5,
+                                       .com = {0, 0, 0.2},
+                                       .inertia = diagonal(0.004),
+                                       .parent = hub,
+                                       .at = {{0.2 * side, 0, 0.1}},
+                                       .joint = Revolute{.axis = {0, 1, 0}},
+                                       .v = {rate}});
+        const BodyId pad = model.add({.name = name + "_pad", .parent = body, .at = {{0, 0.01 * side, 0.32}}});
+        model.add_collider({.body = pad, .solid = contact::sphere(0.1)});
+      };
+      finger("left", -1, 5), finger("right", 1, -4);
+      Simulation sim(model, {.method = method, .step = 1e-3});
+      Simulation::Scheduled grasp = sim.when(touching("left_pad", "right_pad"));
+      if (weld_them)
+        grasp.then(weld("left", "right"));
+      else
+        grasp.then(lock("left")).then(lock("right"));
+      const Totals start = sim.world().totals();
+      const RunResult run = sim.run_until(3);
+      CAPTURE(method);
+      INFO(run.reason);
+      REQUIRE(run);
+      const Totals end = sim.world().totals();
+      CHECK(!sim.events().empty());
+      CHECK(norm(end.linear - start.linear) < 1e-8);
+      CHECK(norm(end.angular - start.angular) < (std::string(method) == "stepping" ? 1e-2 : 1e-8));
+      CHECK(end.kinetic == doctest::Approx(start.kinetic - sim.energy().lost_in_impacts).epsilon(1e-7));
+      for (const ContactPoint& contact : sim.world().contacts()) CHECK(norm(contact.force) < 1e-9);
+    }
+}
+
+TEST_CASE("contact: a ball that friction on the floor presses against a wall comes to rest on the wall") {
+  for (const char* method : {"rk4", "dop853"}) {
+    Model model;
+    const BodyId ball = model.add({.name = "ball",
+                                   .mass = 1,
+                                   .inertia = diagonal(0.4 * 0.01),
+                                   .joint = Free{},
+                                   .q = {-0.02, 0, 0.1, 1, 0, 0, 0},
+                                   .v = {0, 0.5, 0, 0, 100, 0}});  // it spins so that the floor pushes it towards the wall
+    model.add_collider({.body = ball, .solid = contact::sphere(0.1)});
+    const BodyId wall = model.add({.name = "wall", .mass = 1, .inertia = diagonal(1), .at = {{0.5, 0, 0}}});
+    model.add_collider({.body = wall, .solid = contact::box({0.8, 6, 1})});
+    add_floor(model, 0.4, 0.2);
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    const RunResult run = sim.run_until(0.4);
+    CAPTURE(method);
+    INFO(run.reason);
+    REQUIRE(run);
+    CHECK(sim.events().size() < 200);
+    CHECK(std::none_of(sim.events().begin(), sim.events().end(), [](const Event& e) { return e.name == "stepping"; }));
+    CHECK(std::any_of(sim.events().begin(), sim.events().end(), [](const Event& e) {
+      return (e.name == "rest" || e.name == "slip") && (e.contact.other == "wall" || e.contact.one == "wall");
+    }));
+  }
+}
