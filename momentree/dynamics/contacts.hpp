@@ -61,13 +61,14 @@ struct ContactWorkspace {
 /// Geometry and velocities of contacts at q. Requires workspace.bodies of this configuration: locate_stage.
 void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::span<const Contact> contacts, ContactRows& rows);
 
-/// A row along which no impulse changes the relative velocity of two bodies, as of bodies that are locked together or welded into
-/// a loop, or that both follow prescribed motions: its mobility is zero, apart from rounding.
+/// A row along which no impulse changes the relative velocity of two bodies, as of bodies that are locked together or welded
+/// into a loop, or that both follow prescribed motions: its mobility is zero, apart from rounding.
 struct RowOfRigid {
   bool rigid = false;
   bool rests = false;  ///< its velocity is zero, too, apart from rounding: no prescribed motion moves them
 };
-/// `k`: 0 is the normal, 1 and 2 are the tangents. The mobility is compared with that of the bodies alone, the velocity with theirs.
+/// `k`: 0 is the normal, 1 and 2 are the tangents. The mobility is compared with that of the bodies alone, the velocity with
+/// theirs.
 RowOfRigid rigid_row(const Tree& tree, const Workspace<double>& workspace, const Contact& contact, const contact::Touch& touch,
                      std::size_t k, double mobility, double velocity);
 

@@ -140,6 +140,22 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
   return solved;
 }
 
+// Where slip ends, the error of the step is left of it, with any direction.
+void Contacts::note_ended_slip() {
+  const std::span<const Contact> closed = world_->tree_.contacts();
+  for (std::size_t i = 0; i < closed.size() && i < slow_.size(); ++i) {
+    if (closed[i].mode != Contact::Mode::slip || slow_[i]) continue;
+    const Vec3 point = contact::touch(closed[i].features, place(closed[i].a), place(closed[i].b)).point;
+    double speeds = 0;
+    for (const int body : {closed[i].a, closed[i].b}) {
+      const contact::Place at = place(body);
+      speeds += norm(at.v + cross(at.w, point - at.r));
+    }
+    const double noise = std::max(creeping, 1e-8 * speeds);
+    if (norm(slip_velocity(static_cast<int>(i))) < noise) slowest_ = std::max(slowest_, noise);
+  }
+}
+
 // Of the present forces: how far they are outside of what contacts can exert, relative to the largest force of their island.
 // Where several contacts share a load, others may carry it as well: only if no forces can, the contacts change.
 double Contacts::excess_of_forces() {

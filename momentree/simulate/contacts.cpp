@@ -19,7 +19,6 @@ namespace {
 constexpr double slow_slip = 1e-5;  // s, for methods that adapt their steps
 constexpr double slow_slip_in_steps = 0.1;
 constexpr double shortest_step_of_slip = 0.05;  // of the given step
-constexpr double creeping = 1e-7;               // m/s: slip as slow as that for a step has no direction that steps could follow
 
 }  // namespace
 
@@ -379,22 +378,6 @@ std::span<const Watch> Contacts::watches(double& h) {
     watches_.push_back(watch);
   }
   return watches_;
-}
-
-// Where slip ends, the error of the step is left of it, with any direction.
-void Contacts::note_ended_slip() {
-  const std::span<const Contact> closed = world_->tree_.contacts();
-  for (std::size_t i = 0; i < closed.size() && i < slow_.size(); ++i) {
-    if (closed[i].mode != Contact::Mode::slip || slow_[i]) continue;
-    const Vec3 point = contact::touch(closed[i].features, place(closed[i].a), place(closed[i].b)).point;
-    double speeds = 0;
-    for (const int body : {closed[i].a, closed[i].b}) {
-      const contact::Place at = place(body);
-      speeds += norm(at.v + cross(at.w, point - at.r));
-    }
-    const double noise = std::max(creeping, 1e-8 * speeds);
-    if (norm(slip_velocity(static_cast<int>(i))) < noise) slowest_ = std::max(slowest_, noise);
-  }
 }
 
 bool Contacts::must_resolve() {

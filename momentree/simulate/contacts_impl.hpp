@@ -6,7 +6,9 @@
 namespace momentree {
 
 inline constexpr double resolved_flight = 1e-12;  // lower flights, relative to coordinates, count as rest (m)
-inline constexpr double no_approach = 1e-10;      // m/s, relative to the fastest point
+// m/s: slip as slow as that for a step has no direction that steps could follow
+inline constexpr double creeping = 1e-7;
+inline constexpr double no_approach = 1e-10;  // m/s, relative to the fastest point
 
 inline const Vec3& along(const contact::Touch& touch, std::size_t k) { return k == 0 ? touch.normal : touch.tangent[k - 1]; }
 

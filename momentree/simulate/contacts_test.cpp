@@ -387,7 +387,7 @@ TEST_CASE("contact: fingers that touch and then grasp, by a lock or a weld, are 
       INFO(run.reason);
       REQUIRE(run);
       const Totals end = sim.world().totals();
-      CHECK(norm(end.linear - start.linear) < 1e-10);
+      CHECK(norm(end.linear - start.linear) < 1e-9);
       CHECK(norm(end.angular - start.angular) < (std::string(method) == "stepping" ? 1e-4 : 1e-9));
       REQUIRE(!sim.events().empty());
       CHECK(end.kinetic == doctest::Approx(start.kinetic - sim.energy().lost_in_impacts).epsilon(1e-9));
