@@ -21,7 +21,7 @@ constexpr int most_flat = 10;  // steps that hardly improve
 
 // F = 0 at a solution, in units of velocity; of each point r − P(r − w/d), times d, with P the projection of the law. Fills
 // `map_`, with the derivatives `matrix_`, and returns |F|².
-double System::find_map(bool with_derivatives) {
+double System::natural_map(bool with_derivatives) {
   const std::size_t n = unknowns();
   map_.assign(n, 0.0);
   if (with_derivatives) matrix_.assign(n * n, 0.0);
@@ -78,9 +78,9 @@ double System::find_map(bool with_derivatives) {
 }
 
 // Newton's method with steps that are halved until |F| decreases. True if F vanishes.
-bool System::search(int most_steps) {
+bool System::damped_newton(int most_steps) {
   const double size = scale();
-  double now = find_map(true);
+  double now = natural_map(true);
   int flat = 0;
   for (int k = 0; k < most_steps && std::isfinite(now); ++k) {
     if (now < 1e-24 * size * size) return true;
@@ -90,19 +90,21 @@ bool System::search(int most_steps) {
     double best = HUGE_VAL, best_length = 1, length = 1;
     for (int j = 0; j < most_halvings; ++j, length *= 0.5) {
       for (std::size_t i = 0; i < r.size(); ++i) r[i] = start_[i] - length * right_[i];
-      const double next = find_map(false);
+      const double next = natural_map(false);
       if (next < best) best = next, best_length = length;
       if (next < (1 - 1e-4 * length) * now) break;
     }
     flat += best > 0.999 * now ? 1 : 0;
     if (flat > most_flat) return false;
     for (std::size_t i = 0; i < r.size(); ++i) r[i] = start_[i] - best_length * right_[i];
-    now = find_map(true);
+    now = natural_map(true);
   }
   return now < 1e-24 * size * size;
 }
 
-bool System::approach(int most_problems) {
+// A sequence of at most that many problems, with less and less yield. Leaves the best solution found in r; true if it solves the
+// rigid problem.
+bool System::proximal_points(int most_problems) {
   const std::size_t n = unknowns();
   rigid_ = b, best_ = r, diagonal_.resize(n);
   for (std::size_t i = 0; i < n; ++i) diagonal_[i] = element(i, i);
@@ -111,7 +113,7 @@ bool System::approach(int most_problems) {
     centre_ = r;
     for (std::size_t i = 0; i < n; ++i)
       element(i, i) = (1 + yield) * diagonal_[i], b[i] = rigid_[i] - yield * diagonal_[i] * centre_[i];
-    const bool found = search(20);
+    const bool found = damped_newton(20);
     for (std::size_t i = 0; i < n; ++i) element(i, i) = diagonal_[i];
     b = rigid_;
     if (!found) {  // more slowly, from a problem that is easier

@@ -307,10 +307,10 @@ bool System::solve(Effort effort, double acceptable) {
   for (int k = 0; k < (effort == Effort::little ? 50 : 500) && descend() > 1e-6 * size; ++k) {
   }
   if (polish()) return true;
-  if (sweep(100) || approach(effort == Effort::little ? 10 : 40)) return true;
+  if (sweep(100) || proximal_points(effort == Effort::little ? 10 : 40)) return true;
   if (effort == Effort::little) return false;
   for (std::size_t i = 0; i < points(); ++i) r[3 * i] = laws[i].least, r[3 * i + 1] = r[3 * i + 2] = 0;
-  return approach(40) || sweep(1000);
+  return proximal_points(40) || sweep(1000);
 }
 
 }  // namespace momentree::contact

@@ -74,9 +74,10 @@ class System {
   void classify();
   bool newton_step();
   double scale() const;
-  double find_map(bool with_derivatives);
-  bool search(int most_steps);
-  bool approach(int most_problems);
+  // Of proximal.cpp.
+  double natural_map(bool with_derivatives);
+  bool damped_newton(int most_steps);
+  bool proximal_points(int most_problems);
 
   static constexpr double solved = 5e-14;  // residual of a solution
 

@@ -54,14 +54,14 @@ std::vector<double> Contacts::accelerations_on_others(const std::vector<Contact>
   for (std::size_t i = 0; i < contacts.size(); ++i)
     if (std::fabs(rows_.velocity[3 * i]) <= slow) others.push_back(i), resting.push_back(contacts[i]);
   if (others.empty() || others.size() == contacts.size()) return all;
-  const ContactRows rows = rows_;
+  ContactRows rows = std::move(rows_);
   rows_ = rows.of(others);
   const bool solved = solve_states(resting);
-  rows_ = rows;
+  rows_ = std::move(rows);
   if (!solved) return all;
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t j = 0; j < others.size(); ++j)
-      for (std::size_t k = 0; k < 3; ++k) all[i] += rows.A[9 * contacts.size() * i + 3 * others[j] + k] * system_.r[3 * j + k];
+      for (std::size_t k = 0; k < 3; ++k) all[i] += rows_.A[9 * contacts.size() * i + 3 * others[j] + k] * system_.r[3 * j + k];
   return all;
 }
 

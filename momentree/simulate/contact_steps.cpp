@@ -10,9 +10,9 @@ namespace momentree {
 
 namespace {
 
-constexpr double slow_impact = 1e-3;   // m/s: bodies that approach more slowly do not hit each other
-constexpr double within_touch = 1e-6;  // m
-constexpr double least_depth = 1e-9;   // m, relative to coordinates: deeper overlaps are removed after a step
+constexpr double slow_impact = 1e-3;     // m/s: bodies that approach more slowly do not hit each other
+constexpr double touch_distance = 1e-6;  // m
+constexpr double least_depth = 1e-9;     // m, relative to coordinates: deeper overlaps are removed after a step
 
 bool earlier(const SteppedContact& x, const SteppedContact& y) { return x.pair != y.pair ? x.pair < y.pair : x.id < y.id; }
 
@@ -148,7 +148,7 @@ void ContactSteps::remember(double h) {
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const Contact& c = near_[i];
     const auto force = [&](std::size_t k) { return (many_.r[3 * i + k] + before * carried_[3 * i + k]) / over; };
-    const bool parts = rows_.touches[i].gap > within_touch || after_[3 * i] > slow_impact;
+    const bool parts = rows_.touches[i].gap > touch_distance || after_[3 * i] > slow_impact;
     if (!(force(0) > 0) || (parts && !(many_.r[3 * i] > 0))) continue;
     const contact::Touch& touch = rows_.touches[i];
     SteppedContact point{c.pair, c.id, c.a, c.b, touch.point, touch.normal, {}, {}, c.cable};
@@ -183,7 +183,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   {
     // Points that others push towards each other in this step count, too, and those with forces that a short step may not need.
     const double gravity = norm(world_->model_.gravity()), speed = contacts_->fastest() + gravity * h;
-    find_points(std::max({h * speed, gravity * usual_step_ * usual_step_, within_touch}));
+    find_points(std::max({h * speed, gravity * usual_step_ * usual_step_, touch_distance}));
   }
   hits_.clear(), touching_.clear();
   if (near_.empty()) {
@@ -192,7 +192,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   }
   set_law(h);
   for (std::size_t i = 0; i < near_.size(); ++i)
-    if (!(rows_.touches[i].gap > within_touch)) touching_.emplace_back(near_[i].a, near_[i].b);
+    if (!(rows_.touches[i].gap > touch_distance)) touching_.emplace_back(near_[i].a, near_[i].b);
   many_.solve();
   many_.velocities(after_);
   gaps_.resize(near_.size());
