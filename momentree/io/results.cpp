@@ -283,8 +283,7 @@ void Recorder::finish(const std::string& status, const Armed& armed, const Repor
   if (!failed_) attempt([&] { write_row(simulation_.world()); });
   close_tables();
   attempt([&] {
-    const bool adaptive = is_adaptive(origin_.integration.method);
-    directory_->write("final.json", state_json(simulation_.world(), armed, adaptive ? simulation_.step_memory() : StepMemory{}));
+    directory_->write("final.json", state_json(simulation_.world(), armed, simulation_.step_memory()));
   });
   if (options_.hdf5 && !failed_ && status == "done")
     attempt([&] {

@@ -239,4 +239,11 @@ void Simulation::Impl::continue_stepping(const SteppingState& from) {
   if (stepping.on || method_steps || !contact_steps.points().empty()) contact_steps.set_points(from.points);
 }
 
+void Simulation::Impl::continue_contacts(const SteppingState& from) {
+  if (!contacts.any()) return;
+  if (from != SteppingState{}) continue_stepping(from);
+  evaluate_state();
+  contacts_go_on = contacts.can_go_on() || (stepping.on && world.tree_.contacts().empty());
+}
+
 }  // namespace momentree

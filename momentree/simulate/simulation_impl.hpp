@@ -86,6 +86,13 @@ struct Simulation::Impl {
     history.clear();
     recover();
     look_anew();
+    contacts_go_on = false;
+    contacts.find_pending();
+  }
+  // Forces changed: contacts that are pending may be others.
+  void look_at_pending() {
+    contacts_go_on = false;
+    if (contacts.has_pending() || world.tree_.contacts().empty()) contacts.find_pending();
   }
   // The observer's next instant is the first one from now on.
   void look_anew() {
@@ -214,6 +221,7 @@ struct Simulation::Impl {
   void undo_contact_step();
   SteppingState stepping_state() const;
   void continue_stepping(const SteppingState& from);
+  void continue_contacts(const SteppingState& from);
 
   // Kinetic energy at the beginning of a step, which has been evaluated: as p·u/2 it costs next to nothing.
   void note_kinetic_energy() {
@@ -271,7 +279,8 @@ struct Simulation::Impl {
   /// refused.
   bool act(std::span<const Action> actions, const std::string& name) {
     settle();
-    continues = false;
+    continues = contacts_go_on = false;
+    contacts.open_pending();
     const During working(doing, Doing::working);
     DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
     due.actions.assign(actions.begin(), actions.end());
@@ -380,8 +389,11 @@ struct Simulation::Impl {
   // What happens at the present instant before the first step.
   Status begin_run() {
     progress.begin(world.time(), events.size());
+    contacts.open_pending();
+    const std::size_t before = events.size();
     resolve_limits();
-    if (contacts.any() && !resolve_contacts()) return Status::stalled;
+    const bool go_on = std::exchange(contacts_go_on, false) && events.size() == before;
+    if (contacts.any() && !go_on && !resolve_contacts()) return Status::stalled;
     Status status = Status::ok;
     return happen_between_samples(status) && !look(!observed) ? Status::interrupted : status;
   }
@@ -471,6 +483,7 @@ struct Simulation::Impl {
   RunResult result;     // of the last call that returned one
   bool diverged = false, stalled = false;
   bool continues = false;  // the next run continues one that was between two steps
+  bool contacts_go_on = false;  // the closed contacts are those of a run that the next one continues
   ProgressMonitor progress;
   double every = 0, next_look = 0, observed_at = 0;
   bool observed = false;
