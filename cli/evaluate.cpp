@@ -75,7 +75,8 @@ std::string evaluation_text(const World& world, const Style& style) {
     table.row({"body", "touches", "point", "force", "slip"});
     const auto name = [&](BodyId body) { return body == ground ? "ground" : model[body].name; };
     for (const ContactPoint& point : points)
-      table.row({name(point.one), name(point.other), vector_text(point.point), vector_text(point.force), vector_text(point.slip)});
+      table.row(
+          {name(point.one), name(point.other), vector_text(point.point), vector_text(point.force), vector_text(point.slip)});
     contacts = '\n' + style.heading("Contacts") + " (m, N on the body, m/s)\n" + table.text("  ");
   }
   return style.heading("World") + '\n' + sums.text("  ") + '\n' + style.heading("Joints") + " (m, rad, s, kg)\n" +

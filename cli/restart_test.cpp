@@ -309,10 +309,10 @@ TEST_CASE("the events of a document must fit the scenario") {
 
 namespace {
 
-// A box on a slope, a cylinder that rolls, a ball that bounces until it rests, a bob on a cable, and boxes that land on each other.
+// A box on a slope, a cylinder that rolls, a ball that bounces until it rests, a bob on a cable, and boxes that land on each
+// other.
 std::string touching(const std::string& method) {
-  const auto body = [](const std::string& name, const std::string& place, const std::string& velocity,
-                       const std::string& shape) {
+  const auto body = [](const std::string& name, const std::string& place, const std::string& velocity, const std::string& shape) {
     return "[[mechanism]]\nname = \"" + name + "\"\nroot = \"free\"\npose = { " + place + " }\nstate = { velocity = { " +
            velocity + " } }\n[[mechanism.body]]\nname = \"" + name +
            "\"\nmass = 1\ninertia = [0.01, 0.012, 0.014]\ncollision = { " + shape + " }\n";
@@ -325,9 +325,9 @@ std::string touching(const std::string& method) {
          body("bob", "xyz = [0.5, -6, 2]", "linear = [0, 1, 0]", "sphere = 0.1") +
          body("lower", "xyz = [0, 0, 0.1]", "linear = [0, 0, 0]", "box = [0.4, 0.4, 0.2]") +
          body("upper", "xyz = [0.1, 0, 0.4]", "angular = [0, 0.5, 0.2]", "box = [0.4, 0.3, 0.2]") +
-         "[[cable]]\nname = \"tether\"\nfrom = { point = [0, -6, 3] }\nto = { body = \"bob\" }\nlength = 1.2\n"
-         "[[event]]\nname = \"kick\"\nwhen = { contact_force = \"upper\", exceeds = 15 }\n"
-         "impulse = { body = \"slider\", linear = [0, 0.2, 0] }\n[integrate]\nuntil = 2\n" +
+         "[[cable]]\nname = \"tether\"\nfrom = { body = \"ground\", point = [0, -6, 3] }\nto = { body = \"bob/bob\" }\nlength = 1.2\n"
+         "[[event]]\nname = \"kick\"\nwhen = { contact_force = [\"upper\", \"lower\"], exceeds = 15 }\n"
+         "impulse = { body = \"slider/slider\", force = [0, 0.2, 0] }\n[integrate]\nuntil = 2\n" +
          method + "[output]\nevery = 0.125\n";
 }
 

@@ -71,8 +71,8 @@ class ContactReader {
     const bool stepped = fields_.boolean("stepped").value_or(false);
     const bool pending = fields_.boolean("pending").value_or(false);
     SteppedContact point{who.pair, who.id, who.one.index, who.other.index, {}, {}, {}, {}, who.cable};
-    for (const auto& [key, to] : {std::pair{"point", &point.point}, {"normal", &point.normal}, {"force", &point.force},
-                                  {"slip", &point.slip}})
+    for (const auto& [key, to] :
+         {std::pair{"point", &point.point}, {"normal", &point.normal}, {"force", &point.force}, {"slip", &point.slip}})
       *to = vector(key, stepped);
     Contact closed;
     closed.pair = who.pair, closed.id = who.id;
@@ -142,8 +142,7 @@ class ContactReader {
     closed.mode = static_cast<Contact::Mode>(known - states.begin());
     if (closed.mode == Contact::Mode::slip && !(std::fabs(norm(closed.direction) - 1) < 1e-9))
       out_.error(fields_.place_of("direction"), "direction: its length is not 1");
-    if (!(closed.keeps_direction >= 0))
-      out_.error(fields_.place_of("keeps_direction"), "keeps_direction: must not be negative");
+    if (!(closed.keeps_direction >= 0)) out_.error(fields_.place_of("keeps_direction"), "keeps_direction: must not be negative");
   }
 
   const Model& model_;
@@ -221,16 +220,18 @@ void read_stepping(const Value& value, const Model& model, JointReader& joints, 
       stepping.bodies.resize(static_cast<std::size_t>(model.size()));
       stepping.bodies[static_cast<std::size_t>(body->index)] = state;
     }
-  for (const auto& [key, count] : {std::pair{"changes", &stepping.changes}, {"changes_at_once", &stepping.changes_at_once},
-                                   {"short_steps", &stepping.short_steps}, {"steps", &stepping.steps}}) {
+  for (const auto& [key, count] : {std::pair{"changes", &stepping.changes},
+                                   {"changes_at_once", &stepping.changes_at_once},
+                                   {"short_steps", &stepping.short_steps},
+                                   {"steps", &stepping.steps}}) {
     const double given = fields.real(key).value_or(0);
     if (given >= 0 && given <= std::numeric_limits<int>::max() && given == std::floor(given))
       *count = static_cast<int>(given);
     else
       out.error(fields.place_of(key), std::string(key) + ": expected a count");
   }
-  for (const auto& [key, time] : {std::pair{"window", &stepping.window}, {"instant", &stepping.instant},
-                                  {"steps_began", &stepping.steps_began}})
+  for (const auto& [key, time] :
+       {std::pair{"window", &stepping.window}, {"instant", &stepping.instant}, {"steps_began", &stepping.steps_began}})
     *time = fields.real(key).value_or(0);
   fields.finish();
 }

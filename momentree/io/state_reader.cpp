@@ -156,8 +156,7 @@ class Reader {
       if (!(*step > 0)) out_.error(fields.place_of("step"), "step: must be greater than 0");
     }
     result_.memory.work = fields.real("work").value_or(result_.memory.work);
-    if (const Value* contacts = fields.find("contacts"))
-      read_stepping(*contacts, model_, joints_, result_.memory.stepping, out_);
+    if (const Value* contacts = fields.find("contacts")) read_stepping(*contacts, model_, joints_, result_.memory.stepping, out_);
     fields.finish();
   }
 

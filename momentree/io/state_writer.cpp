@@ -17,8 +17,10 @@ void write_coordinates(JsonWriter& json, const JointView& joint) {
   double q[Values::capacity];
   std::copy(joint.q.begin(), joint.q.end(), q);
   const std::size_t w = std::string_view(info(joint.kind).q_units).find('n');
-  if (w != std::string_view::npos && q[w] < 0)
-    for (std::size_t i = w; i < w + 4; ++i) q[i] = -q[i];
+  if (w != std::string_view::npos) {
+    const double sign = q[w] < 0 ? -1 : 1;
+    for (std::size_t i = w; i < w + 4; ++i) q[i] = q[i] == 0 ? 0 : sign * q[i];  // no minus zero, whose sign would not be known
+  }
   json.member("q", std::span<const double>(q, joint.q.size()));
 }
 

@@ -482,7 +482,7 @@ struct Simulation::Impl {
   std::string message;  // the reason, as soon as it is known
   RunResult result;     // of the last call that returned one
   bool diverged = false, stalled = false;
-  bool continues = false;  // the next run continues one that was between two steps
+  bool continues = false;       // the next run continues one that was between two steps
   bool contacts_go_on = false;  // the closed contacts are those of a run that the next one continues
   ProgressMonitor progress;
   double every = 0, next_look = 0, observed_at = 0;
