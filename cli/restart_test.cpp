@@ -325,7 +325,8 @@ std::string touching(const std::string& method) {
          body("bob", "xyz = [0.5, -6, 2]", "linear = [0, 1, 0]", "sphere = 0.1") +
          body("lower", "xyz = [0, 0, 0.1]", "linear = [0, 0, 0]", "box = [0.4, 0.4, 0.2]") +
          body("upper", "xyz = [0.1, 0, 0.4]", "angular = [0, 0.5, 0.2]", "box = [0.4, 0.3, 0.2]") +
-         "[[cable]]\nname = \"tether\"\nfrom = { body = \"ground\", point = [0, -6, 3] }\nto = { body = \"bob/bob\" }\nlength = 1.2\n"
+         "[[cable]]\nname = \"tether\"\nfrom = { body = \"ground\", point = [0, -6, 3] }\n"
+         "to = { body = \"bob/bob\" }\nlength = 1.2\n"
          "[[event]]\nname = \"kick\"\nwhen = { contact_force = [\"upper\", \"lower\"], exceeds = 15 }\n"
          "impulse = { body = \"slider/slider\", force = [0, 0.2, 0] }\n[integrate]\nuntil = 2\n" +
          method + "[output]\nevery = 0.125\n";

@@ -247,7 +247,8 @@ TEST_CASE("bad documents are refused with their place") {
 
 TEST_CASE("contacts of a document: what it names exists, and contacts that no longer fit are found anew") {
   Model model({.gravity = {0, 0, -9.81}});
-  const BodyId box = model.add({.name = "box", .mass = 1, .inertia = diagonal(0.01), .joint = Free{}, .q = {0, 0, 0.1, 1, 0, 0, 0}});
+  const BodyId box =
+      model.add({.name = "box", .mass = 1, .inertia = diagonal(0.01), .joint = Free{}, .q = {0, 0, 0.1, 1, 0, 0, 0}});
   model.add_collider({.body = box, .solid = contact::box({0.2, 0.2, 0.2})});
   model.add_collider({.plane = true});
   Simulation sim(model, {.method = "rk4"});
