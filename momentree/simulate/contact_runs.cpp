@@ -239,11 +239,12 @@ void Simulation::Impl::continue_stepping(const SteppingState& from) {
   if (stepping.on || method_steps || !contact_steps.points().empty()) contact_steps.set_points(from.points);
 }
 
-void Simulation::Impl::continue_contacts(const SteppingState& from) {
-  if (!contacts.any()) return;
-  if (from != SteppingState{}) continue_stepping(from);
+// Whether a run may begin with the closed contacts, as after one of its steps.
+bool Simulation::Impl::closed_contacts_hold() {
+  if (!contacts.any()) return false;
+  if (stepping.on && world.tree_.contacts().empty()) return true;
   evaluate_state();
-  contacts_go_on = contacts.can_go_on() || (stepping.on && world.tree_.contacts().empty());
+  return contacts.can_go_on();
 }
 
 }  // namespace momentree

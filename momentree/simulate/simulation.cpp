@@ -330,7 +330,8 @@ void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& me
   std::vector<EventStatus> all = impl_->queue.armed();
   std::copy_n(armed.begin(), std::min(armed.size(), all.size()), all.begin());
   impl_->queue.restore(all, impl_->world.time());
-  impl_->continue_contacts(memory.stepping);
+  if (memory.stepping != SteppingState{}) impl_->continue_stepping(memory.stepping);
+  impl_->contacts_go_on = true;
 }
 
 const Integration& Simulation::integration() const { return impl().integration; }

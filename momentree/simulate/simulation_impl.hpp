@@ -74,11 +74,9 @@ struct Simulation::Impl {
 
   void begin() {
     unadjusted.reset();
-    stepping = {};
+    stepping = {}, balance = {}, ledger = {};
     contacts.set_stepped({});
     evaluate_state();
-    balance = {};
-    ledger = {};
     const Totals t = world.totals();
     balance.initial = t.kinetic + t.potential;
     balance.largest_kinetic = t.kinetic;
@@ -221,7 +219,7 @@ struct Simulation::Impl {
   void undo_contact_step();
   SteppingState stepping_state() const;
   void continue_stepping(const SteppingState& from);
-  void continue_contacts(const SteppingState& from);
+  bool closed_contacts_hold();
 
   // Kinetic energy at the beginning of a step, which has been evaluated: as p·u/2 it costs next to nothing.
   void note_kinetic_energy() {
@@ -392,7 +390,7 @@ struct Simulation::Impl {
     contacts.open_pending();
     const std::size_t before = events.size();
     resolve_limits();
-    const bool go_on = std::exchange(contacts_go_on, false) && events.size() == before;
+    const bool go_on = std::exchange(contacts_go_on, false) && events.size() == before && closed_contacts_hold();
     if (contacts.any() && !go_on && !resolve_contacts()) return Status::stalled;
     Status status = Status::ok;
     return happen_between_samples(status) && !look(!observed) ? Status::interrupted : status;
@@ -430,6 +428,8 @@ struct Simulation::Impl {
     evaluate_state();
     book();
     const bool explained = status != Status::ok && status != Status::interrupted;
+    // Functions may depend on what changes between runs.
+    contacts_go_on = !explained && !world.tree_.has_functions() && world.tree_.body_functions().empty();
     return result = {status, explained ? message : std::string()};
   }
 
@@ -483,7 +483,7 @@ struct Simulation::Impl {
   RunResult result;     // of the last call that returned one
   bool diverged = false, stalled = false;
   bool continues = false;       // the next run continues one that was between two steps
-  bool contacts_go_on = false;  // the closed contacts are those of a run that the next one continues
+  bool contacts_go_on = false;  // the next run may go on with the closed contacts, if these hold
   ProgressMonitor progress;
   double every = 0, next_look = 0, observed_at = 0;
   bool observed = false;
