@@ -64,6 +64,10 @@ class Own {
       row.batch_message = error.problem;
       return;
     }
+    if (batch->lanes() == 1) {
+      row.batch_message = "batches step its worlds one by one";
+      return;
+    }
     row.batch = shortest(budget, [&] { batch->step(1e-6); }) / (4 * worlds);
     for (int world = 0; world < worlds; ++world)
       if (batch->ran_away(world)) wrong("a world of the batch diverged");

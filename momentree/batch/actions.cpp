@@ -65,23 +65,46 @@ Batch::Impl::Named Batch::Impl::names_now(int world) const {
   return now;
 }
 
+Batch::Impl::Named Batch::Impl::names_in(const World& world, Named before, bool& made_loops) const {
+  WorldSnapshot now = world.snapshot();
+  before.joints = std::move(now.joint_names), before.mechanisms = std::move(now.mechanism_names);
+  const int later = first_loop + static_cast<int>(model.loops().size());
+  const auto is_later = [later](const auto& each) { return each.first >= later; };
+  made_loops = made_loops || std::any_of(before.joints.begin(), before.joints.end(), is_later);
+  std::erase_if(before.joints, [&](const auto& each) { return is_later(each) && each.second.empty(); });
+  before.free = made_free(world.tree());
+  return before;
+}
+
+WorldSnapshot Batch::Impl::snapshot_of(int world) const {
+  const Seat& at = seat(world);
+  const Group& group = *at.group;
+  WorldSnapshot start;
+  Snapshot& engine = start.engine;
+  engine.topology = group.topology();
+  engine.time = group.time(at.slot);
+  engine.variables = group.variables();
+  engine.turns.assign(group.turns(at.slot).begin(), group.turns(at.slot).end());
+  engine.q.resize(static_cast<std::size_t>(group.tree().nq())), engine.y.resize(static_cast<std::size_t>(group.tree().nv()));
+  group.get_values(at.slot, engine.q.data(), engine.y.data());
+  if (named.contains(world) || group.tree().revision() != declared.revision()) {
+    Named names = names_now(world);
+    start.joint_names = std::move(names.joints), start.mechanism_names = std::move(names.mechanisms);
+  }
+  return start;
+}
+
 Event Batch::apply(int world, std::span<const Action> actions, std::string name) {
   Impl& impl = changing();
   const Impl::Seat& seat = impl.seat(world);
+  if (impl.one_by_one) return impl.apply_own(world, actions, std::move(name));
   const Group& group = *seat.group;
   if (group.tree().bodies() != impl.model.size())
     throw_error({"bodies were added to world " + std::to_string(world) + ", which have no names that actions could refer to", "",
                  "use the changes of topology/change.hpp"});
   Impl::Named names = impl.names_now(world);
   SimulationSnapshot start;
-  Snapshot& engine = start.world.engine;
-  engine.topology = group.topology();
-  engine.time = group.time(seat.slot);
-  engine.variables = group.variables();
-  engine.turns.assign(group.turns(seat.slot).begin(), group.turns(seat.slot).end());
-  engine.q.resize(static_cast<std::size_t>(group.tree().nq())), engine.y.resize(static_cast<std::size_t>(group.tree().nv()));
-  group.get_values(seat.slot, engine.q.data(), engine.y.data());
-  start.world.joint_names = names.joints, start.world.mechanism_names = names.mechanisms;
+  start.world = impl.snapshot_of(world);
 
   // Numbers of loop joints must not depend on what happened in other worlds.
   if (std::exchange(impl.scratch_is_used, true)) impl.scratch.reset();
@@ -95,13 +118,8 @@ Event Batch::apply(int world, std::span<const Action> actions, std::string name)
   impl.out.state = after.state();
   put_back(world);  // may throw
 
-  WorldSnapshot now = after.snapshot();
-  names.joints = std::move(now.joint_names), names.mechanisms = std::move(now.mechanism_names);
-  const int later = first_loop + static_cast<int>(impl.model.loops().size());
-  const auto is_later = [later](const auto& each) { return each.first >= later; };
-  impl.scratch_is_used = std::any_of(names.joints.begin(), names.joints.end(), is_later);
-  std::erase_if(names.joints, [&](const auto& each) { return is_later(each) && each.second.empty(); });
-  names.free = made_free(after.tree());
+  impl.scratch_is_used = false;
+  names = impl.names_in(after, std::move(names), impl.scratch_is_used);
   ++names.events;
   if (unnamed) event.name = "#" + std::to_string(names.events);
   impl.named[world] = std::move(names);

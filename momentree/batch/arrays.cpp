@@ -93,7 +93,7 @@ void Batch::read(std::span<const int> worlds, double* time, double* q, double* p
   }
   double* const other = momenta ? v : p;
   if (other == nullptr) return;
-  if (momenta && !group.tree().has_loops()) return impl.read_velocities(group, worlds, v);
+  if (momenta && !group.tree().has_loops() && !impl.one_by_one) return impl.read_velocities(group, worlds, v);
   for (Impl::Scratch& each : impl.scratches) each.fit(group.tree());
   impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
     const auto row = static_cast<std::size_t>(i);
@@ -173,6 +173,7 @@ void Batch::write(std::span<const int> worlds, const double* time, const double*
     check_packed(tree, "coordinates", true, row_of(q, row, nq), name);
     std::copy_n(q + place(row, nq), nq, scratch.q.data());
     normalise_quaternions(tree, scratch.q, name);
+    if (impl.one_by_one) check_limits(tree, row_of(q, row, nq), name);
   }
   // The new numbers of a world, with y as given.
   const auto take = [&](std::size_t row, Impl::Scratch& own) {
@@ -203,6 +204,7 @@ void Batch::write(std::span<const int> worlds, const double* time, const double*
     const int slot = impl.seat(worlds[row]).slot;
     group.set_values(slot, now, scratch.q.data(), converts ? impl.converted.data() + place(row, nv) : scratch.v.data());
     group.set_ran_away(slot, false);
+    impl.changed(worlds[row]);
   }
 }
 
@@ -231,6 +233,7 @@ void Batch::Impl::write_closed(std::span<const int> worlds, Variables given,
     const int slot = seat(worlds[row]).slot;
     group.set_state(slot, states[row]);
     group.set_ran_away(slot, false);
+    changed(worlds[row]);
   }
 }
 
@@ -277,6 +280,7 @@ void Batch::set_efforts(std::span<const int> worlds, const double* efforts) {
         if (const double effort = efforts[place(row, nv) + static_cast<std::size_t>(tree.first_p(b) + i)]; effort != 0)
           own.push_back({tree.joint_of(b), i, effort});
     group.set_efforts(impl.seat(worlds[row]).slot, own);
+    impl.efforts_changed(worlds[row]);
   }
 }
 

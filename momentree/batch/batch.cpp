@@ -28,16 +28,19 @@ const Model& with_bodies(const Model& model) {
 Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
     : impl_(std::make_unique<Impl>(with_bodies(model), options, threads_of(options))) {
   if (worlds < 1) throw_error({"a batch has at least one world", "", "give the number of worlds"});
-  if (model.has_contact())
-    throw_error({"batches do not support contact and cables yet", "", "run a Simulation for each world, or a sweep"});
   const Tree& tree = impl_->declared;
-  batch::check(tree);
+  impl_->check(tree);
   impl_->seats.resize(static_cast<std::size_t>(worlds));
   impl_->tasks.reserve(impl_->seats.size());  // at most a block for each world
   impl_->efforts.resize(static_cast<std::size_t>(worlds));
   Group& group = impl_->group_of(tree);
-  if (tree.has_loops()) impl_->scratch = std::make_unique<Simulation>(impl_->model, impl_->integration);  // closes them
-  const State start = tree.has_loops() ? impl_->scratch->world().state() : start_state(model, tree, impl_->variables);
+  if (impl_->one_by_one)
+    impl_->make_own(worlds);
+  else if (tree.has_loops())
+    impl_->scratch = std::make_unique<Simulation>(impl_->model, impl_->integration);  // closes them
+  const State start = impl_->one_by_one  ? impl_->own_runs[0]->simulation().world().state()
+                      : tree.has_loops() ? impl_->scratch->world().state()
+                                         : start_state(model, tree, impl_->variables);
   for (int world = 0; world < worlds; ++world) {
     impl_->sit(world, group);
     group.set_state(impl_->seat(world).slot, start);
@@ -88,6 +91,7 @@ constexpr const char* a_step = "a step that is finite and not negative";
 
 void Batch::step(double h) noexcept {
   MT_REQUIRE(is_step(h), a_step);
+  if (changing().one_by_one) return impl_->run_own([h](int) { return h; });
   for (const Impl::Seat& seat : changing().seats) seat.group->set_step(seat.slot, h);
   impl_->run();
 }
@@ -95,6 +99,7 @@ void Batch::step(double h) noexcept {
 void Batch::step(std::span<const double> h) noexcept {
   MT_REQUIRE(h.size() == changing().seats.size(), "one step for every world");
   for (const double each : h) MT_REQUIRE(is_step(each), a_step);
+  if (impl_->one_by_one) return impl_->run_own([h](int world) { return h[static_cast<std::size_t>(world)]; });
   for (std::size_t world = 0; world < h.size(); ++world) impl_->seats[world].group->set_step(impl_->seats[world].slot, h[world]);
   impl_->run();
 }
@@ -122,6 +127,7 @@ void Batch::set_state(int world, const State& state) {
   const Impl::Seat& seat = changing().seat(world);
   MT_REQUIRE(state.topology() == seat.group->tree().revision(), "the state belongs to tree(world)");
   MT_REQUIRE(!state.being_edited(), edited_state);
+  if (impl_->one_by_one) check_limits(seat.group->tree(), state.q(), impl_->namer(world));
   if (seat.group->tree().has_loops()) {
     State closed = state;
     impl_->close(world, seat.group->tree(), closed);
@@ -130,6 +136,14 @@ void Batch::set_state(int world, const State& state) {
     impl_->set_state(seat, state);
   }
   seat.group->set_ran_away(seat.slot, false);
+  impl_->changed(world);
+}
+
+void Batch::Impl::check(const Tree& tree) const {
+  if (!one_by_one) return batch::check(tree);
+  batch::check_functions(tree);
+  if (tree.bodies() != model.size())
+    throw_error({"bodies can't be added to a world that is stepped by a simulation of its own", "", "add them to the model"});
 }
 
 void Batch::Impl::set_state(const Seat& seat, const State& state) {
@@ -161,6 +175,7 @@ void Batch::set_effort(int world, JointId joint, int dof, double effort) {
   std::erase_if(efforts, [&](const batch::ExtraEffort& e) { return e.joint == joint.index && e.dof == dof; });
   if (effort != 0) efforts.push_back({joint.index, dof, effort});
   seat.group->set_efforts(seat.slot, efforts);
+  impl_->efforts_changed(world);
 }
 
 namespace {
@@ -173,6 +188,16 @@ bool took_place(const Tree& before, const Tree& after, int joint) {
   return !batch::same_pose(then.at, now.at) || !batch::same_pose(then.child_at, now.child_at);
 }
 }  // namespace
+
+void Batch::Impl::drop_efforts(int world, const Tree& before, const Tree& after) {
+  std::erase_if(efforts[static_cast<std::size_t>(world)], [&](const batch::ExtraEffort& e) {
+    const int then = before.carrier(e.joint), now = after.carrier(e.joint);
+    if (now >= 0 && took_place(before, after, e.joint)) return true;
+    return now < 0 || after.joint(now).kind != before.joint(then).kind ||
+           after.joint(now).created_by_event != before.joint(then).created_by_event;
+  });
+  efforts_changed(world);
+}
 
 Batch::Out& Batch::take_out(int world) {
   const Impl::Seat& seat = changing().seat(world);
@@ -190,18 +215,11 @@ void Batch::put_back(int world) {
   Out& out = impl_->out;
   MT_REQUIRE(!out.state.being_edited(), edited_state);
   const bool changed = out.tree.revision() != from.group->tree().revision();
-  if (changed) batch::check(out.tree);  // throws Error for features that batches do not support
+  if (changed) impl_->check(out.tree);
   MT_REQUIRE(out.state.topology() == out.tree.revision(), "after the edit, the state still belongs to the tree");
   impl_->close(world, out.tree, out.state);  // may throw
   if (changed) {
-    auto& efforts = impl_->efforts[static_cast<std::size_t>(world)];
-    const Tree& before = from.group->tree();
-    std::erase_if(efforts, [&](const batch::ExtraEffort& e) {
-      const int then = before.carrier(e.joint), now = out.tree.carrier(e.joint);
-      if (now >= 0 && took_place(before, out.tree, e.joint)) return true;
-      return now < 0 || out.tree.joint(now).kind != before.joint(then).kind ||
-             out.tree.joint(now).created_by_event != before.joint(then).created_by_event;
-    });
+    impl_->drop_efforts(world, from.group->tree(), out.tree);
     Group& to = impl_->group_of(out.tree);
     if (&to != from.group) {
       const bool away = from.group->ran_away(from.slot);
@@ -209,9 +227,10 @@ void Batch::put_back(int world) {
       to.set_ran_away(impl_->seat(world).slot, away);
       impl_->leave(from);
     }
-    to.set_efforts(impl_->seat(world).slot, efforts);
+    to.set_efforts(impl_->seat(world).slot, impl_->efforts[static_cast<std::size_t>(world)]);
   }
   impl_->set_state(impl_->seat(world), out.state);
+  impl_->changed(world);
 }
 
 }  // namespace momentree

@@ -11,6 +11,7 @@
 #include <momentree/dynamics/motion.hpp>
 #include <momentree/simulate/action.hpp>
 #include <momentree/simulate/event.hpp>
+#include <momentree/simulate/world.hpp>
 #include <momentree/topology/change.hpp>
 
 namespace momentree {
@@ -24,15 +25,24 @@ struct BatchOptions {
   std::optional<Variables> variables{};
   int threads = 1;           ///< 0: as many as the machine has
   Isa widest = Isa::avx512;  ///< the widest instruction set to use, if the CPU and this build support it
+  /// How worlds with contact are integrated: "stepping" steps through contacts; "rk4", "dopri5" and "dop853" locate every instant
+  /// at which they change. See docs/contact.md.
+  std::string contact_method = "stepping";
+  /// Of worlds that are stepped one by one: their longest step (s), of adaptive methods the first. A longer step of the batch is
+  /// divided. Without effect on worlds in lanes, which take each step of the batch at once.
+  double step = 1e-3;
 };
 
-/// Worlds are integrated by the classical Runge–Kutta method (rk4). The results of a world equal those of a scalar run to
+/// Worlds are stepped in lanes, by the classical Runge–Kutta method (rk4). The results of a world equal those of a scalar run to
 /// round-off; they are bit for bit the same whatever other worlds are in the batch and for any number of threads. Another lane
 /// width may round differently, because multiply-adds are contracted.
 ///
-/// Batches support all forces that act in joints: dampers, springs, constant and time-dependent efforts, position control,
-/// friction, soft stops, prescribed motions, and extra efforts per world. They do not support forces on bodies, functions, hard
-/// stops and strengths: the constructor and `edit` throw Error for a model that has any. There is no energy ledger.
+/// Worlds in lanes have all forces that act in joints: dampers, springs, constant and time-dependent efforts, position control,
+/// friction, soft stops, prescribed motions, and extra efforts per world. If the model has contact, cables, forces on bodies,
+/// springs between points, hard stops or strengths, its worlds are stepped one by one: each by a Simulation of its own, on the
+/// batch's threads, with the bits of a Simulation that runs to the same instants. With contact and cables they hold velocities
+/// and are integrated by BatchOptions::contact_method, otherwise by rk4. An edit or action that gives worlds in lanes such a
+/// feature is an Error, and so are functions in any batch. There is no energy ledger.
 ///
 /// Worlds with closed loops or exact couplings are stepped in double, in lanes in velocities, and one by one in momenta: then
 /// exactly as by a Simulation with the method rk4. Their start values, and states that are set, are brought to the nearest ones
@@ -47,7 +57,7 @@ struct BatchOptions {
 class Batch {
  public:
   /// All worlds in the model's start state, at time 0. Throws Error: fewer than one world, fewer than 0 or more than 1024
-  /// threads, a model with unsupported features.
+  /// threads, a model with functions, bodies that overlap, a method that is not one of contact, a step that is not positive.
   Batch(const Model& model, int worlds, const BatchOptions& options = {});
   ~Batch();
   Batch(Batch&&) noexcept;
@@ -58,6 +68,7 @@ class Batch {
   /// What the states of worlds without closed loops hold, and what that of a world holds.
   Variables variables() const;
   Variables variables(int world) const;
+  /// Worlds that are stepped at once by each thread: 1 if they are stepped one by one.
   int lanes() const;
   int threads() const;
   /// Number of different topologies at present.
@@ -76,10 +87,13 @@ class Batch {
 
   /// Time of a world (s).
   double time(int world) const;
-  /// True for a world whose last step diverged, or ended where its loops cannot be closed: it keeps its state from before that
-  /// step until its state is set.
+  /// True for a world whose last step diverged, ended where its loops cannot be closed, or was impossible, such as from a state
+  /// in which bodies overlap by more than 1 mm: it keeps its state from before that step until its state is set.
   [[nodiscard]] bool ran_away(int world) const;
-  /// The world's topology. Valid until the next edit.
+  /// Why, and what to do about it; empty if it did not.
+  [[nodiscard]] std::string message(int world) const;
+  /// The world's topology, without closed contacts; joints that rest on stops are free in it. Valid until the next edit, and with
+  /// worlds that are stepped one by one until the next step.
   const Tree& tree(int world) const;
   /// A copy of the world's state, in variables(world), for tree(world): for forward_dynamics, energies, poses …
   [[nodiscard]] State state(int world) const;
@@ -121,11 +135,22 @@ class Batch {
   /// numbers are NaN. Throws Error for a body that none of the worlds ever had.
   void motions(std::span<const int> worlds, BodyId body, double* thirteen) const;
 
+  /// The points at which bodies touch, as World::contacts(): after steps by "stepping" with mean forces of the last one. Empty
+  /// after the state or topology was set, until the next step finds them.
+  [[nodiscard]] std::vector<ContactPoint> contacts(int world) const;
+  /// Writes 3 numbers per world: the sum of the forces of contacts() on a body, or on the ground (N, world axes). Zero if it
+  /// touches nothing; NaN where it was removed. The worlds may have different topologies. Cables are no contacts.
+  void contact_forces(std::span<const int> worlds, BodyId body, double* forces) const;
+  /// Events of a world that is stepped one by one, since its last step began: of contacts, stops and strengths, and of apply().
+  /// Valid until it is next stepped or changed. Empty in lanes.
+  [[nodiscard]] std::span<const Event> events(int world) const;
+
   /// Carries out actions in one world immediately as one event, as Simulation::apply does: with the same names, checks, errors
   /// and certificate. `name`: of the event; empty: #1, #2 … by the number of such events in that world. Joints and mechanisms
   /// keep the names that earlier actions gave them; after changes by other functions of this class, parts that broke off are
   /// named as actions would. Throws Error, with the world unchanged, if an action is impossible or leads to features that batches
-  /// do not support, and for a world to which bodies were added. Costs a copy of the world into a Simulation and back.
+  /// do not support, and for a world to which bodies were added. In lanes it costs a copy of the world into a Simulation and
+  /// back.
   Event apply(int world, std::span<const Action> actions, std::string name = {});
   Event apply(int world, const Action& action, std::string name = {}) {
     return apply(world, std::span(&action, 1), std::move(name));
@@ -147,7 +172,8 @@ class Batch {
     return result;
   }
   /// Any edit of one world: edit(tree, state, workspace), with the workspace evaluated on the state. Several changes at one
-  /// instant are one edit, with forward_dynamics in between. Throws Error and leaves the world unchanged if the result has
+  /// instant are one edit, with forward_dynamics in between. Closed contacts have no part in it: the next step finds them anew.
+  /// Throws Error and leaves the world unchanged if the result has
   /// unsupported features or if `edit` throws. The edit must leave the state valid for the tree, and may otherwise only read the
   /// batch.
   template <class Edit>

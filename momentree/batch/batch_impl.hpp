@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -12,6 +14,7 @@
 
 #include <momentree/batch/group.hpp>
 #include <momentree/batch/loop_stepper.hpp>
+#include <momentree/batch/own_run.hpp>
 #include <momentree/batch/pool.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
@@ -36,19 +39,22 @@ struct Batch::Impl {
   };
   const Model model;
   const Tree declared;
-  const std::uint64_t fingerprint = declared.topology().model;
+  const Topology declared_topology = declared.topology();
+  const std::uint64_t fingerprint = declared_topology.model;
   Isa isa;
   Precision precision;
   Integration integration;                                              // of a simulation of one world
   Variables variables, loop_variables;                                  // of worlds without and with closed loops
   std::unordered_multimap<std::size_t, std::unique_ptr<Group>> groups;  // by the topology's key
   std::vector<Seat> seats;                                              // by world
+  std::vector<std::unique_ptr<batch::OwnRun>> own_runs;                 // by world; empty: worlds are stepped in lanes
   std::vector<std::vector<batch::ExtraEffort>> efforts;                 // by world
   std::vector<std::unique_ptr<batch::TreeStepper>> steppers;            // by thread
   std::vector<batch::LoopStepper> loop_steppers;                        // by thread, of worlds with loops in momenta
   std::vector<std::unique_ptr<batch::LoopLanes>> loop_lanes;            // by thread, of worlds with loops in velocities
   std::vector<Task> tasks;                                              // of the current step
   int capacity = 0, lanes = 0, loop_capacity = 0;
+  const bool one_by_one;   // each world is stepped by a simulation of its own
   bool had_loops = false;  // a world had a loop joint
   batch::Pool pool;
   Out out;
@@ -84,14 +90,17 @@ struct Batch::Impl {
         declared(model),
         isa(batch::best_isa(options.widest)),
         precision(options.precision),
-        integration{.method = "rk4", .variables = options.variables},
+        integration(batch::integration_of(the_model, options)),
         variables(integration.state_variables(model)),
-        loop_variables(integration.loop_variables()),
+        loop_variables(model.has_contact() ? Variables::velocities : integration.loop_variables()),
+        one_by_one(model.has_contact() || batch::unsupported(declared)),
         pool(threads) {
     out.state = State(declared, variables);
   }
 
   Variables variables_of(const Tree& tree) const { return tree.has_loops() ? loop_variables : variables; }
+  // Throws Error for features that the batch's worlds can't have.
+  void check(const Tree& tree) const;
 
   // Ensures scratch memory for trees of that size.
   void make_room(const Tree& tree) {
@@ -99,13 +108,15 @@ struct Batch::Impl {
     steppers.clear();
     scratches.clear();
     scratches.resize(static_cast<std::size_t>(pool.threads()));
+    capacity = tree.bodies(), lanes = 1;
+    if (one_by_one) return;
     for (int i = 0; i < pool.threads(); ++i) steppers.push_back(batch::make_stepper(isa, precision, tree, variables));
-    capacity = tree.bodies();
     lanes = steppers[0]->lanes();
   }
 
-  Group& group_of(const Tree& tree) {
-    Topology topology = tree.topology();
+  Group& group_of(const Tree& tree) { return group_of(tree.topology(), tree); }
+  // `tree` has this topology, or that and contacts, which groups do not have.
+  Group& group_of(Topology topology, const Tree& tree) {
     MT_REQUIRE(topology.model == fingerprint, "after the edit, the tree still belongs to the batch's model");
     batch::simplify(topology, declared);
     const std::size_t key = batch::key_of(topology);
@@ -114,20 +125,21 @@ struct Batch::Impl {
       if (batch::same(i->second->topology(), topology)) return *i->second;
     make_room(tree);
     Group& group = *groups.emplace(key, new_group(std::move(topology), tree))->second;
-    if (tree.has_loops()) prepare_loops(group.tree());
+    if (tree.has_loops() && !one_by_one) prepare_loops(group.tree());
     return group;
   }
   std::unique_ptr<Group> new_group(Topology topology, const Tree& tree) {
     had_loops |= !tree.loops().empty();
-    if (!had_loops) return std::make_unique<Group>(std::move(topology), tree, lanes_of_group(tree), variables_of(tree));
-    Tree own = declared;  // later loop joints get numbers that do not depend on earlier ones
-    own.restore(topology);
-    return std::make_unique<Group>(std::move(topology), own, lanes_of_group(own), variables_of(own));
+    if (!had_loops && !one_by_one)
+      return std::make_unique<Group>(std::move(topology), tree, lanes_of_group(tree), variables_of(tree));
+    Tree bare = declared;  // later loop joints get numbers that do not depend on earlier ones
+    if (had_loops || !batch::same(topology, declared_topology)) bare.restore(topology);
+    return std::make_unique<Group>(std::move(topology), bare, lanes_of_group(bare), variables_of(bare));
   }
   // Worlds with loops in momenta are stepped one by one.
   static bool in_loop_lanes(const Group& group) { return group.tree().has_loops() && group.variables() == Variables::velocities; }
   int lanes_of_group(const Tree& tree) {
-    if (!tree.has_loops()) return lanes;
+    if (!tree.has_loops() || one_by_one) return lanes;
     if (variables_of(tree) == Variables::momenta) return 1;
     if (loop_lanes.empty() || loop_capacity < tree.bodies()) {
       loop_lanes.clear();
@@ -203,6 +215,31 @@ struct Batch::Impl {
   Named names_now(int world) const;
   /// Closes the loops of a state for a world; throws Error if one cannot be closed.
   void close(int world, const Tree& tree, State& state) const;
+  /// After a change from tree `before` to `after`: ends the extra efforts of joints that are no longer the same.
+  void drop_efforts(int world, const Tree& before, const Tree& after);
+  /// The names in a simulation's world, which had the names `before`. `made_loops` becomes true if loop joints were made since
+  /// the start of the model, even if they are no more.
+  Named names_in(const World& world, Named before, bool& made_loops) const;
+  /// A world, with its names, as a start for a simulation.
+  WorldSnapshot snapshot_of(int world) const;
+
+  // Of worlds that are stepped one by one: own_runs.cpp.
+  void make_own(int worlds);
+  void run_own(const std::function<double(int)>& step_of) noexcept;
+  void step_own(int world, double h) noexcept;
+  /// Makes the simulation of a world ready to go on from the state of the batch.
+  void bring(int world);
+  /// Copies what its simulation did to the group; notes whether it belongs to another one now, and if so, moves it there.
+  void note_own(int world);
+  void move_own(int world);
+  Event apply_own(int world, std::span<const Action> actions, std::string name);
+  /// The batch changed the state or topology of a world, or its extra efforts.
+  void changed(int world) {
+    if (one_by_one) own_runs[static_cast<std::size_t>(world)]->changed();
+  }
+  void efforts_changed(int world) {
+    if (one_by_one) own_runs[static_cast<std::size_t>(world)]->set_efforts(efforts[static_cast<std::size_t>(world)]);
+  }
 };
 
 }  // namespace momentree

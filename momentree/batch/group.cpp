@@ -23,6 +23,8 @@ bool same(const Sym3& a, const Sym3& b) {
   return a.xx == b.xx && a.yy == b.yy && a.zz == b.zz && a.xy == b.xy && a.xz == b.xz && a.yz == b.yz;
 }
 
+constexpr Unsupported functions_unsupported{"batches do not call functions", "set efforts between steps: Batch::set_effort"};
+
 template <class List, class Equal>
 bool equal_lists(const List& a, const List& b, Equal equal) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), equal);
@@ -50,7 +52,7 @@ bool same(const Topology& a, const Topology& b) noexcept {
                        return x.number == y.number && x.body == y.body && x.to == y.to && same(x.joint, y.joint) &&
                               x.parameters == y.parameters && x.held == y.held;
                      }) &&
-         a.ended_couplings == b.ended_couplings;
+         a.springs == b.springs && a.ended_couplings == b.ended_couplings;
 }
 
 void simplify(Topology& topology, const Tree& declared) {
@@ -67,29 +69,35 @@ std::size_t key_of(const Topology& topology) noexcept {
   mix(static_cast<std::int64_t>(topology.added.size()));
   for (const Loop& loop : topology.loops)
     mix(loop.number), mix(loop.body), mix(loop.to), mix(static_cast<int>(loop.joint.kind)), mix(loop.joint.locked);
+  for (const Topology::SpringChange& spring : topology.springs) mix(2 * spring.spring + (spring.broken ? 1 : 0));
   for (const int coupling : topology.ended_couplings) mix(coupling);
   return static_cast<std::size_t>(key);
 }
 
 std::optional<Unsupported> unsupported(const Tree& tree) noexcept {
-  if (!tree.body_forces().empty() || !tree.body_functions().empty())
-    return Unsupported{"batches do not support forces on bodies", "use efforts in joints, or a Simulation for each world"};
+  if (!tree.body_functions().empty() || tree.has_functions()) return functions_unsupported;
+  if (!tree.body_forces().empty())
+    return Unsupported{"worlds in lanes have no forces on bodies", "give one to the model: its worlds are stepped one by one"};
   if (tree.spring_count() > 0)
-    return Unsupported{"batches do not support springs between two points",
-                       "use springs in joints, or a Simulation for each world"};
-  if (tree.has_functions())
-    return Unsupported{"batches do not support functions as drives", "set efforts between steps: Batch::set_effort"};
+    return Unsupported{"worlds in lanes have no springs between two points",
+                       "give one to the model: its worlds are stepped one by one"};
   const auto loops = tree.loops();
   const auto any_loop = [&](const auto& has) { return std::any_of(loops.begin(), loops.end(), has); };
   if (!tree.strength_joints().empty() || any_loop([](const Loop& loop) { return loop.parameters.strength.any(); }))
-    return Unsupported{"batches do not support joint strengths",
-                       "leave them out and apply Break, or use a Simulation for each world"};
+    return Unsupported{"worlds in lanes have no joint strengths",
+                       "give a joint of the model one: its worlds are stepped one by one; or apply Break"};
   const auto order = tree.order();
   if (any_loop([](const Loop& loop) { return loop.parameters.limits.hard(); }) ||
       std::any_of(order.begin(), order.end(),
                   [&](int b) { return tree.parameters(b) != nullptr && tree.parameters(b)->limits.hard(); }))
-    return Unsupported{"batches do not support hard stops", "give the limits a stiffness, or use a Simulation for each world"};
+    return Unsupported{"worlds in lanes have no hard stops",
+                       "give the limits a stiffness, or a joint of the model a hard stop: its worlds are stepped one by one"};
   return std::nullopt;
+}
+
+void check_functions(const Tree& tree) {
+  if (!tree.body_functions().empty() || tree.has_functions())
+    throw_error({functions_unsupported.problem, "", functions_unsupported.hint});
 }
 
 void check(const Tree& tree) {

@@ -16,13 +16,15 @@ bool same(const Topology& a, const Topology& b) noexcept;
 bool same_pose(const Pose& a, const Pose& b) noexcept;
 /// Removes changes that restored declared joints, which are those of `declared`.
 void simplify(Topology& topology, const Tree& declared);
-/// A feature of the tree that batches do not support.
+/// A feature of the tree that worlds in lanes do not have. Contacts are no features of trees.
 struct Unsupported {
   const char *problem, *hint;
 };
 std::optional<Unsupported> unsupported(const Tree& tree) noexcept;
 /// Throws Error if there is one.
 void check(const Tree& tree);
+/// Throws Error if functions drive joints or act on bodies.
+void check_functions(const Tree& tree);
 
 /// An extra effort of one world: on one DoF of a joint, by the joint's number (N m, N).
 struct ExtraEffort {

@@ -395,9 +395,9 @@ TEST_CASE("what batches with loops do not support is an error") {
   };
   CHECK(error(crane()).empty());
   CHECK(error(crane(), Variables::momenta).empty());
-  CHECK(error(crane({.limits = {.lower = 0.5, .upper = 2.5}})).find("hard stops") != std::string::npos);
+  CHECK(error(crane({.limits = {.lower = 0.5, .upper = 2.5}})).empty());
   CHECK(error(crane({.limits = {.lower = 0.5, .upper = 2.5, .stiffness = 1e4}})).empty());
-  CHECK(error(crane({.strength = {.force = 1e6}})).find("strengths") != std::string::npos);
+  CHECK(error(crane({.strength = {.force = 1e6}})).find("do not determine its reaction") != std::string::npos);
   Batch batch(crane({}), 2, {.variables = Variables::momenta});
   CHECK(error_of([&] { batch.apply(0, set_parameters("cylinder", {.limits = {.upper = 3}})); }).find("hard stops") !=
         std::string::npos);

@@ -6,7 +6,6 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/batch/batch.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <tests/error_of.hpp>
@@ -228,7 +227,6 @@ TEST_CASE("cable: mistakes") {
         std::string::npos);
   CHECK(error_of([] { hanging(0, {.name = "tether", .length = 0}); }).find("length: must be positive") != std::string::npos);
   CHECK(error_of([] { hanging(0, {.name = "tether", .strength = -1}); }).find("strength: must be positive") != std::string::npos);
-  CHECK(error_of([] { Batch(hanging(0, {.name = "tether"}), 4, {}); }).find("contact and cables") != std::string::npos);
   Simulation sim(hanging(0, {.name = "tether"}, {}, 1.8), precise());
   const RunResult run = sim.run_until(0.1);
   CHECK(!run);

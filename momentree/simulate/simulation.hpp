@@ -101,6 +101,7 @@ struct SimulationSnapshot {
 };
 
 struct RunState;
+struct Overlap;
 
 /// The effect of all scheduled events on the topology, tried immediately in the present state of the world.
 struct DryRun {
@@ -240,6 +241,8 @@ class Simulation {
   void drive_all(std::string_view joint, JointFunction efforts);
   /// The same for many joints at the cost of one evaluation; on an error all joints keep their former functions.
   void drive_all(std::vector<JointDriver> drivers);
+  /// Call it between two runs when other numbers that functions use have changed.
+  void functions_changed();
 
   /// Applies a wrench to a body by a function from now on, in addition to the model's forces: force (N) and torque (N m) about
   /// the origin of the body's frame, in world axes. Like a drive, it is called at every stage of every step. Its work is
@@ -262,6 +265,13 @@ class Simulation {
   void set_state(double time, std::span<const double> q, std::span<const double> p) { set_state(time, q, p, Variables::momenta); }
   /// The same from momenta or from velocities.
   void set_state(double time, std::span<const double> q, std::span<const double> y, Variables given);
+
+  /// Restarts at a world of the same model, from World::snapshot() of this or another simulation: as set_state() does, also
+  /// across changes of topology. Nothing of the run before has an effect on what follows. Functions are those of the snapshot.
+  void restart(const WorldSnapshot& start);
+  /// The bodies that overlap most at present, or the cable that is most too short; nothing if there are none. More than
+  /// 1e-8 of the coordinates is an overlap. See simulate/overlap.hpp.
+  [[nodiscard]] std::optional<Overlap> overlap() const;
 
   /// Moves the present state to these coordinates and momenta (see set_state()), and the run goes on: events and history stay,
   /// and the energy that this adds counts as work.
@@ -319,6 +329,10 @@ class Simulation {
   const Integration& integration() const;
   const World& world() const;
   const std::vector<Event>& events() const;
+  /// Removes events before `time` (s) from events(), so that they take no memory in an endless run. Those of the last 0.1 s stay,
+  /// and the last event, because the run may need them. The history that keep_history() kept is discarded, and snapshots taken
+  /// before do not restore the events.
+  void forget_events(double time);
   /// Scheduled events that have not happened so far, in the order of scheduling.
   std::vector<MissedEvent> missed() const;
   const RunStatistics& statistics() const;

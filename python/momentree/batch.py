@@ -1,4 +1,4 @@
-"""Batches: many worlds of one model, stepped together in the CPU's vectors and on several threads."""
+"""Batches: many worlds of one model, stepped in the CPU's vectors or one by one, on several threads."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ Precision = Literal["float64", "float32"]
 """Of the arithmetic of a batch."""
 Variables = Literal["momenta", "velocities"]
 """What the states of a batch hold beside the coordinates."""
+ContactMethod = Literal["stepping", "rk4", "dopri5", "dop853"]
+"""How worlds of a batch with contact are integrated."""
 
 
 def _fixed(array: Array) -> Array:
@@ -67,14 +69,15 @@ class BodyColumns(NamedTuple):
 
 
 class Batch(_core.BatchBase):
-    """Many worlds of one model, integrated by ``rk4``. Every world may change its topology at any instant.
+    """Many worlds of one model. Every world may change its topology at any instant.
 
     ``len(batch)`` is the number of worlds. Arrays that are read are copies and can't be written; assign a whole array instead, or
     use ``set_state`` for some of the worlds. A batch may be used by one thread at a time; ``step`` and ``run`` release the GIL.
 
-    A world's results do not depend on the other worlds or on the number of threads. Batches support all forces in joints; they do
-    not support forces on bodies, Python functions, hard stops and strengths. Worlds with closed loops or couplings are stepped one
-    by one on the threads; states that are set are brought to the nearest ones that close the loops.
+    A world's results do not depend on the other worlds or on the number of threads. Worlds are stepped by ``rk4`` in the CPU's
+    vectors, with all forces in joints. If the model has contact, cables, forces on bodies, springs between points, hard stops or
+    strengths, they are stepped one by one, as simulations: with contact and cables by ``contact_method``. Batches call no Python
+    functions. Closed loops: states that are set are brought to the nearest ones that close them.
 
     Args:
         model: The model.
@@ -83,6 +86,14 @@ class Batch(_core.BatchBase):
         precision: ``"float64"``, or ``"float32"``: faster, seven digits; changes are always made in double precision.
         variables: Of the states, ``"momenta"`` or ``"velocities"``, as for :class:`Simulation`; default: velocities with closed loops
             or couplings, else momenta. Both can be read and set in any case; the one that the states do not hold costs an evaluation.
+            Worlds with contact hold velocities.
+        contact_method: ``"stepping"`` steps through contacts; ``"rk4"``, ``"dopri5"`` and ``"dop853"`` locate every instant at
+            which they change.
+        step: Of worlds that are stepped one by one: their longest step (s), of adaptive methods the first. A longer step of the
+            batch is divided. Without effect on worlds in vectors.
+
+    Raises:
+        Error: Bodies overlap, the model has Python functions, or an argument is impossible.
     """
 
     def __init__(
@@ -93,8 +104,10 @@ class Batch(_core.BatchBase):
         threads: int = 0,
         precision: Precision = "float64",
         variables: Variables | None = None,
+        contact_method: ContactMethod = "stepping",
+        step: float = 1e-3,
     ) -> None:
-        super().__init__(model, worlds, threads, precision, variables)
+        super().__init__(model, worlds, threads, precision, variables, contact_method, step)
         self._joint_names = [*model.joint_names, *model.loop_names]
         self._body_names = model.body_names
         self._effort: Array | None = None
@@ -231,6 +244,20 @@ class Batch(_core.BatchBase):
         """
         return self._apply(self._numbers(worlds), [(action.key, action.scenario_value()) for action in actions], name or "")
 
+    def contact_forces(self, body: str, worlds: Worlds = None) -> Array:
+        """Sum of the forces of contacts on a body (N), world axes, shape (len(worlds), 3), a copy.
+
+        Zero where it touches nothing, and after the state or topology was set until the next step; NaN where it was removed.
+
+        Args:
+            body: Its name, or ``"ground"``.
+            worlds: Which, also of different topologies; default: all.
+
+        Raises:
+            Error: There is no such body or world, or another thread is using the batch.
+        """
+        return _fixed(self._contact_forces(body, self._numbers(worlds)))
+
     @property
     def group(self) -> NDArray[np.intp]:
         """Number of the topology of each world, from 0, shape (worlds,): worlds with the same number have the same topology."""
@@ -249,9 +276,10 @@ class Batch(_core.BatchBase):
 
     @property
     def diverged(self) -> NDArray[np.bool_]:
-        """True for worlds whose last step diverged, or ended where loops can't be closed. Shape (worlds,).
+        """True for worlds whose last step diverged, ended where loops can't be closed, or was impossible. Shape (worlds,).
 
-        They stay where they were until their state is set.
+        Impossible is a step from a state in which bodies overlap by more than 1 mm. They stay where they were until their state is
+        set; :meth:`message` says why.
         """
         return np.asarray(self._diverged(), dtype=np.bool_)
 

@@ -322,16 +322,19 @@ class Model(_core.ModelBase):
         return self.copy()
 
     def __reduce__(self) -> Any:
-        return _model_from_toml, (self._to_toml_without_contact(), self.body_names, self._contact_state())
+        names = list(zip(self.body_names, self.joint_names))
+        return _model_from_toml, (self._to_toml_without_contact(), self._scenario_names(), names, self._contact_state())
 
     def __repr__(self) -> str:
         return f"<momentree.Model: {len(self)} bodies>"
 
 
-def _model_from_toml(text: str, order: list[str], contact: Any = ((), (), ())) -> Model:
+def _model_from_toml(
+    text: str, order: list[str], names: list[tuple[str, str]], contact: Any = ((), (), ())
+) -> Model:
     from momentree.simulation import loads
 
     model = Model.__new__(Model)
-    _core.ModelBase.__init__(model, loads(text, name="pickle.toml").model._in_order(order))
+    _core.ModelBase.__init__(model, loads(text, name="pickle.toml").model._in_order(order, names))
     model._set_contact_state(contact)
     return model

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from momentree._records import Array
 from momentree._vocabulary import BodyName, JointName, Number, Numbers, Pose, Signal, Signals, Undetermined, Vector
-from momentree.batch import Precision, Variables, Worlds
+from momentree.batch import ContactMethod, Precision, Variables, Worlds
 from momentree.model import Axes, Parent, Shape
 from momentree.simulation import DriveFunction, ForceFunction, Trigger
 
@@ -15,6 +15,7 @@ __all__ = [
     "Array",
     "Axes",
     "BodyName",
+    "ContactMethod",
     "DriveFunction",
     "ForceFunction",
     "JointName",

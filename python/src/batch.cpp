@@ -155,20 +155,53 @@ void set_efforts(BatchObject& self, const Worlds& worlds, nb::handle efforts) {
   if (!worlds.empty()) self.batch.set_efforts(worlds, numbers_of(efforts, worlds.size(), nv, "effort").data());
 }
 
-nb::object motions(BatchObject& self, const std::string& body) {
-  const UseBatch use(self);
-  Worlds worlds(static_cast<std::size_t>(self.batch.worlds()));
-  std::iota(worlds.begin(), worlds.end(), 0);
+BodyId body_of(const BatchObject& self, const std::string& body) {
   const Model& model = self.start.model();
   if (!model.has_body(body)) {
     std::vector<std::string> names;
     for (const BodySpec& each : model.bodies()) names.push_back(each.name);
     refuse("there is no body '" + body + "'", did_you_mean(body, names));
   }
-  const BodyId id = model.body(body);
+  return model.body(body);
+}
+
+nb::object motions(BatchObject& self, const std::string& body) {
+  const UseBatch use(self);
+  Worlds worlds(static_cast<std::size_t>(self.batch.worlds()));
+  std::iota(worlds.begin(), worlds.end(), 0);
+  const BodyId id = body_of(self, body);
   NewArray array = new_array(worlds.size(), 13);
   self.batch.motions(worlds, id, array.data);
   return std::move(array.object);
+}
+
+nb::list contacts(BatchObject& self, int world) {
+  const UseBatch use(self);
+  check_worlds(self, {world});
+  return contact_records(self.batch.contacts(world), self.start.model());
+}
+
+nb::object contact_forces(BatchObject& self, const std::string& body, const Worlds& worlds) {
+  const UseBatch use(self);
+  check_worlds(self, worlds);
+  const BodyId id = body == "ground" ? ground : body_of(self, body);
+  NewArray array = new_array(worlds.size(), 3);
+  self.batch.contact_forces(worlds, id, array.data);
+  return std::move(array.object);
+}
+
+nb::list events(BatchObject& self, int world) {
+  const UseBatch use(self);
+  check_worlds(self, {world});
+  nb::list all;
+  for (const Event& event : self.batch.events(world)) all.append(event_record(event));
+  return all;
+}
+
+std::string message(BatchObject& self, int world) {
+  const UseBatch use(self);
+  check_worlds(self, {world});
+  return self.batch.message(world);
 }
 
 // Where a joint's numbers are in the rows of a world: kind, first of q, number, first of v, number; None if it is not in the
@@ -219,7 +252,7 @@ std::vector<bool> diverged(BatchObject& self) {
 }
 
 void construct(BatchObject* self, const ModelObject& model, int worlds, int threads, const std::string& precision,
-               const std::optional<std::string>& variables) {
+               const std::optional<std::string>& variables, const std::string& contact_method, double step) {
   BatchOptions options;
   if (precision == "float32")
     options.precision = Precision::float32;
@@ -230,6 +263,7 @@ void construct(BatchObject* self, const ModelObject& model, int worlds, int thre
     if (!options.variables) refuse("unknown variables '" + *variables + "'", "\"momenta\" or \"velocities\"");
   }
   options.threads = threads;
+  options.contact_method = contact_method, options.step = step;
   const Tree tree(model.model);
   const double bytes = static_cast<double>(worlds) * (16.0 * (tree.nq() + tree.nv()) + 64);
   const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
@@ -244,10 +278,12 @@ void construct(BatchObject* self, const ModelObject& model, int worlds, int thre
 
 void register_batch(nb::module_& m) {
   nb::class_<BatchObject>(m, "BatchBase")
-      .def("__init__", &construct, "model"_a, "worlds"_a, "threads"_a, "precision"_a, "variables"_a.none())
+      .def("__init__", &construct, "model"_a, "worlds"_a, "threads"_a, "precision"_a, "variables"_a.none(), "contact_method"_a,
+           "step"_a)
       .def("__len__", [](const BatchObject& self) { return self.batch.worlds(); })
       .def_prop_ro(
-          "lanes", [](const BatchObject& self) { return self.batch.lanes(); }, "Worlds that one vector of the CPU holds.")
+          "lanes", [](const BatchObject& self) { return self.batch.lanes(); },
+          "Worlds that one vector of the CPU holds; 1: worlds are stepped one by one.")
       .def_prop_ro(
           "variables", [](const BatchObject& self) { return name_of(self.batch.variables()); },
           "What the states of worlds without closed loops hold: \"momenta\" or \"velocities\".")
@@ -267,6 +303,21 @@ void register_batch(nb::module_& m) {
       .def("_apply", &apply_in_worlds)
       .def("_set_efforts", &set_efforts)
       .def("_motions", &motions)
+      .def("contacts", &contacts, "world"_a,
+           "The points at which bodies touch in a world, with their forces: a list of `Contact`.\n\n"
+           "Empty after its state or topology was set, until the next step finds them.\n\n"
+           "Args:\n    world: Its number.\n\n"
+           "Raises:\n    Error: There is no such world, or another thread is using the batch.")
+      .def("events", &events, "world"_a,
+           "What happened in a world that is stepped one by one since its last step began: a list of `Event`.\n\n"
+           "Events of contacts, stops and strengths, and of `apply`. Worlds in lanes have none.\n\n"
+           "Args:\n    world: Its number.\n\n"
+           "Raises:\n    Error: There is no such world, or another thread is using the batch.")
+      .def("message", &message, "world"_a,
+           "Why the last step of a world was impossible, see `diverged`; empty if it was not.\n\n"
+           "Args:\n    world: Its number.\n\n"
+           "Raises:\n    Error: There is no such world, or another thread is using the batch.")
+      .def("_contact_forces", &contact_forces)
       .def("_layout", &layout)
       .def("_loop_rows", &loop_rows)
       .def("_start_layout", &start_layout)

@@ -10,6 +10,16 @@ nb::object loop_status(const LoopStatus& status) {
   return python_class("_records", "LoopStatus")(status.rows, status.rank, status.residual);
 }
 
+nb::list contact_records(std::span<const ContactPoint> points, const Model& model) {
+  const nb::object make = python_class("_records", "Contact");
+  const auto name = [&](BodyId body) { return body == ground ? std::string("ground") : model[body].name; };
+  nb::list all;
+  for (const ContactPoint& point : points)
+    all.append(make(name(point.one), name(point.other), from_vec3(point.point), from_vec3(point.normal), from_vec3(point.force),
+                    from_vec3(point.slip), point.slips));
+  return all;
+}
+
 namespace {
 
 nb::object totals(const Totals& t) {

@@ -1,9 +1,11 @@
 // Model: bodies, joints, forces and springs, added one by one.
 #include "model_object.hpp"
 
+#include <tuple>
 #include <utility>
 
 #include <momentree/io/convert/convert.hpp>
+#include <momentree/io/convert/scenario_names.hpp>
 #include <momentree/io/part_reader.hpp>
 
 namespace momentree::python {
@@ -98,8 +100,9 @@ std::vector<std::string> names(const ModelObject& self, Name name) {
 }
 
 // The same model without what touches, with its bodies in another order, parents before children: of scenarios, which list
-// mechanism by mechanism.
-std::shared_ptr<ModelObject> in_order(const ModelObject& self, const std::vector<std::string>& order) {
+// mechanism by mechanism. `names`: of bodies and joints in that order, which scenarios may have changed.
+std::shared_ptr<ModelObject> in_order(const ModelObject& self, const std::vector<std::string>& order,
+                                      const std::vector<std::pair<std::string, std::string>>& names) {
   auto sorted = std::make_shared<ModelObject>(ModelObject{Model({.gravity = self.model.gravity()}), {}, {}, self.title});
   std::vector<BodyId> place(static_cast<std::size_t>(self.model.size()), ground);
   const auto now = [&](int number) { return number < 0 ? ground : place[static_cast<std::size_t>(number)]; };
@@ -107,6 +110,7 @@ std::shared_ptr<ModelObject> in_order(const ModelObject& self, const std::vector
     const BodyId body = self.model.body(name);
     BodySpec spec = self.model[body];
     spec.parent = now(spec.parent.index);
+    std::tie(spec.name, spec.joint_name) = names.at(static_cast<std::size_t>(sorted->model.size()));
     place[static_cast<std::size_t>(body.index)] = sorted->model.add_unjudged(std::move(spec));
     sorted->shapes.push_back(self.shapes[static_cast<std::size_t>(body.index)]);
   }
@@ -195,9 +199,17 @@ void register_model(nb::module_& m) {
           [](ModelObject& self, nb::handle gravity) { self.model.set_gravity(to_vec3(gravity, "gravity")); }, nb::arg().none(),
           "Gravity (m/s²), world axes, shape (3,), a copy; assign three numbers to change it.")
       .def("_in_order", &in_order)
+      .def("_scenario_names",
+           [](const ModelObject& self) {
+             std::vector<std::string> bodies;
+             for (const io::ScenarioName& name : io::scenario_names(self.model)) bodies.push_back(name.body);
+             return bodies;
+           })
       .def(
           "to_toml", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, true, self.collision_shapes); },
           "The model as the text of a scenario file (TOML), without events. `momentree.loads` reads it.\n\n"
+          "Names that do not begin with the mechanism of their root get it in front: `hand`, carried by `arm`, becomes\n"
+          "`arm/hand`.\n\n"
           "Raises:\n    Error: A body touches with a mesh of a model file.")
       .def("_to_toml_without_contact", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, false); })
       .def("to_urdf", &to_urdf, "mechanism"_a = "",

@@ -1,6 +1,9 @@
 #pragma once
 // C++ records as Python objects.
+#include <span>
+
 #include <momentree/simulate/event.hpp>
+#include <momentree/simulate/world.hpp>
 
 #include "binding.hpp"
 
@@ -10,5 +13,7 @@ namespace momentree::python {
 nb::object loop_status(const LoopStatus& status);
 /// momentree.Event.
 nb::object event_record(const Event& event);
+/// momentree.Contact, of points at which bodies of this model touch.
+nb::list contact_records(std::span<const ContactPoint> points, const Model& model);
 
 }  // namespace momentree::python

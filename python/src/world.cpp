@@ -149,16 +149,6 @@ nb::object momentum(const Totals& totals) {
   return python_class("_records", "Momentum")(from_vec3(totals.linear), from_vec3(totals.angular));
 }
 
-nb::list contacts_of(const World& world) {
-  const nb::object make = python_class("_records", "Contact");
-  const auto name = [&](BodyId body) { return body == ground ? std::string("ground") : world.model()[body].name; };
-  nb::list all;
-  for (const ContactPoint& point : world.contacts())
-    all.append(make(name(point.one), name(point.other), from_vec3(point.point), from_vec3(point.normal), from_vec3(point.force),
-                    from_vec3(point.slip), point.slips));
-  return all;
-}
-
 // A property of a body that is computed from the world.
 template <class Get>
 auto of_body(Get get) {
@@ -376,7 +366,11 @@ void register_world(nb::module_& m) {
           "momentum", [](const WorldPtr& w) { return momentum(Reading(w)->totals()); },
           "Linear (N s) and angular momentum (N m s, about the world's origin), world axes, each of shape (3,).")
       .def_prop_ro(
-          "contacts", [](const WorldPtr& w) { return contacts_of(*Reading(w)); },
+          "contacts",
+          [](const WorldPtr& w) {
+            const Reading world(w);
+            return contact_records(world->contacts(), world->model());
+          },
           "The points at which bodies touch at present, with their forces: a list of `Contact`.")
       .def_prop_ro(
           "mechanisms", [](const WorldPtr& w) { return mechanisms_of(*Reading(w)); },

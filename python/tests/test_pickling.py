@@ -185,3 +185,26 @@ def test_views_and_records_are_plain_when_pickled() -> None:
     sim.step()
     assert not np.array_equal(view, sim.q)
     assert again(sim.energy) == sim.energy
+
+
+def test_names_without_a_mechanism():
+    """Scenarios put the mechanism in front of such names; pickles keep them."""
+    model = mt.Model()
+    model.add("arm", mass=2, inertia=0.02, at=(0, 0, 3), joint=mt.Revolute(axis=(0, 1, 0)), q=0.3, collision={"sphere": 0.1})
+    model.add("hand", mass=1, inertia=0.01, parent="arm", at=(1, 0, 0), joint=mt.Revolute(axis=(0, 1, 0)), joint_name="wrist")
+    model.add("ball", mass=1, inertia=0.01, joint=mt.Free(), q=[0, 3, 1, 1, 0, 0, 0], collision={"sphere": 0.1})
+    model.add_force("hand", force=(0, 0, 1))
+    model.add_spring("tie", start="hand", end="ball", stiffness=2, rest=1)
+    model.add_floor(friction=0.5)
+    model.add_contact(("ball", "ground"), restitution=0.5)
+    again = pickle.loads(pickle.dumps(model))
+    assert again.body_names == ["arm", "hand", "ball"]
+    assert again.joint_names == ["arm", "wrist", "ball"]
+    one, other = mt.Simulation(model), mt.Simulation(again)
+    third = pickle.loads(pickle.dumps(one))
+    written = mt.loads(model.to_toml()).model
+    assert written.body_names == ["arm/arm", "arm/hand", "ball/ball"]
+    for sim in (one, other, third, mt.Simulation(written)):
+        sim.run(1)
+        np.testing.assert_array_equal(sim.q, one.q)
+    assert len(one.events) == len(other.events) > 0

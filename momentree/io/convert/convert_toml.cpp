@@ -9,6 +9,7 @@
 #include <momentree/base/check.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/io/convert/describe.hpp>
+#include <momentree/io/convert/scenario_names.hpp>
 #include <momentree/io/convert/toml_writer.hpp>
 
 namespace momentree::io {
@@ -264,8 +265,9 @@ Converted to_toml(const Scenario& scenario, const MeshNames& meshes) {
   return Converter(scenario, "", &meshes).convert();
 }
 
-std::string to_toml(const Model& model, const std::vector<Shape>& shapes, bool contact,
+std::string to_toml(const Model& given, const std::vector<Shape>& shapes, bool contact,
                     const std::vector<Shape>& collision_shapes) {
+  const Model model = with_scenario_names(given);
   Value::Table document, world;
   add(document, "format", Value(std::int64_t{1}, Place{}));
   const Vec3 g = model.gravity(), usual = Model().gravity();

@@ -1,0 +1,146 @@
+// Worlds of a batch that are stepped one by one, each by a simulation of its own: with contact, and with what lanes do not have.
+#include <exception>
+#include <limits>
+
+#include <momentree/base/error.hpp>
+#include <momentree/batch/batch_impl.hpp>
+#include <momentree/simulate/overlap.hpp>
+
+namespace momentree {
+
+using batch::OwnRun;
+
+// Those of later worlds cannot fail for another reason than that there is no more memory.
+void Batch::Impl::make_own(int worlds) {
+  if (const std::optional<Overlap> worst = deepest_overlap(model))
+    throw_error({worst->text() + " at the start", "", "move one of them, or let them pass through each other by a contact rule"});
+  own_runs.resize(static_cast<std::size_t>(worlds));
+  own_runs[0] = std::make_unique<OwnRun>(model, integration);
+  std::exception_ptr failed;
+  std::mutex mutex;
+  pool.run(worlds - 1, [&](int, int i) {
+    try {
+      own_runs[static_cast<std::size_t>(i) + 1] = std::make_unique<OwnRun>(model, integration);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      failed = std::current_exception();
+    }
+  });
+  if (failed) std::rethrow_exception(failed);
+}
+
+void Batch::Impl::bring(int world) {
+  OwnRun& run = *own_runs[static_cast<std::size_t>(world)];
+  if (run.is_changed()) run.restart(snapshot_of(world), model);
+  run.prepare();
+}
+
+void Batch::Impl::run_own(const std::function<double(int)>& step_of) noexcept {
+  const int worlds = static_cast<int>(own_runs.size());
+  pool.run(worlds, [&](int, int world) { step_own(world, step_of(world)); });
+  for (int world = 0; world < worlds; ++world)
+    if (own_runs[static_cast<std::size_t>(world)]->moves) move_own(world);
+}
+
+void Batch::Impl::step_own(int world, double h) noexcept {
+  OwnRun& run = *own_runs[static_cast<std::size_t>(world)];
+  const Seat at = seat(world);
+  if (h == 0 || at.group->ran_away(at.slot)) return;
+  try {
+    bring(world);
+    run.message = run.step(h);
+  } catch (const std::exception& error) {
+    run.message = error.what();
+  }
+  if (run.message.empty()) return note_own(world);
+  at.group->set_ran_away(at.slot, true);
+  run.changed();  // the simulation ended somewhere else
+}
+
+void Batch::Impl::note_own(int world) {
+  OwnRun& run = *own_runs[static_cast<std::size_t>(world)];
+  const Seat at = seat(world);
+  run.moves = run.left(at.group->topology(), declared);
+  if (!run.moves) at.group->set_state(at.slot, run.simulation().world().state());
+}
+
+void Batch::Impl::move_own(int world) {
+  OwnRun& run = *own_runs[static_cast<std::size_t>(world)];
+  const Seat from = seat(world);
+  const World& now = run.simulation().world();
+  const bool away = from.group->ran_away(from.slot);
+  run.moves = false;
+  Named names = names_in(now, names_now(world), run.made_loops);
+  Group& to = group_of(run.topology(), now.tree());
+  drop_efforts(world, from.group->tree(), to.tree());
+  sit(world, to);
+  leave(from);
+  const int slot = seat(world).slot;
+  to.set_ran_away(slot, away);
+  to.set_efforts(slot, efforts[static_cast<std::size_t>(world)]);
+  to.set_state(slot, now.state());
+  named[world] = std::move(names);
+}
+
+Event Batch::Impl::apply_own(int world, std::span<const Action> actions, std::string name) {
+  OwnRun& run = *own_runs[static_cast<std::size_t>(world)];
+  bring(world);
+  const bool unnamed = name.empty();
+  std::optional<Event> event;
+  try {
+    event = run.simulation().apply(actions, std::move(name));
+  } catch (...) {
+    run.changed();
+    throw;
+  }
+  note_own(world);
+  if (run.moves) move_own(world);
+  Named names = names_in(run.simulation().world(), names_now(world), run.made_loops);
+  ++names.events;
+  if (unnamed) event->name = "#" + std::to_string(names.events);
+  named[world] = std::move(names);
+  return std::move(*event);
+}
+
+std::vector<ContactPoint> Batch::contacts(int world) const {
+  impl().seat(world);
+  if (!impl_->one_by_one) return {};
+  const OwnRun& run = *impl_->own_runs[static_cast<std::size_t>(world)];
+  if (run.is_changed()) return {};
+  return run.simulation().world().contacts();
+}
+
+void Batch::contact_forces(std::span<const int> worlds, BodyId body, double* forces) const {
+  Impl& impl = this->impl();
+  MT_REQUIRE(body == ground || (body.index >= 0 && body.index < impl.model.size()), "the ground or a body of the model");
+  for (const int world : worlds) impl.seat(world);
+  impl.pool.run(static_cast<int>(worlds.size()), [&](int, int i) {
+    const auto row = static_cast<std::size_t>(i);
+    const Tree& tree = impl.seat(worlds[row]).group->tree();
+    Vec3 force{};
+    if (body != ground && !tree.alive(body.index)) {
+      constexpr double none = std::numeric_limits<double>::quiet_NaN();
+      force = {none, none, none};
+    } else {
+      for (const ContactPoint& point : contacts(worlds[row])) {
+        if (point.one == body) force += point.force;
+        if (point.other == body) force += -point.force;
+      }
+    }
+    forces[3 * row] = force.x, forces[3 * row + 1] = force.y, forces[3 * row + 2] = force.z;
+  });
+}
+
+std::span<const Event> Batch::events(int world) const {
+  impl().seat(world);
+  if (!impl_->one_by_one) return {};
+  return impl_->own_runs[static_cast<std::size_t>(world)]->events();
+}
+
+std::string Batch::message(int world) const {
+  if (!ran_away(world)) return {};
+  if (!impl_->one_by_one) return "the step diverged, or ended where loops can't be closed; use a shorter one";
+  return impl_->own_runs[static_cast<std::size_t>(world)]->message;
+}
+
+}  // namespace momentree
