@@ -200,6 +200,7 @@ void write_stepping(JsonWriter& json, const World& world, const SteppingState& s
   }
   json.end_object();
   json.member("on", stepping.on).member("changes", stepping.changes).member("changes_at_once", stepping.changes_at_once);
+  if (!stepping.one.empty()) json.key("last").begin_array().value(stepping.one).value(stepping.other).end_array();
   json.member("window", stepping.window).member("instant", stepping.instant).member("short_steps", stepping.short_steps);
   json.member("steps", stepping.steps).member("steps_began", stepping.steps_began).end_object();
 }
@@ -229,6 +230,15 @@ void read_stepping(const Value& value, const Model& model, JointReader& joints, 
       *count = static_cast<int>(given);
     else
       out.error(fields.place_of(key), std::string(key) + ": expected a count");
+  }
+  if (const Value* const last = fields.find("last")) {
+    const Value::Array& pair = read_list(*last, "last", out);
+    if (pair.size() == 2) {
+      stepping.one = read_string(pair[0], "last", out).value_or("");
+      stepping.other = read_string(pair[1], "last", out).value_or("");
+    } else {
+      out.error(last->place, "last: expected the names of two bodies");
+    }
   }
   for (const auto& [key, time] :
        {std::pair{"window", &stepping.window}, {"instant", &stepping.instant}, {"steps_began", &stepping.steps_began}})

@@ -154,8 +154,9 @@ bool Simulation::Impl::flood_of_changes(std::size_t first) {
   const double now = world.time();
   if (!(now <= stepping.window + window_length)) stepping.window = now, stepping.changes = 0;
   if (!(now <= stepping.instant + instant_length)) stepping.instant = now, stepping.changes_at_once = 0;
-  const auto pair_of = [&](std::size_t event) { return std::pair(events[event].contact.one, events[event].contact.other); };
-  const bool bounces = first > 0 && first + 1 == events.size() && pair_of(first) == pair_of(first - 1);
+  if (first > 0) stepping.one = events[first - 1].contact.one, stepping.other = events[first - 1].contact.other;
+  const auto is_last = [&](const Event& e) { return e.contact.one == stepping.one && e.contact.other == stepping.other; };
+  const bool bounces = first + 1 == events.size() && is_last(events[first]);
   // A change costs dozens of evaluations, each of which solves for the forces of an island.
   const double crowd = static_cast<double>(points_at_events(first)) / static_cast<double>(crowded);
   const int weight = crowd > 1 ? static_cast<int>(std::ceil(crowd * crowd)) : 1;
@@ -228,6 +229,7 @@ SteppingState Simulation::Impl::stepping_state() const {
   SteppingState now = stepping;
   now.points = contact_steps.points();
   now.short_steps = contacts.short_steps();
+  if (!events.empty()) now.one = events.back().contact.one, now.other = events.back().contact.other;
   return now;
 }
 

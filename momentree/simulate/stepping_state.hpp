@@ -35,6 +35,7 @@ struct SteppingState {
   // Changes of contacts in a short time, and in a very short one, and when these times began (s).
   int changes = 0, changes_at_once = 0;
   double window = 0, instant = 0;
+  std::string one{}, other{};          ///< the bodies of the last event, if it was at a contact
   int short_steps = 0;                 ///< in a row in which a contact that is located crept
   int steps = 0;                       ///< with closed contacts since these were last judged by their length
   double steps_began = 0;              ///< when that was (s)
