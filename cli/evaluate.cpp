@@ -69,10 +69,20 @@ std::string evaluation_text(const World& world, const Style& style) {
     }
     couplings = '\n' + style.heading("Exact couplings") + " (N, N m; on the joint)\n" + table.text("  ");
   }
+  std::string contacts;
+  if (const std::vector<ContactPoint> points = world.contacts(); !points.empty()) {
+    Table table;
+    table.row({"body", "touches", "point", "force", "slip"});
+    const auto name = [&](BodyId body) { return body == ground ? "ground" : model[body].name; };
+    for (const ContactPoint& point : points)
+      table.row(
+          {name(point.one), name(point.other), vector_text(point.point), vector_text(point.force), vector_text(point.slip)});
+    contacts = '\n' + style.heading("Contacts") + " (m, N on the body, m/s)\n" + table.text("  ");
+  }
   return style.heading("World") + '\n' + sums.text("  ") + '\n' + style.heading("Joints") + " (m, rad, s, kg)\n" +
          joints.text("  ") + '\n' + style.heading("Reactions") + " (N, N m; about the body's origin, in its axes)\n" +
          reactions.text("  ") + '\n' + style.heading("Accelerations") +
-         " (m/s², rad/s²; of the body's origin, in the world's axes)\n" + bodies.text("  ") + springs + couplings;
+         " (m/s², rad/s²; of the body's origin, in the world's axes)\n" + bodies.text("  ") + springs + couplings + contacts;
 }
 
 }  // namespace
@@ -83,7 +93,7 @@ int evaluate(const EvaluateOptions& options) {
   const io::Session session(scenario, documents_of(options.state, scenario->model));
   const World& world = session.simulation().world();
   if (options.json)
-    std::fputs(io::state_json(world, session.armed()).c_str(), stdout);
+    std::fputs(io::state_json(world, session.armed(), {0, 0, session.simulation().step_memory().stepping}).c_str(), stdout);
   else
     show(stdout, evaluation_text(world, Style::of_output()));
   return done;

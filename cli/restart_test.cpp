@@ -33,11 +33,13 @@ struct Run {
     session.simulation().observe(scenario.output_every, [](const World&) { return true; });
     REQUIRE(session.simulation().run_until(until) == Status::ok);
     for (const Event& event : session.simulation().events())
-      events.push_back(event.name + " " + std::to_string(event.time) + " " + event.actions.front().text());
+      events.push_back(event.name + " " + std::to_string(event.time) + " " +
+                       (event.actions.empty() ? event.contact.one : event.actions.front().text()));
   }
   std::string state() const {
-    const double next = adaptive ? session.simulation().step_memory().next_step : 0;
-    return io::state_json(session.simulation().world(), session.armed(), {next, 0});
+    StepMemory memory = session.simulation().step_memory();
+    memory.work = 0;
+    return io::state_json(session.simulation().world(), session.armed(), memory);
   }
 };
 
@@ -49,7 +51,7 @@ void check_restarts(const io::Scenario& scenario, double until, const std::vecto
     const Run first(scenario, "", stop);
     const std::string file = folder / "state.json";
     io::write_text_file(file, io::state_json(first.session.simulation().world(), first.session.armed(),
-                                             first.adaptive ? first.session.simulation().step_memory() : StepMemory{}));
+                                             first.session.simulation().step_memory()));
     const Run second(scenario, file, until);
     std::vector<std::string> events = first.events;
     events.insert(events.end(), second.events.begin(), second.events.end());
@@ -303,4 +305,39 @@ TEST_CASE("the events of a document must fit the scenario") {
   CHECK(refused(R"({"again": {"fired": 1, "resting": 1}})").find("resting: expected true or false, found a number") !=
         std::string::npos);
   CHECK(refused(R"({"again": {"fired": 1, "looked": []}})").find("looked: expected one or two entries") != std::string::npos);
+}
+
+namespace {
+
+// A box on a slope, a cylinder that rolls, a ball that bounces until it rests, a bob on a cable, and boxes that land on each
+// other.
+std::string touching(const std::string& method) {
+  const auto body = [](const std::string& name, const std::string& place, const std::string& velocity, const std::string& shape) {
+    return "[[mechanism]]\nname = \"" + name + "\"\nroot = \"free\"\npose = { " + place + " }\nstate = { velocity = { " +
+           velocity + " } }\n[[mechanism.body]]\nname = \"" + name +
+           "\"\nmass = 1\ninertia = [0.01, 0.012, 0.014]\ncollision = { " + shape + " }\n";
+  };
+  return "format = 1\n[world]\nfloor = { friction = 0.3, restitution = 0.4 }\n" +
+         body("slider", "xyz = [0, 3, 0.1]", "linear = [2, 0.3, 0], angular = [0, 0, 1]", "box = [0.4, 0.3, 0.2]") +
+         body("wheel", "xyz = [0, -3, 0.2], rpy = [1.5707963267948966, 0, 0]", "linear = [1, 0, 0]",
+              "cylinder = { radius = 0.2, length = 0.1 }") +
+         body("ball", "xyz = [0, 6, 0.3]", "linear = [1, 0, 0], angular = [3, 2, 1]", "sphere = 0.1") +
+         body("bob", "xyz = [0.5, -6, 2]", "linear = [0, 1, 0]", "sphere = 0.1") +
+         body("lower", "xyz = [0, 0, 0.1]", "linear = [0, 0, 0]", "box = [0.4, 0.4, 0.2]") +
+         body("upper", "xyz = [0.1, 0, 0.4]", "angular = [0, 0.5, 0.2]", "box = [0.4, 0.3, 0.2]") +
+         "[[cable]]\nname = \"tether\"\nfrom = { body = \"ground\", point = [0, -6, 3] }\n"
+         "to = { body = \"bob/bob\" }\nlength = 1.2\n"
+         "[[event]]\nname = \"kick\"\nwhen = { contact_force = [\"upper\", \"lower\"], exceeds = 15 }\n"
+         "impulse = { body = \"slider/slider\", force = [0, 0.2, 0] }\n[integrate]\nuntil = 2\n" +
+         method + "[output]\nevery = 0.125\n";
+}
+
+}  // namespace
+
+TEST_CASE("a restart continues with the contacts of the run: closed ones, bounces that end, taut cables, time stepping") {
+  for (const char* method : {"method = \"rk4\"\nstep = 0.002\n", "method = \"dopri5\"\nrtol = 1e-7\n", "method = \"dop853\"\n",
+                             "method = \"stepping\"\nstep = 0.004\n"}) {
+    CAPTURE(method);
+    check_restarts(read(touching(method)), 2, {0.125, 0.375, 0.5, 0.75, 1.125, 1.5});
+  }
 }

@@ -133,8 +133,7 @@ void RunRecord::finish(const Simulation& simulation, std::string status, const A
   const std::vector<Event>& all = simulation.events();
   events_.assign(all.begin() + static_cast<std::ptrdiff_t>(std::min(events_before_, all.size())), all.end());
   summary_ = summary_json(origin_, status_, simulation);
-  const bool adaptive = is_adaptive(origin_.integration.method);
-  final_ = state_json(simulation.world(), armed, adaptive ? simulation.step_memory() : StepMemory{});
+  final_ = state_json(simulation.world(), armed, simulation.step_memory());
 }
 
 std::vector<std::string> RunRecord::joints() const {

@@ -46,9 +46,10 @@ Session::Session(std::shared_ptr<const Scenario> scenario, std::vector<RestoredS
   }
   couple(simulation_, shared_->couplings);
   for (const RestoredState& document : documents) {
-    if (document.memory.next_step > 0) memory_ = document.memory;
+    if (document.memory != StepMemory{}) memory_ = document.memory;
     for (const ArmedEvent& event : document.armed) take_armed(event, document.file);
   }
+  if (from_document_) simulation_.resume({}, memory_);
 }
 
 void Session::take_armed(const ArmedEvent& event, const std::string& file) {

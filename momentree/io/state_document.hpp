@@ -24,19 +24,19 @@ struct ArmedEvent {
 /// In the order of the file.
 using Armed = std::vector<ArmedEvent>;
 
-/// The document of a world. Numbers read back to the same bits; quaternions have w >= 0. `memory`: of an adaptive method;
-/// omitted if its next step is 0.
+/// The document of a world. Numbers read back to the same bits; quaternions have w >= 0. `memory`: what the run carries from step
+/// to step.
 std::string state_json(const World& world, const Armed& armed, const StepMemory& memory = {});
 
 /// The contents of a document, checked against the model.
 struct RestoredState {
   std::string file;
   std::optional<double> time;
-  Forest forest;                   ///< of a whole document; else empty, apart from springs that it names
+  Forest forest;                   ///< of a whole document; else empty, apart from springs and contacts that it names
   std::vector<JointStart> joints;  ///< the joints that it names
   std::vector<std::string> where;  ///< the position of each of them: `file:line:col`
   Armed armed;
-  StepMemory memory;  ///< of an adaptive method; with a next step of 0: unknown
+  StepMemory memory;  ///< with a next step of 0: that of an adaptive method is unknown
 };
 
 /// Reads a document from its text. `mechanism`: read the joints of that mechanism alone, and neither time nor topology (empty:

@@ -245,6 +245,49 @@ TEST_CASE("bad documents are refused with their place") {
         std::string::npos);
 }
 
+TEST_CASE("contacts of a document: what it names exists, and contacts that no longer fit are found anew") {
+  Model model({.gravity = {0, 0, -9.81}});
+  const BodyId box =
+      model.add({.name = "box", .mass = 1, .inertia = diagonal(0.01), .joint = Free{}, .q = {0, 0, 0.1, 1, 0, 0, 0}});
+  model.add_collider({.body = box, .solid = contact::box({0.2, 0.2, 0.2})});
+  model.add_collider({.plane = true});
+  Simulation sim(model, {.method = "rk4"});
+  REQUIRE(sim.run_until(0.1));
+  const std::string text = state_json(sim.world(), {}, sim.step_memory());
+  const auto mistake_in = [&](const std::string& from, const std::string& to) {
+    std::vector<Diagnostic> problems;
+    static_cast<void>(read_state(replaced(text, from, to), "s.json", model, "", problems));
+    return rendered(problems);
+  };
+  CHECK(mistake_in("", "") == "");
+  CHECK(mistake_in("\"one\": \"box\"", "\"one\": \"bos\"").find("did you mean 'box'?") != std::string::npos);
+  CHECK(mistake_in("\"one\": \"box\"", "\"one\": \"ground\"").find("a contact is between two bodies") != std::string::npos);
+  CHECK(mistake_in("\"shapes\": [0, 0]", "\"shapes\": [1, 0]").find("'box' has no collision shape of that number") !=
+        std::string::npos);
+  CHECK(mistake_in("\"feature\": \"", "\"feature\": \"-").find("feature: expected a whole number") != std::string::npos);
+  CHECK(mistake_in("\"state\": \"stick\"", "\"state\": \"stuck\"").find("expected smooth, stick or slip") != std::string::npos);
+  CHECK(mistake_in("\"state\": \"stick\"", "\"state\": \"slip\"").find("direction: its length is not 1") != std::string::npos);
+  CHECK(mistake_in("\"one\": \"box\"", "\"cable\": \"tow\", \"one\": \"box\"").find("there is no cable 'tow'") !=
+        std::string::npos);
+
+  const auto events_from = [&](const std::string& velocity) {
+    const std::size_t at = text.find("\"v\": [") + 5;
+    std::string changed = text;
+    if (!velocity.empty()) changed.replace(at, text.find(']', at) + 1 - at, velocity);
+    Simulation again(model, {.method = "rk4"});
+    const RestoredState state = read_state(changed, "s.json", model);
+    restore(again, {state});
+    again.resume({}, state.memory);
+    REQUIRE(again.run_until(0.11));
+    std::string names;
+    for (const Event& event : again.events()) names += event.name.substr(0, 4) + " ";
+    return names;
+  };
+  CHECK(events_from("") == "");
+  CHECK(events_from("[0, 0, 1, 0, 0, 0]") == "lift ");
+  CHECK(events_from("[0, 0, -1, 0, 0, 0]") == "impa ");
+}
+
 TEST_CASE("all mistakes of a document are reported at once") {
   const Model model = test::two_mechanisms();
   const auto mistakes = [&](const std::string& text) {

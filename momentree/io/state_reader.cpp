@@ -7,6 +7,7 @@
 
 #include <momentree/base/characters.hpp>
 #include <momentree/io/json.hpp>
+#include <momentree/io/state_contact.hpp>
 #include <momentree/io/state_coupling.hpp>
 #include <momentree/io/state_document.hpp>
 #include <momentree/io/state_joint.hpp>
@@ -26,8 +27,8 @@ class Reader {
   }
 
   std::optional<RestoredState> read(const Value& root) {
-    const std::vector<std::string> known{"time",   "mechanisms", "joints",      "springs", "couplings",
-                                         "bodies", "armed",      "integration", "loops",   "totals"};
+    const std::vector<std::string> known{"time",   "mechanisms", "joints", "springs",     "couplings", "contacts",
+                                         "bodies", "armed",      "loops",  "integration", "totals"};
     const auto meant = [&known](const Value::Entry& entry) { return !nearest(entry.key, known).empty(); };
     const Value::Table* const table = root.table();
     if (!table || (!table->empty() && std::none_of(table->begin(), table->end(), meant))) {
@@ -46,6 +47,8 @@ class Reader {
         for (const Value::Entry& spring : read_table(*springs, "springs", out_))
           read_spring_state(spring, model_, result_.forest, out_);
       if (const Value* couplings = fields.find("couplings")) read_coupling_states(*couplings, model_, result_.forest, out_);
+      if (const Value* contacts = fields.find("contacts"))
+        read_contacts(*contacts, model_, joints_, result_.forest, result_.memory.stepping, out_);
       if (const Value* bodies = fields.find("bodies"))
         for (const Value::Entry& body : read_table(*bodies, "bodies", out_)) joints_.body_named(body.key, body.place);
       if (const Value* armed = fields.find("armed"))
@@ -153,6 +156,7 @@ class Reader {
       if (!(*step > 0)) out_.error(fields.place_of("step"), "step: must be greater than 0");
     }
     result_.memory.work = fields.real("work").value_or(result_.memory.work);
+    if (const Value* contacts = fields.find("contacts")) read_stepping(*contacts, model_, joints_, result_.memory.stepping, out_);
     fields.finish();
   }
 

@@ -91,6 +91,7 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
     } else if (!document.forest.springs.empty()) {
       forest.springs = document.forest.springs;
     }
+    if (!document.forest.contacts.empty()) forest.contacts = document.forest.contacts;
     time = document.time.value_or(time);
   }
   std::vector<JointStart> starts;

@@ -5,6 +5,7 @@
 
 #include <momentree/io/joint_json.hpp>
 #include <momentree/io/parameters_json.hpp>
+#include <momentree/io/state_contact.hpp>
 #include <momentree/io/state_document.hpp>
 #include <momentree/simulate/topology_record.hpp>
 
@@ -16,8 +17,10 @@ void write_coordinates(JsonWriter& json, const JointView& joint) {
   double q[Values::capacity];
   std::copy(joint.q.begin(), joint.q.end(), q);
   const std::size_t w = std::string_view(info(joint.kind).q_units).find('n');
-  if (w != std::string_view::npos && q[w] < 0)
-    for (std::size_t i = w; i < w + 4; ++i) q[i] = -q[i];
+  if (w != std::string_view::npos) {
+    const double sign = q[w] < 0 ? -1 : 1;
+    for (std::size_t i = w; i < w + 4; ++i) q[i] = q[i] == 0 ? 0 : sign * q[i];  // no minus zero, whose sign would not be known
+  }
   json.member("q", std::span<const double>(q, joint.q.size()));
 }
 
@@ -145,6 +148,8 @@ std::string state_json(const World& world, const Armed& armed, const StepMemory&
     json.end_array();
   }
 
+  if (model.has_contact()) write_contacts(json.key("contacts"), world, memory.stepping);
+
   const std::vector<BodyMotion>& motions = world.motions();
   const std::vector<BodyAcceleration>& accelerations = world.accelerations();
   json.key("bodies").begin_object();
@@ -157,9 +162,14 @@ std::string state_json(const World& world, const Armed& armed, const StepMemory&
   json.key("armed").begin_object();
   for (const ArmedEvent& event : armed) write_armed(json, event);
   json.end_object();
-  if (memory.next_step > 0) {
-    json.key("integration").begin_object().member("step", memory.next_step);
-    json.member("work", memory.work).end_object();
+  SteppingState without_points = memory.stepping;
+  without_points.points.clear();
+  const bool steps_matter = without_points != SteppingState{};
+  if (memory.next_step > 0 || steps_matter) {
+    json.key("integration").begin_object();
+    if (memory.next_step > 0) json.member("step", memory.next_step).member("work", memory.work);
+    if (steps_matter) write_stepping(json.key("contacts"), world, without_points);
+    json.end_object();
   }
 
   const Totals totals = world.totals();

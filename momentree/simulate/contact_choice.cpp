@@ -29,14 +29,13 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   place_contacts(tree, workspace, contacts, rows_);
   const double* const q = world_->state_.q().data();
   find_contact_accelerations(tree, q, workspace, contacts, rows_);
-  double fastest = 1;
-  for (const BodyMotion& m : world_->motions()) fastest = std::max(fastest, norm(m.linear));
+  const double slow = slow_approach();
   std::vector<Contact> staying;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     // Flights too low to be resolved count as rest.
     const double size = pairs_[static_cast<std::size_t>(contacts[i].pair)].size(*this);
     const double hidden = std::sqrt(2 * std::max(0.0, -rows_.acceleration[3 * i]) * resolved_flight * size);
-    if (rows_.velocity[3 * i] <= std::max(10 * no_approach * fastest, hidden)) staying.push_back(contacts[i]);
+    if (rows_.velocity[3 * i] <= std::max(10 * slow, hidden)) staying.push_back(contacts[i]);
   }
   if (staying.empty()) return true;
   place_contacts(tree, workspace, staying, rows_);

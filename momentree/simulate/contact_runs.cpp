@@ -239,4 +239,12 @@ void Simulation::Impl::continue_stepping(const SteppingState& from) {
   if (stepping.on || method_steps || !contact_steps.points().empty()) contact_steps.set_points(from.points);
 }
 
+// Whether a run may begin with the closed contacts, as after one of its steps.
+bool Simulation::Impl::closed_contacts_hold() {
+  if (!contacts.any()) return false;
+  if (stepping.on && world.tree_.contacts().empty()) return true;
+  evaluate_state();
+  return contacts.can_go_on();
+}
+
 }  // namespace momentree

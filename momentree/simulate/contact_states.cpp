@@ -73,15 +73,14 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
   accelerate(tree, world_->state_, workspace);
   locate_bodies(tree, world_->state_, workspace);
   place_contacts(tree, workspace, contacts, rows_);
-  double fastest = 1;
-  for (const BodyMotion& m : world_->motions()) fastest = std::max(fastest, norm(m.linear));
+  const double slow = slow_approach();
   bool approaching = false;
-  for (std::size_t i = 0; i < contacts.size(); ++i) approaching = approaching || rows_.velocity[3 * i] < -no_approach * fastest;
+  for (std::size_t i = 0; i < contacts.size(); ++i) approaching = approaching || rows_.velocity[3 * i] < -slow;
   if (!approaching) return false;
   find_contact_accelerations(tree, q, workspace, contacts, rows_);
   find_contact_mobility(tree, q, workspace, contacts, rows_);
   static_cast<void>(world_->state_.edit());  // the workspace no longer holds its evaluation if there are loops
-  const std::vector<double> approach = accelerations_on_others(contacts, no_approach * fastest);
+  const std::vector<double> approach = accelerations_on_others(contacts, slow);
   system_.resize(contacts.size());
   system_.A = rows_.A, system_.b = rows_.velocity;
   restitution_.assign(contacts.size(), 0.0);

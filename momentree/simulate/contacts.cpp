@@ -109,13 +109,12 @@ const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
     balls_.push_back({at.r + arm, solid.reach + speed * h + margin * std::max(1.0, norm(at.r))});
     solids_.push_back(static_cast<int>(i));
   }
-  constexpr int stride = static_cast<int>(most_colliders);
   const auto group = [&](int collider) {
     const BodyId body = all[static_cast<std::size_t>(collider)].body;
     return body == ground ? -1 : welded_[static_cast<std::size_t>(body.index)];
   };
   const auto add = [&](int one, int other) {
-    const int number = one * stride + other;
+    const int number = pair_of_colliders(world_->model_, one, other);
     if (group(one) == group(other)) return;
     if (!pairs_[static_cast<std::size_t>(number)].law.off) near_.push_back(number);
   };
@@ -128,7 +127,7 @@ const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
       if (!(dot(floor.normal, balls_[i].centre - floor.point) > balls_[i].radius)) add(solids_[i], plane);
   }
   for (std::size_t s = 0; s < world_->model_.springs().size(); ++s)
-    if (can_be_taut(s)) near_.push_back(stride * stride + static_cast<int>(s));
+    if (can_be_taut(s)) near_.push_back(pair_of_cable(static_cast<int>(s)));
   std::sort(near_.begin(), near_.end());
   return near_;
 }

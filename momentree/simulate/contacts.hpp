@@ -63,6 +63,17 @@ class Contacts {
   void open() { set({}); }
   /// Closes contacts that were closed before.
   void close(std::vector<Contact> closed) { set(std::move(closed)); }
+
+  // Before a run begins.
+  /// Finds the contacts that will close without an impact, so that accelerations and forces include theirs. They are pending:
+  /// the run opens them first, and closes them with their events.
+  void find_pending();
+  bool has_pending() const;
+  void open_pending();
+  /// Closes contacts that a document describes, as Forest::contacts; those that do not touch stay open.
+  void take(const std::vector<Contact>& described);
+  /// True if the closed contacts fit the state and the forces, as after a step: a run can go on with them.
+  bool can_go_on();
   /// The bodies that are stepped through, by number; none: all or no bodies are.
   void set_stepped(std::vector<bool> bodies);
   bool is_stepped(int body) const {
@@ -179,6 +190,8 @@ class Contacts {
   void locate_event(Event& event, const std::vector<Contact>& contacts, const std::vector<double>& weights, int pair) const;
   std::string name_of(int body) const;
   std::string event_name(const char* what, int pair) const;
+  double slow_approach() const;
+  bool approach_each_other(const std::vector<Contact>& contacts);
   double excess_of_forces();
   double excess_of_island(const std::vector<std::size_t>& island);
   double excess_of_shared_forces(const std::vector<Contact>& closed, double otherwise);

@@ -7,6 +7,7 @@ DryRun Simulation::Impl::dry_run() {
   const During working(doing, Doing::working);
   DryRun found;
   const WorldSnapshot start = world.snapshot();
+  contacts.open_pending();
   std::set<std::pair<std::string, Kind>> joints;
   const auto look_at_joints = [&, &tree = world.tree_] {
     for (const int b : tree.order()) joints.emplace(world.names_.joint(tree.joint_of(b)), tree.joint(b).kind);

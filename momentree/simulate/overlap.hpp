@@ -29,6 +29,9 @@ struct Separation {
 
 /// Colliders of a model at most: pairs of them have a number of 31 bits.
 inline constexpr std::size_t most_colliders = 40'000;
+/// The number of a pair of colliders, in either order, one of which may be a plane; and that of a cable.
+int pair_of_colliders(const Model& model, int one, int other);
+int pair_of_cable(int spring);
 
 /// The pair of bodies that can touch and overlaps most at the start of the model, if any do. Throws Error where World does.
 std::optional<Overlap> deepest_overlap(const Model& model);

@@ -8,7 +8,8 @@ namespace momentree {
 template <class Act>
 void Simulation::Impl::populate(const char* what, const std::string& body, Act act) {
   settle();
-  continues = false;
+  continues = contacts_go_on = false;
+  contacts.open_pending();
   const During working(doing, Doing::working);
   Event event;
   event.time = world.time();

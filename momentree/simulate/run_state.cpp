@@ -35,6 +35,7 @@ void Simulation::Impl::go_back(const SimulationSnapshot& to) {
   balance.dissipated = 0;
   balance.work = to.impulsive_work;
   queue.restore(to.armed, world.time());
+  contacts_go_on = true;
   events.resize(std::min(events.size(), to.events));
   while (!history.empty() && history.back().events >= to.events) history.pop_back();
   recover();

@@ -158,6 +158,7 @@ void Simulation::set_gravity(Vec3 gravity) {
   impl.balance.work += impl.world.totals().potential - before;
   impl.history.clear();
   impl.recover();
+  impl.look_at_pending();
 }
 
 DryRun Simulation::dry_run() { return changing().dry_run(); }
@@ -258,6 +259,7 @@ void Simulation::drive_all(std::vector<JointDriver> drivers) {
   for (const JointDriver& each : drivers) joints.push_back(changing().to_drive(each.joint, each.efforts != nullptr));
   for (std::size_t i = 0; i < joints.size(); ++i) impl_->world.drive(joints[i], std::move(drivers[i].efforts));
   changing().evaluate_state();
+  impl_->look_at_pending();
 }
 
 void Simulation::force(std::string_view body, BodyFunction wrench) {
@@ -265,6 +267,7 @@ void Simulation::force(std::string_view body, BodyFunction wrench) {
   if (!impl_->world.alive(b)) throw_error({"the body '" + std::string(body) + "' is no longer in this world", "", ""});
   impl_->world.load(b.index, std::move(wrench));
   impl_->evaluate_state();
+  impl_->look_at_pending();
 }
 
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
@@ -282,6 +285,7 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
 #endif
   impl_->make_methods();
   impl_->begin();
+  if (!forest.contacts.empty()) impl_->contacts.take(forest.contacts);
 }
 
 void Simulation::set_state(double time, std::span<const double> q, std::span<const double> y, Variables given) {
@@ -301,6 +305,8 @@ void Simulation::adjust(std::span<const double> q, std::span<const double> y, Va
   impl.queue.forget_looks();
   impl.recover();
   impl.look_anew();
+  impl.contacts_go_on = false;
+  if (impl.contacts.has_pending()) impl.contacts.find_pending();
 }
 
 RunState Simulation::run_state() const {
@@ -309,7 +315,10 @@ RunState Simulation::run_state() const {
 }
 void Simulation::continue_from(const RunState& state) { changing().continue_from(state); }
 
-StepMemory Simulation::step_memory() const { return {impl().method->proposal(), impl_->ledger.work}; }
+StepMemory Simulation::step_memory() const {
+  const bool adaptive = impl().method->adaptive();
+  return {adaptive ? impl_->method->proposal() : 0.0, adaptive ? impl_->ledger.work : 0.0, impl_->stepping_state()};
+}
 void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& memory) {
   MT_REQUIRE(armed.size() <= changing().queue.entries.size(), "at most as many events as are scheduled");
   MT_REQUIRE(std::isfinite(memory.next_step) && std::isfinite(memory.work), "a StepMemory returned by step_memory()");
@@ -321,6 +330,8 @@ void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& me
   std::vector<EventStatus> all = impl_->queue.armed();
   std::copy_n(armed.begin(), std::min(armed.size(), all.size()), all.begin());
   impl_->queue.restore(all, impl_->world.time());
+  if (memory.stepping != SteppingState{}) impl_->continue_stepping(memory.stepping);
+  impl_->contacts_go_on = true;
 }
 
 const Integration& Simulation::integration() const { return impl().integration; }

@@ -75,10 +75,11 @@ struct EnergyBalance {
   std::string advice(const Integration& integration) const;
 };
 
-/// The state that an adaptive method carries from step to step.
+/// What a run carries from step to step, besides the state of its world.
 struct StepMemory {
-  double next_step = 0;  ///< the step to try next (s)
-  double work = 0;       ///< work done by forces so far, to which the errors of the work are compared (J)
+  double next_step = 0;  ///< of an adaptive method: the step to try next (s)
+  double work = 0;       ///< of an adaptive method: work done by forces so far, to which errors of the work are compared (J)
+  SteppingState stepping{};
   friend bool operator==(const StepMemory&, const StepMemory&) = default;
 };
 
@@ -319,8 +320,9 @@ class Simulation {
   void continue_from(const RunState& state);
 
   StepMemory step_memory() const;
-  /// Continues as another run would have: with the state of its adaptive method (a next step of 0: keep the present one) and the
-  /// state of its events, in the order of scheduling (the list may be shorter than the list of events scheduled here).
+  /// Continues as another run would have: with the state of its adaptive method (a next step of 0: keep the present one), that of
+  /// its contacts, if the state was restored with them, and that of its events, in the order of scheduling (the list may be
+  /// shorter than the list of events scheduled here).
   void resume(std::span<const EventStatus> armed, const StepMemory& memory = {});
 
   double time() const;

@@ -74,11 +74,9 @@ struct Simulation::Impl {
 
   void begin() {
     unadjusted.reset();
-    stepping = {};
+    stepping = {}, balance = {}, ledger = {};
     contacts.set_stepped({});
     evaluate_state();
-    balance = {};
-    ledger = {};
     const Totals t = world.totals();
     balance.initial = t.kinetic + t.potential;
     balance.largest_kinetic = t.kinetic;
@@ -86,6 +84,13 @@ struct Simulation::Impl {
     history.clear();
     recover();
     look_anew();
+    contacts_go_on = false;
+    contacts.find_pending();
+  }
+  // Forces changed: contacts that are pending may be others.
+  void look_at_pending() {
+    contacts_go_on = false;
+    if (contacts.has_pending() || world.tree_.contacts().empty()) contacts.find_pending();
   }
   // The observer's next instant is the first one from now on.
   void look_anew() {
@@ -214,6 +219,7 @@ struct Simulation::Impl {
   void undo_contact_step();
   SteppingState stepping_state() const;
   void continue_stepping(const SteppingState& from);
+  bool closed_contacts_hold();
 
   // Kinetic energy at the beginning of a step, which has been evaluated: as p·u/2 it costs next to nothing.
   void note_kinetic_energy() {
@@ -271,7 +277,8 @@ struct Simulation::Impl {
   /// refused.
   bool act(std::span<const Action> actions, const std::string& name) {
     settle();
-    continues = false;
+    continues = contacts_go_on = false;
+    contacts.open_pending();
     const During working(doing, Doing::working);
     DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
     due.actions.assign(actions.begin(), actions.end());
@@ -380,8 +387,11 @@ struct Simulation::Impl {
   // What happens at the present instant before the first step.
   Status begin_run() {
     progress.begin(world.time(), events.size());
+    contacts.open_pending();
+    const std::size_t before = events.size();
     resolve_limits();
-    if (contacts.any() && !resolve_contacts()) return Status::stalled;
+    const bool go_on = std::exchange(contacts_go_on, false) && events.size() == before && closed_contacts_hold();
+    if (contacts.any() && !go_on && !resolve_contacts()) return Status::stalled;
     Status status = Status::ok;
     return happen_between_samples(status) && !look(!observed) ? Status::interrupted : status;
   }
@@ -418,6 +428,8 @@ struct Simulation::Impl {
     evaluate_state();
     book();
     const bool explained = status != Status::ok && status != Status::interrupted;
+    // Functions may depend on what changes between runs.
+    contacts_go_on = !explained && !world.tree_.has_functions() && world.tree_.body_functions().empty();
     return result = {status, explained ? message : std::string()};
   }
 
@@ -470,7 +482,8 @@ struct Simulation::Impl {
   std::string message;  // the reason, as soon as it is known
   RunResult result;     // of the last call that returned one
   bool diverged = false, stalled = false;
-  bool continues = false;  // the next run continues one that was between two steps
+  bool continues = false;       // the next run continues one that was between two steps
+  bool contacts_go_on = false;  // the next run may go on with the closed contacts, if these hold
   ProgressMonitor progress;
   double every = 0, next_look = 0, observed_at = 0;
   bool observed = false;

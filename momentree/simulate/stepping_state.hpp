@@ -17,6 +17,7 @@ struct SteppedContact {
   Vec3 force{};            ///< on a: mean over the step (N), world axes
   Vec3 slip{};             ///< velocity of a, less that of b, along the surface at the end of the step (m/s)
   int cable = -1;          ///< the spring of the model that is taut; −1: bodies touch
+  friend bool operator==(const SteppedContact&, const SteppedContact&) = default;
 };
 
 /// Whether the contacts of a body are stepped through at present, although the method locates them.
@@ -24,6 +25,7 @@ struct SteppedBody {
   bool on = false;
   double since_impact = 0;  ///< when it last hit something, or stepping began (s)
   double patience = 0.1;    ///< time without impacts after which its contacts are located again (s)
+  friend bool operator==(const SteppedBody&, const SteppedBody&) = default;
 };
 
 struct SteppingState {
@@ -37,6 +39,7 @@ struct SteppingState {
   int steps = 0;                       ///< with closed contacts since these were last judged by their length
   double steps_began = 0;              ///< when that was (s)
   std::vector<SteppedContact> points;  ///< of the last step
+  friend bool operator==(const SteppingState&, const SteppingState&) = default;
 };
 
 }  // namespace momentree

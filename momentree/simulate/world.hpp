@@ -84,6 +84,9 @@ struct ContactPoint {
   bool slips = false;      ///< false: it sticks, or has no friction
 };
 
+/// The same point in the one order that all contacts of a pair have: see ContactPoint::one.
+ContactPoint in_order(ContactPoint point);
+
 /// The gap between two bodies: the least distance of their solids (m), negative where they overlap, and its rate (m/s).
 struct BodyGap {
   double distance = 0, rate = 0;
@@ -135,6 +138,7 @@ struct Forest {
   std::vector<LoopJoint> loops;
   std::vector<Topology::SpringChange> springs;  ///< that broke or whose law was set; also where places are empty
   std::vector<int> ended_couplings;             ///< the same
+  std::vector<Contact> contacts;                ///< that were closed; their features and friction, which are unused, follow
 };
 
 /// The state of one joint in a state document: empty lists keep the start value. If p is given, it is used instead of v; in a

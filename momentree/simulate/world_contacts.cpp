@@ -62,15 +62,14 @@ std::vector<double> possible_forces(const Model& model, std::span<const Contact>
   return all;
 }
 
-// A pair has one order, whatever features touch.
+}  // namespace
+
 ContactPoint in_order(ContactPoint point) {
   if (point.other == ground || (point.one != ground && point.one.index < point.other.index)) return point;
   std::swap(point.one, point.other);
   point.normal = -point.normal, point.force = -point.force, point.slip = -point.slip;
   return point;
 }
-
-}  // namespace
 
 std::vector<ContactPoint> World::contacts() const {
   std::vector<ContactPoint> all;

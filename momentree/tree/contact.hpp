@@ -26,6 +26,7 @@ struct Contact {
   std::uint64_t id = 0;  ///< of its features in that pair
   double settles = -1;   ///< when the bounces end that were too low to be followed (s); −1: there are none
   int cable = -1;        ///< the spring of the model that is taut; −1: bodies touch
+  bool pending = false;  ///< found before the run begins, which closes it with an event
 
   friend bool same_contact(const Contact& x, const Contact& y) { return x.pair == y.pair && x.id == y.id; }
 };

@@ -65,7 +65,9 @@ std::string state_json(const SimulationPtr& self) {
 
 void restore_state(const SimulationPtr& self, const std::string& text, const std::string& name) {
   const Use use(*self, Access::change);
-  io::restore(self->simulation(), {io::read_state(text, name, self->simulation().world().first_model())});
+  const io::RestoredState state = io::read_state(text, name, self->simulation().world().first_model());
+  io::restore(self->simulation(), {state});
+  self->simulation().resume({}, state.memory);
 }
 
 using Status_ = std::tuple<double, int, bool, double, bool, double, double, double, double>;

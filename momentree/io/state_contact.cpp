@@ -1,0 +1,239 @@
+#include <momentree/io/state_contact.hpp>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <momentree/simulate/overlap.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+constexpr std::array<const char*, 3> states{"smooth", "stick", "slip"};  // by Contact::Mode
+
+std::string body_name(const Model& model, BodyId body) { return body == ground ? "ground" : model[body].name; }
+
+const Collider& collider(const Model& model, int number) { return model.colliders()[static_cast<std::size_t>(number)]; }
+
+// Of a collider: its place among those of its body. Of a body: the collider in that place, −1: it has fewer.
+int place_in_body(const Model& model, int number) {
+  int place = 0;
+  for (int i = 0; i < number; ++i) place += collider(model, i).body == collider(model, number).body ? 1 : 0;
+  return place;
+}
+int collider_of(const Model& model, BodyId body, double place) {
+  for (int i = 0; i < static_cast<int>(model.colliders().size()); ++i)
+    if (collider(model, i).body == body && place-- == 0) return i;
+  return -1;
+}
+
+// Bodies, shapes and features of a contact.
+struct Who {
+  BodyId one, other;
+  int pair = -1, cable = -1;
+  std::uint64_t id = 0;
+};
+
+void write_who(JsonWriter& json, const Model& model, const Who& who) {
+  if (who.cable >= 0) json.member("cable", model.springs()[static_cast<std::size_t>(who.cable)].name);
+  json.member("one", body_name(model, who.one)).member("other", body_name(model, who.other));
+  if (who.cable >= 0) return;
+  constexpr int stride = static_cast<int>(most_colliders);
+  int first = who.pair / stride, second = who.pair % stride;
+  if (collider(model, first).body != who.one) std::swap(first, second);
+  json.key("shapes").begin_array().value(place_in_body(model, first)).value(place_in_body(model, second)).end_array();
+  json.member("feature", std::to_string(who.id));
+}
+
+void write_closed(JsonWriter& json, const Contact& contact) {
+  json.member("state", states[static_cast<std::size_t>(contact.mode)]);
+  if (contact.direction != Vec3{}) json.member("direction", contact.direction);
+  if (contact.keeps_direction != 0) json.member("keeps_direction", contact.keeps_direction);
+  if (contact.settles >= 0) json.member("settles", contact.settles);
+  if (contact.pending) json.member("pending", true);
+}
+
+void write_point(JsonWriter& json, const ContactPoint& point) {
+  json.member("point", point.point).member("normal", point.normal).member("force", point.force).member("slip", point.slip);
+}
+
+class ContactReader {
+ public:
+  ContactReader(const Value& entry, const Model& model, JointReader& joints, Diagnostics& out)
+      : model_(model), joints_(joints), out_(out), fields_(entry, "a contact", out, "") {}
+
+  void read(Forest& forest, SteppingState& stepping) {
+    const std::size_t errors = out_.errors();
+    const Who who = read_who();
+    const bool stepped = fields_.boolean("stepped").value_or(false);
+    const bool pending = fields_.boolean("pending").value_or(false);
+    SteppedContact point{who.pair, who.id, who.one.index, who.other.index, {}, {}, {}, {}, who.cable};
+    for (const auto& [key, to] :
+         {std::pair{"point", &point.point}, {"normal", &point.normal}, {"force", &point.force}, {"slip", &point.slip}})
+      *to = vector(key, stepped);
+    Contact closed;
+    closed.pair = who.pair, closed.id = who.id;
+    read_closed(closed, stepped);
+    fields_.finish();
+    if (pending || errors != out_.errors()) return;
+    if (stepped)
+      stepping.points.push_back(point);
+    else
+      forest.contacts.push_back(closed);
+  }
+
+ private:
+  Vec3 vector(const char* key, bool required) {
+    if (required) fields_.require(key);
+    const std::vector<double> x = fields_.reals(key, 3);
+    return x.empty() ? Vec3{} : Vec3{x[0], x[1], x[2]};
+  }
+
+  BodyId body(const char* key) {
+    const Value* const value = fields_.require(key);
+    const auto name = value != nullptr ? read_string(*value, key, out_) : std::nullopt;
+    if (!name || *name == "ground") return ground;
+    return joints_.body_named(*name, value->place).value_or(ground);
+  }
+
+  Who read_who() {
+    const std::size_t errors = out_.errors();
+    Who who;
+    who.one = body("one"), who.other = body("other");
+    if (const auto name = fields_.string("cable")) {
+      if (model_.has_spring(*name)) who.cable = model_.spring(*name).index;
+      if (who.cable < 0 || !model_.springs()[static_cast<std::size_t>(who.cable)].inextensible)
+        out_.error(fields_.place_of("cable"), "there is no cable " + in_quotes(*name));
+      else
+        who.pair = pair_of_cable(who.cable);
+      return who;
+    }
+    const std::vector<double> shapes = fields_.require("shapes") != nullptr ? fields_.reals("shapes", 2) : std::vector<double>();
+    const auto feature = fields_.require("feature") != nullptr ? fields_.string("feature") : std::nullopt;
+    if (errors != out_.errors()) return who;
+    const int first = collider_of(model_, who.one, shapes[0]), second = collider_of(model_, who.other, shapes[1]);
+    const auto is_plane = [&](int number) { return collider(model_, number).plane; };
+    if (first < 0 || second < 0)
+      out_.error(fields_.place_of("shapes"), "shapes: " + in_quotes(body_name(model_, first < 0 ? who.one : who.other)) +
+                                                 " has no collision shape of that number");
+    else if (who.one == who.other || (is_plane(first) && is_plane(second)))
+      out_.error(fields_.place_of("one"), "one, other: a contact is between two bodies, or a body and the ground");
+    else
+      who.pair = pair_of_colliders(model_, first, second);
+    const char* const end = feature->data() + feature->size();
+    if (const auto [stop, error] = std::from_chars(feature->data(), end, who.id); error != std::errc{} || stop != end)
+      out_.error(fields_.place_of("feature"), "feature: expected a whole number in quotes");
+    return who;
+  }
+
+  void read_closed(Contact& closed, bool stepped) {
+    closed.direction = vector("direction", false);
+    closed.keeps_direction = fields_.real("keeps_direction").value_or(0);
+    closed.settles = fields_.real("settles").value_or(-1);
+    if (!stepped) fields_.require("state");
+    const auto state = fields_.string("state");
+    if (!state) return;
+    const auto known = std::find(states.begin(), states.end(), *state);
+    if (known == states.end())
+      return out_.error(fields_.place_of("state"), "state: expected smooth, stick or slip, found " + in_quotes(*state));
+    closed.mode = static_cast<Contact::Mode>(known - states.begin());
+    if (closed.mode == Contact::Mode::slip && !(std::fabs(norm(closed.direction) - 1) < 1e-9))
+      out_.error(fields_.place_of("direction"), "direction: its length is not 1");
+    if (!(closed.keeps_direction >= 0)) out_.error(fields_.place_of("keeps_direction"), "keeps_direction: must not be negative");
+  }
+
+  const Model& model_;
+  JointReader& joints_;
+  Diagnostics& out_;
+  Fields fields_;
+};
+
+}  // namespace
+
+void write_contacts(JsonWriter& json, const World& world, const SteppingState& stepping) {
+  const Model& model = world.model();
+  json.begin_array();
+  const std::vector<ContactPoint> points = world.contacts();
+  std::size_t next = 0;  // cables have no points
+  for (const Contact& contact : world.tree().contacts()) {
+    json.begin_object();
+    if (contact.cable >= 0) {
+      write_who(json, model, {{contact.a}, {contact.b}, contact.pair, contact.cable, contact.id});
+      write_closed(json, contact);
+    } else {
+      const ContactPoint& point = points[next++];
+      write_who(json, model, {point.one, point.other, contact.pair, -1, contact.id});
+      write_closed(json, contact);
+      write_point(json, point);
+    }
+    json.end_object();
+  }
+  for (const SteppedContact& point : stepping.points) {
+    ContactPoint shown{{point.a}, {point.b}, point.point, point.normal, point.force, point.slip};
+    if (point.cable < 0) shown = in_order(shown);
+    json.begin_object();
+    write_who(json, model, {shown.one, shown.other, point.pair, point.cable, point.id});
+    json.member("stepped", true);
+    write_point(json, shown);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void read_contacts(const Value& list, const Model& model, JointReader& joints, Forest& forest, SteppingState& stepping,
+                   Diagnostics& out) {
+  for (const Value& entry : read_list(list, "contacts", out)) ContactReader(entry, model, joints, out).read(forest, stepping);
+}
+
+void write_stepping(JsonWriter& json, const World& world, const SteppingState& stepping) {
+  json.begin_object();
+  if (stepping.all) json.member("everywhere", true);
+  json.key("bodies").begin_object();
+  for (std::size_t b = 0; b < stepping.bodies.size(); ++b) {
+    const SteppedBody& body = stepping.bodies[b];
+    if (body == SteppedBody{} || !world.alive({static_cast<int>(b)})) continue;
+    json.key(world.model().bodies()[b].name).begin_object().member("on", body.on);
+    json.member("since_impact", body.since_impact).member("patience", body.patience).end_object();
+  }
+  json.end_object();
+  json.member("on", stepping.on).member("changes", stepping.changes).member("changes_at_once", stepping.changes_at_once);
+  json.member("window", stepping.window).member("instant", stepping.instant).member("short_steps", stepping.short_steps);
+  json.member("steps", stepping.steps).member("steps_began", stepping.steps_began).end_object();
+}
+
+void read_stepping(const Value& value, const Model& model, JointReader& joints, SteppingState& stepping, Diagnostics& out) {
+  Fields fields(value, "contacts", out, "");
+  stepping.on = fields.boolean("on").value_or(false), stepping.all = fields.boolean("everywhere").value_or(false);
+  if (const Value* const bodies = fields.find("bodies"))
+    for (const Value::Entry& entry : read_table(*bodies, "bodies", out)) {
+      Fields of_body(entry.value, "body " + in_quotes(entry.key), out, "");
+      const auto body = joints.body_named(entry.key, entry.place);
+      SteppedBody state;
+      state.on = of_body.boolean("on").value_or(state.on);
+      state.since_impact = of_body.real("since_impact").value_or(state.since_impact);
+      state.patience = of_body.real("patience").value_or(state.patience);
+      of_body.finish();
+      if (!body) continue;
+      stepping.bodies.resize(static_cast<std::size_t>(model.size()));
+      stepping.bodies[static_cast<std::size_t>(body->index)] = state;
+    }
+  for (const auto& [key, count] : {std::pair{"changes", &stepping.changes},
+                                   {"changes_at_once", &stepping.changes_at_once},
+                                   {"short_steps", &stepping.short_steps},
+                                   {"steps", &stepping.steps}}) {
+    const double given = fields.real(key).value_or(0);
+    if (given >= 0 && given <= std::numeric_limits<int>::max() && given == std::floor(given))
+      *count = static_cast<int>(given);
+    else
+      out.error(fields.place_of(key), std::string(key) + ": expected a count");
+  }
+  for (const auto& [key, time] :
+       {std::pair{"window", &stepping.window}, {"instant", &stepping.instant}, {"steps_began", &stepping.steps_began}})
+    *time = fields.real(key).value_or(0);
+  fields.finish();
+}
+
+}  // namespace momentree::io
