@@ -135,8 +135,8 @@ class Batch {
   /// numbers are NaN. Throws Error for a body that none of the worlds ever had.
   void motions(std::span<const int> worlds, BodyId body, double* thirteen) const;
 
-  /// The points at which bodies touch, as World::contacts(): after steps by "stepping" with mean forces of the last one. Empty
-  /// after the state or topology was set, until the next step finds them.
+  /// The points at which bodies touch, as World::contacts(): after steps by "stepping" with mean forces of the last one; after
+  /// the state or topology was set, those with which the next step begins. Empty in lanes.
   [[nodiscard]] std::vector<ContactPoint> contacts(int world) const;
   /// Writes 3 numbers per world: the sum of the forces of contacts() on a body, or on the ground (N, world axes). Zero if it
   /// touches nothing; NaN where it was removed. The worlds may have different topologies. Cables are no contacts.

@@ -294,7 +294,9 @@ TEST_CASE("the forces of contacts at rest are the weight, and events are those o
   model.add_contact_rule({.one = {box}, .other = {high}, .law = {.off = true}});
   add_floor(model);
   Batch batch(model, 2, {.contact_method = "rk4", .step = h});
+  CHECK(force_on(batch, 0, box)[2] == doctest::Approx(2 * g).epsilon(1e-9));  // also before the first step
   batch.step(0.01);
+  batch.set_state(0, batch.state(0));
   CHECK(force_on(batch, 0, box)[2] == doctest::Approx(2 * g).epsilon(1e-9));
   CHECK(force_on(batch, 0, high)[2] == 0);
   CHECK(batch.contacts(1).size() == 4);

@@ -1,4 +1,5 @@
 // Worlds of a batch that are stepped one by one, each by a simulation of its own: with contact, and with what lanes do not have.
+#include <algorithm>
 #include <exception>
 #include <limits>
 
@@ -105,15 +106,19 @@ Event Batch::Impl::apply_own(int world, std::span<const Action> actions, std::st
 std::vector<ContactPoint> Batch::contacts(int world) const {
   impl().seat(world);
   if (!impl_->one_by_one) return {};
-  const OwnRun& run = *impl_->own_runs[static_cast<std::size_t>(world)];
-  if (run.is_changed()) return {};
-  return run.simulation().world().contacts();
+  impl_->bring(world);
+  return impl_->own_runs[static_cast<std::size_t>(world)]->simulation().world().contacts();
 }
 
 void Batch::contact_forces(std::span<const int> worlds, BodyId body, double* forces) const {
   Impl& impl = this->impl();
   MT_REQUIRE(body == ground || (body.index >= 0 && body.index < impl.model.size()), "the ground or a body of the model");
-  for (const int world : worlds) impl.seat(world);
+  std::vector<int> once(worlds.begin(), worlds.end());  // no world is prepared by two threads
+  std::sort(once.begin(), once.end());
+  once.erase(std::unique(once.begin(), once.end()), once.end());
+  for (const int world : once) impl.seat(world);
+  if (impl.one_by_one)
+    impl.pool.run(static_cast<int>(once.size()), [&](int, int i) { impl.bring(once[static_cast<std::size_t>(i)]); });
   impl.pool.run(static_cast<int>(worlds.size()), [&](int, int i) {
     const auto row = static_cast<std::size_t>(i);
     const Tree& tree = impl.seat(worlds[row]).group->tree();

@@ -25,6 +25,7 @@ void Simulation::functions_changed() {
   Impl& impl = changing();
   static_cast<void>(impl.edit_state());
   impl.evaluate_state();
+  impl.look_at_pending();
 }
 
 void Simulation::forget_events(double time) {

@@ -247,7 +247,8 @@ class Batch(_core.BatchBase):
     def contact_forces(self, body: str, worlds: Worlds = None) -> Array:
         """Sum of the forces of contacts on a body (N), world axes, shape (len(worlds), 3), a copy.
 
-        Zero where it touches nothing, and after the state or topology was set until the next step; NaN where it was removed.
+        Zero where it touches nothing, NaN where it was removed. After the state or topology was set: those with which the next
+        step begins.
 
         Args:
             body: Its name, or ``"ground"``.

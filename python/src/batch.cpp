@@ -265,7 +265,8 @@ void construct(BatchObject* self, const ModelObject& model, int worlds, int thre
   options.threads = threads;
   options.contact_method = contact_method, options.step = step;
   const Tree tree(model.model);
-  const double bytes = static_cast<double>(worlds) * (16.0 * (tree.nq() + tree.nv()) + 64);
+  const double simulation = model.model.has_contact() ? 8e3 + 4e3 * tree.bodies() : 0;  // at least
+  const double bytes = static_cast<double>(worlds) * (16.0 * (tree.nq() + tree.nv()) + 64 + simulation);
   const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   if (bytes > 0.8 * memory)  // the system would end the process instead of refusing
     refuse("not enough memory for " + std::to_string(worlds) + " worlds: they take " +
@@ -305,7 +306,7 @@ void register_batch(nb::module_& m) {
       .def("_motions", &motions)
       .def("contacts", &contacts, "world"_a,
            "The points at which bodies touch in a world, with their forces: a list of `Contact`.\n\n"
-           "Empty after its state or topology was set, until the next step finds them.\n\n"
+           "After its state or topology was set: those with which the next step begins.\n\n"
            "Args:\n    world: Its number.\n\n"
            "Raises:\n    Error: There is no such world, or another thread is using the batch.")
       .def("events", &events, "world"_a,

@@ -16,7 +16,7 @@ def boxes_above_floor():
 
 def arm_above_floor():
     model = mt.Model()
-    model.add("arm", mass=2, com=[0.5, 0, 0], inertia=[0.01, 0.2, 0.2], at=[0, 0, 0.1], joint=mt.Revolute(axis=(0, 1, 0)),
+    model.add("arm", mass=2, com=[0.5, 0, 0], inertia=[0.01, 0.2, 0.2], at=[0, 0, 0.1], joint=mt.Revolute([0, 1, 0]),
               collision=[{"sphere": 0.1, "at": {"xyz": [1, 0, 0]}}])
     model.add_floor(friction=0)
     return model
@@ -96,9 +96,9 @@ def test_actions_events_and_groups():
 
 def test_strengths_stops_and_springs_without_contact():
     model = mt.Model()
-    model.add("upper", mass=1, com=[0, 0, -0.25], inertia=0.02, joint=mt.Revolute(axis=(0, 1, 0), limits={"lower": -0.2}), q=1.0)
+    model.add("upper", mass=1, com=[0, 0, -0.25], inertia=0.02, joint=mt.Revolute([0, 1, 0], limits={"lower": -0.2}), q=1.0)
     model.add("lower", mass=1, com=[0, 0, -0.25], inertia=0.02, parent="upper", at=[0, 0, -0.5],
-              joint=mt.Revolute(axis=(0, 1, 0), strength={"force": 12}))
+              joint=mt.Revolute([0, 1, 0], strength={"force": 12}))
     batch = mt.Batch(model, worlds=2, variables="momenta")
     sim = mt.Simulation(model, method="rk4", variables="momenta")
     for _ in range(100):
