@@ -136,5 +136,4 @@ def test_names_of_springs() -> None:
             act()
     with pytest.raises(mt.Error, match="'rope' is a spring, not a joint"):
         sim.apply(mt.lock("rope"))
-    with pytest.raises(mt.Error, match="springs between two points"):
-        mt.Batch(model, 2)
+    assert mt.Batch(model, 2).lanes == 1  # worlds with springs are stepped one by one
