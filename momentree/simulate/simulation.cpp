@@ -305,8 +305,7 @@ void Simulation::adjust(std::span<const double> q, std::span<const double> y, Va
   impl.queue.forget_looks();
   impl.recover();
   impl.look_anew();
-  impl.contacts_go_on = false;
-  if (impl.contacts.has_pending()) impl.contacts.find_pending();
+  impl.look_at_pending();
 }
 
 RunState Simulation::run_state() const {

@@ -84,7 +84,7 @@ std::vector<Status_> armed(const SimulationPtr& self) {
 void resume(const SimulationPtr& self, const std::string& text, const std::vector<Status_>& armed, nb::handle q) {
   const std::vector<double> coordinates = numbers_of(q, "q");
   const Use use(*self, Access::change);
-  const io::RestoredState state = io::read_state(text, "pickle", self->simulation().world().first_model());
+  io::RestoredState state = io::read_state(text, "pickle", self->simulation().world().first_model());
   io::restore(self->simulation(), {state});
   std::vector<EventStatus> all;
   for (const auto& [time, fired, done, since, resting, excess, excess_before, looked, looked_before] : armed)
@@ -94,8 +94,15 @@ void resume(const SimulationPtr& self, const std::string& text, const std::vecto
   if (all.size() > sim.snapshot().armed.size() || coordinates.size() != now.q().size())
     refuse("the pickled state is not one of this simulation");
   // The document has quaternions with w >= 0, and the simulation may have their negatives.
-  const std::vector<double> y(now.y().begin(), now.y().end());
-  if (!std::equal(coordinates.begin(), coordinates.end(), now.q().begin())) sim.adjust(coordinates, y, now.variables());
+  if (!std::equal(coordinates.begin(), coordinates.end(), now.q().begin())) {
+    for (JointStart& start : state.joints) {
+      const Numbers of_joint = sim.world().joint(start.joint).q;
+      const auto first = coordinates.begin() + (of_joint.data() - now.q().data());
+      start.q = {};
+      for (std::size_t i = 0; i < of_joint.size(); ++i) start.q.push_back(first[static_cast<std::ptrdiff_t>(i)]);
+    }
+    io::restore(sim, {state});
+  }
   sim.resume(all, state.memory);
 }
 

@@ -220,3 +220,38 @@ collision = [{ sphere = 0.05 }, { mesh = "wedge.stl", scale = 0.5, at = { xyz = 
         run = mt.Simulation(other).run(0.6)
         for name in model.body_names:
             np.testing.assert_allclose(run.bodies[name].position[-1], expected.bodies[name].position[-1], atol=1e-9)
+
+
+def test_pickles_go_on_with_closed_contacts() -> None:
+    model = mt.Model()
+    turned = [-np.cos(0.3), 0, 0, -np.sin(0.3)]  # documents have the opposite quaternion
+    model.add("box/box", mass=2, inertia=0.02, joint=mt.Free(), q=[0, 0, 0.1, *turned], v=[1, 0, 0, 0, 0, 2],
+              collision={"box": [0.4, 0.4, 0.2]})
+    model.add_floor(friction=0.2)
+    for method in ("rk4", "dopri5", "stepping"):
+        sim = mt.Simulation(model, method=method)
+        sim.run(0.1)
+        again = pickle.loads(pickle.dumps(sim))
+        assert sim.q[3] < 0
+        np.testing.assert_array_equal(again.q, sim.q)
+        assert len(again.world.contacts) == len(sim.world.contacts) == 4
+        sim.run(0.2)
+        again.run(0.2)
+        np.testing.assert_array_equal(again.q, sim.q)
+        assert len(again.events) == 0
+
+
+def test_contacts_after_a_state_is_written() -> None:
+    model = mt.Model()
+    model.add("box/box", mass=2, inertia=0.02, joint=mt.Free(), q=[0, 0, 0.1, 1, 0, 0, 0], collision={"box": [0.4, 0.4, 0.2]})
+    model.add_floor(friction=0.5)
+    sim = mt.Simulation(model)
+    assert len(sim.world.contacts) == 4
+    sim.run(0.1)
+    for v, a in (([0, 0, 0, 0, 0, 0], 0.0), ([3, 0, 0, 0, 0, 0], -0.5 * 9.81)):
+        sim.v = v
+        assert len(sim.world.contacts) == 4
+        np.testing.assert_allclose(sim.world.bodies["box/box"].linear_acceleration, [a, 0, 0], atol=1e-9)
+    sim.v = [0, 0, 1, 0, 0, 0]
+    assert not sim.world.contacts
+    np.testing.assert_allclose(sim.world.bodies["box/box"].linear_acceleration, [0, 0, -9.81], atol=1e-9)
