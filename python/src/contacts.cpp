@@ -24,7 +24,7 @@ std::vector<Vec3> vecs_from(nb::handle value) {
 nb::tuple from_solid(const contact::Solid& s) {
   nb::list edges, faces, along;
   for (const contact::Solid::Edge& e : s.edges) edges.append(nb::make_tuple(e.ends[0], e.ends[1], e.faces[0], e.faces[1]));
-  for (const contact::Solid::Face& f : s.faces) faces.append(nb::make_tuple(from_vec(f.normal), f.offset, f.corners));
+  for (const contact::Solid::Face& f : s.faces) faces.append(nb::make_tuple(from_vec(f.normal), f.offset, f.corners, f.plane));
   for (const std::vector<Vec3>& each : s.along) along.append(from_vecs(each));
   return nb::make_tuple(from_vecs(s.vertices), edges, faces, along, s.radius, from_vec(s.centre), s.reach, s.thickness, s.rim,
                         from_vecs(s.ends));
@@ -37,7 +37,7 @@ contact::Solid solid_from(nb::handle value) {
     s.edges.push_back({{number(0), number(1)}, {number(2), number(3)}});
   }
   for (nb::handle each : value[2])
-    s.faces.push_back({vec_from(each[0]), nb::cast<double>(each[1]), nb::cast<std::vector<int>>(each[2])});
+    s.faces.push_back({vec_from(each[0]), nb::cast<double>(each[1]), nb::cast<std::vector<int>>(each[2]), nb::cast<int>(each[3])});
   for (nb::handle each : value[3]) s.along.push_back(vecs_from(each));
   s.radius = nb::cast<double>(value[4]), s.centre = vec_from(value[5]);
   s.reach = nb::cast<double>(value[6]), s.thickness = nb::cast<double>(value[7]), s.rim = nb::cast<double>(value[8]);

@@ -255,3 +255,20 @@ def test_contacts_after_a_state_is_written() -> None:
     sim.v = [0, 0, 1, 0, 0, 0]
     assert not sim.world.contacts
     np.testing.assert_allclose(sim.world.bodies["box/box"].linear_acceleration, [0, 0, -9.81], atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_pickled_models_fall_alike(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    model = mt.Model()
+    for k in range(5):
+        turned = rng.normal(size=4)
+        round_shape = {"radius": 0.1, "length": 0.2}
+        shapes = ({"box": rng.uniform(0.1, 0.4, 3)}, {"cylinder": round_shape}, {"capsule": round_shape})
+        model.add(f"{k}/body", mass=rng.uniform(0.5, 3), inertia=0.02, joint=mt.Free(), collision=shapes[rng.integers(3)],
+                  q=[*rng.uniform(-0.2, 0.2, 2), 0.3 + 0.5 * k, *(turned / np.linalg.norm(turned))])
+    model.add_floor(friction=0.5)
+    sim, again = (mt.Simulation(each, method="stepping", step=2e-3) for each in (model, pickle.loads(pickle.dumps(model))))
+    sim.run(1.5)
+    again.run(1.5)
+    np.testing.assert_array_equal(again.q, sim.q)
