@@ -37,7 +37,8 @@ contact::Solid solid_from(nb::handle value) {
     s.edges.push_back({{number(0), number(1)}, {number(2), number(3)}});
   }
   for (nb::handle each : value[2])
-    s.faces.push_back({vec_from(each[0]), nb::cast<double>(each[1]), nb::cast<std::vector<int>>(each[2]), nb::cast<int>(each[3])});
+    s.faces.push_back(
+        {vec_from(each[0]), nb::cast<double>(each[1]), nb::cast<std::vector<int>>(each[2]), nb::cast<int>(each[3])});
   for (nb::handle each : value[3]) s.along.push_back(vecs_from(each));
   s.radius = nb::cast<double>(value[4]), s.centre = vec_from(value[5]);
   s.reach = nb::cast<double>(value[6]), s.thickness = nb::cast<double>(value[7]), s.rim = nb::cast<double>(value[8]);
