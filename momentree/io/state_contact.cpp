@@ -63,9 +63,10 @@ void write_point(JsonWriter& json, const ContactPoint& point) {
 class ContactReader {
  public:
   ContactReader(const Value& entry, const Model& model, JointReader& joints, Diagnostics& out)
-      : model_(model), joints_(joints), out_(out), fields_(entry, "a contact", out, "") {}
+      : entry_(entry), model_(model), joints_(joints), out_(out), fields_(entry, "a contact", out, "") {}
 
   void read(Forest& forest, SteppingState& stepping) {
+    if (!entry_.table()) return;  // reported
     const std::size_t errors = out_.errors();
     const Who who = read_who();
     const bool stepped = fields_.boolean("stepped").value_or(false);
@@ -113,7 +114,7 @@ class ContactReader {
     }
     const std::vector<double> shapes = fields_.require("shapes") != nullptr ? fields_.reals("shapes", 2) : std::vector<double>();
     const auto feature = fields_.require("feature") != nullptr ? fields_.string("feature") : std::nullopt;
-    if (errors != out_.errors()) return who;
+    if (shapes.size() != 2 || !feature || errors != out_.errors()) return who;  // reported
     const int first = collider_of(model_, who.one, shapes[0]), second = collider_of(model_, who.other, shapes[1]);
     const auto is_plane = [&](int number) { return collider(model_, number).plane; };
     if (first < 0 || second < 0)
@@ -145,6 +146,7 @@ class ContactReader {
     if (!(closed.keeps_direction >= 0)) out_.error(fields_.place_of("keeps_direction"), "keeps_direction: must not be negative");
   }
 
+  const Value& entry_;
   const Model& model_;
   JointReader& joints_;
   Diagnostics& out_;

@@ -270,6 +270,8 @@ TEST_CASE("contacts of a document: what it names exists, and contacts that no lo
   CHECK(mistake_in("\"one\": \"box\"", "\"cable\": \"tow\", \"one\": \"box\"").find("there is no cable 'tow'") !=
         std::string::npos);
 
+  CHECK(mistake_in("\"contacts\": [", "\"contacts\": [1, {\"one\": \"box\"}, ").find("found a number") != std::string::npos);
+
   const auto events_from = [&](const std::string& velocity) {
     const std::size_t at = text.find("\"v\": [") + 5;
     std::string changed = text;

@@ -239,6 +239,15 @@ void Simulation::Impl::continue_stepping(const SteppingState& from) {
   contacts.set_short_steps(from.short_steps);
   contacts.set_stepped(stepped_bodies());
   if (stepping.on || method_steps || !contact_steps.points().empty()) contact_steps.set_points(from.points);
+  if (steps_through() && !contact_steps.points().empty()) contacts.open_pending();
+}
+
+// Forces or the state changed: contacts that are pending may be others, and forces of the last step are out of date.
+void Simulation::Impl::look_at_pending() {
+  contacts_go_on = false;
+  if (!contacts.has_pending() && !world.tree_.contacts().empty()) return;
+  if (steps_through() && !contact_steps.points().empty()) contact_steps.release();
+  contacts.find_pending();
 }
 
 // Whether a run may begin with the closed contacts, as after one of its steps.

@@ -71,6 +71,7 @@ void Contacts::take(const std::vector<Contact>& described) {
   for (const Contact& given : described) {
     const Pair& pair = pairs_[static_cast<std::size_t>(given.pair)];
     if (pair.law.off || handling(pair) != Handling::located) continue;
+    if (std::any_of(closed.begin(), closed.end(), [&](const Contact& c) { return same_contact(c, given); })) continue;
     if (pair.cable >= 0 && !can_be_taut(static_cast<std::size_t>(pair.cable))) continue;
     found_candidates_.clear();
     candidates(pair, touching_within * pair.size(*this), found_candidates_);

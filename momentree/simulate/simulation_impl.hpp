@@ -87,11 +87,7 @@ struct Simulation::Impl {
     contacts_go_on = false;
     contacts.find_pending();
   }
-  // Forces changed: contacts that are pending may be others.
-  void look_at_pending() {
-    contacts_go_on = false;
-    if (contacts.has_pending() || world.tree_.contacts().empty()) contacts.find_pending();
-  }
+  void look_at_pending();
   // The observer's next instant is the first one from now on.
   void look_anew() {
     observed = false;

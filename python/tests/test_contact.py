@@ -241,13 +241,18 @@ def test_pickles_go_on_with_closed_contacts() -> None:
         assert len(again.events) == 0
 
 
-def test_contacts_after_a_state_is_written() -> None:
+@pytest.mark.parametrize("method", ["dop853", "stepping"])
+def test_contacts_after_a_state_is_written(method: str) -> None:
     model = mt.Model()
     model.add("box/box", mass=2, inertia=0.02, joint=mt.Free(), q=[0, 0, 0.1, 1, 0, 0, 0], collision={"box": [0.4, 0.4, 0.2]})
     model.add_floor(friction=0.5)
-    sim = mt.Simulation(model)
+    sim = mt.Simulation(model, method=method)
     assert len(sim.world.contacts) == 4
     sim.run(0.1)
+    again = mt.Simulation(model, method=method)
+    again.restore_state(sim.state_json())
+    assert len(again.world.contacts) == 4
+    np.testing.assert_allclose(again.world.bodies["box/box"].linear_acceleration, [0, 0, 0], atol=1e-6)
     for v, a in (([0, 0, 0, 0, 0, 0], 0.0), ([3, 0, 0, 0, 0, 0], -0.5 * 9.81)):
         sim.v = v
         assert len(sim.world.contacts) == 4
