@@ -40,7 +40,7 @@ struct BatchOptions {
 /// Worlds in lanes have all forces that act in joints: dampers, springs, constant and time-dependent efforts, position control,
 /// friction, soft stops, prescribed motions, and extra efforts per world. If the model has contact, cables, forces on bodies,
 /// springs between points, hard stops or strengths, its worlds are stepped one by one: each by a Simulation of its own, on the
-/// batch's threads, with the bits of a Simulation that runs to the same instants. With contact and cables they hold velocities
+/// batch's threads, with the bits of a Simulation with the same calls of step(). With contact and cables they hold velocities
 /// and are integrated by BatchOptions::contact_method, otherwise by rk4. An edit or action that gives worlds in lanes such a
 /// feature is an Error, and so are functions in any batch. There is no energy ledger.
 ///
