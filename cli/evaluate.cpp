@@ -5,10 +5,14 @@
 #include <cli/commands.hpp>
 #include <cli/input.hpp>
 #include <cli/text.hpp>
+#include <momentree/base/error.hpp>
+#include <momentree/simulate/overlap.hpp>
 
 namespace momentree::cli {
 
 namespace {
+
+constexpr double most_overlap = 1e-3;  // m: states from time stepping may have such overlaps
 
 std::string numbers(std::span<const double> values) {
   std::string text;
@@ -73,10 +77,9 @@ std::string evaluation_text(const World& world, const Style& style) {
   if (const std::vector<ContactPoint> points = world.contacts(); !points.empty()) {
     Table table;
     table.row({"body", "touches", "point", "force", "slip"});
-    const auto name = [&](BodyId body) { return body == ground ? "ground" : model[body].name; };
     for (const ContactPoint& point : points)
-      table.row(
-          {name(point.one), name(point.other), vector_text(point.point), vector_text(point.force), vector_text(point.slip)});
+      table.row({model.body_name(point.one), model.body_name(point.other), vector_text(point.point), vector_text(point.force),
+                 vector_text(point.slip)});
     contacts = '\n' + style.heading("Contacts") + " (m, N on the body, m/s)\n" + table.text("  ");
   }
   return style.heading("World") + '\n' + sums.text("  ") + '\n' + style.heading("Joints") + " (m, rad, s, kg)\n" +
@@ -91,6 +94,9 @@ int evaluate(const EvaluateOptions& options) {
   const std::shared_ptr<const io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
   const io::Session session(scenario, documents_of(options.state, scenario->model));
+  if (const std::optional<Overlap> worst = session.simulation().overlap(); worst && worst->depth > most_overlap)
+    throw_error({worst->text() + " in this state", options.state.empty() ? options.scenario : options.state,
+                 "move one of them, or use the scenario for which the state was written"});
   const World& world = session.simulation().world();
   if (options.json)
     std::fputs(io::state_json(world, session.armed(), {0, 0, session.simulation().step_memory().stepping}).c_str(), stdout);

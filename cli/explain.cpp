@@ -234,7 +234,7 @@ namespace {
 std::string springs_text(const World& world, const Style& style) {
   if (world.springs() == 0) return "";
   std::string text = '\n' + style.heading("Springs") + '\n';
-  const auto name = [&](const SpringEnd& end) { return end.body == ground ? "ground" : world.model()[end.body].name; };
+  const auto name = [&](const SpringEnd& end) { return world.model().body_name(end.body); };
   for (int s = 0; s < world.springs(); ++s) {
     const SpringView spring = world.spring({s});
     text +=

@@ -101,6 +101,37 @@ TEST_CASE("final.json comes back through evaluate --state, bit for bit") {
   CHECK(again.output == here.text("r/final.json"));
 }
 
+TEST_CASE("evaluate --state with another scenario shows the contacts of that one") {
+  for (const char* method : {"rk4", "stepping"}) {
+    CAPTURE(method);
+    const Workplace here;
+    io::write_text_file(here.path("box.toml"),
+                        "format = 1\n[world]\ngravity = [0, 0, -10]\nfloor = { height = 0, friction = 0.5 }\n"
+                        "[[mechanism]]\nname = \"box\"\nroot = \"free\"\npose = { xyz = [0, 0, 0.1] }\n"
+                        "[[mechanism.body]]\nname = \"box\"\nmass = 2\ninertia = 0.02\n"
+                        "collision = { box = [0.4, 0.4, 0.2] }\n[integrate]\nuntil = 0.1\nmethod = \"" +
+                            std::string(method) + "\"\n");
+    REQUIRE(here.call("run box.toml --out r").code == 0);
+    const auto evaluate = [&](const std::string& change) {
+      return here.call("evaluate box.toml --state r/final.json --json" + change);
+    };
+    const auto forces = [&](const std::string& change) {
+      double sum = 0;
+      for (const auto& contact : nlohmann::json::parse(evaluate(change).output).at("contacts"))
+        if (contact.contains("force") && !contact.contains("stepped")) sum += contact.at("force").at(2).get<double>();
+      return sum;
+    };
+    CHECK(here.text("r/final.json") == evaluate("").output);
+    const std::string changed = " --set world.gravity='[0, 0, -3]'", lower = " --set world.floor.height=-0.1";
+    CHECK(forces(changed) == doctest::Approx(6).epsilon(1e-3));
+    CHECK(forces(lower) == 0);
+    const Outcome refused = evaluate(" --set world.floor.height=0.05");
+    CHECK(refused.code == 2);
+    CHECK(refused.says("'box/box' and 'ground' overlap by 0.05 m"));
+    CHECK(here.call("run box.toml --set state='\"r/final.json\"' --set world.floor.height=-0.1 --until 0.2 --out s").code == 0);
+  }
+}
+
 TEST_CASE("all problems of a state document are printed, each in its line") {
   const Workplace here;
   io::write_text_file(here.path("bad.json"), "{\"time\": null,\n \"joints\": {\"chain/9\": {}},\n \"boddies\": {}}\n");

@@ -97,7 +97,7 @@ WorldSnapshot Batch::Impl::snapshot_of(int world) const {
 Event Batch::apply(int world, std::span<const Action> actions, std::string name) {
   Impl& impl = changing();
   const Impl::Seat& seat = impl.seat(world);
-  if (impl.one_by_one) return impl.apply_own(world, actions, std::move(name));
+  if (impl.one_by_one) return impl.apply_in_simulation(world, actions, std::move(name));
   const Group& group = *seat.group;
   if (group.tree().bodies() != impl.model.size())
     throw_error({"bodies were added to world " + std::to_string(world) + ", which have no names that actions could refer to", "",

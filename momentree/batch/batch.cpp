@@ -35,10 +35,10 @@ Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
   impl_->efforts.resize(static_cast<std::size_t>(worlds));
   Group& group = impl_->group_of(tree);
   if (impl_->one_by_one)
-    impl_->make_own(worlds);
+    impl_->make_simulations(worlds);
   else if (tree.has_loops())
     impl_->scratch = std::make_unique<Simulation>(impl_->model, impl_->integration);  // closes them
-  const State start = impl_->one_by_one  ? impl_->own_runs[0]->simulation().world().state()
+  const State start = impl_->one_by_one  ? impl_->simulated[0]->simulation().world().state()
                       : tree.has_loops() ? impl_->scratch->world().state()
                                          : start_state(model, tree, impl_->variables);
   for (int world = 0; world < worlds; ++world) {
@@ -91,7 +91,7 @@ constexpr const char* a_step = "a step that is finite and not negative";
 
 void Batch::step(double h) noexcept {
   MT_REQUIRE(is_step(h), a_step);
-  if (changing().one_by_one) return impl_->run_own([h](int) { return h; });
+  if (changing().one_by_one) return impl_->step_simulations([h](int) { return h; });
   for (const Impl::Seat& seat : changing().seats) seat.group->set_step(seat.slot, h);
   impl_->run();
 }
@@ -99,7 +99,7 @@ void Batch::step(double h) noexcept {
 void Batch::step(std::span<const double> h) noexcept {
   MT_REQUIRE(h.size() == changing().seats.size(), "one step for every world");
   for (const double each : h) MT_REQUIRE(is_step(each), a_step);
-  if (impl_->one_by_one) return impl_->run_own([h](int world) { return h[static_cast<std::size_t>(world)]; });
+  if (impl_->one_by_one) return impl_->step_simulations([h](int world) { return h[static_cast<std::size_t>(world)]; });
   for (std::size_t world = 0; world < h.size(); ++world) impl_->seats[world].group->set_step(impl_->seats[world].slot, h[world]);
   impl_->run();
 }

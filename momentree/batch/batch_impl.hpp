@@ -14,8 +14,8 @@
 
 #include <momentree/batch/group.hpp>
 #include <momentree/batch/loop_stepper.hpp>
-#include <momentree/batch/own_run.hpp>
 #include <momentree/batch/pool.hpp>
+#include <momentree/batch/simulated_world.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
@@ -47,7 +47,7 @@ struct Batch::Impl {
   Variables variables, loop_variables;                                  // of worlds without and with closed loops
   std::unordered_multimap<std::size_t, std::unique_ptr<Group>> groups;  // by the topology's key
   std::vector<Seat> seats;                                              // by world
-  std::vector<std::unique_ptr<batch::OwnRun>> own_runs;                 // by world; empty: worlds are stepped in lanes
+  std::vector<std::unique_ptr<batch::SimulatedWorld>> simulated;        // by world; empty: worlds are stepped in lanes
   std::vector<std::vector<batch::ExtraEffort>> efforts;                 // by world
   std::vector<std::unique_ptr<batch::TreeStepper>> steppers;            // by thread
   std::vector<batch::LoopStepper> loop_steppers;                        // by thread, of worlds with loops in momenta
@@ -223,22 +223,22 @@ struct Batch::Impl {
   /// A world, with its names, as a start for a simulation.
   WorldSnapshot snapshot_of(int world) const;
 
-  // Of worlds that are stepped one by one: own_runs.cpp.
-  void make_own(int worlds);
-  void run_own(const std::function<double(int)>& step_of) noexcept;
-  void step_own(int world, double h) noexcept;
+  // Of worlds that are stepped one by one: simulated_worlds.cpp.
+  void make_simulations(int worlds);
+  void step_simulations(const std::function<double(int)>& step_of) noexcept;
+  void step_simulation(int world, double h) noexcept;
   /// Makes the simulation of a world ready to go on from the state of the batch.
-  void bring(int world);
+  void prepare_simulation(int world, batch::SimulatedWorld::Use use);
   /// Copies what its simulation did to the group; notes whether it belongs to another one now, and if so, moves it there.
-  void note_own(int world);
-  void move_own(int world);
-  Event apply_own(int world, std::span<const Action> actions, std::string name);
+  void copy_to_group(int world);
+  void change_group(int world);
+  Event apply_in_simulation(int world, std::span<const Action> actions, std::string name);
   /// The batch changed the state or topology of a world, or its extra efforts.
   void changed(int world) {
-    if (one_by_one) own_runs[static_cast<std::size_t>(world)]->changed();
+    if (one_by_one) simulated[static_cast<std::size_t>(world)]->changed();
   }
   void efforts_changed(int world) {
-    if (one_by_one) own_runs[static_cast<std::size_t>(world)]->set_efforts(efforts[static_cast<std::size_t>(world)]);
+    if (one_by_one) simulated[static_cast<std::size_t>(world)]->set_efforts(efforts[static_cast<std::size_t>(world)]);
   }
 };
 

@@ -99,6 +99,9 @@ class Integrator {
   virtual bool adaptive() const { return false; }
   /// Sets what completes the steps of a method that steps through contacts; others ignore it.
   virtual void use([[maybe_unused]] StepContacts* contacts) {}
+  /// Several steps may be tried from one state: notes what the method remembers of the step before, and returns to that.
+  virtual void note_start() {}
+  virtual void return_to_start() {}
   /// Whether the steps of lanes (batch/stepper.hpp) are those of this method.
   virtual bool is_that_of_lanes() const { return false; }
 

@@ -12,6 +12,9 @@ class StepContacts {
   /// Completes a step of h seconds. `state` is the motion at its end without contacts during the step; the impulses of contacts
   /// change its velocities, and its coordinates by what these bring about until then.
   virtual void apply(State& state, EnergyLedger& ledger, double h) = 0;
+  /// Several steps may be tried from one state: notes what was remembered of the step before, and returns to that.
+  virtual void note_start() = 0;
+  virtual void return_to_start() = 0;
 };
 
 }  // namespace momentree

@@ -32,7 +32,7 @@ void contact_header(std::string& text) {
 }
 
 void contact_rows(std::string& text, const World& world) {
-  const auto name = [&](BodyId body) { return body == ground ? std::string("ground") : world.model()[body].name; };
+  const auto name = [&](BodyId body) { return world.model().body_name(body); };
   for (const ContactPoint& contact : world.contacts()) {
     append_number(text, world.time());
     text += ',' + name(contact.one) + ',' + name(contact.other);

@@ -113,7 +113,7 @@ void write_springs(JsonWriter& json, const World& world) {
     json.key(spring.name).begin_object();
     for (const auto& [key, end] : {std::pair{"from", spring.from}, {"to", spring.to}}) {
       json.key(key).begin_object().key("body");
-      json.value(end.body == ground ? "ground" : model[end.body].name).member("point", end.point).end_object();
+      json.value(model.body_name(end.body)).member("point", end.point).end_object();
     }
     json.member("stiffness", spring.law.stiffness).member("rest", spring.law.rest).member("damping", spring.law.damping);
     json.member("tension_only", spring.law.tension_only).member("inextensible", spring.inextensible);

@@ -14,21 +14,31 @@ namespace {
 
 constexpr std::array<const char*, 3> states{"smooth", "stick", "slip"};  // by Contact::Mode
 
-std::string body_name(const Model& model, BodyId body) { return body == ground ? "ground" : model[body].name; }
-
 const Collider& collider(const Model& model, int number) { return model.colliders()[static_cast<std::size_t>(number)]; }
 
-// Of a collider: its place among those of its body. Of a body: the collider in that place, −1: it has fewer.
-int place_in_body(const Model& model, int number) {
-  int place = 0;
-  for (int i = 0; i < number; ++i) place += collider(model, i).body == collider(model, number).body ? 1 : 0;
-  return place;
-}
-int collider_of(const Model& model, BodyId body, double place) {
-  for (int i = 0; i < static_cast<int>(model.colliders().size()); ++i)
-    if (collider(model, i).body == body && place-- == 0) return i;
-  return -1;
-}
+// The colliders of each body, and the place of each collider among those of its body.
+class Shapes {
+ public:
+  explicit Shapes(const Model& model) : of_body_(static_cast<std::size_t>(model.size()) + 1) {
+    for (int i = 0; i < static_cast<int>(model.colliders().size()); ++i) {
+      std::vector<int>& own = of_body_[at(collider(model, i).body)];
+      places_.push_back(static_cast<int>(own.size()));
+      own.push_back(i);
+    }
+  }
+  int place_of(int number) const { return places_[static_cast<std::size_t>(number)]; }
+  /// −1: the body has no collider in that place.
+  int collider_of(BodyId body, double place) const {
+    const std::vector<int>& own = of_body_[at(body)];
+    if (!(place >= 0) || place != std::floor(place) || !(place < static_cast<double>(own.size()))) return -1;
+    return own[static_cast<std::size_t>(place)];
+  }
+
+ private:
+  static std::size_t at(BodyId body) { return static_cast<std::size_t>(body.index + 1); }  // the ground is the first one
+  std::vector<std::vector<int>> of_body_;
+  std::vector<int> places_;
+};
 
 // Bodies, shapes and features of a contact.
 struct Who {
@@ -37,14 +47,14 @@ struct Who {
   std::uint64_t id = 0;
 };
 
-void write_who(JsonWriter& json, const Model& model, const Who& who) {
+void write_who(JsonWriter& json, const Model& model, const Shapes& shapes, const Who& who) {
   if (who.cable >= 0) json.member("cable", model.springs()[static_cast<std::size_t>(who.cable)].name);
-  json.member("one", body_name(model, who.one)).member("other", body_name(model, who.other));
+  json.member("one", model.body_name(who.one)).member("other", model.body_name(who.other));
   if (who.cable >= 0) return;
   constexpr int stride = static_cast<int>(most_colliders);
   int first = who.pair / stride, second = who.pair % stride;
   if (collider(model, first).body != who.one) std::swap(first, second);
-  json.key("shapes").begin_array().value(place_in_body(model, first)).value(place_in_body(model, second)).end_array();
+  json.key("shapes").begin_array().value(shapes.place_of(first)).value(shapes.place_of(second)).end_array();
   json.member("feature", std::to_string(who.id));
 }
 
@@ -62,8 +72,8 @@ void write_point(JsonWriter& json, const ContactPoint& point) {
 
 class ContactReader {
  public:
-  ContactReader(const Value& entry, const Model& model, JointReader& joints, Diagnostics& out)
-      : entry_(entry), model_(model), joints_(joints), out_(out), fields_(entry, "a contact", out, "") {}
+  ContactReader(const Value& entry, const Model& model, const Shapes& shapes, JointReader& joints, Diagnostics& out)
+      : entry_(entry), model_(model), shapes_(shapes), joints_(joints), out_(out), fields_(entry, "a contact", out, "") {}
 
   void read(Forest& forest, SteppingState& stepping) {
     if (!entry_.table()) return;  // reported
@@ -71,6 +81,7 @@ class ContactReader {
     const Who who = read_who();
     const bool stepped = fields_.boolean("stepped").value_or(false);
     const bool pending = fields_.boolean("pending").value_or(false);
+    const bool former = fields_.boolean("former").value_or(false);
     SteppedContact point{who.pair, who.id, who.one.index, who.other.index, {}, {}, {}, {}, who.cable};
     for (const auto& [key, to] :
          {std::pair{"point", &point.point}, {"normal", &point.normal}, {"force", &point.force}, {"slip", &point.slip}})
@@ -81,20 +92,34 @@ class ContactReader {
     fields_.finish();
     if (pending || errors != out_.errors()) return;
     if (stepped)
-      stepping.points.push_back(point);
+      read_point(point, stepping.points);
     else
-      forest.contacts.push_back(closed);
+      (former ? forest.former_contacts : forest.contacts).push_back(closed);
   }
 
  private:
+  static constexpr const char* remedy = "leave out `contacts`: the run finds them anew";
+
+  void read_point(const SteppedContact& point, std::vector<SteppedContact>& points) {
+    constexpr double rounding = 1e-6;
+    if (!(std::fabs(norm(point.normal) - 1) < rounding))
+      return out_.error(fields_.place_of("normal"), "normal: its length is not 1", remedy);
+    if (dot(point.force, point.normal) < -rounding * norm(point.force))
+      return out_.error(fields_.place_of("force"), "force: contacts press, and this one pulls", remedy);
+    for (const SteppedContact& other : points)
+      if (other.pair == point.pair && other.id == point.id)
+        return out_.error(entry_.place, "the same contact is there twice", remedy);
+    points.push_back(point);
+  }
+
   Vec3 vector(const char* key, bool required) {
-    if (required) fields_.require(key);
+    if (required) fields_.require(key, remedy);
     const std::vector<double> x = fields_.reals(key, 3);
     return x.empty() ? Vec3{} : Vec3{x[0], x[1], x[2]};
   }
 
   BodyId body(const char* key) {
-    const Value* const value = fields_.require(key);
+    const Value* const value = fields_.require(key, remedy);
     const auto name = value != nullptr ? read_string(*value, key, out_) : std::nullopt;
     if (!name || *name == "ground") return ground;
     return joints_.body_named(*name, value->place).value_or(ground);
@@ -107,26 +132,29 @@ class ContactReader {
     if (const auto name = fields_.string("cable")) {
       if (model_.has_spring(*name)) who.cable = model_.spring(*name).index;
       if (who.cable < 0 || !model_.springs()[static_cast<std::size_t>(who.cable)].inextensible)
-        out_.error(fields_.place_of("cable"), "there is no cable " + in_quotes(*name));
+        out_.error(fields_.place_of("cable"), "there is no cable " + in_quotes(*name), remedy);
       else
         who.pair = pair_of_cable(who.cable);
       return who;
     }
-    const std::vector<double> shapes = fields_.require("shapes") != nullptr ? fields_.reals("shapes", 2) : std::vector<double>();
-    const auto feature = fields_.require("feature") != nullptr ? fields_.string("feature") : std::nullopt;
+    const std::vector<double> shapes =
+        fields_.require("shapes", remedy) != nullptr ? fields_.reals("shapes", 2) : std::vector<double>();
+    const auto feature = fields_.require("feature", remedy) != nullptr ? fields_.string("feature") : std::nullopt;
     if (shapes.size() != 2 || !feature || errors != out_.errors()) return who;  // reported
-    const int first = collider_of(model_, who.one, shapes[0]), second = collider_of(model_, who.other, shapes[1]);
+    const int first = shapes_.collider_of(who.one, shapes[0]), second = shapes_.collider_of(who.other, shapes[1]);
     const auto is_plane = [&](int number) { return collider(model_, number).plane; };
     if (first < 0 || second < 0)
-      out_.error(fields_.place_of("shapes"), "shapes: " + in_quotes(body_name(model_, first < 0 ? who.one : who.other)) +
-                                                 " has no collision shape of that number");
+      out_.error(
+          fields_.place_of("shapes"),
+          "shapes: " + in_quotes(model_.body_name(first < 0 ? who.one : who.other)) + " has no collision shape of that number",
+          remedy);
     else if (who.one == who.other || (is_plane(first) && is_plane(second)))
-      out_.error(fields_.place_of("one"), "one, other: a contact is between two bodies, or a body and the ground");
+      out_.error(fields_.place_of("one"), "one, other: a contact is between two bodies, or a body and the ground", remedy);
     else
       who.pair = pair_of_colliders(model_, first, second);
     const char* const end = feature->data() + feature->size();
     if (const auto [stop, error] = std::from_chars(feature->data(), end, who.id); error != std::errc{} || stop != end)
-      out_.error(fields_.place_of("feature"), "feature: expected a whole number in quotes");
+      out_.error(fields_.place_of("feature"), "feature: expected a whole number in quotes", remedy);
     return who;
   }
 
@@ -134,7 +162,7 @@ class ContactReader {
     closed.direction = vector("direction", false);
     closed.keeps_direction = fields_.real("keeps_direction").value_or(0);
     closed.settles = fields_.real("settles").value_or(-1);
-    if (!stepped) fields_.require("state");
+    if (!stepped) fields_.require("state", remedy);
     const auto state = fields_.string("state");
     if (!state) return;
     const auto known = std::find(states.begin(), states.end(), *state);
@@ -148,6 +176,7 @@ class ContactReader {
 
   const Value& entry_;
   const Model& model_;
+  const Shapes& shapes_;
   JointReader& joints_;
   Diagnostics& out_;
   Fields fields_;
@@ -157,27 +186,37 @@ class ContactReader {
 
 void write_contacts(JsonWriter& json, const World& world, const SteppingState& stepping) {
   const Model& model = world.model();
+  const Shapes shapes(model);
   json.begin_array();
   const std::vector<ContactPoint> points = world.contacts();
   std::size_t next = 0;  // cables have no points
   for (const Contact& contact : world.tree().contacts()) {
     json.begin_object();
     if (contact.cable >= 0) {
-      write_who(json, model, {{contact.a}, {contact.b}, contact.pair, contact.cable, contact.id});
+      write_who(json, model, shapes, {{contact.a}, {contact.b}, contact.pair, contact.cable, contact.id});
       write_closed(json, contact);
     } else {
       const ContactPoint& point = points[next++];
-      write_who(json, model, {point.one, point.other, contact.pair, -1, contact.id});
+      write_who(json, model, shapes, {point.one, point.other, contact.pair, -1, contact.id});
       write_closed(json, contact);
       write_point(json, point);
     }
+    json.end_object();
+  }
+  for (const Contact& contact : world.former_contacts()) {
+    ContactPoint shown{{contact.a}, {contact.b}, {}, {}, {}, {}};
+    if (contact.cable < 0) shown = in_order(shown);
+    json.begin_object();
+    write_who(json, model, shapes, {shown.one, shown.other, contact.pair, contact.cable, contact.id});
+    json.member("former", true);
+    write_closed(json, contact);
     json.end_object();
   }
   for (const SteppedContact& point : stepping.points) {
     ContactPoint shown{{point.a}, {point.b}, point.point, point.normal, point.force, point.slip};
     if (point.cable < 0) shown = in_order(shown);
     json.begin_object();
-    write_who(json, model, {shown.one, shown.other, point.pair, point.cable, point.id});
+    write_who(json, model, shapes, {shown.one, shown.other, point.pair, point.cable, point.id});
     json.member("stepped", true);
     write_point(json, shown);
     json.end_object();
@@ -187,7 +226,9 @@ void write_contacts(JsonWriter& json, const World& world, const SteppingState& s
 
 void read_contacts(const Value& list, const Model& model, JointReader& joints, Forest& forest, SteppingState& stepping,
                    Diagnostics& out) {
-  for (const Value& entry : read_list(list, "contacts", out)) ContactReader(entry, model, joints, out).read(forest, stepping);
+  const Shapes shapes(model);
+  for (const Value& entry : read_list(list, "contacts", out))
+    ContactReader(entry, model, shapes, joints, out).read(forest, stepping);
 }
 
 void write_stepping(JsonWriter& json, const World& world, const SteppingState& stepping) {
@@ -201,6 +242,8 @@ void write_stepping(JsonWriter& json, const World& world, const SteppingState& s
     json.member("since_impact", body.since_impact).member("patience", body.patience).end_object();
   }
   json.end_object();
+  if (stepping.released) json.member("released", true);
+  if (stepping.unloaded >= 0) json.member("unloaded", stepping.unloaded);
   json.member("on", stepping.on).member("changes", stepping.changes).member("changes_at_once", stepping.changes_at_once);
   if (!stepping.one.empty()) json.key("last").begin_array().value(stepping.one).value(stepping.other).end_array();
   json.member("window", stepping.window).member("instant", stepping.instant).member("short_steps", stepping.short_steps);
@@ -210,6 +253,8 @@ void write_stepping(JsonWriter& json, const World& world, const SteppingState& s
 void read_stepping(const Value& value, const Model& model, JointReader& joints, SteppingState& stepping, Diagnostics& out) {
   Fields fields(value, "contacts", out, "");
   stepping.on = fields.boolean("on").value_or(false), stepping.all = fields.boolean("everywhere").value_or(false);
+  stepping.released = fields.boolean("released").value_or(false);
+  stepping.unloaded = fields.real("unloaded").value_or(-1);
   if (const Value* const bodies = fields.find("bodies"))
     for (const Value::Entry& entry : read_table(*bodies, "bodies", out)) {
       Fields of_body(entry.value, "body " + in_quotes(entry.key), out, "");

@@ -68,13 +68,22 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
       const double a1 = weaker_[3 * i + 1], a2 = weaker_[3 * i + 2], size = std::hypot(a1, a2);
       c.mode = Contact::Mode::slip;
       c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
-      c.keeps_direction = 2 * own.friction * std::fabs(rows_.acceleration[3 * i]) * slow_slip_;
+      c.keeps_direction = 2 * own.friction * pressing_acceleration(staying, i) * slow_slip_;
     } else {
       c.mode = Contact::Mode::stick;
     }
     closed.push_back(c);
   }
   return true;
+}
+
+// The normal acceleration with which a contact is pressed together, or, between bodies that fall together, that of the forces of
+// its pair.
+double Contacts::pressing_acceleration(const std::vector<Contact>& contacts, std::size_t i) const {
+  double by_pair = 0;
+  for (std::size_t j = 0; j < contacts.size(); ++j)
+    if (contacts[j].pair == contacts[i].pair) by_pair += system_.A[9 * contacts.size() * i + 3 * j] * system_.r[3 * j];
+  return std::max(std::fabs(rows_.acceleration[3 * i]), by_pair);
 }
 
 // Accelerations with a little less friction, in weaker_: where bodies begin to slip, their accelerations are nearly zero, and so

@@ -120,9 +120,7 @@ bool Simulation::Impl::resolve_contacts(bool after_step) {
     queue.forget_looks();
     if (!failed) break;
     if (!failed->can_be_stepped && !after_step) {
-      message = no_progress_at(world.time()) + failed->why;
-      if (statistics.steps == 0) message += "; resolve = true pushes bodies apart at the start";
-      stalled = true;
+      report_overlap(failed->why);
       return false;
     }
     begin_stepping(failed->why, failed->bodies);
@@ -227,7 +225,7 @@ void Simulation::Impl::undo_contact_step() {
 
 SteppingState Simulation::Impl::stepping_state() const {
   SteppingState now = stepping;
-  now.points = contact_steps.points();
+  now.points = contact_steps.points(), now.released = contact_steps.released();
   now.short_steps = contacts.short_steps();
   if (!events.empty()) now.one = events.back().contact.one, now.other = events.back().contact.other;
   return now;
@@ -235,19 +233,72 @@ SteppingState Simulation::Impl::stepping_state() const {
 
 void Simulation::Impl::continue_stepping(const SteppingState& from) {
   stepping = from;
-  stepping.points.clear();
+  stepping.points.clear(), stepping.unloaded = -1;
   contacts.set_short_steps(from.short_steps);
   contacts.set_stepped(stepped_bodies());
-  if (stepping.on || method_steps || !contact_steps.points().empty()) contact_steps.set_points(from.points);
-  if (steps_through() && !contact_steps.points().empty()) contacts.open_pending();
+  if (stepping.on || method_steps || !contact_steps.points().empty()) contact_steps.set_points(from.points, from.released);
 }
 
-// Forces or the state changed: contacts that are pending may be others, and forces of the last step are out of date.
-void Simulation::Impl::look_at_pending() {
-  contacts_go_on = false;
-  if (!contacts.has_pending() && !world.tree_.contacts().empty()) return;
-  if (steps_through() && !contact_steps.points().empty()) contact_steps.release();
-  contacts.find_pending();
+// Forces or the state changed: the contacts that close may be others, and forces of the last step are out of date.
+void Simulation::Impl::update_pending_contacts() {
+  keeps_contacts = false;
+  contacts.set_former(contacts.closed_ones());
+  if (!contact_steps.points().empty()) contact_steps.release();
+  contacts.find_pending(method_steps);
+}
+
+// A document may be one of another scenario, in which its contacts are no longer those that close.
+void Simulation::Impl::check_contacts_of_document(const SteppingState& from) {
+  if (!contacts.any()) return;
+  bool hold = contacts.closed_ones().empty() || contacts.closed_ones_hold();
+  if (hold && !contact_steps.points().empty()) {
+    constexpr double same = 1e-9;
+    const bool known = from.unloaded >= 0;
+    hold = !from.released && contact_steps.still_near() &&
+           (!known || std::fabs(unloaded() - from.unloaded) <= same * std::max(1.0, from.unloaded));
+  }
+  if (!hold) update_pending_contacts();
+}
+
+// The norm of all accelerations without the forces of contacts that are stepped through.
+double Simulation::Impl::unloaded() {
+  const auto count = evaluate.count;
+  const auto seconds = evaluate.seconds;
+  const bool released = contact_steps.released();
+  contact_steps.release();
+  double sum = 0;
+  for (const double a : world.a()) sum += a * a;
+  contact_steps.set_points(contact_steps.points(), released);
+  evaluate_state();
+  evaluate.count = count, evaluate.seconds = seconds;
+  return std::sqrt(sum);
+}
+
+void Simulation::Impl::report_overlap(const std::string& what) {
+  message = no_progress_at(world.time()) + what;
+  if (statistics.steps == 0) message += "; resolve = true pushes bodies apart at the start";
+  stalled = true;
+}
+
+// Actions must not make bodies overlap that are stepped through: pushing them apart would bring in energy. Where contacts are
+// located, resolve_contacts() finds out. `before`: what time stepping had left (m).
+bool Simulation::Impl::overlaps_more_than(double before) {
+  constexpr double more = 1 + 1e-6;
+  if (!steps_through()) return false;
+  const std::optional<Overlap> worst = contacts.overlap_of_all();
+  if (!worst || worst->depth <= std::max(Contacts::left_by_steps, more * before)) return false;
+  report_overlap(worst->text());
+  return true;
+}
+
+// The same for a state that was set.
+bool Simulation::Impl::overlaps_at_start() {
+  if (!std::exchange(stepping.placed, false) || !contacts.any() || !(some_step() || steps_through())) return false;
+  const std::optional<Overlap> worst = contacts.overlap_of_all();
+  if (!worst || worst->depth <= Contacts::left_by_steps) return false;
+  stepping.placed = true;
+  report_overlap(worst->text());
+  return true;
 }
 
 // Whether a run may begin with the closed contacts, as after one of its steps.
@@ -255,7 +306,7 @@ bool Simulation::Impl::closed_contacts_hold() {
   if (!contacts.any()) return false;
   if (stepping.on && world.tree_.contacts().empty()) return true;
   evaluate_state();
-  return contacts.can_go_on();
+  return contacts.closed_ones_hold();
 }
 
 }  // namespace momentree

@@ -10,6 +10,10 @@ namespace momentree {
 namespace {
 
 constexpr std::size_t most_pending = 64;  // points of an island: its dense equations are solved once for the start
+// What time stepping leaves between bodies that lie on each other.
+constexpr double left_open = 1e-6;      // m
+constexpr double left_moving = 1e-5;    // m/s
+constexpr double left_slipping = 1e-6;  // m/s
 
 }  // namespace
 
@@ -27,11 +31,65 @@ bool Contacts::has_pending() const {
   return std::any_of(closed.begin(), closed.end(), [](const Contact& c) { return c.pending; });
 }
 
-void Contacts::open_pending() {
-  if (has_pending()) set({});
+std::vector<Contact> Contacts::closed_ones() const {
+  const std::span<const Contact> closed = world_->tree_.contacts();
+  return has_pending() ? std::vector<Contact>() : std::vector<Contact>(closed.begin(), closed.end());
 }
 
-void Contacts::find_pending() {
+void Contacts::set_former(std::vector<Contact> closed) {
+  if (!closed.empty()) world_->former_contacts_ = std::move(closed);
+}
+
+void Contacts::open_pending() {
+  if (has_pending()) set({});
+  if (!has_former()) return;
+  std::vector<Contact>& former = world_->former_contacts_;
+  std::erase_if(former, [this](const Contact& c) { return is_gone(c.a) || is_gone(c.b); });
+  if (stay_together(former)) set(std::exchange(former, {}));
+}
+
+// True if features still touch, and move neither towards nor away from each other, nor along each other where they stick.
+bool Contacts::stay_together(const std::vector<Contact>& contacts) {
+  locate_bodies(world_->tree_, world_->state_, world_->workspace_);
+  place_contacts(world_->tree_, world_->workspace_, contacts, rows_);
+  const double slow = slow_approach();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const double size = pairs_[static_cast<std::size_t>(contacts[i].pair)].size(*this);
+    const double* const v = rows_.velocity.data() + 3 * i;
+    if (std::fabs(rows_.touches[i].gap) > touching_within * size || std::fabs(v[0]) > slow) return false;
+    if (contacts[i].mode == Contact::Mode::stick && std::hypot(v[1], v[2]) > slow) return false;
+  }
+  return true;
+}
+
+// All contacts that touch at present, with those of bodies that are stepped through, which leave small gaps and overlaps.
+std::vector<Contact> Contacts::touching_in_steps(bool method_steps) {
+  std::vector<Contact> all;
+  for (const int i : near_pairs(0, left_open)) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
+    const bool steps = method_steps || handling(pair) != Handling::located;
+    const double within = steps ? left_open : touching_within * pair.size(*this);
+    if (apart(pair) > within) continue;
+    found_candidates_.clear();
+    candidates(pair, within, found_candidates_);
+    for (const contact::Candidate& found : found_candidates_) all.push_back(contact_of(pair, i, found));
+  }
+  return all;
+}
+
+// Which contacts of an island will close. False: it can't be told, or they hit each other.
+bool Contacts::choose_pending(const std::vector<Contact>& touching, bool method_steps, std::vector<Contact>& chosen) {
+  if (touching.size() > most_pending) return false;
+  const bool steps = method_steps || std::any_of(touching.begin(), touching.end(), [this](const Contact& c) {
+                       return handling(pairs_[static_cast<std::size_t>(c.pair)]) != Handling::located;
+                     });
+  if (steps) slowest_approach_ = left_moving, slowest_ = left_slipping;
+  const bool found = !approach_each_other(touching) && choose(touching, chosen);
+  slowest_approach_ = 0, slowest_ = slowest_slip;
+  return found;
+}
+
+void Contacts::find_pending(bool method_steps) {
   if (!any()) return;
   set({});
   // Counts of a run do not include this.
@@ -39,9 +97,11 @@ void Contacts::find_pending() {
   const auto seconds = evaluate_->seconds;
   (*evaluate_)(world_->state_);
   std::vector<Contact> pending, chosen;
-  if (!overlap())
-    for (const std::vector<Contact>& island : by_island(touching())) {
-      if (island.size() > most_pending || approach_each_other(island) || !choose(island, chosen)) continue;
+  const bool steps = method_steps || !stepped_.empty();
+  const std::optional<Overlap> worst = overlap_of_all();
+  if (!worst || (steps && worst->depth <= left_by_steps))
+    for (const std::vector<Contact>& island : by_island(touching_in_steps(method_steps))) {
+      if (!choose_pending(island, method_steps, chosen)) continue;
       for (Contact& c : chosen) c.pending = true;
       pending.insert(pending.end(), chosen.begin(), chosen.end());
     }
@@ -62,16 +122,16 @@ bool Contacts::approach_each_other(const std::vector<Contact>& contacts) {
 double Contacts::slow_approach() const {
   double fastest = 1;
   for (const BodyMotion& m : world_->motions()) fastest = std::max(fastest, norm(m.linear));
-  return no_approach * fastest;
+  return std::max(slowest_approach_, no_approach * fastest);
 }
 
-void Contacts::take(const std::vector<Contact>& described) {
-  if (!any()) return;
-  std::vector<Contact> closed;
+// Contacts of a document with the features that they have in this world, without those that do not touch.
+std::vector<Contact> Contacts::placed_again(const std::vector<Contact>& described) {
+  std::vector<Contact> all;
   for (const Contact& given : described) {
     const Pair& pair = pairs_[static_cast<std::size_t>(given.pair)];
     if (pair.law.off || handling(pair) != Handling::located) continue;
-    if (std::any_of(closed.begin(), closed.end(), [&](const Contact& c) { return same_contact(c, given); })) continue;
+    if (std::any_of(all.begin(), all.end(), [&](const Contact& c) { return same_contact(c, given); })) continue;
     if (pair.cable >= 0 && !can_be_taut(static_cast<std::size_t>(pair.cable))) continue;
     found_candidates_.clear();
     candidates(pair, touching_within * pair.size(*this), found_candidates_);
@@ -80,25 +140,23 @@ void Contacts::take(const std::vector<Contact>& described) {
     if (found == found_candidates_.end()) continue;
     Contact c = contact_of(pair, given.pair, *found);
     c.mode = given.mode, c.direction = given.direction, c.keeps_direction = given.keeps_direction, c.settles = given.settles;
-    closed.push_back(c);
+    all.push_back(c);
   }
-  set(std::move(closed));
-  (*evaluate_)(world_->state_);
+  return all;
 }
 
-bool Contacts::can_go_on() {
+void Contacts::close_from_document(const Forest& forest) {
+  if (!any()) return;
+  if (!forest.contacts.empty()) set(placed_again(forest.contacts));
+  (*evaluate_)(world_->state_);
+  if (!forest.former_contacts.empty()) world_->former_contacts_ = placed_again(forest.former_contacts);
+}
+
+bool Contacts::closed_ones_hold() {
   const std::span<const Contact> closed = world_->tree_.contacts();
   if (closed.empty() || has_pending() || overlap()) return false;
   world_->evaluate();
-  const ContactRows& rows = world_->workspace_.contacts->rows;
-  const double slow = slow_approach();
-  for (std::size_t i = 0; i < closed.size(); ++i) {
-    const double size = pairs_[static_cast<std::size_t>(closed[i].pair)].size(*this);
-    const double* const v = rows.velocity.data() + 3 * i;
-    if (std::fabs(rows.touches[i].gap) > touching_within * size || std::fabs(v[0]) > slow) return false;
-    if (closed[i].mode == Contact::Mode::stick && std::hypot(v[1], v[2]) > slow) return false;
-  }
-  return excess_of_forces() <= rounding;
+  return stay_together({closed.begin(), closed.end()}) && excess_of_forces() <= rounding;
 }
 
 }  // namespace momentree

@@ -12,8 +12,7 @@ namespace momentree {
 
 namespace {
 
-constexpr int most_impacts = 200;       // at one instant
-constexpr double left_by_steps = 1e-3;  // m: states from time stepping may have such overlaps
+constexpr int most_impacts = 200;  // at one instant
 
 }  // namespace
 
@@ -200,7 +199,9 @@ std::optional<Contacts::Unresolved> Contacts::resolve_island(std::vector<Contact
 }
 
 std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events) {
-  const std::vector<Contact> before(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
+  std::vector<Contact> before = std::exchange(world_->former_contacts_, {});
+  if (before.empty()) before.assign(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
+  std::erase_if(before, [this](const Contact& c) { return is_gone(c.a) || is_gone(c.b); });
   set({});
   settling_.clear();
   const std::size_t first = events.size();

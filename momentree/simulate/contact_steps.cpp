@@ -140,11 +140,21 @@ void ContactSteps::displace(State& state, const std::vector<double>& by) {
   if (tree.has_loops()) static_cast<void>(evaluate_->close(t, edit.q.data(), edit.u.data(), ignored));
 }
 
+// True if bodies of a pair that had no forces before lay on each other at the start of the step: what they approached each other
+// with is what the step accelerated them by.
+bool ContactSteps::lay_there(std::size_t i, double h) const {
+  if (!hits_.empty() || !(std::fabs(rows_.velocity[3 * i]) <= 2 * h * std::fabs(rows_.acceleration[3 * i]))) return false;
+  return std::none_of(points_.begin(), points_.end(), [&](const SteppedContact& p) { return p.pair == near_[i].pair; });
+}
+
 // The points for the next step, and for evaluations of the state until then. A gap of 1e-9 m that closes in a step of 1e-12 s
 // takes an impulse that would be a huge force: such a step changes the mean by little.
 void ContactSteps::remember(double h) {
-  points_.clear();
   const double over = std::max(h, usual_step_), before = over - h;
+  for (std::size_t i = 0; before > 0 && i < near_.size(); ++i)
+    if (lay_there(i, h))
+      for (std::size_t k = 0; k < 3; ++k) carried_[3 * i + k] = many_.r[3 * i + k] / h;
+  points_.clear();
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const Contact& c = near_[i];
     const auto force = [&](std::size_t k) { return (many_.r[3 * i + k] + before * carried_[3 * i + k]) / over; };
@@ -160,34 +170,49 @@ void ContactSteps::remember(double h) {
 }
 
 void ContactSteps::hold() {
+  released_ = false;
   std::vector<HeldForce>& held = held_forces(world_->workspace_);
   held.clear();
   for (const SteppedContact& point : points_)
     held.push_back({point.a, point.b, point.point, point.force, point.normal, point.slip, point.cable});
 }
 
-void ContactSteps::set_points(std::vector<SteppedContact> points) {
+void ContactSteps::set_points(std::vector<SteppedContact> points, bool released) {
   points_ = std::move(points);
+  if (released) return release();
   hold();
   static_cast<void>(world_->state_.edit());  // its evaluation is without them
 }
 
 void ContactSteps::release() {
+  released_ = true;
   held_forces(world_->workspace_).clear();
   static_cast<void>(world_->state_.edit());
+}
+
+// How near each other points are that count in a step of h seconds (m): also those that others push towards each other in it, and
+// those with forces that a short step may not need.
+double ContactSteps::reach(double h) const {
+  const double gravity = norm(world_->model_.gravity()), speed = contacts_->fastest() + gravity * h;
+  return std::max({h * speed, gravity * usual_step_ * usual_step_, touch_distance});
+}
+
+bool ContactSteps::still_near() {
+  near_.clear();
+  contacts_->add_near(reach(usual_step_), near_);
+  return std::ranges::all_of(points_, [this](const SteppedContact& point) {
+    return std::ranges::any_of(near_, [&](const Contact& c) { return c.pair == point.pair; });
+  });
 }
 
 void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   held_forces(world_->workspace_).clear();
   (*evaluate_)(state);
-  {
-    // Points that others push towards each other in this step count, too, and those with forces that a short step may not need.
-    const double gravity = norm(world_->model_.gravity()), speed = contacts_->fastest() + gravity * h;
-    find_points(std::max({h * speed, gravity * usual_step_ * usual_step_, touch_distance}));
-  }
+  find_points(reach(h));
   hits_.clear(), touching_.clear();
   if (near_.empty()) {
     points_.clear();
+    released_ = false;
     return;
   }
   set_law(h);

@@ -21,28 +21,35 @@ class ContactSteps final : public StepContacts {
       : world_(&world), evaluate_(&evaluate), contacts_(&contacts) {}
 
   void apply(State& state, EnergyLedger& ledger, double h) override;
+  void note_start() override { points_at_start_ = points_, released_at_start_ = released_; }
+  void return_to_start() override { set_points(points_at_start_, released_at_start_); }
 
   /// The usual length of a step (s). Forces are the means over that time: impulses of shorter steps say little.
   void set_usual_step(double h) { usual_step_ = h; }
   /// Points with forces in the last step.
   const std::vector<SteppedContact>& points() const { return points_; }
-  /// Continues with these points, or without any.
-  void set_points(std::vector<SteppedContact> points);
+  /// Continues with these points, or without any. `released`: as after release().
+  void set_points(std::vector<SteppedContact> points, bool released = false);
 
   /// The bodies that hit others in the last step, rather than to lie on them.
   const std::vector<int>& hits() const { return hits_; }
   /// Pairs of bodies that touched in the last step; −1: the ground.
   const std::vector<std::pair<int, int>>& touching() const { return touching_; }
-  /// The next step is made without the forces of the last one.
+  /// Evaluations until the next step are without the forces of the last one, which stay the first guess of that step.
   void release();
+  bool released() const { return released_; }
+  /// True if the bodies of all points are as near each other as in a step that finds them.
+  bool still_near();
 
  private:
+  double reach(double h) const;
   void find_points(double within);
   void guess(double h);
   void set_law(double h);
   double energy() const;
   void move(State& state, EnergyLedger& ledger);
   void displace(State& state, const std::vector<double>& by);
+  bool lay_there(std::size_t point, double h) const;
   void remember(double h);
   void hold();
 
@@ -59,6 +66,9 @@ class ContactSteps final : public StepContacts {
   std::vector<double> after_, gaps_, pushes_, packed_;
   double usual_step_ = 0;
   std::vector<SteppedContact> points_;
+  bool released_ = false;
+  std::vector<SteppedContact> points_at_start_;  // of the present step
+  bool released_at_start_ = false;
   std::vector<int> hits_;
   std::vector<std::pair<int, int>> touching_;
 };

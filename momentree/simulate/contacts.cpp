@@ -417,15 +417,20 @@ double Contacts::next_rest() const {
 }
 
 std::optional<Overlap> Contacts::overlap() { return deepest(-1); }
+std::optional<Overlap> Contacts::overlap_of_all() { return deepest(-1, true); }
+double Contacts::deepest_of_all() {
+  const std::optional<Overlap> worst = overlap_of_all();
+  return worst ? worst->depth : 0;
+}
 std::optional<Overlap> Contacts::overlap_with(BodyId body) { return deepest(body.index); }
 
-// Of that body, or of all if it is negative.
-std::optional<Overlap> Contacts::deepest(int body) {
+// Of that body, or of all bodies if it is negative: then of located contacts, or of all.
+std::optional<Overlap> Contacts::deepest(int body, bool all) {
   if (!any()) return std::nullopt;
   std::optional<Overlap> worst;
   for (const int i : near_pairs(0, 0)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
-    if (body >= 0 ? pair.a != body && pair.b != body : handling(pair) != Handling::located) continue;
+    if (body >= 0 ? pair.a != body && pair.b != body : !all && handling(pair) != Handling::located) continue;
     if (apart(pair) > 0) continue;
     const double depth = -gap_of(i, 0).value;
     if (depth > overlapping * pair.size(*this) && (!worst || depth > worst->depth))
@@ -451,7 +456,7 @@ std::optional<Overlap> Contacts::overlap_of(World& world) {
   return Contacts(world, evaluate, 1e-10).overlap();
 }
 
-std::string Contacts::name_of(int body) const { return body < 0 ? "ground" : world_->model_[BodyId{body}].name; }
+std::string Contacts::name_of(int body) const { return world_->model_.body_name({body}); }
 
 Vec3 Contacts::slip_velocity(int contact) const {
   const Contact& c = world_->tree_.contacts()[static_cast<std::size_t>(contact)];

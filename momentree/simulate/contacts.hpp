@@ -64,16 +64,23 @@ class Contacts {
   /// Closes contacts that were closed before.
   void close(std::vector<Contact> closed) { set(std::move(closed)); }
 
-  // Before a run begins.
+  // Before a run begins, and between runs where forces or the state have changed.
   /// Finds the contacts that will close without an impact, so that accelerations and forces include theirs. They are pending:
-  /// the run opens them first, and closes them with their events.
-  void find_pending();
+  /// the run opens them first, and closes them with their events. `method_steps`: the method steps through all contacts.
+  void find_pending(bool method_steps);
   bool has_pending() const;
+  /// The closed contacts, without those that are pending.
+  std::vector<Contact> closed_ones() const;
+  /// World::former_contacts(); an empty list leaves them as they are.
+  void set_former(std::vector<Contact> closed);
+  bool has_former() const { return !world_->former_contacts_.empty(); }
+  void forget_former() { world_->former_contacts_.clear(); }
+  /// Opens pending contacts, and closes the former ones again if the bodies still touch there and do not part.
   void open_pending();
-  /// Closes contacts that a document describes, as Forest::contacts; those that do not touch stay open.
-  void take(const std::vector<Contact>& described);
+  /// Closes contacts of a document; those that do not touch stay open.
+  void close_from_document(const Forest& forest);
   /// True if the closed contacts fit the state and the forces, as after a step: a run can go on with them.
-  bool can_go_on();
+  bool closed_ones_hold();
   /// The bodies that are stepped through, by number; none: all or no bodies are.
   void set_stepped(std::vector<bool> bodies);
   bool is_stepped(int body) const {
@@ -106,8 +113,11 @@ class Contacts {
   /// The next instant at which a bouncing body comes to rest, or infinity.
   double next_rest() const;
 
-  /// The pair that overlaps most at present, if any do.
+  /// The pair that overlaps most at present, if any do: of contacts that are located, or of all.
   std::optional<Overlap> overlap();
+  std::optional<Overlap> overlap_of_all();
+  double deepest_of_all();                       ///< its depth (m)
+  static constexpr double left_by_steps = 1e-3;  ///< m: states from time stepping may have such overlaps
   /// The pair of this body and another one that overlaps most.
   std::optional<Overlap> overlap_with(BodyId body);
   static std::optional<Overlap> overlap_of(World& world);
@@ -152,7 +162,7 @@ class Contacts {
   enum class Handling : unsigned char { located, stepped, between };
   Handling handling(const Pair& pair) const;
   void find_any();
-  std::optional<Overlap> deepest(int body);
+  std::optional<Overlap> deepest(int body, bool all = false);
   const std::vector<int>& near_pairs(double h, double margin) const;
   void find_welded() const;
   contact::Place place(int body) const;
@@ -171,12 +181,14 @@ class Contacts {
   Vec3 slip_velocity(int contact) const;
   double slip_time(std::size_t contact) const;
   bool is_closed(int pair, std::uint64_t id) const;
+  bool is_gone(int body) const { return body >= 0 && !world_->alive({body}); }
   std::vector<Contact> touching();
   Contact contact_of(const Pair& pair, int number, const contact::Candidate& candidate) const;
   std::vector<double> accelerations_on_others(const std::vector<Contact>& contacts, double slow);
   bool impact(const std::vector<Contact>& contacts, std::vector<Event>& events, std::string& failure);
   bool choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed);
   [[nodiscard]] bool solve_states(const std::vector<Contact>& contacts);
+  double pressing_acceleration(const std::vector<Contact>& contacts, std::size_t i) const;
   void weaken_friction();
   void note_ended_slip();
   void set(std::vector<Contact> contacts);
@@ -191,6 +203,10 @@ class Contacts {
   std::string name_of(int body) const;
   std::string event_name(const char* what, int pair) const;
   double slow_approach() const;
+  std::vector<Contact> touching_in_steps(bool method_steps);
+  bool choose_pending(const std::vector<Contact>& touching, bool method_steps, std::vector<Contact>& chosen);
+  std::vector<Contact> placed_again(const std::vector<Contact>& described);
+  bool stay_together(const std::vector<Contact>& contacts);
   bool approach_each_other(const std::vector<Contact>& contacts);
   double excess_of_forces();
   double excess_of_island(const std::vector<std::size_t>& island);
@@ -224,6 +240,7 @@ class Contacts {
   std::vector<bool> slow_;         // by closed contact: it crept at the start of the step
   double started_ = 0;             // when the step began (s)
   int short_steps_ = 0;            // in a row in which a contact crept
+  double slowest_approach_ = 0;    // slower approaches count as rest (m/s)
   double slowest_ = slowest_slip;  // slower contacts have no direction of slip when their states are next chosen (m/s)
   mutable std::vector<contact::Candidate> found_candidates_;
 };

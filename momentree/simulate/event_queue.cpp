@@ -206,6 +206,11 @@ void EventQueue::continue_from(const QueueState& state, const World& world) {
   MT_REQUIRE(state.entries.size() == entries.size(), "the events are scheduled that the run had");
   for (std::size_t k = 0; k < entries.size(); ++k)
     take_status(entries[k], state.entries[k].status), entries[k].nearest = state.entries[k].nearest;
+  restore_strengths(state, world);
+  next_ = state.next;
+}
+
+void EventQueue::restore_strengths(const QueueState& state, const World& world) {
   strengths_.clear();
   strengths_of_.reset();
   for (const QueueState::Borne& b : state.strengths) {
@@ -213,7 +218,6 @@ void EventQueue::continue_from(const QueueState& state, const World& world) {
     take_status(now.entry, b.entry.status), now.entry.nearest = b.entry.nearest;
   }
   if (state.strengths_known) strengths_of_ = world.tree().revision();
-  next_ = state.next;
 }
 
 void EventQueue::restore(std::span<const EventStatus> armed, double now) {

@@ -85,6 +85,8 @@ class EventQueue {
   std::vector<EventStatus> armed() const;
   /// Entries that are not in the list stay scheduled unless their time is before `now`.
   void restore(std::span<const EventStatus> armed, double now);
+  /// The status of strengths, after restore().
+  void restore_strengths(const QueueState& state, const World& world);
   /// The complete state of the queue in this world.
   QueueState state(const World& world) const;
   /// Continues from it; the same entries must be scheduled, and the world restored.

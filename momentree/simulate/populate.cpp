@@ -8,7 +8,14 @@ namespace momentree {
 template <class Act>
 void Simulation::Impl::populate(const char* what, const std::string& body, Act act) {
   settle();
-  continues = contacts_go_on = false;
+  continues = keeps_contacts = false;
+  struct Preview {  // of the contacts that the next run closes, also if `act` throws
+    Impl& of;
+    bool renew;
+    ~Preview() {
+      if (renew) of.update_pending_contacts();
+    }
+  } preview{*this, contacts.has_pending()};
   contacts.open_pending();
   const During working(doing, Doing::working);
   Event event;
@@ -56,6 +63,7 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   resolve_limits();
   // What can't be resolved ends the next run, which says why.
   if (contacts.any()) static_cast<void>(resolve_contacts());
+  preview.renew = some_step() || steps_through();
 }
 
 // What the body overlaps is an error, or pushed apart.

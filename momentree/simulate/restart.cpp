@@ -21,11 +21,13 @@ std::optional<Overlap> Simulation::overlap() const {
   return impl.contacts.any() ? Contacts::overlap_of(impl.world) : std::nullopt;
 }
 
-void Simulation::functions_changed() {
+void Simulation::functions_changed(bool preview) {
   Impl& impl = changing();
   static_cast<void>(impl.edit_state());
+  impl.keeps_contacts = false;
+  if (!preview) return;
   impl.evaluate_state();
-  impl.look_at_pending();
+  impl.update_pending_contacts();
 }
 
 void Simulation::forget_events(double time) {

@@ -15,10 +15,12 @@ SimulationSnapshot Simulation::Impl::snapshot() {
   all.stepping = stepping_state();
   all.impulsive_work = balance.work;
   all.armed = queue.armed();
+  all.queue = std::make_shared<const QueueState>(queue.state(world));
   return all;
 }
 
-void Simulation::Impl::go_back(const SimulationSnapshot& to) {
+// The state of the run as it was, apart from what belongs to callbacks and to the history.
+void Simulation::Impl::restore_run(const SimulationSnapshot& to) {
   unadjusted.reset();
   const int bodies = world.tree_.bodies();
   const bool populated = !to.world.added.empty() || world.model_.size() != world.first_bodies_;
@@ -35,12 +37,17 @@ void Simulation::Impl::go_back(const SimulationSnapshot& to) {
   balance.dissipated = 0;
   balance.work = to.impulsive_work;
   queue.restore(to.armed, world.time());
-  contacts_go_on = true;
+  if (to.queue != nullptr) queue.restore_strengths(*to.queue, world);
   events.resize(std::min(events.size(), to.events));
+  evaluate_state();
+}
+
+void Simulation::Impl::go_back(const SimulationSnapshot& to) {
+  restore_run(to);
+  keeps_contacts = true;
   while (!history.empty() && history.back().events >= to.events) history.pop_back();
   recover();
   look_anew();
-  evaluate_state();
 }
 
 // Evaluates nothing: that would change the counts of the run.

@@ -109,7 +109,7 @@ std::vector<Vec3> Separator::centres() const {
   return all;
 }
 
-std::string Separator::name_of(int body) const { return body < 0 ? "ground" : world_->model_[BodyId{body}].name; }
+std::string Separator::name_of(int body) const { return world_->model_.body_name({body}); }
 
 // The overlap of the points that were found last.
 std::optional<Overlap> Separator::what_is_left() const {

@@ -158,7 +158,7 @@ void Simulation::set_gravity(Vec3 gravity) {
   impl.balance.work += impl.world.totals().potential - before;
   impl.history.clear();
   impl.recover();
-  impl.look_at_pending();
+  impl.update_pending_contacts();
 }
 
 DryRun Simulation::dry_run() { return changing().dry_run(); }
@@ -259,7 +259,7 @@ void Simulation::drive_all(std::vector<JointDriver> drivers) {
   for (const JointDriver& each : drivers) joints.push_back(changing().to_drive(each.joint, each.efforts != nullptr));
   for (std::size_t i = 0; i < joints.size(); ++i) impl_->world.drive(joints[i], std::move(drivers[i].efforts));
   changing().evaluate_state();
-  impl_->look_at_pending();
+  impl_->update_pending_contacts();
 }
 
 void Simulation::force(std::string_view body, BodyFunction wrench) {
@@ -267,7 +267,7 @@ void Simulation::force(std::string_view body, BodyFunction wrench) {
   if (!impl_->world.alive(b)) throw_error({"the body '" + std::string(body) + "' is no longer in this world", "", ""});
   impl_->world.load(b.index, std::move(wrench));
   impl_->evaluate_state();
-  impl_->look_at_pending();
+  impl_->update_pending_contacts();
 }
 
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
@@ -285,7 +285,7 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
 #endif
   impl_->make_methods();
   impl_->begin();
-  if (!forest.contacts.empty()) impl_->contacts.take(forest.contacts);
+  if (!forest.contacts.empty() || !forest.former_contacts.empty()) impl_->contacts.close_from_document(forest);
 }
 
 void Simulation::set_state(double time, std::span<const double> q, std::span<const double> y, Variables given) {
@@ -300,12 +300,15 @@ void Simulation::set_state(double time, std::span<const double> q, std::span<con
 void Simulation::adjust(std::span<const double> q, std::span<const double> y, Variables given) {
   Impl& impl = changing();
   const std::optional<double> before = impl.unadjusted ? impl.unadjusted : impl.total_energy();
+  std::vector<Contact> closed = impl.contacts.closed_ones();
   impl.world.set_values(impl.world.time(), q, y, given);  // may throw
+  impl.contacts.set_former(std::move(closed));
   impl.unadjusted = before;
+  impl.stepping.placed = true;
   impl.queue.forget_looks();
   impl.recover();
   impl.look_anew();
-  impl.look_at_pending();
+  impl.update_pending_contacts();
 }
 
 RunState Simulation::run_state() const {
@@ -316,7 +319,10 @@ void Simulation::continue_from(const RunState& state) { changing().continue_from
 
 StepMemory Simulation::step_memory() const {
   const bool adaptive = impl().method->adaptive();
-  return {adaptive ? impl_->method->proposal() : 0.0, adaptive ? impl_->ledger.work : 0.0, impl_->stepping_state()};
+  StepMemory memory{adaptive ? impl_->method->proposal() : 0.0, adaptive ? impl_->ledger.work : 0.0, impl_->stepping_state()};
+  if (!memory.stepping.points.empty() && impl_->idle()) memory.stepping.unloaded = impl_->unloaded();
+  memory.stepping.placed = true;  // whatever begins with it
+  return memory;
 }
 void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& memory) {
   MT_REQUIRE(armed.size() <= changing().queue.entries.size(), "at most as many events as are scheduled");
@@ -329,8 +335,11 @@ void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& me
   std::vector<EventStatus> all = impl_->queue.armed();
   std::copy_n(armed.begin(), std::min(armed.size(), all.size()), all.begin());
   impl_->queue.restore(all, impl_->world.time());
+  if (!memory.stepping.points.empty()) impl_->contacts.open_pending();  // their forces take the place of these contacts
   if (memory.stepping != SteppingState{}) impl_->continue_stepping(memory.stepping);
-  impl_->contacts_go_on = true;
+  impl_->keeps_contacts = true;
+  impl_->stepping.placed = true;
+  impl_->check_contacts_of_document(memory.stepping);
 }
 
 const Integration& Simulation::integration() const { return impl().integration; }

@@ -89,6 +89,8 @@ struct JointDriver {
   JointFunction efforts;
 };
 
+struct QueueState;
+
 /// State of a run at an instant.
 struct SimulationSnapshot {
   WorldSnapshot world;
@@ -98,6 +100,7 @@ struct SimulationSnapshot {
   double impulsive_work = 0;
   double proposal = 0;  ///< the next step of an adaptive method (s)
   SteppingState stepping{};
+  std::shared_ptr<const QueueState> queue{};  ///< the same events, and strengths of joints and springs, with all that was noted
 };
 
 struct RunState;
@@ -241,8 +244,9 @@ class Simulation {
   void drive_all(std::string_view joint, JointFunction efforts);
   /// The same for many joints at the cost of one evaluation; on an error all joints keep their former functions.
   void drive_all(std::vector<JointDriver> drivers);
-  /// Call it between two runs when other numbers that functions use have changed.
-  void functions_changed();
+  /// Call it between two runs when other numbers that functions use have changed. `preview`: accelerations and contacts are read
+  /// before the next run; otherwise they may still be those of the former contacts.
+  void functions_changed(bool preview = true);
 
   /// Applies a wrench to a body by a function from now on, in addition to the model's forces: force (N) and torque (N m) about
   /// the origin of the body's frame, in world axes. Like a drive, it is called at every stage of every step. Its work is

@@ -84,10 +84,11 @@ struct Simulation::Impl {
     history.clear();
     recover();
     look_anew();
-    contacts_go_on = false;
-    contacts.find_pending();
+    keeps_contacts = false;
+    contacts.forget_former();
+    contacts.find_pending(method_steps);
   }
-  void look_at_pending();
+  void update_pending_contacts();
   // The observer's next instant is the first one from now on.
   void look_anew() {
     observed = false;
@@ -216,6 +217,11 @@ struct Simulation::Impl {
   SteppingState stepping_state() const;
   void continue_stepping(const SteppingState& from);
   bool closed_contacts_hold();
+  void check_contacts_of_document(const SteppingState& from);
+  double unloaded();
+  void report_overlap(const std::string& what);
+  bool overlaps_more_than(double depth);
+  bool overlaps_at_start();
 
   // Kinetic energy at the beginning of a step, which has been evaluated: as p·u/2 it costs next to nothing.
   void note_kinetic_energy() {
@@ -243,87 +249,20 @@ struct Simulation::Impl {
     diverged = true;
   }
 
-  // Carries out everything that is due now, then one by one the events that it triggers. False: an action was refused; the events
-  // before it at this instant have happened.
-  bool happen() {
-    for (std::size_t count = 0;; ++count) {
-      std::vector<std::size_t> places = queue.due(world.time());
-      if (places.empty() && queue.watching(world)) {
-        evaluate_state();
-        if (const std::optional<std::size_t> place = queue.urgent(world, events_now())) places = {*place};
-      }
-      if (places.empty()) return true;
-      if (count > detail::most_events_at_once) {
-        message = "more than " + std::to_string(detail::most_events_at_once) + " events at t = " + detail::text(world.time()) +
-                  " s, the last of them " + last_events(events) + "; do they trigger each other without a delay?";
-        return false;
-      }
-      std::vector<DueEvent> due;
-      for (const std::size_t k : places) due.push_back(queue.at(k).event);
-      if (keeps_history) history.push_back({events.size(), snapshot(), places});
-      if (!carry_out_now(due)) {
-        if (keeps_history) history.pop_back();
-        return false;
-      }
-      for (const std::size_t k : places) queue.happened(k, world.time());
-    }
-  }
-
-  /// Carries out actions from outside, whose names have been checked, as one event of this instant. False, with a message:
-  /// refused.
-  bool act(std::span<const Action> actions, const std::string& name) {
-    settle();
-    continues = contacts_go_on = false;
-    contacts.open_pending();
-    const During working(doing, Doing::working);
-    DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
-    due.actions.assign(actions.begin(), actions.end());
-    if (keeps_history) history.push_back({events.size(), snapshot(), {}});
-    if (carry_out_now({&due, 1})) return true;
-    if (keeps_history) history.pop_back();
-    return false;
-  }
+  // carry_out.cpp
+  /// Carries out everything that is due now, then one by one the events that it triggers. False: an action was refused; the
+  /// events before it at this instant have happened.
+  bool happen();
+  /// Carries out actions from outside, whose names have been checked, as one event of this instant. False, with a message: they
+  /// were refused, and nothing has happened.
+  bool act(std::span<const Action> actions, const std::string& name);
+  bool carry_out_now(std::span<const DueEvent> due);
+  bool try_now(std::span<const DueEvent> due);
 
   std::span<const Event> events_now() const {
     std::size_t first = events.size();
     while (first > 0 && events[first - 1].time == world.time()) --first;
     return {events.data() + first, events.size() - first};
-  }
-
-  bool carry_out_now(std::span<const DueEvent> due) {
-    evaluate_state();
-    if (statistics.changes == 0) book();
-    WorldSnapshot before;
-    const bool stopped = stops.any();
-    if (stopped) before = world.snapshot();
-    InstantReport report = carry_out(world, due);
-    // A stop that would have had to pull in an impact was released before it: repeat without it.
-    for (bool again = stopped; again && !report.refused;) {
-      const WorldSnapshot after = world.snapshot();
-      world.restore(before);
-      again = stops.release_pulled(report.events);
-      if (again) {
-        before = world.snapshot();
-        report = carry_out(world, due);
-      } else {
-        world.restore(after);
-      }
-    }
-    statistics.changes += report.changes;
-    statistics.topology_seconds += report.seconds;
-    if (report.refused) {
-      message = report.message;
-      return false;
-    }
-    world.take_variables(world.own_variables());
-    evaluate_state();
-    for (Event& event : report.events) {
-      add_to_balance(event);
-      events.push_back(std::move(event));
-    }
-    queue.forget_looks();
-    resolve_limits();
-    return !contacts.any() || resolve_contacts();
   }
 
   /// Runs `act`, which adds or removes bodies, and records it as an event named `what`.
@@ -337,6 +276,7 @@ struct Simulation::Impl {
 
   // run_state.cpp
   SimulationSnapshot snapshot();
+  void restore_run(const SimulationSnapshot& to);
   void go_back(const SimulationSnapshot& to);
   RunState run_state();
   void continue_from(const RunState& from);
@@ -383,11 +323,14 @@ struct Simulation::Impl {
   // What happens at the present instant before the first step.
   Status begin_run() {
     progress.begin(world.time(), events.size());
+    if (overlaps_at_start()) return Status::stalled;
+    const bool may_keep = std::exchange(keeps_contacts, false) && !contacts.has_former();
     contacts.open_pending();
     const std::size_t before = events.size();
     resolve_limits();
-    const bool go_on = std::exchange(contacts_go_on, false) && events.size() == before && closed_contacts_hold();
-    if (contacts.any() && !go_on && !resolve_contacts()) return Status::stalled;
+    const bool kept = may_keep && events.size() == before && closed_contacts_hold();
+    if (contacts.any() && !kept && !resolve_contacts()) return Status::stalled;
+    contacts.forget_former();
     Status status = Status::ok;
     return happen_between_samples(status) && !look(!observed) ? Status::interrupted : status;
   }
@@ -425,7 +368,7 @@ struct Simulation::Impl {
     book();
     const bool explained = status != Status::ok && status != Status::interrupted;
     // Functions may depend on what changes between runs.
-    contacts_go_on = !explained && !world.tree_.has_functions() && world.tree_.body_functions().empty();
+    keeps_contacts = !explained && !world.tree_.has_functions() && world.tree_.body_functions().empty();
     return result = {status, explained ? message : std::string()};
   }
 
@@ -479,7 +422,7 @@ struct Simulation::Impl {
   RunResult result;     // of the last call that returned one
   bool diverged = false, stalled = false;
   bool continues = false;       // the next run continues one that was between two steps
-  bool contacts_go_on = false;  // the next run may go on with the closed contacts, if these hold
+  bool keeps_contacts = false;  // the next run may begin with the closed contacts, if these hold
   ProgressMonitor progress;
   double every = 0, next_look = 0, observed_at = 0;
   bool observed = false;

@@ -80,6 +80,7 @@ struct Stops::Trial {
   // Restores the world unless the step was accepted: also if a condition's function threw.
   ~Trial() {
     if (done) return;
+    method.return_to_start();
     world.state_ = start;
     ledger = books_at_start;
   }
@@ -97,6 +98,7 @@ struct Stops::Trial {
       at = s;
       return look();
     }
+    method.return_to_start();
     world.state_ = start;
     ledger = books_at_start;
     at = reach = s;
@@ -287,6 +289,7 @@ std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, doub
   for (const Watch& watch : watches) watched_.push_back({nullptr, &watch});
   start_ = world_->state_;
   Trial trial{*world_, *evaluate_, method, ledger, start_, ledger, holding, 0, 0, end_};
+  method.note_start();
   bool fine = trial.first(h);
   double end = trial.at;
   const Watched* first = nullptr;

@@ -24,7 +24,7 @@ int TopologyEditor::body(std::string_view name) const {
   return world_.alive(body) ? body.index : -2;
 }
 
-std::string TopologyEditor::body_name(int body) const { return body < 0 ? "ground" : world_.model_[BodyId{body}].name; }
+std::string TopologyEditor::body_name(int body) const { return world_.model_.body_name({body}); }
 std::string TopologyEditor::mechanism_of(int body) const { return world_.names_.mechanism(root_of(tree(), {body}).index); }
 
 Values TopologyEditor::coordinates(int joint) const {

@@ -6,7 +6,7 @@ namespace momentree {
 
 JointRecord joint_record(const World& world, JointId joint) {
   const JointView view = world.joint(joint);
-  const auto name = [&world](BodyId body) { return body == ground ? "ground" : world.model()[body].name; };
+  const auto name = [&world](BodyId body) { return world.model().body_name(body); };
   return {std::string(view.name),
           view.kind,
           name(view.parent),

@@ -51,6 +51,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
           {names_.joint(tree_.loops()[i].id().index), tree_.loops()[i].joint.kind, std::make_shared<const JointFunction>(*f)});
   const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
   tree_ = Tree(model_);
+  former_contacts_.clear();
   first_bodies_ = model_.size();
   declared_ = names_ = Names(model_);
   active_limits_ = forest.active_limits;
@@ -298,6 +299,7 @@ WorldSnapshot World::snapshot() const {
       take_snapshot(tree_, state_), {}, {}, active_limits_, {model_.bodies().begin() + first_bodies_, model_.bodies().end()}};
   for (const Collider& collider : model_.colliders())
     if (collider.body.index >= first_bodies_) all.added_colliders.push_back(collider);
+  all.former_contacts = former_contacts_;
   for (int k = 0; k < model_.size(); ++k) {
     if (names_.joint(k) != declared_.joint(k)) all.joint_names.emplace_back(k, names_.joint(k));
     if (names_.mechanism(k) != declared_.mechanism(k)) all.mechanism_names.emplace_back(k, names_.mechanism(k));
@@ -318,6 +320,7 @@ void World::restore(const WorldSnapshot& snapshot) {
   }
   names_ = declared_;
   active_limits_ = snapshot.active_limits;
+  former_contacts_ = snapshot.former_contacts;
   for (const auto& [number, name] : snapshot.joint_names)
     number >= first_loop ? names_.add_loop(number, name) : names_.name_joint(number, name);
   for (const auto& [root, name] : snapshot.mechanism_names) names_.name_mechanism(root, name);

@@ -112,6 +112,7 @@ struct WorldSnapshot {
   std::vector<ActiveLimit> active_limits;
   std::vector<BodySpec> added{};            ///< bodies that were added after the start
   std::vector<Collider> added_colliders{};  ///< and what they touch with
+  std::vector<Contact> former_contacts{};   ///< World::former_contacts()
 };
 
 /// Topology and names where they differ from the model: which body is carried by which, and by which joint, as in a state
@@ -139,6 +140,7 @@ struct Forest {
   std::vector<Topology::SpringChange> springs;  ///< that broke or whose law was set; also where places are empty
   std::vector<int> ended_couplings;             ///< the same
   std::vector<Contact> contacts;                ///< that were closed; their features and friction, which are unused, follow
+  std::vector<Contact> former_contacts{};       ///< the same of World::former_contacts()
 };
 
 /// The state of one joint in a state document: empty lists keep the start value. If p is given, it is used instead of v; in a
@@ -250,6 +252,10 @@ class World {
   /// The first instant after t (s) at which a table bends, or infinity: steps end there.
   double next_bend(double t) const { return tree_.next_bend(t); }
 
+  /// The contacts that were closed when the last run ended, if forces or the state have changed since: the next run finds out
+  /// which of them stay closed, and reports what changes. Empty otherwise.
+  std::span<const Contact> former_contacts() const { return former_contacts_; }
+
   /// DoFs that rest on stops.
   std::span<const ActiveLimit> active_limits() const { return active_limits_; }
 
@@ -292,6 +298,7 @@ class World {
   int first_bodies_ = 0;    // number of bodies that the world was made with
   Names declared_, names_;  // as in the model, and now
   std::vector<ActiveLimit> active_limits_;
+  std::vector<Contact> former_contacts_;
   Tree tree_;
   State state_;
   mutable Workspace<double> workspace_;

@@ -86,7 +86,7 @@ std::vector<double> World::momenta_of(std::span<const double> q, std::span<const
   return p;
 }
 
-// Throws Error before anything has changed.
+// Throws Error, with nothing changed.
 void World::set_values(double time, std::span<const double> q, std::span<const double> y, Variables given) {
   if (given == Variables::velocities && state_.variables() == Variables::momenta)
     return set_values(time, q, momenta_of(q, y, std::isfinite(time) && time >= 0 ? time : this->time()), Variables::momenta);
@@ -98,6 +98,8 @@ void World::set_values(double time, std::span<const double> q, std::span<const d
   check_limits(tree_, q, name);
   std::vector<double> coordinates(q.begin(), q.end()), rates(y.begin(), y.end());
   normalise_quaternions(tree_, coordinates, name);
+  std::optional<WorldSnapshot> before;  // loops may stay open
+  if (tree_.has_loops()) before = snapshot();
   std::erase_if(active_limits_, [&](const ActiveLimit& h) {
     if (stays_resting(h, coordinates, rates)) return false;
     if (const Loop* const loop = is_loop({h.joint}) ? tree_.find_loop({h.joint}) : nullptr) {
@@ -117,7 +119,10 @@ void World::set_values(double time, std::span<const double> q, std::span<const d
   follow_motions(tree_, time, coordinates.data(), rates.data());
   assign(time, coordinates, rates, given);
   if (tree_.has_loops())
-    if (std::optional<Error> error = assemble(tree_, model_, names_, state_)) throw_error(std::move(*error));
+    if (std::optional<Error> error = assemble(tree_, model_, names_, state_)) {
+      restore(*before);
+      throw_error(std::move(*error));
+    }
 }
 
 // Sets a state in velocities, or one in momenta from momenta.

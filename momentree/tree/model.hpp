@@ -129,6 +129,8 @@ class Model {
   /// Throws Error for numbers that are not finite.
   void set_gravity(Vec3 gravity);
   int size() const { return static_cast<int>(bodies_->size()); }
+  /// The name of a body, or "ground".
+  std::string body_name(BodyId body) const { return body == ground ? "ground" : (*this)[body].name; }
   /// The body as added, but with unit axes, full q and v (never empty), a joint name, and unit quaternions.
   const BodySpec& operator[](BodyId body) const {
     MT_REQUIRE(body.index >= 0 && body.index < size(), "a body of this model, as add() returned it");

@@ -244,20 +244,21 @@ class Batch(_core.BatchBase):
         """
         return self._apply(self._numbers(worlds), [(action.key, action.scenario_value()) for action in actions], name or "")
 
-    def contact_forces(self, body: str, worlds: Worlds = None) -> Array:
+    def contact_forces(self, body: str | _core.ModelBody, worlds: Worlds = None) -> Array:
         """Sum of the forces of contacts on a body (N), world axes, shape (len(worlds), 3), a copy.
 
         Zero where it touches nothing, NaN where it was removed. After the state or topology was set: those with which the next
         step begins.
 
         Args:
-            body: Its name, or ``"ground"``.
+            body: A body of the model, its name, or ``"ground"``.
             worlds: Which, also of different topologies; default: all.
 
         Raises:
             Error: There is no such body or world, or another thread is using the batch.
         """
-        return _fixed(self._contact_forces(body, self._numbers(worlds)))
+        name = body.name if isinstance(body, _core.ModelBody) else body
+        return _fixed(self._contact_forces(name, self._numbers(worlds)))
 
     @property
     def group(self) -> NDArray[np.intp]:

@@ -91,13 +91,13 @@ void write_rows(BatchObject& self, const Worlds& worlds, nb::handle q, nb::handl
     refuse("set_state: both v and p are given", "momenta follow from velocities: give one of them");
   const std::size_t n = worlds.size();
   std::vector<double> coordinates, rates, instants;
-  if (!q.is_none()) coordinates = numbers_of(q, n, nq, "q");
+  if (!q.is_none()) coordinates = rows_of(q, n, nq, "q");
   if (!time.is_none()) instants = numbers_of(time, n, 0, "time");
   const auto or_null = [](const std::vector<double>& numbers) { return numbers.empty() ? nullptr : numbers.data(); };
   if (!p.is_none()) {
-    rates = numbers_of(p, n, nv, "p");
+    rates = rows_of(p, n, nv, "p");
   } else if (!v.is_none()) {
-    rates = numbers_of(v, n, nv, "v");
+    rates = rows_of(v, n, nv, "v");
   } else if (!q.is_none()) {  // writing q alone keeps the velocities
     rates.resize(n * nv);
     self.batch.read(worlds, nullptr, nullptr, nullptr, rates.data());
@@ -152,7 +152,7 @@ nb::list apply_in_worlds(BatchObject& self, const Worlds& worlds, const std::vec
 void set_efforts(BatchObject& self, const Worlds& worlds, nb::handle efforts) {
   const UseBatch use(self);
   const auto [nq, nv] = widths(self, worlds);
-  if (!worlds.empty()) self.batch.set_efforts(worlds, numbers_of(efforts, worlds.size(), nv, "effort").data());
+  if (!worlds.empty()) self.batch.set_efforts(worlds, rows_of(efforts, worlds.size(), nv, "effort").data());
 }
 
 BodyId body_of(const BatchObject& self, const std::string& body) {

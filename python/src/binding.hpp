@@ -60,6 +60,8 @@ nb::object copy_of(std::span<const double> numbers);
 /// The numbers of an array-like of that shape (columns 0: one dimension of `rows` numbers), converted to double. Throws Error for
 /// another shape, for values that are no real numbers, and, if `finite`, for infinities and NaN.
 std::vector<double> numbers_of(nb::handle object, std::size_t rows, std::size_t columns, const char* what, bool finite = true);
+/// The same in two dimensions, also without columns.
+std::vector<double> rows_of(nb::handle object, std::size_t rows, std::size_t columns, const char* what);
 /// The same, one-dimensional and of any length.
 std::vector<double> numbers_of(nb::handle object, const char* what);
 

@@ -187,6 +187,15 @@ std::vector<double> numbers_of(nb::handle object, std::size_t rows, std::size_t 
   return copy_numbers(array, what, finite);
 }
 
+std::vector<double> rows_of(nb::handle object, std::size_t rows, std::size_t columns, const char* what) {
+  if (columns > 0) return numbers_of(object, rows, columns, what);
+  const nb::tuple shape(as_array(object, what).attr("shape"));
+  if (shape.size() != 2 || nb::cast<std::size_t>(shape[0]) != rows || nb::cast<std::size_t>(shape[1]) != 0)
+    refuse(std::string(what) + ": expected an array of shape (" + std::to_string(rows) + ", 0), found one of shape " +
+           shape_text(shape));
+  return {};
+}
+
 std::vector<double> numbers_of(nb::handle object, const char* what) {
   const nb::object array = numpy("atleast_1d")(as_array(object, what));
   const nb::tuple shape(array.attr("shape"));

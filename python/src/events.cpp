@@ -12,7 +12,7 @@ nb::object loop_status(const LoopStatus& status) {
 
 nb::list contact_records(std::span<const ContactPoint> points, const Model& model) {
   const nb::object make = python_class("_records", "Contact");
-  const auto name = [&](BodyId body) { return body == ground ? std::string("ground") : model[body].name; };
+  const auto name = [&](BodyId body) { return model.body_name(body); };
   nb::list all;
   for (const ContactPoint& point : points)
     all.append(make(name(point.one), name(point.other), from_vec3(point.point), from_vec3(point.normal), from_vec3(point.force),

@@ -73,7 +73,7 @@ void add_loop(const ModelPtr& self, const std::string& name, nb::handle body, nb
   Value table = to_value(fields, call);
   const auto end = [&](const char* key, nb::handle of) {
     const BodyId id = parent_in(self, of);
-    const std::string text = id == ground ? "ground" : self->model[id].name;
+    const std::string text = self->model.body_name(id);
     table.table()->insert(table.table()->begin(), Value::Entry{key, table.place, Value(text, table.place)});
   };
   if (!to.is_none()) end("to", to);

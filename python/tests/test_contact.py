@@ -277,3 +277,57 @@ def test_pickled_models_fall_alike(seed: int) -> None:
     sim.run(1.5)
     again.run(1.5)
     np.testing.assert_array_equal(again.q, sim.q)
+
+
+@pytest.mark.parametrize("method", ["rk4", "dop853", "stepping"])
+def test_contacts_follow_what_changes_between_runs(method: str) -> None:
+    model = mt.Model()
+    box = model.add("box/box", mass=2, inertia=0.02, joint=mt.Free(), q=[0, 0, 0.1, 1, 0, 0, 0], collision={"box": [0.4, 0.4, 0.2]})
+    model.add_floor(friction=0.5)
+    sim = mt.Simulation(model, method=method)
+    sim.run(0.1)
+
+    def force():
+        return sum((contact.force for contact in sim.world.contacts), np.zeros(3))
+
+    sim.effort[2] = 5
+    np.testing.assert_allclose(force(), [0, 0, 2 * 9.81 - 5], atol=1e-3)
+    sim.effort[2] = 30
+    np.testing.assert_allclose(force(), 0, atol=1e-9)
+    np.testing.assert_allclose(sim.world.bodies["box/box"].linear_acceleration, [0, 0, 15 - 9.81], atol=1e-6)
+    sim.effort[2] = 0
+    sim.set_gravity([0, 0, -1.62])
+    np.testing.assert_allclose(force(), [0, 0, 2 * 1.62], atol=1e-3)
+    other = sim.branch()
+    sim.run(0.2)
+    other.run(0.2)
+    np.testing.assert_array_equal(other.q, sim.q)
+    assert len(mt.Batch(model, worlds=2, threads=1).contact_forces(box)) == 2
+
+
+@pytest.mark.parametrize("method", ["rk4", "stepping"])
+def test_an_action_by_which_bodies_overlap_changes_nothing(method: str) -> None:
+    model = mt.Model()
+    shape = {"box": [0.4, 0.4, 0.2]}
+    model.add("a", mass=2, inertia=0.02, joint=mt.Free(), q=[0, 0, 0.5, 1, 0, 0, 0], collision=shape)
+    model.add("b", parent="a", mass=0.1, inertia=1e-3, joint=mt.Weld(), at=[0, 0, 0.1])
+    model.add("c", parent="b", mass=2, inertia=0.02, joint=mt.Weld(), at=[0, 0, 0.05], collision=shape)
+    model.add_floor()
+    sim = mt.Simulation(model, method=method)
+    sim.run(0.1)
+    before = sim.state_json()
+    for _ in range(2):
+        with pytest.raises(mt.Error, match="'a' and 'c' overlap by 0.05 m"):
+            sim.apply(mt.break_joint("c"))
+    assert sim.state_json() == before
+    assert not sim.events
+    sim.run(0.2)
+
+
+def test_a_state_in_which_bodies_overlap_is_refused_by_stepping_too() -> None:
+    sim = mt.Simulation(box_above_floor(0), method="stepping")
+    sim.q[2] = 0.02
+    with pytest.raises(mt.RunError, match="'box/box' and 'ground' overlap by 0.08 m"):
+        sim.run(0.1)
+    sim.q[2] = 0.3
+    sim.run(0.1)

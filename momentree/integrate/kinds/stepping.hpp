@@ -18,6 +18,12 @@ class Stepping final : public Integrator {
   Stepping(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept override;
   void use(StepContacts* contacts) override { contacts_ = contacts; }
+  void note_start() override {
+    if (contacts_ != nullptr) contacts_->note_start();
+  }
+  void return_to_start() override {
+    if (contacts_ != nullptr) contacts_->return_to_start();
+  }
 
  private:
   std::unique_ptr<double[]> q_, y_;          // stage, then result

@@ -92,7 +92,7 @@ void fields(Archive& archive, Part<Archive, SteppedBody>& b) {
 template <class Archive>
 void fields(Archive& archive, Part<Archive, SteppingState>& s) {
   archive(s.on, s.all, s.bodies, s.changes, s.changes_at_once, s.window, s.instant, s.one, s.other, s.short_steps, s.steps,
-          s.steps_began, s.points);
+          s.steps_began, s.points, s.released, s.placed);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, RunState>& r) {

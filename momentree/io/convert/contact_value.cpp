@@ -72,8 +72,6 @@ Value describe_friction(const ContactLaw& law) {
   return value(std::move(table));
 }
 
-std::string name_of(const Model& model, BodyId body) { return body == ground ? "ground" : model[body].name; }
-
 // How `between` names the bodies of a rule; empty if no single name stands for them.
 std::string name_of(const std::vector<BodyId>& set, const std::string& written, const Model& model) {
   if (set.size() == 1 && set.front() == ground) return "ground";
@@ -114,7 +112,7 @@ void add_pairs(const Model& model, const std::vector<BodyId>& bodies, const Cont
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (std::size_t k = i + 1; k < bodies.size(); ++k)
       if (applies(rule, model, bodies[i], bodies[k]))
-        out.push_back(describe_rule(rule, name_of(model, bodies[i]), name_of(model, bodies[k])));
+        out.push_back(describe_rule(rule, model.body_name(bodies[i]), model.body_name(bodies[k])));
 }
 
 }  // namespace
@@ -170,7 +168,7 @@ Value describe_contacts(const Model& model) {
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (std::size_t k = i + 1; k < bodies.size(); ++k)
       if (const ContactRule* const rule = model.contact_rule(bodies[i], bodies[k]))
-        by_pairs.push_back(describe_rule(*rule, name_of(model, bodies[i]), name_of(model, bodies[k])));
+        by_pairs.push_back(describe_rule(*rule, model.body_name(bodies[i]), model.body_name(bodies[k])));
   return value(by_rules.size() <= by_pairs.size() ? std::move(by_rules) : std::move(by_pairs));
 }
 

@@ -19,9 +19,9 @@ Integration integration_of(const Model& model, const BatchOptions& options);
 /// The topology of a world as groups have it: without closed contacts and functions, and with joints that rest on stops free.
 Topology bare_topology(const World& world);
 
-class OwnRun {
+class SimulatedWorld {
  public:
-  OwnRun(const Model& model, const Integration& integration);
+  SimulatedWorld(const Model& model, const Integration& integration);
 
   Simulation& simulation() { return simulation_; }
   const Simulation& simulation() const { return simulation_; }
@@ -32,8 +32,10 @@ class OwnRun {
   void restart(const WorldSnapshot& start, const Model& model);
   /// Extra efforts act from now on.
   void set_efforts(std::span<const ExtraEffort> efforts);
-  /// Prepares the simulation for steps or actions, after restart() if the world was changed.
-  void prepare();
+  /// What is done with the simulation next.
+  enum class Use : unsigned char { step, read };
+  /// Prepares the simulation for steps and actions, or for reading its contacts, after restart() if the world was changed.
+  void prepare(Use use);
   /// Steps the world by h seconds. Returns why that was impossible, empty: it was possible.
   std::string step(double h);
   /// Compares its topology with that of its group. True: the world belongs to another group.
@@ -52,7 +54,6 @@ class OwnRun {
 
   Simulation simulation_;
   bool changed_ = false;
-  bool placed_ = false;           // coordinates were set since the last step
   bool efforts_changed_ = false;  // since the last step
   std::size_t first_event_ = 0;   // of the last step
   std::uint64_t compared_ = 0;    // the revision of the tree for which the topology is that of the group

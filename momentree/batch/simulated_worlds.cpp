@@ -9,19 +9,19 @@
 
 namespace momentree {
 
-using batch::OwnRun;
+using batch::SimulatedWorld;
 
 // Those of later worlds cannot fail for another reason than that there is no more memory.
-void Batch::Impl::make_own(int worlds) {
+void Batch::Impl::make_simulations(int worlds) {
   if (const std::optional<Overlap> worst = deepest_overlap(model))
     throw_error({worst->text() + " at the start", "", "move one of them, or let them pass through each other by a contact rule"});
-  own_runs.resize(static_cast<std::size_t>(worlds));
-  own_runs[0] = std::make_unique<OwnRun>(model, integration);
+  simulated.resize(static_cast<std::size_t>(worlds));
+  simulated[0] = std::make_unique<SimulatedWorld>(model, integration);
   std::exception_ptr failed;
   std::mutex mutex;
   pool.run(worlds - 1, [&](int, int i) {
     try {
-      own_runs[static_cast<std::size_t>(i) + 1] = std::make_unique<OwnRun>(model, integration);
+      simulated[static_cast<std::size_t>(i) + 1] = std::make_unique<SimulatedWorld>(model, integration);
     } catch (...) {
       const std::lock_guard lock(mutex);
       failed = std::current_exception();
@@ -30,43 +30,43 @@ void Batch::Impl::make_own(int worlds) {
   if (failed) std::rethrow_exception(failed);
 }
 
-void Batch::Impl::bring(int world) {
-  OwnRun& run = *own_runs[static_cast<std::size_t>(world)];
+void Batch::Impl::prepare_simulation(int world, SimulatedWorld::Use use) {
+  SimulatedWorld& run = *simulated[static_cast<std::size_t>(world)];
   if (run.is_changed()) run.restart(snapshot_of(world), model);
-  run.prepare();
+  run.prepare(use);
 }
 
-void Batch::Impl::run_own(const std::function<double(int)>& step_of) noexcept {
-  const int worlds = static_cast<int>(own_runs.size());
-  pool.run(worlds, [&](int, int world) { step_own(world, step_of(world)); });
+void Batch::Impl::step_simulations(const std::function<double(int)>& step_of) noexcept {
+  const int worlds = static_cast<int>(simulated.size());
+  pool.run(worlds, [&](int, int world) { step_simulation(world, step_of(world)); });
   for (int world = 0; world < worlds; ++world)
-    if (own_runs[static_cast<std::size_t>(world)]->moves) move_own(world);
+    if (simulated[static_cast<std::size_t>(world)]->moves) change_group(world);
 }
 
-void Batch::Impl::step_own(int world, double h) noexcept {
-  OwnRun& run = *own_runs[static_cast<std::size_t>(world)];
+void Batch::Impl::step_simulation(int world, double h) noexcept {
+  SimulatedWorld& run = *simulated[static_cast<std::size_t>(world)];
   const Seat at = seat(world);
   if (h == 0 || at.group->ran_away(at.slot)) return;
   try {
-    bring(world);
+    prepare_simulation(world, SimulatedWorld::Use::step);
     run.message = run.step(h);
   } catch (const std::exception& error) {
     run.message = error.what();
   }
-  if (run.message.empty()) return note_own(world);
+  if (run.message.empty()) return copy_to_group(world);
   at.group->set_ran_away(at.slot, true);
   run.changed();  // the simulation ended somewhere else
 }
 
-void Batch::Impl::note_own(int world) {
-  OwnRun& run = *own_runs[static_cast<std::size_t>(world)];
+void Batch::Impl::copy_to_group(int world) {
+  SimulatedWorld& run = *simulated[static_cast<std::size_t>(world)];
   const Seat at = seat(world);
   run.moves = run.left(at.group->topology(), declared);
   if (!run.moves) at.group->set_state(at.slot, run.simulation().world().state());
 }
 
-void Batch::Impl::move_own(int world) {
-  OwnRun& run = *own_runs[static_cast<std::size_t>(world)];
+void Batch::Impl::change_group(int world) {
+  SimulatedWorld& run = *simulated[static_cast<std::size_t>(world)];
   const Seat from = seat(world);
   const World& now = run.simulation().world();
   const bool away = from.group->ran_away(from.slot);
@@ -83,31 +83,25 @@ void Batch::Impl::move_own(int world) {
   named[world] = std::move(names);
 }
 
-Event Batch::Impl::apply_own(int world, std::span<const Action> actions, std::string name) {
-  OwnRun& run = *own_runs[static_cast<std::size_t>(world)];
-  bring(world);
+Event Batch::Impl::apply_in_simulation(int world, std::span<const Action> actions, std::string name) {
+  SimulatedWorld& run = *simulated[static_cast<std::size_t>(world)];
+  prepare_simulation(world, SimulatedWorld::Use::step);
   const bool unnamed = name.empty();
-  std::optional<Event> event;
-  try {
-    event = run.simulation().apply(actions, std::move(name));
-  } catch (...) {
-    run.changed();
-    throw;
-  }
-  note_own(world);
-  if (run.moves) move_own(world);
+  Event event = run.simulation().apply(actions, std::move(name));  // may throw, with nothing changed
+  copy_to_group(world);
+  if (run.moves) change_group(world);
   Named names = names_in(run.simulation().world(), names_now(world), run.made_loops);
   ++names.events;
-  if (unnamed) event->name = "#" + std::to_string(names.events);
+  if (unnamed) event.name = "#" + std::to_string(names.events);
   named[world] = std::move(names);
-  return std::move(*event);
+  return event;
 }
 
 std::vector<ContactPoint> Batch::contacts(int world) const {
   impl().seat(world);
   if (!impl_->one_by_one) return {};
-  impl_->bring(world);
-  return impl_->own_runs[static_cast<std::size_t>(world)]->simulation().world().contacts();
+  impl_->prepare_simulation(world, SimulatedWorld::Use::read);
+  return impl_->simulated[static_cast<std::size_t>(world)]->simulation().world().contacts();
 }
 
 void Batch::contact_forces(std::span<const int> worlds, BodyId body, double* forces) const {
@@ -118,7 +112,8 @@ void Batch::contact_forces(std::span<const int> worlds, BodyId body, double* for
   once.erase(std::unique(once.begin(), once.end()), once.end());
   for (const int world : once) impl.seat(world);
   if (impl.one_by_one)
-    impl.pool.run(static_cast<int>(once.size()), [&](int, int i) { impl.bring(once[static_cast<std::size_t>(i)]); });
+    impl.pool.run(static_cast<int>(once.size()),
+                  [&](int, int i) { impl.prepare_simulation(once[static_cast<std::size_t>(i)], SimulatedWorld::Use::read); });
   impl.pool.run(static_cast<int>(worlds.size()), [&](int, int i) {
     const auto row = static_cast<std::size_t>(i);
     const Tree& tree = impl.seat(worlds[row]).group->tree();
@@ -139,13 +134,13 @@ void Batch::contact_forces(std::span<const int> worlds, BodyId body, double* for
 std::span<const Event> Batch::events(int world) const {
   impl().seat(world);
   if (!impl_->one_by_one) return {};
-  return impl_->own_runs[static_cast<std::size_t>(world)]->events();
+  return impl_->simulated[static_cast<std::size_t>(world)]->events();
 }
 
 std::string Batch::message(int world) const {
   if (!ran_away(world)) return {};
   if (!impl_->one_by_one) return "the step diverged, or ended where loops can't be closed; use a shorter one";
-  return impl_->own_runs[static_cast<std::size_t>(world)]->message;
+  return impl_->simulated[static_cast<std::size_t>(world)]->message;
 }
 
 }  // namespace momentree

@@ -1,18 +1,16 @@
-#include <momentree/batch/own_run.hpp>
+#include <momentree/batch/simulated_world.hpp>
 
 #include <algorithm>
 
 #include <momentree/base/error.hpp>
 #include <momentree/batch/batch.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/simulate/overlap.hpp>
 
 namespace momentree::batch {
 
 namespace {
 
 constexpr int most_dofs = 6;
-constexpr double most_overlap = 1e-3;  // m: states from time stepping may have such overlaps
 
 std::size_t first_effort(int joint) { return static_cast<std::size_t>(most_dofs * joint); }
 
@@ -53,14 +51,12 @@ Topology bare_topology(const World& world) {
   return bare;
 }
 
-OwnRun::OwnRun(const Model& model, const Integration& integration)
+SimulatedWorld::SimulatedWorld(const Model& model, const Integration& integration)
     : simulation_(model, integration),
       compared_(simulation_.world().tree().revision()),
       by_joint_(first_effort(simulation_.world().tree().bodies())) {}
 
-void OwnRun::restart(const WorldSnapshot& start, const Model& model) {
-  const State& now = simulation_.world().state();
-  placed_ = placed_ || !std::ranges::equal(now.q(), start.engine.q);
+void SimulatedWorld::restart(const WorldSnapshot& start, const Model& model) {
   if (made_loops) simulation_ = Simulation(model, simulation_.integration());
   made_loops = false;
   simulation_.restart(start);
@@ -69,20 +65,20 @@ void OwnRun::restart(const WorldSnapshot& start, const Model& model) {
   changed_ = false;
 }
 
-void OwnRun::set_efforts(std::span<const ExtraEffort> efforts) {
+void SimulatedWorld::set_efforts(std::span<const ExtraEffort> efforts) {
   efforts_.assign(efforts.begin(), efforts.end());
   std::fill(by_joint_.begin(), by_joint_.end(), 0.0);
   for (const ExtraEffort& e : efforts_) by_joint_[first_effort(e.joint) + static_cast<std::size_t>(e.dof)] = e.value;
   efforts_changed_ = true;
 }
 
-JointFunction OwnRun::function_of(int joint) const {
+JointFunction SimulatedWorld::function_of(int joint) const {
   const double* const values = by_joint_.data() + first_effort(joint);
   return [values](const EvaluationContext&, std::span<double> efforts) { std::copy_n(values, efforts.size(), efforts.begin()); };
 }
 
 // Functions stay with their joints until these break or become others.
-void OwnRun::prepare() {
+void SimulatedWorld::prepare(Use use) {
   const World& world = simulation_.world();
   const Tree& tree = world.tree();
   std::vector<JointDriver> missing;
@@ -98,13 +94,10 @@ void OwnRun::prepare() {
   if (!missing.empty())
     simulation_.drive_all(std::move(missing));
   else if (renew)
-    simulation_.functions_changed();
+    simulation_.functions_changed(use == Use::read);
 }
 
-std::string OwnRun::step(double h) {
-  if (std::exchange(placed_, false))
-    if (const std::optional<Overlap> worst = simulation_.overlap(); worst && worst->depth > most_overlap)
-      return worst->text() + ": set another state";
+std::string SimulatedWorld::step(double h) {
   simulation_.forget_events(simulation_.time());
   first_event_ = simulation_.events().size();
   const RunResult run = simulation_.run_until(simulation_.time() + h);
@@ -112,7 +105,7 @@ std::string OwnRun::step(double h) {
   return run.reason.empty() ? "the step was interrupted" : run.reason;
 }
 
-bool OwnRun::left(const Topology& group, const Tree& declared) {
+bool SimulatedWorld::left(const Topology& group, const Tree& declared) {
   const std::uint64_t revision = simulation_.world().tree().revision();
   if (revision == compared_) return false;
   compared_ = revision;

@@ -1,0 +1,95 @@
+// Events of a run: actions that are due, or that come from outside, are carried out.
+#include <momentree/simulate/simulation_impl.hpp>
+
+namespace momentree {
+
+bool Simulation::Impl::happen() {
+  for (std::size_t count = 0;; ++count) {
+    std::vector<std::size_t> places = queue.due(world.time());
+    if (places.empty() && queue.watching(world)) {
+      evaluate_state();
+      if (const std::optional<std::size_t> place = queue.urgent(world, events_now())) places = {*place};
+    }
+    if (places.empty()) return true;
+    if (count > detail::most_events_at_once) {
+      message = "more than " + std::to_string(detail::most_events_at_once) + " events at t = " + detail::text(world.time()) +
+                " s, the last of them " + last_events(events) + "; do they trigger each other without a delay?";
+      return false;
+    }
+    std::vector<DueEvent> due;
+    for (const std::size_t k : places) due.push_back(queue.at(k).event);
+    if (keeps_history) history.push_back({events.size(), snapshot(), places});
+    if (!carry_out_now(due)) {
+      if (keeps_history) history.pop_back();
+      return false;
+    }
+    for (const std::size_t k : places) queue.happened(k, world.time());
+  }
+}
+
+bool Simulation::Impl::act(std::span<const Action> actions, const std::string& name) {
+  settle();
+  const bool continued = std::exchange(continues, false), kept = std::exchange(keeps_contacts, false);
+  const bool pending = contacts.has_pending();
+  contacts.open_pending();
+  const During working(doing, Doing::working);
+  DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
+  due.actions.assign(actions.begin(), actions.end());
+  if (keeps_history) history.push_back({events.size(), snapshot(), {}});
+  const bool done = carry_out_now({&due, 1});
+  if (!done && keeps_history) history.pop_back();
+  if (some_step() || steps_through() || (pending && !done)) update_pending_contacts();
+  if (!done) continues = continued, keeps_contacts = kept;
+  return done;
+}
+
+// Carries out actions. False: they were refused, or bodies then overlap, and nothing has happened.
+bool Simulation::Impl::carry_out_now(std::span<const DueEvent> due) {
+  evaluate_state();
+  if (statistics.changes == 0) book();
+  if (!contacts.any()) return try_now(due);
+  const SimulationSnapshot before = snapshot();
+  const RunStatistics counted = statistics;
+  const double overlapping = steps_through() ? contacts.deepest_of_all() : 0;
+  if (try_now(due) && !overlaps_more_than(overlapping)) return true;
+  restore_run(before);
+  queue.continue_from(*before.queue, world);
+  statistics = counted;
+  return false;
+}
+
+bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
+  WorldSnapshot before;
+  const bool stopped = stops.any();
+  if (stopped) before = world.snapshot();
+  InstantReport report = carry_out(world, due);
+  // A stop that would have had to pull in an impact was released before it: repeat without it.
+  for (bool again = stopped; again && !report.refused;) {
+    const WorldSnapshot after = world.snapshot();
+    world.restore(before);
+    again = stops.release_pulled(report.events);
+    if (again) {
+      before = world.snapshot();
+      report = carry_out(world, due);
+    } else {
+      world.restore(after);
+    }
+  }
+  statistics.changes += report.changes;
+  statistics.topology_seconds += report.seconds;
+  if (report.refused) {
+    message = report.message;
+    return false;
+  }
+  world.take_variables(world.own_variables());
+  evaluate_state();
+  for (Event& event : report.events) {
+    add_to_balance(event);
+    events.push_back(std::move(event));
+  }
+  queue.forget_looks();
+  resolve_limits();
+  return !contacts.any() || resolve_contacts();
+}
+
+}  // namespace momentree
