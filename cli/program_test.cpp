@@ -117,7 +117,8 @@ TEST_CASE("evaluate --state with another scenario shows the contacts of that one
     };
     const auto forces = [&](const std::string& change) {
       double sum = 0;
-      for (const auto& contact : nlohmann::json::parse(evaluate(change).output).at("contacts"))
+      const nlohmann::json state = nlohmann::json::parse(evaluate(change).output);
+      for (const auto& contact : state.at("contacts"))
         if (contact.contains("force") && !contact.contains("stepped")) sum += contact.at("force").at(2).get<double>();
       return sum;
     };

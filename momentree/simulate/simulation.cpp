@@ -320,7 +320,7 @@ void Simulation::continue_from(const RunState& state) { changing().continue_from
 StepMemory Simulation::step_memory() const {
   const bool adaptive = impl().method->adaptive();
   StepMemory memory{adaptive ? impl_->method->proposal() : 0.0, adaptive ? impl_->ledger.work : 0.0, impl_->stepping_state()};
-  if (!memory.stepping.points.empty() && impl_->idle()) memory.stepping.unloaded = impl_->unloaded();
+  if (!memory.stepping.points.empty() && !memory.stepping.released && impl_->idle()) memory.stepping.unloaded = impl_->unloaded();
   memory.stepping.placed = true;  // whatever begins with it
   return memory;
 }
