@@ -98,8 +98,10 @@ int evaluate(const EvaluateOptions& options) {
     throw_error({worst->text() + " in this state", options.state.empty() ? options.scenario : options.state,
                  "move one of them, or use the scenario for which the state was written"});
   const World& world = session.simulation().world();
+  StepMemory memory = session.simulation().step_memory();
+  if (options.state.empty() && scenario->state_files.empty()) memory.next_step = memory.work = 0;  // no step was made
   if (options.json)
-    std::fputs(io::state_json(world, session.armed(), {0, 0, session.simulation().step_memory().stepping}).c_str(), stdout);
+    std::fputs(io::state_json(world, session.armed(), memory).c_str(), stdout);
   else
     show(stdout, evaluation_text(world, Style::of_output()));
   return done;

@@ -31,7 +31,8 @@ constexpr Key integrate_entries[] = {
     {"until", number(dimension::time, Range::not_negative), "End of the run", "10"},
     {"rtol", number(dimension::number, Range::positive), "Adaptive methods: relative error per step", "1e-8"},
     {"atol", number(dimension::number, Range::positive), "Adaptive methods: absolute error per step", "1e-10"},
-    {"max_step", number(dimension::time, Range::positive), "Adaptive methods: the longest step; default: no limit"},
+    {"max_step", number(dimension::time, Range::positive),
+     "The longest step of adaptive methods, and of the motion between impulses with stepping; default: no limit"},
     {"simultaneous", choice(&ways_to_share), "How contacts that close at one instant share the impact", R"("together")"},
     {"resolve", boolean, "Bodies that overlap at the start are pushed apart, with the least motion", "false"},
 };
@@ -111,7 +112,7 @@ void read_integrate(const Value& table, Reading& reading) {
   integration.max_step = fields.number("max_step").value_or(integration.max_step);
   if (!is_adaptive(integration.method))
     for (const char* key : {"rtol", "atol", "max_step"})
-      if (fields.has(key))
+      if (fields.has(key) && !(key == std::string_view("max_step") && steps_through_contacts(integration.method)))
         out.warning(fields.place_of(key),
                     in_quotes(key) + " has no effect: method " + in_quotes(integration.method) + " has fixed steps",
                     "use method = \"dopri5\", which chooses its steps");

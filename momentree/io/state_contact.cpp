@@ -82,6 +82,7 @@ class ContactReader {
     const bool stepped = fields_.boolean("stepped").value_or(false);
     const bool pending = fields_.boolean("pending").value_or(false);
     const bool former = fields_.boolean("former").value_or(false);
+    static_cast<void>(fields_.boolean("released"));
     SteppedContact point{who.pair, who.id, who.one.index, who.other.index, {}, {}, {}, {}, who.cable};
     for (const auto& [key, to] :
          {std::pair{"point", &point.point}, {"normal", &point.normal}, {"force", &point.force}, {"slip", &point.slip}})
@@ -218,6 +219,7 @@ void write_contacts(JsonWriter& json, const World& world, const SteppingState& s
     json.begin_object();
     write_who(json, model, shapes, {shown.one, shown.other, point.pair, point.cable, point.id});
     json.member("stepped", true);
+    if (stepping.released) json.member("released", true);
     write_point(json, shown);
     json.end_object();
   }
@@ -268,6 +270,8 @@ void read_stepping(const Value& value, const Model& model, JointReader& joints, 
       stepping.bodies.resize(static_cast<std::size_t>(model.size()));
       stepping.bodies[static_cast<std::size_t>(body->index)] = state;
     }
+  const auto is_on = [](const SteppedBody& body) { return body.on; };
+  stepping.on = stepping.on && std::ranges::any_of(stepping.bodies, is_on), stepping.all = stepping.all && stepping.on;
   for (const auto& [key, count] : {std::pair{"changes", &stepping.changes},
                                    {"changes_at_once", &stepping.changes_at_once},
                                    {"short_steps", &stepping.short_steps},

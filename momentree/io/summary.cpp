@@ -39,6 +39,8 @@ void write_origin(JsonWriter& json, const RunOrigin& origin, const std::string& 
   if (is_adaptive(origin.integration.method)) {  // no bound: null
     json.member("rtol", origin.integration.rtol).member("atol", origin.integration.atol);
     json.member("max_step", origin.integration.max_step);
+  } else if (std::isfinite(origin.integration.max_step) && steps_through_contacts(origin.integration.method)) {
+    json.member("max_step", origin.integration.max_step);
   }
   if (origin.reactions) json.member("reactions", true);
 }

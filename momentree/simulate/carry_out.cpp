@@ -38,7 +38,7 @@ bool Simulation::Impl::act(std::span<const Action> actions, const std::string& n
   if (keeps_history) history.push_back({events.size(), snapshot(), {}});
   const bool done = carry_out_now({&due, 1});
   if (!done && keeps_history) history.pop_back();
-  if (some_step() || steps_through() || (pending && !done)) update_pending_contacts();
+  if (done ? some_step() || steps_through() : pending) update_pending_contacts();
   if (!done) continues = continued, keeps_contacts = kept;
   return done;
 }

@@ -257,17 +257,19 @@ void Simulation::Impl::check_contacts_of_document(const SteppingState& from) {
     hold = !from.released && contact_steps.still_near() &&
            (!known || std::fabs(unloaded() - from.unloaded) <= same * std::max(1.0, from.unloaded));
   }
-  if (!hold) update_pending_contacts();
+  if (hold) return;
+  if (!from.released) contact_steps.set_points({});  // they are those of another scenario
+  update_pending_contacts();
 }
 
-// The norm of all accelerations without the forces of contacts that are stepped through.
+// The norm of the rates of all momenta without the forces of contacts that are stepped through.
 double Simulation::Impl::unloaded() {
   const auto count = evaluate.count;
   const auto seconds = evaluate.seconds;
   const bool released = contact_steps.released();
   contact_steps.release();
   double sum = 0;
-  for (const double a : world.a()) sum += a * a;
+  for (const double rate : world.pdot()) sum += rate * rate;
   contact_steps.set_points(contact_steps.points(), released);
   evaluate_state();
   evaluate.count = count, evaluate.seconds = seconds;
@@ -293,7 +295,7 @@ bool Simulation::Impl::overlaps_more_than(double before) {
 
 // The same for a state that was set.
 bool Simulation::Impl::overlaps_at_start() {
-  if (!std::exchange(stepping.placed, false) || !contacts.any() || !(some_step() || steps_through())) return false;
+  if (!std::exchange(stepping.placed, false) || !contacts.any()) return false;
   const std::optional<Overlap> worst = contacts.overlap_of_all();
   if (!worst || worst->depth <= Contacts::left_by_steps) return false;
   stepping.placed = true;

@@ -313,3 +313,27 @@ TEST_CASE("stepping: closed loops stay closed, and drives that press are in the 
   CHECK(balance.lost_in_impacts > 0.1);
   CHECK(std::fabs(balance.error) < 0.02 * balance.largest_kinetic);
 }
+
+TEST_CASE("stepping: max_step limits the motion between impulses, not these") {
+  const Model model = falling_chain(12);  // which swings fast enough that long steps lose its energy
+  const auto error_in_flight = [&](double step, double max_step) {
+    Simulation sim(model, {.method = "stepping", .step = step, .max_step = max_step});
+    std::vector<double> q(sim.world().state().q().begin(), sim.world().state().q().end()), v;
+    q[2] += 100;
+    for (int i = 0; i < sim.world().tree().nv(); ++i) v.push_back(4 * std::sin(i));
+    sim.set_state(0, q, v, Variables::velocities);
+    REQUIRE(sim.run_until(0.5));
+    CHECK(sim.statistics().steps == std::lround(0.5 / step));
+    return std::fabs(sim.energy().error);
+  };
+  const double whole = error_in_flight(0.01, HUGE_VAL), parts = error_in_flight(0.01, 0.001),
+               same = error_in_flight(0.001, HUGE_VAL);
+  CHECK(parts < 0.01 * whole);
+  CHECK(parts == doctest::Approx(same).epsilon(0.01));
+  // Bodies that lie on the floor stay there, and impulses are those of the whole step.
+  Prng random(5);
+  Simulation pile(falling_boxes(3, random), {.method = "stepping", .step = 2e-3, .max_step = 5e-4});
+  REQUIRE(pile.run_until(2));
+  CHECK(std::fabs(pile.energy().error) < 1e-3);
+  CHECK(pile.world().totals().kinetic < 1e-3);
+}

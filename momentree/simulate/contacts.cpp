@@ -422,7 +422,17 @@ double Contacts::deepest_of_all() {
   const std::optional<Overlap> worst = overlap_of_all();
   return worst ? worst->depth : 0;
 }
-std::optional<Overlap> Contacts::overlap_with(BodyId body) { return deepest(body.index); }
+std::optional<Overlap> Contacts::overlap_with(BodyId body) { return deepest(body.index, true); }
+
+// How deep a pair overlaps (m), also where bodies cross each other so that no feature of one is inside the other.
+double Contacts::depth_of(const Pair& pair, int number) const {
+  double depth = -gap_of(number, 0).value;
+  if (pair.cable >= 0 || pair.other->plane || pair.one->solid.faces.empty() || pair.other->solid.faces.empty()) return depth;
+  found_candidates_.clear();
+  overlap_.find(pair.one->solid, place(pair.a), pair.other->solid, place(pair.b), 0, found_candidates_);
+  for (const contact::Candidate& found : found_candidates_) depth = std::max(depth, -found.gap);
+  return depth;
+}
 
 // Of that body, or of all bodies if it is negative: then of located contacts, or of all.
 std::optional<Overlap> Contacts::deepest(int body, bool all) {
@@ -432,7 +442,7 @@ std::optional<Overlap> Contacts::deepest(int body, bool all) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     if (body >= 0 ? pair.a != body && pair.b != body : !all && handling(pair) != Handling::located) continue;
     if (apart(pair) > 0) continue;
-    const double depth = -gap_of(i, 0).value;
+    const double depth = all ? depth_of(pair, i) : -gap_of(i, 0).value;
     if (depth > overlapping * pair.size(*this) && (!worst || depth > worst->depth))
       worst = Overlap{name_of(pair.a), name_of(pair.b), depth, pair.cable >= 0 ? pair.law_name : "", pair.a, pair.b};
   }
@@ -453,7 +463,7 @@ std::optional<Overlap> deepest_overlap(const Model& model) {
 
 std::optional<Overlap> Contacts::overlap_of(World& world) {
   Evaluator evaluate(world.tree_, world.workspace_);
-  return Contacts(world, evaluate, 1e-10).overlap();
+  return Contacts(world, evaluate, 1e-10).overlap_of_all();
 }
 
 std::string Contacts::name_of(int body) const { return world_->model_.body_name({body}); }

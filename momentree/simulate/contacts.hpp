@@ -163,6 +163,7 @@ class Contacts {
   Handling handling(const Pair& pair) const;
   void find_any();
   std::optional<Overlap> deepest(int body, bool all = false);
+  double depth_of(const Pair& pair, int number) const;
   const std::vector<int>& near_pairs(double h, double margin) const;
   void find_welded() const;
   contact::Place place(int body) const;

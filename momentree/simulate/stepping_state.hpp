@@ -42,7 +42,8 @@ struct SteppingState {
   std::vector<SteppedContact> points;  ///< of the last step
   bool released = false;               ///< forces or the state changed since the last step: its forces no longer act
   bool placed = true;                  ///< no run has begun since the state was set: bodies may overlap
-  /// The norm of all accelerations without contacts, in documents: another model, or other forces, give another one. −1: unknown.
+  /// The norm of the rates of all momenta without contacts, in documents: another model, or other forces, give another one.
+  /// −1: unknown.
   double unloaded = -1;
   friend bool operator==(const SteppingState&, const SteppingState&) = default;
 };

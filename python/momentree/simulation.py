@@ -81,7 +81,7 @@ class Simulation(_core.SimulationBase):
         step: s; the first step of adaptive methods.
         rtol: Relative error per step of adaptive methods.
         atol: Absolute error per step of adaptive methods.
-        max_step: Longest step of adaptive methods (s).
+        max_step: Longest step of adaptive methods, and of the motion between impulses of ``"stepping"`` (s).
         event_tolerance: Accuracy of located instants (s).
         resolve: True: bodies that overlap at the start are pushed apart, with the least motion; an Error if that is impossible.
     """

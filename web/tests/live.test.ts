@@ -95,6 +95,9 @@ it("ends with Stop, and the page says so", async () => {
   await page.getByRole("button", { name: "Stop", exact: true }).click();
   expect(await end).toBe(0);
   await page.waitForFunction(() => document.body.innerText.includes("The program has ended"), undefined, patience);
+  for (const name of ["Grab", "Cut", "Play"])
+    expect(await page.getByRole("button", { name, exact: true }).isDisabled(), name).toBe(true);
+  expect(await page.getByLabel("Time", { exact: true }).isEnabled()).toBe(true); // what it showed can be seen again
 });
 
 it("ends on Ctrl-C", async () => {

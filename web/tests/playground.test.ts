@@ -228,6 +228,50 @@ test("a link contains the scenario", async () => {
   expect(complaints).toEqual([]);
 });
 
+test("Share tells below the header what it did, and no longer than needed", async () => {
+  const { page } = await playground(phone);
+  const height = () => page.locator("header").evaluate((e) => e.clientHeight);
+  const before = await height();
+  await page.getByRole("button", { name: "Share" }).tap();
+  const message = page.locator("output.toast");
+  await expect.poll(() => message.innerText(), patience).toMatch(/link/i);
+  expect(await height()).toBe(before);
+  await expect.poll(() => message.innerText(), patience).toBe("");
+});
+
+test("keys do nothing behind the help", async () => {
+  const { page } = await playground();
+  const pressed = () => page.locator(".tools [aria-pressed=true]").allInnerTexts();
+  const before = await pressed();
+  await page.keyboard.press("?");
+  for (const key of ["c", "f", "v"]) await page.keyboard.press(key);
+  expect(await pressed()).toEqual(before);
+  await page.keyboard.press("Escape");
+  expect(await page.locator("dialog[open]").count()).toBe(0);
+  await page.keyboard.press("c");
+  expect(await pressed()).toContain("Cut");
+});
+
+test("on a phone, the menu View hides no tool, and closes after a press elsewhere", async () => {
+  const { page } = await playground(phone);
+  const menu = page.getByRole("button", { name: "View", exact: true });
+  const open = async () => (await menu.getAttribute("aria-expanded")) === "true";
+  await menu.tap();
+  await page.locator("summary", { hasText: "Save" }).tap();
+  for (const name of ["Forces", "Fit", "Weld"]) await page.getByRole("button", { name, exact: true }).tap({ trial: true });
+  await page.getByRole("button", { name: "Floor", exact: true }).tap({ trial: true });
+  expect(await open()).toBe(true);
+  await page.getByRole("button", { name: "Weld", exact: true }).tap();
+  expect(await open()).toBe(false);
+  const [hint, scale] = await page
+    .locator(".hint:not(.load), .scale")
+    .evaluateAll((all) =>
+      all.map((e) => ({ ...e.getBoundingClientRect().toJSON(), pad: parseFloat(getComputedStyle(e).paddingRight) })),
+    )
+    .then((boxes: { left: number; right: number; pad: number }[]) => boxes.sort((a, b) => a.left - b.left));
+  expect(hint.right - hint.pad).toBeLessThanOrEqual(scale.left);
+});
+
 test("the gallery runs, on a phone and in the dark too", async () => {
   for (const [view, name] of [
     [{ ...desktop, dark: true }, "dark"],

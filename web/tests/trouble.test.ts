@@ -255,6 +255,7 @@ axis = [0, 1, 0]
       await page.getByRole("button", { name: "instead" }).click();
       await ready(page);
       expect(await page.title()).toContain("Breaking chain");
+      expect(await page.evaluate(() => location.hash)).toBe(""); // a reload shows it again
       expect(await page.locator(".timeline").evaluate((e) => (e as HTMLElement).inert)).toBe(false);
       expect(complaints).toEqual([]);
       await page.context().close();

@@ -3,6 +3,7 @@
 // then the impulses of all contacts that the bodies have reached in it. Nothing is located within steps. Of order 4 while nothing
 // touches, of order 1 otherwise.
 #include <algorithm>
+#include <cmath>
 
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/integrate/rk4_stages.hpp>
@@ -26,19 +27,46 @@ class Stepping final : public Integrator {
   }
 
  private:
+  bool fly(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h, double end) noexcept;
+  double longest_;                           // part of a step (s): StepControl::max_step
   std::unique_ptr<double[]> q_, y_;          // stage, then result
   std::unique_ptr<double[]> q_sum_, y_sum_;  // weighted rates
   StepContacts* contacts_ = nullptr;
+  State before_;  // of a step of several parts
 };
 
 inline Stepping::Stepping(const Tree& tree, const StepControl& control)
     : Integrator(tree, control),
+      longest_(control.max_step),
       q_(scratch(7 * tree.bodies())),
       y_(scratch(6 * tree.bodies())),
       q_sum_(scratch(7 * tree.bodies())),
       y_sum_(scratch(6 * tree.bodies())) {}
 
+// Where the motion without contacts needs shorter steps than contacts do, it has several to one set of impulses.
 inline bool Stepping::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
+  const double end = state.time() + h;
+  const int parts = h > longest_ ? static_cast<int>(std::ceil((1 - 1e-9) * h / longest_)) : 1;
+  if (parts == 1) {
+    if (!fly(evaluate, state, ledger, h, end)) return false;
+  } else {
+    const EnergyLedger books = ledger;
+    before_ = state;
+    for (int k = 0; k < parts; ++k) {
+      if (k > 0) evaluate(state);
+      const bool last = k + 1 == parts;
+      const double part = last ? end - state.time() : h / parts;
+      if (fly(evaluate, state, ledger, part, last ? end : state.time() + part)) continue;
+      state = before_, ledger = books;
+      return false;
+    }
+  }
+  if (contacts_ != nullptr) contacts_->apply(state, ledger, h);
+  return true;
+}
+
+// A step without contacts, of h seconds until `end`.
+inline bool Stepping::fly(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h, double end) noexcept {
   const Workspace<double>& workspace = evaluate.workspace();
   require_ready(evaluate, state, h);
   const Tree& tree = evaluate.tree();
@@ -59,12 +87,11 @@ inline bool Stepping::step(Evaluator& evaluate, State& state, EnergyLedger& ledg
     const State::Edit edit = state.edit();
     std::copy_n(q_.get(), nq, edit.q.begin());
     std::copy_n(y_.get(), nv, edit.y.begin());
-    edit.time += h;
+    edit.time = end;
   }
   ledger.dissipated += h / 6 * sum.dissipated;
   ledger.work += h / 6 * sum.work;
   book_closing(evaluate, state, ledger);
-  if (contacts_ != nullptr) contacts_->apply(state, ledger, h);
   return true;
 }
 

@@ -15,7 +15,8 @@ namespace {
 constexpr double friction = 0.5, restitution = 0.1;
 constexpr double thickness = 0.05;  // radius of a capsule, relative to its length
 constexpr double room = 0.01;       // between the floor and what is above it, relative to the size of the whole
-constexpr double step = 1e-3;       // s: pages keep up with the clock
+// Pages keep up with the clock. The motion between impulses has shorter steps if the scenario has.
+constexpr double step = 1e-3, shortest_flight = 2.5e-4;  // s
 
 std::size_t at(BodyId body) { return static_cast<std::size_t>(body.index); }
 
@@ -184,8 +185,10 @@ bool put_on_floor(Scenario& scenario) {
     pass_through(model, {model.body(name)}, {ground});
   }
   scenario.model = std::move(model);
-  scenario.integration.method = contact_stepping_method();
-  scenario.integration.step = step;
+  Integration& integration = scenario.integration;
+  if (!is_adaptive(integration.method)) integration.max_step = std::clamp(integration.step, shortest_flight, step);
+  integration.method = contact_stepping_method();
+  integration.step = step;
   return true;
 }
 

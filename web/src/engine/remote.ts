@@ -39,6 +39,7 @@ export class RemoteEngine implements EnginePort {
   onlost: (lost: boolean) => void = () => undefined;
   private readonly waiting: ToWorker[] = [];
   private sending = false;
+  private lost = false;
 
   private readonly arrived: string[] = [];
   private scheduled = false;
@@ -46,9 +47,17 @@ export class RemoteEngine implements EnginePort {
   /** `address`: of this page. */
   constructor(private readonly address: string) {
     const source = new EventSource(`${address}/stream`);
-    source.onmessage = ({ data }: MessageEvent<string>) => this.receive(data);
-    source.onopen = () => this.onlost(false);
-    source.onerror = () => this.onlost(true);
+    source.onmessage = ({ data }: MessageEvent<string>) => {
+      if (this.lost) this.lose(false);
+      this.receive(data);
+    };
+    source.onopen = () => this.lose(false);
+    source.onerror = () => this.lose(true);
+  }
+
+  private lose(lost: boolean) {
+    this.lost = lost;
+    this.onlost(lost);
   }
 
   /** Messages are handed on once per drawing, and of frames that follow each other only the last: a slow page does not lag. */
@@ -80,7 +89,7 @@ export class RemoteEngine implements EnginePort {
         await fetch(`${this.address}/act`, { method: "POST", body: JSON.stringify(message) });
     } catch {
       this.waiting.length = 0;
-      this.onlost(true);
+      this.lose(true);
     } finally {
       this.sending = false;
     }

@@ -37,6 +37,7 @@ world.placeholder.show("Connecting", "Waiting for the program …");
 engine.onlost = (lost) => {
   state.textContent = lost ? "The program has ended, or does not answer; this page keeps what it showed" : "live";
   stop.disabled = lost;
+  app.end(lost);
   if (lost && !app.run) world.placeholder.show("No program", "The program that served this page has ended.");
 };
 Object.assign(window, { live: { app, placeOf: world.placeOf, frameRate: world.frameRate } });

@@ -22,6 +22,9 @@ export function h<Tag extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
+/** Whether a dialog covers the page: keys are not for what is behind it. */
+export const isCovered = () => document.querySelector("dialog[open]") !== null;
+
 /** A table with a header; cells after the first contain numbers and are right-aligned. */
 export function table(caption: string, head: readonly string[], rows: readonly (readonly string[])[]): HTMLTableElement {
   const cell = (text: string, column: number, tag: "th" | "td") =>

@@ -2,6 +2,7 @@
 import type { Motion } from "../recording";
 import { frameAt } from "../viewer/frames";
 import type { Player } from "../viewer/player";
+import { isCovered } from "./dom";
 import type { EventList } from "./events";
 
 /** `buttons`: those that letters press. Keys that the focused element needs are left to it. */
@@ -18,7 +19,7 @@ export function listenToKeys(
     player.seek(run.time(Math.min(Math.max(forward ? frame + 1 : between ? frame : frame - 1, 0), run.frames - 1)));
   };
   document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || isCovered()) return;
     const target = event.target as HTMLElement;
     if (target.matches("select, input:not([type=range]), textarea")) return;
     const onButton = target.matches("button, summary");

@@ -117,6 +117,11 @@ export class Timeline {
     this.options.choose(marked(run.events, from, to)[near.i]);
   }
 
+  /** Whether there is something to play. */
+  set playable(on: boolean) {
+    this.play.disabled = !on;
+  }
+
   private range(): [number, number] {
     const run = this.run();
     return run ? [startTime(run), endTime(run)] : [0, 0];

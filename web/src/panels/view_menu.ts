@@ -14,7 +14,16 @@ export function viewMenu(...buttons: (HTMLElement | false)[]): ViewMenu {
     "View",
   );
   const element = h("div", { class: "tools view-tools" }, more, ...buttons);
-  more.addEventListener("click", () => more.setAttribute("aria-expanded", String(element.classList.toggle("open"))));
+  const open = (on: boolean) => {
+    element.classList.toggle("open", on);
+    more.setAttribute("aria-expanded", String(on));
+  };
+  more.addEventListener("click", () => open(!element.classList.contains("open")));
+  // It closes after a picture was saved, by Escape and by a press elsewhere; not while a video is recorded, which is ended in it.
+  const close = () => element.querySelector(".recording") || open(false);
+  element.addEventListener("click", (event) => (event.target as HTMLElement).closest(".save .menu") && close());
+  element.addEventListener("keydown", (event) => event.key === "Escape" && close());
+  document.addEventListener("pointerdown", (event) => element.contains(event.target as Node) || close());
   const room = () => {
     const box = more.getBoundingClientRect();
     const picture = element.closest(".stage")?.getBoundingClientRect();

@@ -31,6 +31,8 @@ export class App implements Clock {
   floor = false;
   private playsWhenLoaded = false;
   private ready = false;
+  /** Whether the program that has the world has ended: only what was recorded can be shown. */
+  ended = false;
   onChecked: (diagnostics: readonly Diagnostic[]) => void = () => undefined;
   onDiagnostics: (diagnostics: readonly Diagnostic[]) => void = () => undefined;
 
@@ -53,6 +55,7 @@ export class App implements Clock {
     for (const listener of this.listeners) listener(changed);
   }
   send(message: ToWorker) {
+    if (this.ended) return;
     this.engine.postMessage(message);
   }
 
@@ -76,7 +79,15 @@ export class App implements Clock {
     return this.run?.topology ?? null;
   }
 
+  /** Called when the program has ended (true), and when it is there again. */
+  end(ended: boolean) {
+    this.ended = ended;
+    if (ended) this.playing = false;
+    this.notify("status");
+  }
+
   play(on: boolean) {
+    if (this.ended) return;
     if (on && this.shownFrame !== null && this.run) this.continueFrom(this.run.time(this.frame));
     this.playing = on;
     this.send({ type: "play", on });

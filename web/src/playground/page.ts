@@ -1,5 +1,6 @@
 // The playground's page: the world of a scenario that the reader chooses, writes or gets by a link.
 import { h } from "../panels/dom";
+import { Toast } from "../panels/toast";
 import type { App } from "./app";
 import { Editor } from "./editor";
 import { gallery } from "./gallery";
@@ -19,20 +20,22 @@ export function showPlayground(page: HTMLElement, app: App) {
   choice.append(ownChoice);
   choice.addEventListener("change", () => {
     const example = gallery.find(({ name }) => name === choice.value);
-    if (example) start(example.text);
+    if (!example) return;
+    forgetLink();
+    start(example.text);
   });
-  const shared = h("output", { class: "shared", "aria-live": "polite" });
+  const toast = new Toast();
   const share = h("button", { type: "button", title: "Copy a link that contains this scenario" }, "Share");
   share.addEventListener("click", async () => {
     location.hash = await fragmentOf(editor.text, app.floor);
     const scope = scopeOf(location);
-    let message = "link copied";
+    let message = "Link copied";
     try {
       await navigator.clipboard.writeText(location.href);
     } catch {
-      message = "the link is in the address bar";
+      message = "The link is in the address bar";
     }
-    shared.textContent = scope ? `${message}; ${scope}` : message;
+    toast.show(scope ? `${message}; ${scope}` : message);
   });
 
   const editor = new Editor(
@@ -56,7 +59,7 @@ export function showPlayground(page: HTMLElement, app: App) {
   app.listen(() => floor.setAttribute("aria-pressed", String(app.floor)));
   const world = showWorldPage(page, app, {
     name: "momentree playground",
-    header: [choice, share, shared],
+    header: [choice, share],
     about,
     help: sections,
     controls: [jointControls(app), weldControls(app), connections(app), sliders(app), history(app)],
@@ -64,10 +67,19 @@ export function showPlayground(page: HTMLElement, app: App) {
     restart,
     tool: { button: floor, key: "d" },
   });
+  page.append(toast.element);
   let source = "";
+  /** Whether the page was opened by a link that contains no scenario. */
+  let unreadable = false;
+  /** The page has another scenario than that of an unreadable link: it also has it after a reload. */
+  const forgetLink = () => {
+    if (unreadable) window.history.replaceState(null, "", location.pathname + location.search);
+    unreadable = false;
+  };
   /** `from`: description of the text, as the beginning of a sentence. `floor`: with the floor of this page. */
   const start = (text: string, { from = "The scenario", floor = false } = {}) => {
     source = from;
+    unreadable = false;
     app.play(false);
     if (editor.text !== text) editor.text = text;
     choice.value = gallery.find((example) => example.text === text)?.name ?? "";
@@ -78,7 +90,14 @@ export function showPlayground(page: HTMLElement, app: App) {
     if (app.run) return app.showNotice(`${reason} This is still “${app.run.model.title}”.`);
     const title = gallery.find(({ text }) => text === other)?.title ?? "the scenario of this page";
     choice.selectedIndex = -1;
-    world.placeholder.show("No scenario", reason, { label: `Open “${title}” instead`, run: () => start(other) });
+    unreadable = true;
+    world.placeholder.show("No scenario", reason, {
+      label: `Open “${title}” instead`,
+      run: () => {
+        forgetLink();
+        start(other);
+      },
+    });
   };
   app.onChecked = (diagnostics) => editor.mark(diagnostics);
   app.onDiagnostics = (diagnostics) => {

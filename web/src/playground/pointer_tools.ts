@@ -29,6 +29,8 @@ const tolerance = (event: PointerEvent) =>
 
 export class PointerTools {
   tool: Tool = "grab";
+  /** Otherwise, the pointer only rotates the picture. */
+  enabled = true;
   private drag: { pointer: number; plane: THREE.Plane } | null = null;
   private pressed: { pointer: number; x: number; y: number } | null = null;
   private readonly line = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ depthTest: false }));
@@ -84,7 +86,7 @@ export class PointerTools {
   }
 
   private press(event: PointerEvent) {
-    if (event.button !== 0 || !event.isPrimary) return;
+    if (!this.enabled || event.button !== 0 || !event.isPrimary) return;
     const within = tolerance(event);
     const hit = this.stage.pick(event.clientX, event.clientY, within.body);
     if (this.tool !== "grab") {

@@ -1,6 +1,6 @@
 // The part of a page that shows a world and acts on it: picture with tools, timeline, plots and readouts, panel. Controls
 // that need a world are disabled without one.
-import { h } from "../panels/dom";
+import { h, isCovered } from "../panels/dom";
 import { helpButton, type HelpSection } from "../panels/help";
 import { mountStage, ownColoursTitle } from "../panels/mount_stage";
 import { FrameRate } from "../panels/frame_rate";
@@ -60,6 +60,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
   let theme: Theme | null = null;
   let tool: Tool = "grab";
   let first = -1;
+  let acts = true;
   let loads = true;
   let own = true;
 
@@ -148,17 +149,17 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     choose: (event) => app.seek(app.run!.events[event].time),
     shortest: 1,
     ...(shell.restart && { button: shell.restart }),
-  }).element;
+  });
 
   const readings = new Readings();
   const panel = h("div", { class: "controls" }, ...shell.controls);
   const side = tabs("What to do", [{ name: "Play", content: panel }, ...shell.tabs]);
-  for (const part of [over, timeline, panel]) part.inert = true;
+  for (const part of [over, timeline.element, panel]) part.inert = true;
   hint.hidden = true;
 
   page.append(
     h("header", {}, title, ...shell.header, h("span", { class: "gap" }), helpButton(shell.about, shell.help), themeButton()),
-    h("section", { class: "picture", "aria-label": "Picture" }, host, timeline),
+    h("section", { class: "picture", "aria-label": "Picture" }, host, timeline.element),
     readings.element,
     side,
   );
@@ -197,12 +198,13 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     stage?.dispose();
     for (const each of shownParts) each.remove();
     for (const each of host.querySelectorAll(".placeholder")) each.remove();
-    for (const part of [over, timeline, panel]) part.inert = false;
+    for (const part of [over, timeline.element, panel]) part.inert = false;
     stage = mountStage(host, model, [
       "The simulation, the plots and the panel work without it: joints can be cut and locked by name.",
     ]);
     pointer = stage && new PointerTools(stage, scene, actions);
-    over.hidden = hint.hidden = stage === null;
+    over.hidden = stage === null;
+    showActing();
     if (!stage) return;
     stage.roomAbove = menu.room;
     choose(tool);
@@ -226,6 +228,16 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     colours.hidden = !stage.shapes.coloured;
     if (theme) stage.setTheme(theme);
     resetView();
+  }
+
+  /** Without its program a world only shows what happened. */
+  function showActing() {
+    acts = !app.ended;
+    for (const { button } of toolButtons) button.disabled = app.ended;
+    if (app.run) panel.inert = app.ended;
+    hint.hidden = app.ended || stage === null;
+    timeline.playable = !app.ended;
+    if (pointer) pointer.enabled = !app.ended;
   }
 
   function resetView() {
@@ -256,6 +268,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     }
     if (!app.run && app.notice) placeholder.show("Nothing to show", app.notice);
     notice.textContent = app.run ? app.notice : "";
+    if (acts === app.ended) showActing();
     if (changed !== "status") draw();
     if (app.run) readings.show(app.run, app.frame, app.engineSeconds, frameRate, changed !== "frame" || !app.playing);
   });
@@ -270,8 +283,8 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
   document.addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
     if (event.ctrlKey || event.metaKey || event.altKey || target.matches("textarea, select, input:not([type=range])")) return;
-    if (!app.run) return;
-    const found = stage && toolButtons.find(({ key }) => key === event.key.toLowerCase());
+    if (!app.run || isCovered()) return;
+    const found = stage && !app.ended && toolButtons.find(({ key }) => key === event.key.toLowerCase());
     if (found) choose(found.tool);
     else if (event.key.toLowerCase() === shell.tool?.key) shell.tool.button.click();
     else if (event.key === " " && !target.matches("button")) app.toggle();

@@ -52,40 +52,58 @@ export function gathered(spheres: readonly (Sphere | null)[], home: THREE.Vector
   return first ? present.filter(({ at }) => at.distanceTo(first.at) <= room) : [];
 }
 
+/** What the camera shows. */
+export interface Lens {
+  /** Vertical angle of view (deg). */
+  readonly fov: number;
+  readonly aspect: number;
+  /** The share of the picture's height that is left free at its top; less than 0.45. */
+  readonly above?: number;
+}
+
+/** The share of the picture, without what is left free, that spheres may fill. */
+const margin = 0.94;
+
 /**
  * How the camera must look at spheres that it sees along `direction` (from the target to the camera): as it does if all are
- * within the share `margin` of the picture; otherwise at their middle, from where all are within. A camera that is farther
- * away than `home` comes back when they fill less than half of the picture.
+ * in the picture, below the part that is left free; otherwise so that their middle is in the middle of the rest, from where
+ * all are within. A camera that is farther away than `home` comes back when they fill less than half of the picture.
  */
 export function aimAt(
   spheres: readonly Sphere[],
   present: Aim,
   direction: THREE.Vector3,
   up: THREE.Vector3,
-  fov: number,
-  aspect: number,
+  { fov, aspect, above = 0 }: Lens,
   home = Infinity,
-  margin = 0.94,
 ): Aim {
   if (spheres.length === 0) return present;
-  const tall = margin * Math.tan(THREE.MathUtils.degToRad(fov) / 2);
-  const wide = tall * aspect;
+  const half = Math.tan(THREE.MathUtils.degToRad(fov) / 2);
+  const wide = margin * half * aspect;
+  const tall = margin * half * (1 - above);
+  /** By distance from the camera, how far the middle of the rest is below the middle of the picture. */
+  const lower = half * above;
   const right = new THREE.Vector3().crossVectors(up, direction).normalize();
   const top = new THREE.Vector3().crossVectors(direction, right);
-  const needed = (target: THREE.Vector3) =>
+  /** The distance from which all are within; `away`: how far from the camera a sphere must be for its height. */
+  const needed = (target: THREE.Vector3, away: (height: number, nearer: number, radius: number) => number) =>
     Math.max(
       ...spheres.map(({ at, radius }) => {
         const from = at.clone().sub(target);
-        const aside = Math.max((Math.abs(from.dot(right)) + radius) / wide, (Math.abs(from.dot(top)) + radius) / tall);
-        return aside + from.dot(direction);
+        const nearer = from.dot(direction);
+        return nearer + Math.max((Math.abs(from.dot(right)) + radius) / wide, away(from.dot(top), nearer, radius));
       }),
     );
-  const now = needed(present.target);
+  const now = needed(present.target, (height, _nearer, radius) =>
+    Math.max((radius + height) / (tall - lower), (radius - height) / (tall + lower)),
+  );
   const back = present.distance > 1.001 * home && now < 0.5 * present.distance;
   if (now <= present.distance && !back) return present;
   const box = new THREE.Box3();
   for (const { at, radius } of spheres)
     box.expandByPoint(at.clone().addScalar(radius)).expandByPoint(at.clone().addScalar(-radius));
-  const target = box.getCenter(new THREE.Vector3());
-  return { target, distance: Math.max(back ? home : present.distance, needed(target)) };
+  const middle = box.getCenter(new THREE.Vector3());
+  const around = needed(middle, (height, nearer, radius) => (Math.abs(height - lower * nearer) + radius) / tall);
+  const distance = Math.max(back ? home : present.distance, around);
+  return { target: middle.addScaledVector(top, lower * distance), distance };
 }

@@ -74,6 +74,39 @@ describe("a joint that closes a loop", () => {
     expect(shownJoint(model, after, poses)).toEqual(strut);
     expect(withHistory([after], [after])[0].wasLoop).toBe(true);
     expect(withHistory([joint("d", "weld", 0, 2)], [weld])[0].wasLoop).toBeUndefined();
-    expect(shownJoint(model, joint("d", "weld", 0, 2), poses).lines).toEqual([]); // a grasp: the bodies touch
+  });
+});
+
+describe("a weld that was made in the run", () => {
+  const weld = joint("d", "weld", 0, 2, { at: [2, 0, 0] });
+
+  it("is a strut if its bodies are apart, also if it closes no loop", () => {
+    const { at, lines } = shownJoint(model, weld, poses);
+    expect(at).toEqual([1.5, 0, 0]);
+    expect(lines.map(({ body, from }) => [body, from])).toEqual([
+      [0, [0.5, 0, 0]],
+      [2, [2.5, 0, 0]],
+    ]);
+    const had = { ...model, joints: [...model.joints, joint("d", "weld", 2, 0)] };
+    expect(shownJoint(had, weld, poses).lines).toEqual([]); // a joint of the model
+    const other = { ...model, joints: [...model.joints, joint("d", "weld", 1, 2)] };
+    expect(shownJoint(other, weld, poses).lines).toHaveLength(2); // an earlier one had its name
+  });
+
+  it("is nothing to see if its bodies touch, as after a grasp", () => {
+    expect(shownJoint(model, joint("d", "weld", 0, 1, { at: [1, 0, 0] }), poses).lines).toEqual([]);
+    const across = [0, 0, 0, 1, 0, 0, 0, ...poses.slice(7, 14), 0.5, -0.5, 0.1, Math.SQRT1_2, 0, 0, Math.SQRT1_2];
+    expect(shownJoint(model, weld, across).lines).toEqual([]);
+  });
+
+  it("of a body with shapes begins at their surfaces", () => {
+    const at = { xyz: [0, 0, 0] as const, quat: [1, 0, 0, 0] as const };
+    const box = (half: number) => ({ kind: "box" as const, size: [2 * half, 0, 0] as const, at });
+    const boxes = (half: number): Model => ({
+      ...model,
+      bodies: model.bodies.map((body) => ({ ...body, com: [0, 0, 0], extent: [], shapes: [box(half)] })),
+    });
+    expect(shownJoint(boxes(1), weld, poses).lines).toEqual([]);
+    expect(shownJoint(boxes(0.5), weld, poses).lines).toHaveLength(2);
   });
 });

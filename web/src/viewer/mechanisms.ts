@@ -121,7 +121,7 @@ export class MechanismsView {
 
   private outline(theme: Theme, mechanism: number): THREE.MeshBasicMaterial {
     let material = this.outlines.get(mechanism);
-    if (!material) this.outlines.set(mechanism, (material = outlineMaterial(2.5, this.resolution)));
+    if (!material) this.outlines.set(mechanism, (material = outlineMaterial(2.5, this.length, this.resolution)));
     material.color.set(this.colour(theme, mechanism));
     return material;
   }

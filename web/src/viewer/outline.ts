@@ -29,7 +29,11 @@ export function addOutward(geometry: THREE.BufferGeometry) {
 /** The size of the picture (CSS pixels), shared by all materials of a view. */
 export type Resolution = { value: THREE.Vector2 };
 
-export function outlineMaterial(pixels: number, resolution: Resolution): THREE.MeshBasicMaterial {
+/**
+ * `behind`: the outline lies this much (m) farther away than the back faces. It hides what is farther away still, and so parts
+ * two bodies of which one is in front of the other, but not the surfaces next to a small part of a mesh.
+ */
+export function outlineMaterial(pixels: number, behind: number, resolution: Resolution): THREE.MeshBasicMaterial {
   // Drawn with the transparent objects, which are ordered by `renderOrder`.
   const material = new THREE.MeshBasicMaterial({ side: THREE.BackSide, transparent: true });
   material.onBeforeCompile = (shader) => {
@@ -38,6 +42,8 @@ export function outlineMaterial(pixels: number, resolution: Resolution): THREE.M
       "#include <project_vertex>",
       `#include <project_vertex>
       vec2 aside = (projectionMatrix * modelViewMatrix * vec4(outward, 0.0)).xy * resolution;
+      vec4 away = projectionMatrix * (mvPosition - vec4(0.0, 0.0, ${behind.toExponential()}, 0.0));
+      gl_Position.z = min(away.z / away.w, 1.0) * gl_Position.w;
       gl_Position.xy += ${pixels.toFixed(1)} * 2.0 * gl_Position.w * aside / max(length(aside), 1e-6) / resolution;`,
     );
   };

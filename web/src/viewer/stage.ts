@@ -46,7 +46,7 @@ export class Stage {
   private readonly pace = new Pace();
   private shadows = true;
   private drawingListener: (began: number, ended: number) => void = () => undefined;
-  /** How much of the picture's top is covered (px): a view of everything leaves it free. */
+  /** How much of the picture's top is covered (px): a view of everything and a camera that follows leave it free. */
   roomAbove: () => number = () => 0;
   /** Distance of the camera at the last view of everything (m). */
   private home = Infinity;
@@ -178,7 +178,8 @@ export class Stage {
     const spheres = spheresOf(this.model, this.state.poses, (body) => this.shapes.reach(body));
     const near = gathered(spheres, this.view.centre, 4 * this.view.radius);
     const present = { target: controls.target, distance };
-    const aim = aimAt(near, present, direction, camera.up, camera.fov, camera.aspect, this.home);
+    const lens = { fov: camera.fov, aspect: camera.aspect, above: this.shareAbove() };
+    const aim = aimAt(near, present, direction, camera.up, lens, this.home);
     if (aim === present) return;
     const next = stepTowards(present, aim, seconds);
     controls.target.copy(next.target);
@@ -265,11 +266,15 @@ export class Stage {
     this.aimAt(view);
   }
 
+  /** The share of the picture's height that is left free at its top. */
+  private shareAbove(): number {
+    const height = this.canvas.clientHeight;
+    return height > 0 ? Math.min(this.roomAbove() / height, 0.4) : 0;
+  }
+
   private aimAt(view: Pick<View, "box" | "centre" | "direction" | "up">) {
     this.camera.up.copy(view.up);
-    const height = this.canvas.clientHeight;
-    const above = height > 0 ? Math.min(this.roomAbove() / height, 0.4) : 0;
-    this.controls.target.copy(this.aim(this.camera, view, view.direction, above));
+    this.controls.target.copy(this.aim(this.camera, view, view.direction, this.shareAbove()));
     this.controls.update();
     this.home = this.controls.getDistance();
     this.draw();
