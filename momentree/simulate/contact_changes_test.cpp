@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <tests/error_of.hpp>
 
@@ -253,4 +254,35 @@ TEST_CASE("branches of runs with time stepping are exact, whatever conditions lo
   }
   CHECK(different == 0);
   CHECK(fired > 24);
+}
+
+TEST_CASE("overlaps: of beams that cross each other, where no corner of one is inside the other") {
+  const auto crossing = [](double apart, double turn) {
+    Model model({.gravity = {0, 0, -g}});
+    for (const double sign : {1.0, -1.0}) {
+      const double half = sign > 0 ? 0 : 0.5 * turn;
+      const BodyId beam = model.add({.name = sign > 0 ? "one" : "other",
+                                     .mass = 1,
+                                     .inertia = diagonal(0.1),
+                                     .joint = Free{},
+                                     .q = {0, 0, 1 + 0.5 * sign * apart, std::cos(half), 0, 0, std::sin(half)}});
+      model.add_collider({.body = beam, .solid = contact::box({1, 0.05, 0.05})});
+    }
+    return model;
+  };
+  for (const double turn : {0.3, 1.0, 1.5707963267948966}) {
+    CAPTURE(turn);
+    for (const double depth : {0.045, 0.02, 0.002}) {
+      const Model model = crossing(0.05 - depth, turn);
+      const std::optional<Overlap> overlap = deepest_overlap(model);
+      REQUIRE(overlap.has_value());
+      CHECK(overlap->depth == doctest::Approx(depth).epsilon(1e-9));
+      for (const std::string& method : methods)
+        CHECK(Simulation(model, {.method = method, .step = 1e-3}).run_until(0.01).status == Status::stalled);
+      Simulation apart(model, {.resolve = true});
+      CHECK(apart.run_until(0.01));
+    }
+    CHECK(!deepest_overlap(crossing(0.05, turn)).has_value());
+    CHECK(!deepest_overlap(crossing(0.051, turn)).has_value());
+  }
 }
