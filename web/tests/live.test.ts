@@ -96,7 +96,7 @@ it("ends with Stop, and the page says so", async () => {
   expect(await end).toBe(0);
   await page.waitForFunction(() => document.body.innerText.includes("The program has ended"), undefined, patience);
   for (const name of ["Grab", "Cut", "Play"])
-    expect(await page.getByRole("button", { name, exact: true }).isDisabled(), name).toBe(true);
+    expect(await page.getByRole("button", { name, exact: true }).first().isDisabled(), name).toBe(true);
   expect(await page.getByLabel("Time", { exact: true }).isEnabled()).toBe(true); // what it showed can be seen again
 });
 
