@@ -80,7 +80,7 @@ std::vector<Contact> Contacts::touching_in_steps(bool method_steps) {
   return all;
 }
 
-// Which contacts of an island will close. False: it can't be told, or they hit each other.
+// Which contacts of an island will close. False: no forces were found, or bodies hit each other.
 bool Contacts::choose_pending(const std::vector<Contact>& touching, bool method_steps, std::vector<Contact>& chosen) {
   if (touching.size() > most_pending) return false;
   const bool steps = method_steps || std::any_of(touching.begin(), touching.end(), [this](const Contact& c) {

@@ -43,7 +43,7 @@ inline Stepping::Stepping(const Tree& tree, const StepControl& control)
       q_sum_(scratch(7 * tree.bodies())),
       y_sum_(scratch(6 * tree.bodies())) {}
 
-// Where the motion without contacts needs shorter steps than contacts do, it has several to one set of impulses.
+// The motion without contacts may take several shorter steps; contacts get one set of impulses at the end.
 inline bool Stepping::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
   const double end = state.time() + h;
   const int parts = h > longest_ ? static_cast<int>(std::ceil((1 - 1e-9) * h / longest_)) : 1;
