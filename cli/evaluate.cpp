@@ -12,8 +12,6 @@ namespace momentree::cli {
 
 namespace {
 
-constexpr double most_overlap = 1e-3;  // m: states from time stepping may have such overlaps
-
 std::string numbers(std::span<const double> values) {
   std::string text;
   for (const double x : values) text += (text.empty() ? "" : " ") + format("%.9g", x);
@@ -94,7 +92,7 @@ int evaluate(const EvaluateOptions& options) {
   const std::shared_ptr<const io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
   const io::Session session(scenario, documents_of(options.state, scenario->model));
-  if (const std::optional<Overlap> worst = session.simulation().overlap(); worst && worst->depth > most_overlap)
+  if (const std::optional<Overlap> worst = session.simulation().overlap(); worst && worst->depth > left_by_steps)
     throw_error({worst->text() + " in this state", options.state.empty() ? options.scenario : options.state,
                  "move one of them, or use the scenario for which the state was written"});
   const World& world = session.simulation().world();

@@ -288,7 +288,7 @@ bool Simulation::Impl::overlaps_more_than(double before) {
   constexpr double more = 1 + 1e-6;
   if (!steps_through()) return false;
   const std::optional<Overlap> worst = contacts.overlap_of_all();
-  if (!worst || worst->depth <= std::max(Contacts::left_by_steps, more * before)) return false;
+  if (!worst || worst->depth <= std::max(left_by_steps, more * before)) return false;
   report_overlap(worst->text());
   return true;
 }
@@ -297,7 +297,7 @@ bool Simulation::Impl::overlaps_more_than(double before) {
 bool Simulation::Impl::overlaps_at_start() {
   if (!std::exchange(stepping.placed, false) || !contacts.any()) return false;
   const std::optional<Overlap> worst = contacts.overlap_of_all();
-  if (!worst || worst->depth <= Contacts::left_by_steps) return false;
+  if (!worst || worst->depth <= left_by_steps) return false;
   stepping.placed = true;
   report_overlap(worst->text());
   return true;

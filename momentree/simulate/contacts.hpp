@@ -116,8 +116,7 @@ class Contacts {
   /// The pair that overlaps most at present, if any do: of contacts that are located, or of all.
   std::optional<Overlap> overlap();
   std::optional<Overlap> overlap_of_all();
-  double deepest_of_all();                       ///< its depth (m)
-  static constexpr double left_by_steps = 1e-3;  ///< m: states from time stepping may have such overlaps
+  double deepest_of_all();  ///< its depth (m)
   /// The pair of this body and another one that overlaps most.
   std::optional<Overlap> overlap_with(BodyId body);
   static std::optional<Overlap> overlap_of(World& world);

@@ -18,6 +18,9 @@ struct Overlap {
   std::string text() const;  ///< "'crate' and 'ground' overlap by 0.01 m"
 };
 
+/// States from time stepping may have overlaps of up to this (m); deeper ones are errors.
+inline constexpr double left_by_steps = 1e-3;
+
 /// What pushing overlapping bodies apart did.
 struct Separation {
   double largest = 0;             ///< the largest displacement of a centre of mass (m); 0: nothing overlapped
