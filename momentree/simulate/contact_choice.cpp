@@ -9,6 +9,7 @@ namespace momentree {
 
 namespace {
 
+constexpr double little_less_friction = 1e-5, less_friction = 1e-3;  // parts by which friction is weakened
 constexpr double motion_from_residual = 50;  // the motion that a solution may have because it is inexact, by its residual
 
 double largest(const std::vector<double>& all) {
@@ -65,6 +66,11 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
       c.mode = Contact::Mode::smooth;
     } else if (system_.state(i) == contact::PointState::slip && std::hypot(after_[3 * i + 1], after_[3 * i + 2]) > inexact) {
       if (!weakened_) weaken_friction();
+      if (moves_along(staying, i)) {
+        c.mode = Contact::Mode::stick;
+        closed.push_back(c);
+        continue;
+      }
       const double a1 = weaker_[3 * i + 1], a2 = weaker_[3 * i + 2], size = std::hypot(a1, a2);
       c.mode = Contact::Mode::slip;
       c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
@@ -89,23 +95,51 @@ double Contacts::pressing_acceleration(const std::vector<Contact>& contacts, std
 // Accelerations with a little less friction, in weaker_: where bodies begin to slip, their accelerations are nearly zero, and so
 // are known less well than the directions in which they will slip.
 void Contacts::weaken_friction() {
-  constexpr double less = 1 - 1e-5;
   weakened_ = true;
-  weaker_ = after_;
+  weaker_ = after_, much_weaker_ = after_;
+  if (!solve_weakened(less_friction, much_weaker_)) much_weaker_.clear();
+  solve_weakened(little_less_friction, weaker_);
+}
+
+// True if a pair that is at the limit of its friction stays together with less friction everywhere, although less friction of the
+// pair alone would let it slip: both bodies are about to slip on a third one, with equal friction. Which of the limits is reached
+// first is then known from rounding only, and so would be a direction of slip between the two.
+bool Contacts::moves_along(const std::vector<Contact>& contacts, std::size_t i) const {
+  constexpr double part = 0.1;
+  if (much_weaker_.empty()) return false;
+  const std::size_t n = system_.unknowns();
+  double most = 0, alone = 0;
+  for (std::size_t j = 0; j < contacts.size(); ++j) {
+    if (contacts[j].pair != contacts[i].pair || !(system_.r[3 * j] > 0)) continue;
+    most = std::max(most, std::hypot(much_weaker_[3 * j + 1], much_weaker_[3 * j + 2]));
+    double change[2] = {};
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      for (std::size_t d = 0; contacts[k].pair == contacts[i].pair && d < 2; ++d)
+        for (std::size_t e = 1; e < 3; ++e) change[d] += system_.A[(3 * j + 1 + d) * n + 3 * k + e] * system_.r[3 * k + e];
+    alone = std::max(alone, less_friction * std::hypot(change[0], change[1]));
+  }
+  return most < part * alone;
+}
+
+// Tangential accelerations with friction that is less by that part, where they are larger. False: none were found.
+bool Contacts::solve_weakened(double part, std::vector<double>& all) {
+  const double less = 1 - part;
   const std::vector<double> solution = system_.r;
   const std::vector<contact::PointLaw> laws = system_.laws;
   for (std::size_t i = 0; i < laws.size(); ++i) {
     system_.laws[i].friction *= less;
     for (std::size_t k = 1; k < 3; ++k) system_.r[3 * i + k] *= less;
   }
-  if (system_.solve(contact::Effort::little)) {
+  const bool solved = system_.solve(contact::Effort::little, 1e-3 * part);
+  if (solved) {
     std::vector<double> found;
     system_.velocities(found);
     for (std::size_t i = 0; i < laws.size(); ++i)
       if (std::hypot(found[3 * i + 1], found[3 * i + 2]) > std::hypot(after_[3 * i + 1], after_[3 * i + 2]))
-        std::copy_n(found.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, weaker_.begin() + static_cast<std::ptrdiff_t>(3 * i));
+        std::copy_n(found.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, all.begin() + static_cast<std::ptrdiff_t>(3 * i));
   }
   system_.r = solution, system_.laws = laws;
+  return solved;
 }
 
 // The forces of contacts that are placed, with their accelerations and mobility.

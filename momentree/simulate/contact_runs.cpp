@@ -282,11 +282,10 @@ void Simulation::Impl::report_overlap(const std::string& what) {
   stalled = true;
 }
 
-// Actions must not make bodies overlap that are stepped through: pushing them apart would bring in energy. Where contacts are
-// located, resolve_contacts() finds out. `before`: what time stepping had left (m).
+// Actions must not make bodies overlap: pushing them apart would bring in energy. Where contacts are located, resolve_contacts()
+// finds out unless bodies cross each other. `before`: what time stepping had left (m).
 bool Simulation::Impl::overlaps_more_than(double before) {
   constexpr double more = 1 + 1e-6;
-  if (!steps_through()) return false;
   const std::optional<Overlap> worst = contacts.overlap_of_all();
   if (!worst || worst->depth <= std::max(left_by_steps, more * before)) return false;
   report_overlap(worst->text());

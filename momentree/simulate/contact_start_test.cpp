@@ -5,39 +5,10 @@
 #include <doctest/doctest.h>
 
 #include <momentree/joint/kinds.hpp>
-#include <momentree/simulate/simulation.hpp>
+#include <momentree/simulate/contact_test_support.hpp>
 
 using namespace momentree;
-
-namespace {
-
-constexpr double g = 9.81, friction = 0.4;
-
-BodyId add_box(Model& model, const std::string& name, double height) {
-  const BodyId box =
-      model.add({.name = name, .mass = 2, .inertia = diagonal(0.02), .joint = Free{}, .q = {0, 0, height, 1, 0, 0, 0}});
-  model.add_collider({.body = box, .solid = contact::box({0.4, 0.4, 0.2})});
-  return box;
-}
-
-Model boxes(int count, double above = 0) {
-  Model model({.gravity = {0, 0, -g}});
-  for (int k = 0; k < count; ++k) add_box(model, "box/" + std::to_string(k), 0.1 + 0.2 * k + above);
-  model.add_collider({.plane = true});
-  model.add_contact_rule({.law = {.friction = friction, .static_friction = friction}});
-  return model;
-}
-
-Vec3 force_on(const World& world, BodyId body) {
-  Vec3 sum{};
-  for (const ContactPoint& point : world.contacts()) {
-    if (point.one == body) sum += point.force;
-    if (point.other == body) sum += -point.force;
-  }
-  return sum;
-}
-
-}  // namespace
+using namespace momentree::testing;
 
 TEST_CASE("before a run: bodies at rest are carried, and the run still begins with their events") {
   for (const char* method : {"rk4", "dopri5", "stepping"}) {

@@ -26,7 +26,7 @@ void ContactSteps::find_points(double within) {
   Workspace<double>& workspace = world_->workspace_;
   near_.clear();
   contacts_->add_near(within, near_);
-  if (near_.empty()) return;
+  if (near_.empty() && stops_.empty()) return;
   accelerate(tree, world_->state_, workspace);
   locate_bodies(tree, world_->state_, workspace);
   place_contacts(tree, workspace, near_, rows_);
@@ -35,6 +35,18 @@ void ContactSteps::find_points(double within) {
   parts_.number(tree);
   many_.clear(parts_.dofs(), parts_.mechanisms());
   parts_.add_points(tree, q, workspace, near_, rows_, many_);
+  add_stops();
+}
+
+// After the points of contacts.
+void ContactSteps::add_stops() {
+  const Tree& tree = world_->tree_;
+  Workspace<double>& workspace = world_->workspace_;
+  for (const Stop& stop : stops_) {
+    const double speed = stop.sign * workspace.v[static_cast<std::size_t>(tree.first_p(stop.body) + stop.dof)];
+    parts_.add_stop(tree, world_->state_.q().data(), workspace, stop.body, stop.dof, -stop.sign, many_);
+    many_.b[many_.b.size() - 3] = -speed;
+  }
 }
 
 // The forces of the last step, each at the nearest point of its pair: the features that touch may be others, but together they
@@ -64,7 +76,7 @@ void ContactSteps::guess(double h) {
 
 // When each point was reached, its restitution, and a first guess.
 void ContactSteps::set_law(double h) {
-  reached_.resize(near_.size());
+  reached_.assign(many_.points.size(), 0.5 * h);  // what lies on something falls with it before the impulse
   guess(h);
   const double fast = std::max(0.25 * norm(world_->model_.gravity()) * h, 1e-6);  // so that the time of touching is known
   for (std::size_t i = 0; i < near_.size(); ++i) {
@@ -72,8 +84,6 @@ void ContactSteps::set_law(double h) {
     const ContactLaw& law = contacts_->law_of(c.pair);
     const double depth = std::max(0.0, -rows_.touches[i].gap), v = rows_.velocity[3 * i], a = rows_.acceleration[3 * i];
     const double gap = rows_.touches[i].gap;
-    // What rests on a body falls together with it before the impulse, which then acts for half of the step.
-    reached_[i] = 0.5 * h;
     many_.points[i].friction = law.friction;
     if (gap > 0) {
       // It must not be reached in the next step by what others do to it in this one.
@@ -123,6 +133,12 @@ void ContactSteps::move(State& state, EnergyLedger& ledger) {
   for (std::size_t i = 0; i < near_.size(); ++i) {
     gaps_[i] = rows_.touches[i].gap + many_.along_normal(i, moved);
     deepest = std::max(deepest, -gaps_[i]), size = std::max(size, norm(rows_.touches[i].point));
+  }
+  for (std::size_t i = 0; i < stops_.size(); ++i) {
+    const Stop& stop = stops_[i];
+    const double q = state.q()[static_cast<std::size_t>(tree.first_q(stop.body) + stop.dof)];
+    gaps_[near_.size() + i] = stop.sign * (stop.limit - q);
+    deepest = std::max(deepest, -gaps_[near_.size() + i]);
   }
   if (!(deepest > least_depth * size)) return;
   displace(state, many_.separate(gaps_, pushes_));
@@ -210,7 +226,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   (*evaluate_)(state);
   find_points(reach(h));
   hits_.clear(), touching_.clear();
-  if (near_.empty()) {
+  if (near_.empty() && stops_.empty()) {
     points_.clear();
     released_ = false;
     return;
@@ -220,7 +236,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
     if (!(rows_.touches[i].gap > touch_distance)) touching_.emplace_back(near_[i].a, near_[i].b);
   many_.solve();
   many_.velocities(after_);
-  gaps_.resize(near_.size());
+  gaps_.resize(many_.points.size());
   move(state, ledger);
   remember(h);
   hold();

@@ -24,6 +24,14 @@ class ContactSteps final : public StepContacts {
   void note_start() override { points_at_start_ = points_, released_at_start_ = released_; }
   void return_to_start() override { set_points(points_at_start_, released_at_start_); }
 
+  /// Stops on which joints stand without resting on them, and to which they are accelerated before contacts act: they take part
+  /// in the impulses of the next steps, as further points. Contacts may keep a joint off its stop, so that to locate it there
+  /// would end every step at once.
+  void clear_stops() { stops_.clear(); }
+  void add_stop(int body, int dof, double sign, double limit) { stops_.push_back({body, dof, sign, limit}); }
+  /// True if the contacts of this body are stepped through.
+  bool steps(int body) const { return contacts_->steps(body); }
+
   /// The usual length of a step (s). Forces are the means over that time: impulses of shorter steps say little.
   void set_usual_step(double h) { usual_step_ = h; }
   /// Points with forces in the last step.
@@ -42,7 +50,12 @@ class ContactSteps final : public StepContacts {
   bool still_near();
 
  private:
+  struct Stop {
+    int body, dof;
+    double sign, limit;  ///< sign 1: the upper stop
+  };
   double reach(double h) const;
+  void add_stops();
   void find_points(double within);
   void guess(double h);
   void set_law(double h);
@@ -65,6 +78,7 @@ class ContactSteps final : public StepContacts {
   std::vector<double> carried_;  // by point: three components of the force before (N)
   std::vector<double> after_, gaps_, pushes_, packed_;
   double usual_step_ = 0;
+  std::vector<Stop> stops_;
   std::vector<SteppedContact> points_;
   bool released_ = false;
   std::vector<SteppedContact> points_at_start_;  // of the present step

@@ -216,3 +216,58 @@ TEST_CASE("contact: a ball that slides over the edge of a box falls from it, and
     }
   }
 }
+
+namespace {
+
+// A slider that is pushed down on its lower stop, and one below it that touches it and is pushed up.
+struct Pushed {
+  double down = 0, up = 0;  ///< N
+  double speed = 0;         ///< of the lower one, upwards (m/s)
+};
+constexpr double upper_mass = 2, lower_mass = 0.5;
+Simulation simulation(const Pushed& pushed) {
+  Model model({.gravity = {}});
+  const BodyId a =
+      model.add({.name = "upper",
+                 .mass = upper_mass,
+                 .inertia = diagonal(0.02),
+                 .joint = Prismatic{.axis = {0, 0, 1}, .effort = -pushed.down, .limits = {.lower = 0.5, .restitution = 0.2}},
+                 .q = {0.5}});
+  const BodyId b = model.add({.name = "lower",
+                              .mass = lower_mass,
+                              .inertia = diagonal(0.02),
+                              .joint = Prismatic{.axis = {0, 0, 1}, .effort = pushed.up},
+                              .q = {0.3},
+                              .v = {pushed.speed}});
+  for (const BodyId body : {a, b}) model.add_collider({.body = body, .solid = contact::box({0.2, 0.2, 0.2})});
+  return Simulation(model, {.method = "stepping", .step = 1e-3});
+}
+
+}  // namespace
+
+TEST_CASE("contact and stops: stepping keeps a joint on its stop, or lets a contact push it off") {
+  for (const double up : {2.0, 7.9, 8.1, 20.0}) {
+    CAPTURE(up);
+    Simulation sim = simulation({.down = 8, .up = up});
+    REQUIRE(sim.run_until(0.5));
+    const double a = std::max(0.0, (up - 8) / (upper_mass + lower_mass)), t = 0.5;
+    CHECK(std::fabs(speed(sim, "upper") - a * t) < 2e-3 * (1 + a));
+    CHECK(std::fabs(sim.world().joint(sim.world().model().joint("upper")).q[0] - 0.5 - 0.5 * a * t * t) < 2e-3 * (1 + a));
+    CHECK(sim.events().size() < 10);
+    CHECK(std::fabs(sim.energy().error) < 1e-3 * (1 + sim.world().totals().kinetic));
+  }
+}
+
+// What was hit keeps the mean force of the hit until the next steps: it must not bounce on its stop because of that.
+TEST_CASE("contact and stops: stepping follows a joint that was hit off its stop until it rests there again") {
+  std::mt19937 random(99);
+  const auto uniform = [&](double from, double to) { return std::uniform_real_distribution(from, to)(random); };
+  for (int k = 0; k < 50; ++k) {
+    CAPTURE(k);
+    Simulation sim = simulation({.down = uniform(0.5, 40), .up = uniform(-0.4, 0.4), .speed = uniform(0.01, 4)});
+    REQUIRE(sim.run_until(uniform(1, 3)));
+    CHECK(sim.statistics().steps < 5000);
+    CHECK(sim.world().joint(sim.world().model().joint("upper")).q[0] > 0.5 - 1e-9);
+    CHECK(std::fabs(sim.energy().error) < 1e-3 * (1 + sim.world().totals().kinetic));
+  }
+}

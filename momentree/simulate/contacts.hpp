@@ -86,6 +86,8 @@ class Contacts {
   bool is_stepped(int body) const {
     return body >= 0 && static_cast<std::size_t>(body) < stepped_.size() && stepped_[static_cast<std::size_t>(body)];
   }
+  /// True if the contacts of this body are stepped through, in steps that do so for all bodies or for some.
+  bool steps(int body) const { return stepped_.empty() || is_stepped(body); }
   /// Joins the islands of bodies that touch at present, or whose contacts are closed.
   void join_touching(Islands& islands);
   std::vector<int> touching_bodies();
@@ -190,6 +192,8 @@ class Contacts {
   [[nodiscard]] bool solve_states(const std::vector<Contact>& contacts);
   double pressing_acceleration(const std::vector<Contact>& contacts, std::size_t i) const;
   void weaken_friction();
+  bool solve_weakened(double part, std::vector<double>& all);
+  bool moves_along(const std::vector<Contact>& contacts, std::size_t i) const;
   void note_ended_slip();
   void set(std::vector<Contact> contacts);
   double stop(const std::vector<Contact>& closed);
@@ -235,7 +239,7 @@ class Contacts {
   contact::System system_;
   contact::ImpactLaw law_;
   double lost_ = 0;
-  std::vector<double> restitution_, after_, weaker_;
+  std::vector<double> restitution_, after_, weaker_, much_weaker_;
   bool weakened_ = false;
   std::vector<bool> slow_;         // by closed contact: it crept at the start of the step
   double started_ = 0;             // when the step began (s)

@@ -53,7 +53,8 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   const std::span<const Watch> watched = watches(most);
   const bool closed = !world.tree_.contacts().empty();
   if (closed) note_before_contact_step();
-  const std::optional<double> stepped = stops.step(present_method(), ledger, most, watched);
+  ContactSteps* const through = contacts.any() && (steps_through() || some_step()) ? &contact_steps : nullptr;
+  const std::optional<double> stepped = stops.step(present_method(), ledger, most, watched, through);
   if (closed && (!stepped || contacts_gained_energy())) {
     const std::vector<int> where = contacts.most_loaded();
     undo_contact_step();

@@ -6,6 +6,7 @@
 
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/loop_system.hpp>
+#include <momentree/simulate/contact_steps.hpp>
 #include <momentree/simulate/stops.hpp>
 
 namespace momentree {
@@ -267,17 +268,41 @@ void Stops::put_on_stop(const Watched& w) {
   world_->state_.edit().q[static_cast<std::size_t>(tree.first_q(tree.carrier(s.joint)) + s.dof)] = limit;
 }
 
-std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches) {
+// A joint that is at the stop, not moving away: rounding must not make this an impact.
+bool Stops::touches(const Side& s) const {
+  return s.sign * (coordinate(s) - s.limit) >= -rounding(s) && speed(s) >= -no_speed * s.rest_speed;
+}
+
+// Joints that stand on stops, pressed by other forces than those of contacts, which act at the end of the step only: they would
+// pass their stops before contacts can keep them off. Loop joints are located all the same.
+void Stops::find_pressed(ContactSteps& through) {
+  through.clear_stops();
+  const auto left_to_it = [&](const Side& s) {
+    return !is_loop({s.joint}) && !locked(s) && touches(s) && through.steps(world_->tree_.carrier(s.joint));
+  };
+  if (std::ranges::none_of(sides_, left_to_it)) return;
+  through.release();
   (*evaluate_)(world_->state_);
-  watched_.clear();
+  accelerate(world_->tree_, world_->state_, world_->workspace_);
+  for (const Side& s : sides_) {
+    if (!left_to_it(s) || !(acceleration(s) > 0)) continue;
+    through.add_stop(world_->tree_.carrier(s.joint), s.dof, s.sign, s.limit);
+    pressed_.push_back({&s, nullptr, s.sign * s.limit});
+  }
+}
+
+std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches,
+                                  ContactSteps* through) {
+  (*evaluate_)(world_->state_);
+  watched_.clear(), pressed_.clear();
+  if (through != nullptr) find_pressed(*through);
   bool holding = false;
   for (const Side& s : sides_) {
     if (locked(s) && !holds(s)) continue;
+    if (std::ranges::any_of(pressed_, [&](const Watched& w) { return w.side == &s; })) continue;
+    // A joint that is at the stop or beyond it at the start moves away from there: only its return counts.
     const double q = s.sign * coordinate(s), stop = s.sign * s.limit;
-    // A joint that is at the stop or beyond it at the start moves away from there: only its return counts. If it touches the stop
-    // at zero speed, rounding must not make this an impact.
-    const bool touches = q >= stop - rounding(s) && speed(s) >= -no_speed * s.rest_speed;
-    const double limit = std::max(stop, q) + (touches ? rounding(s) + 1e-13 * (1 + std::fabs(s.limit)) : 0.0);
+    const double limit = std::max(stop, q) + (touches(s) ? rounding(s) + 1e-13 * (1 + std::fabs(s.limit)) : 0.0);
     watched_.push_back({&s, nullptr, limit, q, speed(s), holds(s)});
     holding = holding || holds(s);
   }
@@ -305,6 +330,8 @@ std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, doub
   }
   if (fine && trial.at != end) fine = trial.go(end);
   if (fine && first != nullptr && first->side != nullptr && !first->held) put_on_stop(*first);
+  for (const Watched& w : pressed_)
+    if (fine && (at_stop(*w.side) || std::fabs(speed(*w.side)) <= no_speed * w.side->rest_speed)) put_on_stop(w);
   trial.done = fine;
   return fine ? std::optional(end) : std::nullopt;
 }

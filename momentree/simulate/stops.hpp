@@ -15,6 +15,8 @@
 
 namespace momentree {
 
+class ContactSteps;
+
 /// A condition to be located within a step: when it is met; for a condition that holds and has to last, when it ceases to hold;
 /// for a condition to be armed again, when the quantity is back far enough.
 struct Watch {
@@ -51,8 +53,10 @@ class Stops {
   bool would_strike() { return any() && fastest_hit() != nullptr; }
 
   /// One step of at most h seconds, which ends early if a stop is hit or must release its joint, or one of `watches` fires.
-  /// Returns the length of the step (s), or nothing if the method failed (the state is then restored).
-  std::optional<double> step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches = {});
+  /// Returns the length of the step (s), or nothing if the method failed (the state is then restored). `through`: what the method
+  /// steps through contacts with, if it does. Joints that are pressed on stops until contacts act are left to that.
+  std::optional<double> step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches = {},
+                             ContactSteps* through = nullptr);
 
   /// Releases the joints resting on stops that transmitted impulses at `event` which a stop cannot exert (it would have pulled).
   /// False: there are none.
@@ -84,6 +88,7 @@ class Stops {
   std::optional<double> search(Trial& trial, const Watched& watched, const Part& part, int least_depth, int& samples);
   std::optional<double> peak(Trial& trial, const Watched& watched, double end);
   void put_on_stop(const Watched& watched);
+  void find_pressed(ContactSteps& through);
   void find();
   double coordinate(const Side& side) const;
   static double rounding(const Side& side);     // of the coordinate at the stop
@@ -93,6 +98,7 @@ class Stops {
   double rest_speed(const Side& side) const;    // slower impacts come to rest; the workspace holds accelerations
   bool holds(const Side& side) const;
   bool locked(const Side& side) const;
+  bool touches(const Side& side) const;
   bool at_stop(const Side& side) const;
   const Side* fastest_hit();
   bool one_thing(std::vector<Event>& events);
@@ -108,7 +114,8 @@ class Stops {
   std::vector<Side> sides_;
   // Buffers of one step, kept so that the next step allocates nothing.
   std::vector<Watched> watched_;
-  double slopes_of_ = 0;  // the end of the step for which the slopes were found
+  std::vector<Watched> pressed_;  // stops that steps through contacts take part in
+  double slopes_of_ = 0;          // the end of the step for which the slopes were found
   State start_, end_;
   std::optional<std::uint64_t> revision_;
 };

@@ -34,6 +34,8 @@ export class Hover {
   private pointer: { x: number; y: number } | null = null;
   private waiting = false;
   private body = -1;
+  private phase: Phase | null = null;
+  private timer = 0;
 
   /** `present`: the instant shown; null: there is none. */
   constructor(
@@ -57,7 +59,19 @@ export class Hover {
       this.pointer = null;
       this.later();
     });
-    stage.onDraw(() => this.placeAxes());
+    stage.onDraw(() => {
+      this.placeAxes();
+      this.afterMotion();
+    });
+  }
+
+  /** Bodies move away from under a pointer that rests, and others come there. */
+  private afterMotion() {
+    if (!this.pointer || this.timer !== 0) return;
+    this.timer = window.setTimeout(() => {
+      this.timer = 0;
+      this.look();
+    }, 120);
   }
 
   private later() {
@@ -77,7 +91,8 @@ export class Hover {
     this.element.hidden = body < 0;
     if (changed) this.stage.draw();
     if (body < 0 || !now || !this.pointer) return;
-    if (changed) {
+    if (changed || now.phase !== this.phase) {
+      this.phase = now.phase;
       const [name, ...rest] = describeBody(this.stage.model, now.phase, now.names, body);
       this.element.replaceChildren(h("strong", {}, name), ...rest.map((line) => h("span", {}, line)));
     }
