@@ -12,6 +12,12 @@ namespace {
 constexpr double little_less_friction = 1e-5, less_friction = 1e-3;  // parts by which friction is weakened
 constexpr double motion_from_residual = 50;  // the motion that a solution may have because it is inexact, by its residual
 
+// Contacts that stick at the limit of their friction because all that touches them moves along: a little more is allowed to them,
+// so that rounding does not decide whether they slip, and forces are found quickly. They are marked by a speed that is none.
+constexpr double more_at_limit = 1e-4, nearly_all = 0.99;
+bool at_limit(const Contact& c) { return c.keeps_direction > 0 && c.direction == Vec3{}; }
+void note_limit(Contact& c) { c.direction = {}, c.keeps_direction = 1e-12; }
+
 double largest(const std::vector<double>& all) {
   double most = 0;
   for (const double x : all) most = std::max(most, std::fabs(x));
@@ -53,6 +59,7 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
     const contact::PointLaw& law = system_.laws[i];
     const ContactLaw& own = pairs_[static_cast<std::size_t>(c.pair)].law;
     c.friction = own.friction;
+    const bool was_at_limit = at_limit(c);
     if (!law.slipping) c.keeps_direction = 0;
     if (law.slipping) {
       c.mode = Contact::Mode::slip;
@@ -68,6 +75,7 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
       if (!weakened_) weaken_friction();
       if (moves_along(staying, i)) {
         c.mode = Contact::Mode::stick;
+        note_limit(c);
         closed.push_back(c);
         continue;
       }
@@ -77,10 +85,27 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
       c.keeps_direction = 2 * own.friction * pressing_acceleration(staying, i) * slow_slip_;
     } else {
       c.mode = Contact::Mode::stick;
+      if (was_at_limit && uses_friction(staying, i) > nearly_all) note_limit(c);
     }
     closed.push_back(c);
   }
+  share_directions(closed);
   return true;
+}
+
+// Points of a pair that has just begun to slip keep their directions all together: also those that close only now.
+void Contacts::share_directions(std::vector<Contact>& closed) const {
+  for (Contact& c : closed) {
+    if (c.mode != Contact::Mode::slip || c.keeps_direction > 0) continue;
+    double keeps = 0;
+    for (const Contact& other : closed)
+      if (other.pair == c.pair && other.mode == Contact::Mode::slip) keeps = std::max(keeps, other.keeps_direction);
+    const contact::Place a = place(c.a), b = place(c.b);
+    const contact::Touch touch = contact::touch(c.features, a, b);
+    const Vec3 across = contact::relative_velocity(touch, a, b), v = across - dot(across, touch.normal) * touch.normal;
+    if (!(norm(v) > slowest_slip && norm(v) < 2 * keeps)) continue;
+    c.direction = normalized(v), c.keeps_direction = keeps;
+  }
 }
 
 // The normal acceleration with which a contact is pressed together, or, between bodies that fall together, that of the forces of
@@ -99,6 +124,19 @@ void Contacts::weaken_friction() {
   weaker_ = after_, much_weaker_ = after_;
   if (!solve_weakened(less_friction, much_weaker_)) much_weaker_.clear();
   solve_weakened(little_less_friction, weaker_);
+}
+
+// The part of the friction of a pair that its forces use.
+double Contacts::uses_friction(const std::vector<Contact>& contacts, std::size_t i) const {
+  double most = 0;
+  Vec3 friction{};
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    if (contacts[k].pair != contacts[i].pair) continue;
+    const double side = contacts[k].a == contacts[i].a ? 1 : -1;
+    most += system_.laws[k].friction * system_.r[3 * k];
+    for (std::size_t d = 1; d < 3; ++d) friction += side * system_.r[3 * k + d] * along(rows_.touches[k], d);
+  }
+  return most > 0 ? norm(friction) / most : 0;
 }
 
 // True if a pair that is at the limit of its friction stays together with less friction everywhere, although less friction of the
@@ -155,6 +193,7 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
     const bool keeps = keeps_direction(contacts[i], v), ahead = dot(v, contacts[i].direction) > slowest_slip;
     law.slipping = (keeps ? ahead : speed > slowest_) && own.friction > 0;
     law.friction = law.slipping ? own.friction : own.static_friction;
+    if (at_limit(contacts[i])) law.friction *= 1 + more_at_limit;
     if (!law.slipping) continue;
     const Vec3 s = keeps ? v + contacts[i].keeps_direction * contacts[i].direction : v;
     const double along_1 = dot(s, touch.tangent[0]), along_2 = dot(s, touch.tangent[1]), size = std::hypot(along_1, along_2);

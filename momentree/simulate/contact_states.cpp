@@ -188,8 +188,8 @@ std::optional<Contacts::Unresolved> Contacts::resolve_island(std::vector<Contact
   if (slowest_ > slowest_slip) lost_ += stop_creeping(touching);
   for (Contact& c : touching) {
     const auto same = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return same_contact(b, c); });
-    if (same == before.end() || same->mode != Contact::Mode::slip || !(same->keeps_direction > 0)) continue;
-    c.direction = same->direction, c.keeps_direction = same->keeps_direction;  // it still begins to slip
+    if (same == before.end() || !(same->keeps_direction > 0)) continue;
+    c.direction = same->direction, c.keeps_direction = same->keeps_direction;  // it still begins to slip, or is at the limit
   }
   std::vector<Contact> chosen;
   if (!choose(touching, chosen))

@@ -193,6 +193,8 @@ class Contacts {
   double pressing_acceleration(const std::vector<Contact>& contacts, std::size_t i) const;
   void weaken_friction();
   bool solve_weakened(double part, std::vector<double>& all);
+  void share_directions(std::vector<Contact>& closed) const;
+  double uses_friction(const std::vector<Contact>& contacts, std::size_t i) const;
   bool moves_along(const std::vector<Contact>& contacts, std::size_t i) const;
   void note_ended_slip();
   void set(std::vector<Contact> contacts);

@@ -20,7 +20,8 @@ struct Contact {
   double friction = 0;  ///< coefficient while it slips
   Vec3 direction{};     ///< of slip where the velocity is zero: a unit vector, world axes
   /// Slip that is not much faster keeps to `direction` (m/s): the direction of its friction changes more quickly than a step can
-  /// follow. For contacts that began to slip.
+  /// follow. For contacts that began to slip; of one that sticks, with all that it touches, at the limit of its friction:
+  /// positive, without a direction.
   double keeps_direction = 0;
   int pair = -1;         ///< number of the pair of solids
   std::uint64_t id = 0;  ///< of its features in that pair
