@@ -93,10 +93,10 @@ test("crates in the playground fall, and the list of events shows their impacts"
   await page.getByLabel("Scenario", { exact: true }).first().selectOption("hanging_boxes_fall");
   await page.waitForFunction(() => document.title.startsWith("Hanging crates"));
   await page.getByRole("button", { name: "Play", exact: true }).click();
-  await page.waitForFunction(() => window.playground.app.run!.last.time > 1.5, undefined, { timeout: 60_000 });
+  // The processor draws and computes: on a busy machine a second of the motion takes minutes.
   await expect
-    .poll(() => page.getByRole("list", { name: "Events" }).textContent(), { timeout: 30_000 })
+    .poll(() => page.getByRole("list", { name: "Events" }).textContent(), { timeout: 270_000 })
     .toMatch(/\d+ × impact/);
   expect(complaints).toEqual([]);
   await keep(page, "contact_playground");
-});
+}, 300_000);

@@ -16,7 +16,7 @@ afterEach(async () => {
 });
 
 /** Machines that draw by the processor take their time. */
-const patience = { timeout: 20_000 };
+const patience = { timeout: 80_000 };
 
 function serve(file: string, ...options: string[]): Promise<string> {
   const child = spawn(program, ["view", "--live", scenario(file), "--no-browser", ...options], {

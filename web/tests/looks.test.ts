@@ -27,7 +27,7 @@ afterAll(() => browser?.close());
 afterEach(async () => {
   for (const context of browser.contexts()) await context.close();
 });
-const patience = { timeout: 30_000 };
+const patience = { timeout: 80_000 };
 const light = themeOf(false);
 
 async function playground(name: string, view = desktop): Promise<Page> {
@@ -104,7 +104,7 @@ it("no piece is lost: the camera follows, and pieces that are far away are named
       expect(at.x > box.x && at.x < box.x + box.width && at.y > box.y && at.y < box.y + box.height).toBe(true);
     }
     const stray = page.locator(".stray:visible");
-    await stray.first().waitFor({ timeout: 60_000 });
+    await stray.first().waitFor({ timeout: 150_000 });
     await page.getByRole("button", { name: "Pause", exact: true }).click();
     await expect.poll(() => stray.count(), patience).toBeGreaterThan(0);
     expect(await stray.first().innerText()).toMatch(/arm\/load|arm\/hook|.+, [\d.]+ k?m away/);

@@ -12,7 +12,7 @@ afterEach(async () => {
   for (const context of browser.contexts()) await context.close();
 });
 /** Machines that draw by the processor, while they do other things, take their time. */
-const patience = { timeout: 20_000 };
+const patience = { timeout: 80_000 };
 
 const three = `format = 1
 title = "Three links"

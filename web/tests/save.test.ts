@@ -15,7 +15,7 @@ afterEach(async () => {
 });
 
 async function saved(page: Page, press: () => Promise<void>) {
-  const [download] = await Promise.all([page.waitForEvent("download", { timeout: 60_000 }), press()]);
+  const [download] = await Promise.all([page.waitForEvent("download", { timeout: 150_000 }), press()]);
   return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
 }
 
@@ -105,7 +105,7 @@ step = 2e-3
   await page.getByRole("button", { name: "Play", exact: true }).click();
   await page.waitForTimeout(4000);
   await expect
-    .poll(() => page.locator(".drawing").innerText(), { timeout: 60_000 })
+    .poll(() => page.locator(".drawing").innerText(), { timeout: 150_000 })
     .toMatch(/^Picture: \d+ frames\/s, [\d.]+ ms of the page for each$/);
   const { rate, duration } = (await page.evaluate(() => window.playground.frameRate()))!;
   console.log(

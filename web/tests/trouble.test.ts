@@ -33,7 +33,7 @@ afterAll(() => Promise.all([browser?.close(), plain?.close()]));
 afterEach(async () => {
   for (const context of [...browser.contexts(), ...plain.contexts()]) await context.close();
 });
-const patience = { timeout: 20_000 };
+const patience = { timeout: 80_000 };
 
 const instead = (page: Page) => page.locator(".placeholder").innerText();
 const ready = (page: Page) => page.waitForFunction(() => Boolean(window.playground?.app.run));
