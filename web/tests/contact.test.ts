@@ -93,7 +93,7 @@ test("crates in the playground fall, and the list of events shows their impacts"
   await page.getByLabel("Scenario", { exact: true }).first().selectOption("hanging_boxes_fall");
   await page.waitForFunction(() => document.title.startsWith("Hanging crates"));
   await page.getByRole("button", { name: "Play", exact: true }).click();
-  // The processor draws and computes: on a busy machine a second of the motion takes minutes.
+  // The processor draws and computes: on a busy machine a second of the motion can take a minute.
   await expect
     .poll(() => page.getByRole("list", { name: "Events" }).textContent(), { timeout: 270_000 })
     .toMatch(/\d+ × impact/);

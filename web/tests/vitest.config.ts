@@ -1,7 +1,7 @@
 import { defineConfig } from "vitest/config";
 
 // One browser at a time: it draws by the processor alone, so that on a busy machine a frame may take seconds. A test that fails
-// is tried again for that reason: what is wrong fails each time.
+// is therefore run once more; the output says so.
 export default defineConfig({
   test: { testTimeout: 180_000, retry: 1, hookTimeout: 120_000, fileParallelism: false, include: ["**/*.test.ts"] },
 });
