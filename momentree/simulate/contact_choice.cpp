@@ -12,9 +12,9 @@ namespace {
 constexpr double little_less_friction = 1e-5, less_friction = 1e-3;  // parts by which friction is weakened
 constexpr double motion_from_residual = 50;  // the motion that a solution may have because it is inexact, by its residual
 
-// Contacts that stick at the limit of their friction because everything that they touch moves along. They may exert a little more,
-// so that rounding does not decide whether they slip, and so that forces are found quickly. A positive keeps_direction without a
-// direction marks them.
+// Contacts that stick at the limit of their friction because everything that they touch moves along. They may exert a little
+// more, so that rounding does not decide whether they slip, and so that forces are found quickly. A positive keeps_direction
+// without a direction marks them.
 constexpr double more_at_limit = 1e-4, nearly_all = 0.99;
 bool at_limit(const Contact& c) { return c.keeps_direction > 0 && c.direction == Vec3{}; }
 void note_limit(Contact& c) { c.direction = {}, c.keeps_direction = 1e-12; }
