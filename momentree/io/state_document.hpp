@@ -32,7 +32,7 @@ std::string state_json(const World& world, const Armed& armed, const StepMemory&
 struct RestoredState {
   std::string file;
   std::optional<double> time;
-  Forest forest;                   ///< of a whole document; else empty, apart from springs and contacts that it names
+  Forest forest;                   ///< of a whole document; else empty, apart from gravity, springs and contacts that it names
   std::vector<JointStart> joints;  ///< the joints that it names
   std::vector<std::string> where;  ///< the position of each of them: `file:line:col`
   Armed armed;

@@ -290,6 +290,40 @@ TEST_CASE("contacts of a document: what it names exists, and contacts that no lo
   CHECK(events_from("[0, 0, -1, 0, 0, 0]") == "impa ");
 }
 
+TEST_CASE("gravity that was changed is in the document; a document that is refused changes nothing") {
+  const Model model = test::two_mechanisms();
+  Simulation first(model, {.step = 0.01}), second(model, {.step = 0.01});
+  REQUIRE(first.run_until(0.1) == Status::ok);
+  CHECK(state_json(first.world(), {}).find("gravity") == std::string::npos);
+  first.set_gravity({0.5, -1, 3});
+  REQUIRE(first.run_until(0.2) == Status::ok);
+  const std::string text = state_json(first.world(), {});
+  CHECK(text.find("\"gravity\": [0.5, -1, 3]") != std::string::npos);
+  CHECK(state_json(first.branch().world(), {}) == text);
+
+  // Of one mechanism: the joints alone.
+  restore(second, {read_state(text, "s.json", model, "arm")});
+  CHECK(second.world().model().gravity() == model.gravity());
+
+  const std::string before = state_json(second.world(), {});
+  const std::size_t at = text.find("\"v\": [") + 6;
+  const std::string wrong = text.substr(0, at) + "7, " + text.substr(text.find_first_of(",]", at) + 2);
+  std::vector<Diagnostic> problems;
+  const std::optional<RestoredState> refused = read_state(wrong, "s.json", model, "", problems);
+  REQUIRE_MESSAGE(refused, rendered(problems));
+  CHECK_THROWS_WITH(restore(second, {*refused}), doctest::Contains("does not fit its `p`"));
+  CHECK(state_json(second.world(), {}) == before);
+
+  restore(second, {read_state(text, "s.json", model)});
+  CHECK(state_json(second.world(), {}) == text);
+  for (Simulation* simulation : {&first, &second}) REQUIRE(simulation->run_until(0.3) == Status::ok);
+  CHECK(state_json(second.world(), {}) == state_json(first.world(), {}));
+
+  CHECK_FALSE(read_state(R"({"gravity": [1, 2], "time": 0})", "s.json", model, "", problems));
+  CHECK(rendered(problems) ==
+        "s.json:1:13: error: gravity: expected three numbers, found a list of 2; write x, y and z, as in gravity = [1, 2, 0]\n");
+}
+
 TEST_CASE("all mistakes of a document are reported at once") {
   const Model model = test::two_mechanisms();
   const auto mistakes = [&](const std::string& text) {

@@ -27,8 +27,8 @@ class Reader {
   }
 
   std::optional<RestoredState> read(const Value& root) {
-    const std::vector<std::string> known{"time",   "mechanisms", "joints", "springs",     "couplings", "contacts",
-                                         "bodies", "armed",      "loops",  "integration", "totals"};
+    const std::vector<std::string> known{"time",     "gravity", "mechanisms", "joints", "springs",     "couplings",
+                                         "contacts", "bodies",  "armed",      "loops",  "integration", "totals"};
     const auto meant = [&known](const Value::Entry& entry) { return !nearest(entry.key, known).empty(); };
     const Value::Table* const table = root.table();
     if (!table || (!table->empty() && std::none_of(table->begin(), table->end(), meant))) {
@@ -43,6 +43,7 @@ class Reader {
       for (const Value::Entry& joint : read_table(*joints, "joints", out_)) whole ? describe(joint) : read_partial(joint);
     if (mechanism_.empty()) {
       result_.time = fields.real("time");
+      result_.forest.gravity = fields.vec3("gravity", dimension::acceleration);
       if (const Value* springs = fields.find("springs"))
         for (const Value::Entry& spring : read_table(*springs, "springs", out_))
           read_spring_state(spring, model_, result_.forest, out_);

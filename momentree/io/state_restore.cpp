@@ -17,7 +17,7 @@ struct Entry {
 /// The tree: by body its parent, by joint the body that carries it, and the kind.
 struct Places {
   Places(const Model& model, const Forest& forest) {
-    for (int b = 0; b < model.size(); ++b) {
+    for (int b = 0; b < (forest.places.empty() ? model.size() : static_cast<int>(forest.places.size())); ++b) {
       carrier.push_back(b);
       parent.push_back(model[{b}].parent.index);
       nv.push_back(info(model[{b}].joint.kind).nv);
@@ -49,7 +49,7 @@ void choose_momenta(const Model& model, const Forest& forest, const std::vector<
                     std::vector<JointStart>& starts) {
   const Places places(model, forest);
   std::vector<char> complete(entries.size(), 1);
-  for (std::size_t j = 0; j < entries.size(); ++j)
+  for (std::size_t j = 0; j < places.nv.size(); ++j)
     if (places.nv[j] > 0 && (entries[j].start == nullptr || entries[j].start->p.empty())) complete[places.root_of_joint(j)] = 0;
   for (JointStart& start : starts) {
     const auto j = static_cast<std::size_t>(start.joint.index);
@@ -93,30 +93,31 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
     }
     if (!document.forest.contacts.empty()) forest.contacts = document.forest.contacts;
     time = document.time.value_or(time);
+    if (document.forest.gravity) forest.gravity = document.forest.gravity;
   }
   std::vector<JointStart> starts;
   for (const Entry& entry : entries)
     if (entry.start != nullptr) starts.push_back(*entry.start);
   choose_momenta(model, forest, entries, starts);
-  simulation.restore(time, forest, starts);
-
-  const World& world = simulation.world();
-  const Totals totals = world.totals();
-  if (!std::isfinite(totals.kinetic) && !forest.places.empty())
-    throw_error({"a part of the world that it describes lacks the mass or inertia to move freely", documents.front().file,
-                 "is it a document of this model?"});
-  const double tolerance = 1e-6 * fastest_body(world);
-  for (const JointStart& start : starts) {
-    if (start.p.empty() || start.v.empty()) continue;
-    const JointView joint = world.joint(start.joint);
-    for (int i = 0; i < start.v.size(); ++i) {
-      const double v = joint.v[static_cast<std::size_t>(i)];
-      if (!(std::fabs(v - start.v[i]) <= tolerance))
-        throw_error({"`v` of joint '" + std::string(joint.name) + "' does not fit its `p`: number " + std::to_string(i + 1) +
-                         " should be " + number_text(v) + ", not " + number_text(start.v[i]),
-                     *entries[static_cast<std::size_t>(start.joint.index)].where, "leave out one of the two"});
+  const auto check = [&](const World& world) {
+    const Totals totals = world.totals();
+    if (!std::isfinite(totals.kinetic) && !forest.places.empty())
+      throw_error({"a part of the world that it describes lacks the mass or inertia to move freely", documents.front().file,
+                   "is it a document of this model?"});
+    const double tolerance = 1e-6 * fastest_body(world);
+    for (const JointStart& start : starts) {
+      if (start.p.empty() || start.v.empty()) continue;
+      const JointView joint = world.joint(start.joint);
+      for (int i = 0; i < start.v.size(); ++i) {
+        const double v = joint.v[static_cast<std::size_t>(i)];
+        if (!(std::fabs(v - start.v[i]) <= tolerance))
+          throw_error({"`v` of joint '" + std::string(joint.name) + "' does not fit its `p`: number " + std::to_string(i + 1) +
+                           " should be " + number_text(v) + ", not " + number_text(start.v[i]),
+                       *entries[static_cast<std::size_t>(start.joint.index)].where, "leave out one of the two"});
+      }
     }
-  }
+  };
+  simulation.restore(time, forest, starts, check);
 }
 
 }  // namespace momentree::io

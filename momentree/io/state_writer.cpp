@@ -120,6 +120,7 @@ std::string state_json(const World& world, const Armed& armed, const StepMemory&
   text.reserve(1000 * model.bodies().size() + 500);
   JsonWriter json(text, 2);
   json.begin_object().member("time", world.time());
+  if (!(model.gravity() == world.first_gravity())) json.member("gravity", model.gravity());
 
   json.key("mechanisms").begin_array();
   for (const Mechanism& mechanism : world.mechanisms()) {

@@ -86,7 +86,8 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
       c.keeps_direction = 2 * own.friction * pressing_acceleration(staying, i) * slow_slip_;
     } else {
       c.mode = Contact::Mode::stick;
-      if (was_at_limit && uses_friction(staying, i) > nearly_all) note_limit(c);
+      const Friction used = friction_of_pair(staying, i);
+      if (was_at_limit && used.force > nearly_all * used.limit) note_limit(c);
     }
     closed.push_back(c);
   }
@@ -101,9 +102,7 @@ void Contacts::share_directions(std::vector<Contact>& closed) const {
     double keeps = 0;
     for (const Contact& other : closed)
       if (other.pair == c.pair && other.mode == Contact::Mode::slip) keeps = std::max(keeps, other.keeps_direction);
-    const contact::Place a = place(c.a), b = place(c.b);
-    const contact::Touch touch = contact::touch(c.features, a, b);
-    const Vec3 across = contact::relative_velocity(touch, a, b), v = across - dot(across, touch.normal) * touch.normal;
+    const Vec3 v = slip_velocity(c);
     if (!(norm(v) > slowest_slip && norm(v) < 2 * keeps)) continue;
     c.direction = normalized(v), c.keeps_direction = keeps;
   }
@@ -127,17 +126,18 @@ void Contacts::weaken_friction() {
   solve_weakened(little_less_friction, weaker_);
 }
 
-// The part of the friction of a pair that its forces use.
-double Contacts::uses_friction(const std::vector<Contact>& contacts, std::size_t i) const {
-  double most = 0;
+// The friction of the pair of contact i that system_ has found, with what its points allow together.
+Contacts::Friction Contacts::friction_of_pair(const std::vector<Contact>& contacts, std::size_t i) const {
+  Friction all;
   Vec3 friction{};
   for (std::size_t k = 0; k < contacts.size(); ++k) {
-    if (contacts[k].pair != contacts[i].pair) continue;
+    if (contacts[k].pair != contacts[i].pair || system_.laws[k].slipping) continue;
     const double side = contacts[k].a == contacts[i].a ? 1 : -1;
-    most += system_.laws[k].friction * system_.r[3 * k];
+    all.limit += system_.laws[k].friction * system_.r[3 * k];
     for (std::size_t d = 1; d < 3; ++d) friction += side * system_.r[3 * k + d] * along(rows_.touches[k], d);
   }
-  return most > 0 ? norm(friction) / most : 0;
+  all.force = norm(friction);
+  return all;
 }
 
 // True if a pair that is at the limit of its friction stays together with less friction everywhere, although less friction of the
@@ -288,15 +288,8 @@ double Contacts::excess_of_shared_forces(const std::vector<Contact>& closed, dou
   double near = -1;
   for (std::size_t i = 0; i < closed.size(); ++i) {
     if (i > 0 && closed[i].pair == closed[i - 1].pair) continue;
-    double most = 0;
-    Vec3 friction{};
-    for (std::size_t k = i; k < closed.size() && closed[k].pair == closed[i].pair; ++k) {
-      if (closed[k].mode != Contact::Mode::stick) continue;
-      const double side = closed[k].a == closed[i].a ? 1 : -1;
-      most += system_.laws[k].friction * system_.r[3 * k];
-      for (std::size_t d = 1; d < 3; ++d) friction += side * system_.r[3 * k + d] * along(rows_.touches[k], d);
-    }
-    if (most > 0) near = std::max(near, (norm(friction) - most) / largest_force);
+    const Friction used = friction_of_pair(closed, i);
+    if (used.limit > 0) near = std::max(near, (used.force - used.limit) / largest_force);
   }
   return std::min(worst, near);
 }

@@ -468,10 +468,9 @@ std::optional<Overlap> Contacts::overlap_of(World& world) {
 
 std::string Contacts::name_of(int body) const { return world_->model_.body_name({body}); }
 
-Vec3 Contacts::slip_velocity(int contact) const {
-  const Contact& c = world_->tree_.contacts()[static_cast<std::size_t>(contact)];
-  const contact::Place a = place(c.a), b = place(c.b);
-  const contact::Touch touch = contact::touch(c.features, a, b);
+Vec3 Contacts::slip_velocity(const Contact& contact) const {
+  const contact::Place a = place(contact.a), b = place(contact.b);
+  const contact::Touch touch = contact::touch(contact.features, a, b);
   const Vec3 v = contact::relative_velocity(touch, a, b);
   return v - dot(v, touch.normal) * touch.normal;
 }

@@ -180,7 +180,8 @@ class Contacts {
   Gap gap_of(int pair, double within) const;
   bool face_each_other(int pair) const;
   double noise_of(int pair) const;
-  Vec3 slip_velocity(int contact) const;
+  Vec3 slip_velocity(int contact) const { return slip_velocity(world_->tree_.contacts()[static_cast<std::size_t>(contact)]); }
+  Vec3 slip_velocity(const Contact& contact) const;
   double slip_time(std::size_t contact) const;
   bool is_closed(int pair, std::uint64_t id) const;
   bool is_gone(int body) const { return body >= 0 && !world_->alive({body}); }
@@ -194,7 +195,10 @@ class Contacts {
   void weaken_friction();
   bool solve_weakened(double part, std::vector<double>& all);
   void share_directions(std::vector<Contact>& closed) const;
-  double uses_friction(const std::vector<Contact>& contacts, std::size_t i) const;
+  struct Friction {
+    double force = 0, limit = 0;  // N
+  };
+  Friction friction_of_pair(const std::vector<Contact>& contacts, std::size_t i) const;
   bool moves_along(const std::vector<Contact>& contacts, std::size_t i) const;
   void note_ended_slip();
   void set(std::vector<Contact> contacts);

@@ -182,6 +182,7 @@ void Simulation::undo(std::size_t number, bool again) {
 
 Simulation Simulation::branch() const {
   Simulation other(steady().world.first_model(), impl_->integration);
+  other.impl_->world.first_gravity_ = impl_->world.first_gravity_;
   other.impl_->queue = impl_->queue;
   other.impl_->events = impl_->events;
   other.impl_->go_back(impl_->snapshot());
@@ -270,19 +271,30 @@ void Simulation::force(std::string_view body, BodyFunction wrench) {
   impl_->update_pending_contacts();
 }
 
-void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
+void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints,
+                         const std::function<void(const World&)>& check) {
+  World& world = changing().world;
+  const int bodies = world.model().size();
+  const auto restore_world = [&] {
+    if (forest.gravity) world.set_gravity(*forest.gravity);
+    world.restore(time, forest, joints);
+    if (check) check(world);
+  };
 #ifdef __cpp_exceptions
-  const WorldSnapshot before = changing().world.snapshot();
+  const WorldSnapshot before = world.snapshot();
+  const Vec3 gravity = world.model().gravity();
   try {
-    impl_->world.restore(time, forest, joints);
-  } catch (...) {  // loops that cannot be closed: nothing has changed
-    impl_->world.restore(before);
+    restore_world();
+  } catch (...) {  // such as loops that cannot be closed
+    world.set_gravity(gravity);
+    world.restore(before);
     impl_->evaluate_state();
     throw;
   }
 #else
-  changing().world.restore(time, forest, joints);  // an error ends the program
+  restore_world();  // an error ends the program
 #endif
+  if (world.model().size() != bodies) impl_->contacts.renew();
   impl_->make_methods();
   impl_->begin();
   if (!forest.contacts.empty() || !forest.former_contacts.empty()) impl_->contacts.close_from_document(forest);

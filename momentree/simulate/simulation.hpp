@@ -254,8 +254,10 @@ class Simulation {
   /// removes it; another one replaces it. Throws Error for an unknown name and for a body that was removed.
   void force(std::string_view body, BodyFunction wrench);
 
-  /// Restarts from a state document (World::restore); energy ledger and events are reset.
-  void restore(double time, const Forest& forest, std::span<const JointStart> joints);
+  /// Restarts from a state document (World::restore); energy ledger and events are reset. `check` may throw if it does not
+  /// accept the restored world. If an error is thrown, nothing has changed.
+  void restore(double time, const Forest& forest, std::span<const JointStart> joints,
+               const std::function<void(const World&)>& check = {});
 
   /// Restarts at another state of the present topology: time (s, not negative), coordinates q (nq numbers: rad, m, unit
   /// quaternions) and momenta p (nv numbers, see World::momenta_of), packed in the order of joint numbers. Energy ledger, events

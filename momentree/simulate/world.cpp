@@ -15,7 +15,8 @@ World::World(const Model& model, Variables variables, Variables with_loops)
     : model_(model),
       variables_(model.has_equations() ? with_loops : variables),
       loop_variables_(with_loops),
-      first_bodies_(model.size()) {
+      first_bodies_(model.size()),
+      first_gravity_(model.gravity()) {
   const std::vector<SingularJoint> singular = singular_joints(model_);
   if (!singular.empty()) {
     const BodySpec& body = model_[singular.front().body];
@@ -50,6 +51,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
       functions.push_back(
           {names_.joint(tree_.loops()[i].id().index), tree_.loops()[i].joint.kind, std::make_shared<const JointFunction>(*f)});
   const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
+  if (!forest.places.empty() && forest.places.size() < model_.bodies().size()) model_.keep(first_bodies_);
   tree_ = Tree(model_);
   former_contacts_.clear();
   first_bodies_ = model_.size();
@@ -73,7 +75,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
       tree_.set_function(b, std::move(each.function));
   }
   for (const Topology::Loaded& load : loads)
-    if (tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
+    if (load.body < model_.size() && tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
   State state(tree_, own_variables());
   workspace_ = Workspace<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));

@@ -115,8 +115,8 @@ struct WorldSnapshot {
   std::vector<Contact> former_contacts{};   ///< World::former_contacts()
 };
 
-/// Topology and names where they differ from the model: which body is carried by which, and by which joint, as in a state
-/// document.
+/// Gravity, topology and names where they differ from the model: which body is carried by which, and by which joint, as in a
+/// state document.
 struct Forest {
   /// A joint that differs from the model's joint of that number, or has another name.
   struct Changed {
@@ -125,8 +125,10 @@ struct Forest {
     Joint as;  ///< without parameters
     JointParameters parameters;
   };
-  std::vector<Topology::Place> places;                  ///< by body; empty: topology and names of mechanisms are the model's
-  std::vector<Changed> changed;                         ///< in the order of numbers
+  std::optional<Vec3> gravity{};        ///< m/s²; without it, gravity stays as it is
+  std::vector<Topology::Place> places;  ///< by body, with or without those that were added to the world; empty: topology and
+                                        ///< names of mechanisms are the model's
+  std::vector<Changed> changed;         ///< in the order of numbers
   std::vector<std::pair<int, std::string>> mechanisms;  ///< by root
   std::vector<ActiveLimit> active_limits;
   /// All loop joints, with their names and angles; their own numbers are unused.
@@ -160,6 +162,8 @@ class World {
   const Model& model() const { return model_; }
   /// The model without the bodies that were added to the world.
   Model first_model() const;
+  /// Gravity that the world was made with (m/s²); that of model() is the present one.
+  Vec3 first_gravity() const { return first_gravity_; }
   const Tree& tree() const { return tree_; }
   const State& state() const;
   double time() const { return state().time(); }
@@ -295,7 +299,8 @@ class World {
 
   Model model_;
   Variables variables_ = Variables::momenta, loop_variables_ = Variables::velocities;
-  int first_bodies_ = 0;    // number of bodies that the world was made with
+  int first_bodies_ = 0;  // number of bodies that the world was made with
+  Vec3 first_gravity_;
   Names declared_, names_;  // as in the model, and now
   std::vector<ActiveLimit> active_limits_;
   std::vector<Contact> former_contacts_;

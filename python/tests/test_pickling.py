@@ -114,6 +114,37 @@ def test_loaded_and_branched_simulations_can_be_pickled() -> None:
         assert fingerprint(each) == fingerprint(sim_there)
 
 
+@given(seeds)
+def test_gravity_that_was_changed_is_kept(seed: int) -> None:
+    sim = start(seed)
+    sim.run(0.01)
+    sim.set_gravity((0.3, -1.0, 2.0))
+    sim.run(0.02)
+    restored = start(seed)
+    restored.restore_state(sim.state_json())
+    copies = [again(sim), again(again(sim)), again(sim.branch()), copy.copy(sim), restored]
+    for each in copies:
+        assert np.array_equal(each.world.gravity, (0.3, -1.0, 2.0))
+        assert each.state_json() == sim.state_json()
+    for each in (sim, *copies):
+        each.run(0.03)
+        assert each.state_json() == sim.state_json()
+
+
+def test_a_document_of_before_bodies_were_added_removes_them() -> None:
+    sim, other = start(1), start(1)
+    document = sim.state_json()
+    for _ in range(2):
+        sim.add("new/one", mass=1, inertia=0.1, joint=mt.Revolute(), parent=list(sim.world.bodies)[-1], collision={"sphere": 0.1})
+        sim.when(mt.speed("new/one") > 1e-3).then(mt.lock("new/one"))
+        sim.run(sim.time + 0.01)
+        sim.restore_state(document)
+        assert sim.state_json() == document and list(sim.world.bodies) == list(other.world.bodies)
+    for each in (sim, other):
+        each.run(0.02)
+    assert fingerprint(sim) == fingerprint(other)
+
+
 def test_simulations_with_other_bodies_than_the_model_are_refused() -> None:
     sim, other = start(1), start(1)
     sim.remove(list(sim.world.bodies)[-1])

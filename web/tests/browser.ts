@@ -1,6 +1,6 @@
 // A browser for tests and pictures: pages are opened from disk, what they complain about is kept.
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdirSync, mkdtempSync } from "node:fs";
+import { existsSync, mkdirSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
@@ -11,8 +11,17 @@ const repository = resolve(from("MOMENTREE_SOURCE", fileURLToPath(new URL("../..
 export const program = resolve(from("MOMENTREE_PROGRAM", join(repository, "build/release/momentree")));
 export const scenario = (name: string) => join(repository, "scenarios", name);
 
+const folders: string[] = [];
+
 /** A folder for what a test writes. */
-export const temporary = () => mkdtempSync(join(tmpdir(), "momentree-web-"));
+export function temporary(): string {
+  folders.push(mkdtempSync(join(tmpdir(), "momentree-web-")));
+  return folders[folders.length - 1];
+}
+
+export function removeTemporary() {
+  for (const folder of folders.splice(0)) rmSync(folder, { recursive: true, force: true });
+}
 
 /** Runs a scenario with its report; the result folder. */
 export function report(file: string, ...options: string[]): string {
