@@ -22,9 +22,11 @@ function largestKinetic(run: LiveRecording, from: number, to: number): number {
 const momentumIn = (run: LiveRecording, from: number, to: number) =>
   momentumScale(massOf(run.model.bodies), largestKinetic(run, from, to));
 
-/** The error of the energy balance, with a suggested remedy if it exceeds a thousandth of the kinetic energy. */
-function balanceText(error: number, kinetic: number): string {
-  const share = kinetic > 0 ? Math.abs(error) / kinetic : 0;
+/** The error of the energy balance, with a suggested remedy if it has grown by more than a thousandth of the kinetic energy: since
+ * the first frame, as a page may be opened long after the start of a run. */
+function balanceText(error: number, before: number, kinetic: number, potential: number): string {
+  const growth = Math.abs(error - before);
+  const share = growth > 1e-9 * Math.abs(potential) && kinetic > 0 ? growth / kinetic : 0;
   const text = digits(error, 3);
   return share > 1e-3 ? `${text}: ${digits(100 * share, 2)} % of the kinetic energy; use a smaller step` : text;
 }
@@ -71,13 +73,13 @@ export class Readings {
     this.drawn = now;
     this.energy.show(run, frame);
     this.momentum.show(run, frame);
-    const { linear, angular, balance } = run.totals(frame);
+    const { linear, angular, balance, potential } = run.totals(frame);
     const kinetic = largestKinetic(run, 0, frame);
     const size = momentumScale(massOf(run.model.bodies), kinetic);
     const rows: [string, string][] = [
       ["Linear momentum (N s)", vector(linear, size)],
       ["Angular momentum (N m s)", vector(angular, size * reachOf(run.model, run.poses(frame)))],
-      ["Energy balance, error (J)", balanceText(balance.error, kinetic)],
+      ["Energy balance, error (J)", balanceText(balance.error, run.totals(0).balance.error, kinetic, potential)],
       ...(balance.projection === 0 ? [] : [["By loops, overlaps (J)", digits(balance.projection, 3)] as [string, string]]),
       ["Engine, per frame", `${(1000 * engineSeconds).toFixed(1)} ms`],
     ];
