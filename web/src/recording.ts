@@ -44,6 +44,9 @@ export interface Body {
   readonly shapes: readonly Shape[];
 }
 
+/** Of the bodies (kg). */
+export const massOf = (bodies: readonly Body[]) => bodies.reduce((sum, body) => sum + body.mass, 0);
+
 /** A joint at some time. `at`: its position in the parent (or the world); `childAt`: in the child. */
 export interface Joint {
   readonly name: string;

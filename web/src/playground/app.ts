@@ -4,7 +4,6 @@ import { LiveRecording } from "../engine/live";
 import type { EnginePort, FromWorker, SliderInfo, ToWorker, UserAction } from "../engine/messages";
 import type { Meshes } from "../meshes";
 import type { Clock } from "../panels/timeline";
-import type { Body } from "../recording";
 import { modelOf } from "../result_files";
 
 type Changed = "world" | "frame" | "branch" | "status" | "sliders";
@@ -225,6 +224,3 @@ export class App implements Clock {
     this.notify("status");
   }
 }
-
-/** Of the bodies (kg). */
-export const massOf = (bodies: readonly Body[]) => bodies.reduce((sum, body) => sum + body.mass, 0);

@@ -2,7 +2,8 @@
 import { groupsOf, groupText } from "../contacts";
 import { h } from "../panels/dom";
 import { typicalLength } from "../viewer/mechanisms";
-import { massOf, type App } from "./app";
+import { massOf } from "../recording";
+import type { App } from "./app";
 
 /** Joints by name, without a pointer: the same actions as the tools. */
 export function jointControls(app: App): HTMLElement {

@@ -5,7 +5,7 @@ import type { FrameRate } from "../panels/frame_rate";
 import { digits } from "../panels/numbers";
 import { momentumScale, reachOf } from "../panels/scales";
 import type { Theme } from "../viewer/colours";
-import { massOf } from "./app";
+import { massOf } from "../recording";
 import { Chart } from "./chart";
 
 /** Minimum time between two redraws while frames arrive (ms). */

@@ -1,6 +1,6 @@
 // The initial view: the whole motion in the picture, gravity down; planar motion is seen along the plane's normal.
 import * as THREE from "three";
-import type { Model, Motion } from "../recording";
+import { massOf, type Model, type Motion } from "../recording";
 import { phaseAt } from "./frames";
 import { endsOf } from "./springs";
 
@@ -28,9 +28,28 @@ function attachedBodies(run: Motion, time: number): Set<number> {
   return new Set(run.model.bodies.map((_body, b) => b).filter((b) => mechanisms.has(phase.mechanism[b])));
 }
 
+/** Light bodies that go so far that all others would be tiny, such as the finger of a gripper that slides out of it: their mass
+ * is at most 2 % of all, and without them the box around all is at most a third as large. */
+function lightAndFar(run: Motion, boxes: readonly THREE.Box3[]): Set<number> {
+  const around = (bodies: readonly number[]) => bodies.reduce((all, b) => all.union(boxes[b]), new THREE.Box3());
+  const diagonal = (box: THREE.Box3) => (box.isEmpty() ? 0 : box.getSize(new THREE.Vector3()).length());
+  const present = run.model.bodies.map((_body, b) => b).filter((b) => !boxes[b].isEmpty());
+  const heaviest = present.reduce((a, b) => (run.model.bodies[b].mass > run.model.bodies[a].mass ? b : a), present[0]);
+  if (heaviest === undefined) return new Set();
+  const centre = boxes[heaviest].getCenter(new THREE.Vector3());
+  const distance = (b: number) => Math.max(boxes[b].min.distanceTo(centre), boxes[b].max.distanceTo(centre));
+  const farthestFirst = [...present].sort((a, b) => distance(b) - distance(a));
+  let spare = 0.02 * massOf(run.model.bodies);
+  let left = 0;
+  while (left < farthestFirst.length && run.model.bodies[farthestFirst[left]].mass <= spare)
+    spare -= run.model.bodies[farthestFirst[left++]].mass;
+  const rest = diagonal(around(farthestFirst.slice(left)));
+  return new Set(rest > 0 && diagonal(around(present)) > 3 * rest ? farthestFirst.slice(0, left) : []);
+}
+
 /** Points that the picture should include: origins of bodies and ends of their shapes, over some frames. */
 function points(run: Motion, reach: (body: number) => number, most = 40): THREE.Box3 {
-  const box = new THREE.Box3();
+  const boxes = run.model.bodies.map(() => new THREE.Box3());
   const detached: THREE.Vector3[] = [];
   const step = Math.max(1, Math.floor(run.frames / most));
   const turn = new THREE.Quaternion();
@@ -50,9 +69,15 @@ function points(run: Motion, reach: (body: number) => number, most = 40): THREE.
       ends.push(origin.clone().addScalar(r), origin.clone().addScalar(-r));
       for (const end of ends)
         if (attached && !attached.has(b)) detached.push(end);
-        else box.expandByPoint(end);
+        else boxes[b].expandByPoint(end);
     });
   }
+  const box = new THREE.Box3();
+  const light = lightAndFar(run, boxes);
+  boxes.forEach((own, b) => {
+    if (light.has(b)) detached.push(own.min, own.max);
+    else box.union(own);
+  });
   if (run.frames > 0)
     for (const spring of run.model.springs ?? [])
       for (const end of endsOf(spring, run.poses(0))) if (!Number.isNaN(end.x)) box.expandByPoint(end);

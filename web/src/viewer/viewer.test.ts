@@ -2,6 +2,7 @@ import { describe, expect, it } from "vitest";
 import type { Motion } from "../recording";
 import { ArrowScale } from "./arrows";
 import { BoxGeometry, Vector3 } from "three";
+import { viewOf } from "./camera";
 import { hexOf, mixed, shapeColour, themeOf } from "./colours";
 import { frameAt, isGap, lastNotAfter, phaseAt, pointOf, posesAt } from "./frames";
 import { ghostSpacing, ghostTimes } from "./ghosts";
@@ -186,6 +187,29 @@ describe("ghosts, trails and outlines", () => {
       for (const [k, axis] of (["x", "y", "z"] as const).entries())
         expect(outward.array[3 * i + k]).toBeCloseTo(Math.sign(corner[axis]) / Math.sqrt(3), 5);
     }
+  });
+});
+
+describe("the initial view", () => {
+  /** Bodies of these masses along x; the last one slides away until the end. */
+  function sliding(masses: readonly number[], away: number): Motion {
+    const bodies = masses.map((mass, i) => ({ ...recording().model.bodies[0], name: `b${i}`, mass }));
+    const at = (frame: number) =>
+      masses.flatMap((_mass, i) => [i + (i === masses.length - 1 ? frame * away : 0), 0, 0, 1, 0, 0, 0]);
+    const mechanism = masses.map(() => 0);
+    return { ...recording(), model: { ...recording().model, bodies }, poses: at, phases: [{ from: 0, mechanism, joints: [] }] };
+  }
+  const width = (run: Motion) => viewOf(run, () => 0.1).box.getSize(new Vector3()).x;
+
+  it("leaves out a light body that slides far away", () => {
+    expect(width(sliding([4, 4, 4, 0.1], 0))).toBeCloseTo(3.2, 9);
+    expect(width(sliding([4, 4, 4, 0.1], 1))).toBeCloseTo(5.2, 9);
+    expect(width(sliding([4, 4, 4, 0.1], 20))).toBeLessThan(6);
+    expect(width(sliding([4, 4, 4, 1], 20))).toBeCloseTo(43.2, 9); // heavier than 2 % of all
+  });
+
+  it("shows the whole of a chain, whose links are all light", () => {
+    expect(width(sliding(Array<number>(100).fill(0.1), 20))).toBeCloseTo(139.2, 9);
   });
 });
 
