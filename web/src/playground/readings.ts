@@ -22,8 +22,10 @@ function largestKinetic(run: LiveRecording, from: number, to: number): number {
 const momentumIn = (run: LiveRecording, from: number, to: number) =>
   momentumScale(massOf(run.model.bodies), largestKinetic(run, from, to));
 
-/** The error of the energy balance, with a suggested remedy if it has grown by more than a thousandth of the kinetic energy: since
- * the first frame, as a page may be opened long after the start of a run. */
+/**
+ * The error of the energy balance, with a suggested remedy if it has grown by more than a thousandth of the kinetic energy since
+ * the first frame: a page may be opened long after the start of a run.
+ */
 function balanceText(error: number, before: number, kinetic: number, potential: number): string {
   const growth = Math.abs(error - before);
   const share = growth > 1e-9 * Math.abs(potential) && kinetic > 0 ? growth / kinetic : 0;
