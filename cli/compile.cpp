@@ -105,6 +105,9 @@ int compile(const CompileOptions& options) {
                  "use --variables velocities"});
   if (tree.has_loops()) require_plain_loops(world, options.without_joint_forces, scenario->path);
   if (!options.without_joint_forces) require_plain_forces(world, scenario->path);
+  if (scenario->model.has_contact())
+    show(stderr,
+         printable(scenario->path) + ": warning: contact and cables are not in generated code; bodies pass through each other\n");
   if (!options.name.empty() && options.name != identifier(options.name))
     throw_error(
         {"'" + options.name + "' is not a valid function name", "", "use letters, digits and _, beginning with a letter"});

@@ -82,8 +82,10 @@ int run(const RunOptions& options) {
   const double start = simulation.time();
   const int dofs = simulation.world().tree().nv();
   const InterruptGuard guard;  // before there is a folder that would be left behind
-  const io::RunOrigin origin{scenario->name, scenario->title, scenario->path,        scenario->hash,   overrides,
-                             start,          scenario->until, scenario->integration, options.reactions};
+  Integration integration = scenario->integration;
+  integration.variables = integration.state_variables(scenario->model);
+  const io::RunOrigin origin{scenario->name, scenario->title, scenario->path, scenario->hash,   overrides,
+                             start,          scenario->until, integration,    options.reactions};
   io::RecordOptions record{.directory = out,
                            .joints = session.joints(),
                            .every = scenario->output_every,

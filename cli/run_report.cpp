@@ -69,6 +69,7 @@ std::string contact_text(const Event& event, const Style& style) {
   std::string text = event_heading(event, style) + bodies_text(event.contact);
   if (const double size = norm(event.contact.impulse); size > 0) text += format("  impulse %.4g N s", size);
   if (event.lost > 0) text += format("  lost %.4g J", event.lost);
+  if (!event.reason.empty()) text += "  " + event.reason;
   return text + '\n';
 }
 

@@ -67,9 +67,10 @@ struct KernelCache::Impl {
     const std::lock_guard lock(mutex);
     if (compiler.empty()) return {};
     if (tree.has_loops() ? !stages_take_loop_rates(tree, variables) : !stages_take_rates(tree))
-      return leave(tree.has_loops() ? "stages with closed loops or couplings run the kernels themselves in momenta, and with "
-                                      "springs between points, forces on bodies or functions"
-                                    : "stages with forces on bodies, functions or prescribed motions run the kernels themselves");
+      return leave(tree.has_loops()
+                       ? "stages with closed loops or couplings run the kernels themselves in momenta, and with "
+                         "springs between points, contact, forces on bodies or functions"
+                       : "stages with contact, forces on bodies, functions or prescribed motions run the kernels themselves");
     const auto start = std::chrono::steady_clock::now();
     const auto [place, fresh] = codes.try_emplace(fingerprint(tree, variables, rows));
     if (fresh) {

@@ -170,6 +170,9 @@ void check_integration(Reading& reading) {
   checker.times();
   checker.tolerances();
   if (errors == reading.out.errors()) checker.model();
+  if (reading.scenario.integration.variables == Variables::momenta && reading.scenario.model.has_contact())
+    reading.out.warning(reading.integrate.variables, "variables: worlds with contact or cables are integrated in velocities",
+                        "leave it out");
 }
 
 }  // namespace momentree::io

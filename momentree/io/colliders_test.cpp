@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/io/convert/convert.hpp>
 #include <momentree/io/test_support.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <tests/bad_input.hpp>
@@ -98,6 +99,16 @@ TEST_CASE("colliders: meshes that are flat, not convex or have many corners are 
   const ReadResult concave = read(two);
   REQUIRE(concave.scenario);
   CHECK(warnings(concave).find("is not convex: its hull touches, of which it fills 33 %") != std::string::npos);
+  // A box without its top, and a tube: areas of a tube's openings cancel.
+  const std::string box = box_mesh({0.1, 0.1, 0.1});
+  const std::size_t last = box.rfind("f "), before = box.rfind("f ", last - 1);
+  const std::string lidless = box.substr(0, last), tube = box.substr(0, before);
+  for (const std::string& open : {lidless, tube}) {
+    const ReadResult result = read(open);
+    REQUIRE(result.scenario);
+    CHECK(warnings(result).find("is not closed: its hull touches; close it, or let boxes") != std::string::npos);
+  }
+  CHECK(warnings(read(box)) == "");
   std::string round;
   for (int i = 0; i < 500; ++i) {
     const double z = -1 + i / 250.0, r = std::sqrt(1 - z * z);
@@ -136,6 +147,9 @@ TEST_CASE("colliders: collision elements of a model count where there is somethi
   CHECK(model.contact_law(base, end).off);  // they overlap at the start
   CHECK(!model.contact_law(base, out).off);
   CHECK(warnings(on_floor).find("'arm/base' and 'arm/end'") != std::string::npos);
+  CHECK(rendered(to_toml(*on_floor.scenario, folder / ".").diagnostics)
+            .find("warning: 4 collision elements of model files left out; their bodies no longer touch anything") !=
+        std::string::npos);
 }
 
 TEST_CASE("colliders: friction and exclusions of SDF and MJCF files") {

@@ -145,6 +145,18 @@ TEST_CASE("contact: runs with reactions have a table of the points that touch") 
         std::string::npos);
 }
 
+TEST_CASE("contact: worlds with contact are integrated in velocities, and a file that says otherwise is told") {
+  const auto said = [](const std::string& variables) {
+    return rendered(
+        read_scenario_text("format = 1\n[world]\nfloor = true\n" + ball("a", 1) + "[integrate]\n" + variables, "s.toml")
+            .diagnostics);
+  };
+  CHECK(said("variables = \"momenta\"\n")
+            .find("warning: variables: worlds with contact or cables are integrated in velocities; leave it out") !=
+        std::string::npos);
+  CHECK(said("variables = \"velocities\"\n") == "");
+}
+
 TEST_CASE("contact: bodies that overlap are pushed apart, with a warning") {
   const std::string floor = "[world]\nfloor = true\n", resolve = "[integrate]\nresolve = true\n";
   ReadResult result = read_scenario_text("format = 1\n" + floor + ball("a", 0.05) + ball("b", 3) + resolve, "s.toml");

@@ -121,7 +121,7 @@ void read_integrate(const Value& table, Reading& reading) {
   reading.integrate = {fields.place_of("step"),     fields.place_of("until"),
                        fields.place_of("rtol"),     fields.place_of("atol"),
                        fields.place_of("max_step"), fields.has("event_tolerance") ? fields.place_of("event_tolerance") : Place{},
-                       reading.integrate.every};
+                       reading.integrate.every,     fields.has("variables") ? fields.place_of("variables") : Place{}};
   fields.finish();
 }
 
@@ -129,7 +129,7 @@ void check_tolerance(Reading& reading) {
   const Integration& integration = reading.scenario.integration;
   if (!is_adaptive(integration.method)) return;
   double resolved = 0x1p-53;
-  if (integration.state_variables() == Variables::momenta) {
+  if (integration.state_variables(reading.scenario.model) == Variables::momenta) {
     const Tree tree(reading.scenario.model);
     resolved = velocity_resolution(tree, start_state(reading.scenario.model, tree).q());
   }

@@ -19,7 +19,7 @@ namespace momentree::io {
 
 /// The places of the values in [integrate] and [output]; the place of the table, or none, for absent values.
 struct IntegratePlaces {
-  Place step{}, until{}, rtol{}, atol{}, max_step{}, event_tolerance{}, every{};
+  Place step{}, until{}, rtol{}, atol{}, max_step{}, event_tolerance{}, every{}, variables{};
 };
 
 /// The place of an exact coupling: in the scenario, or an element of a model file.

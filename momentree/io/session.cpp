@@ -109,6 +109,9 @@ std::vector<Diagnostic> Session::schedule() {
     found.push_back({Severity::warning, scenario().path, place.line, place.column, std::move(what), "", ""});
   };
   const double start = simulation_.time();
+  if (const Vec3 g = simulation_.world().model().gravity(); !(g == simulation_.world().first_gravity()))
+    warn({}, "gravity is that of the state document: [" + number_text(g.x) + ", " + number_text(g.y) + ", " + number_text(g.z) +
+                 "] m/s²");
   std::vector<const ScenarioEvent*> events;
   for (const ScenarioEvent& event : scenario().events) {
     const EventStatus* const past = past_of(event);

@@ -1,5 +1,9 @@
 // What shapes touch with; meshes as their convex hulls.
+#include <algorithm>
+#include <array>
 #include <cstdio>
+#include <map>
+#include <utility>
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/mesh/read_mesh.hpp>
@@ -30,6 +34,21 @@ std::optional<double> volume_of(const std::vector<Vec3>& points, const std::vect
   }
   if (norm(sum) > 1e-4 * area) return std::nullopt;
   return std::fabs(six) / 6;
+}
+
+// True if each edge belongs to an even number of triangles. Corners of different triangles are the same if they coincide.
+bool is_closed(const std::vector<Vec3>& points, const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  std::map<std::array<double, 3>, int> corners;
+  std::vector<int> corner;
+  for (const Vec3& p : points)
+    corner.push_back(corners.try_emplace({p.x, p.y, p.z}, static_cast<int>(corners.size())).first->second);
+  std::map<std::pair<int, int>, bool> open;
+  for (const auto& triangle : triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = corner[triangle[k]], b = corner[triangle[(k + 1) % 3]];
+      if (bool& edge = open[std::minmax(a, b)]; a != b) edge = !edge;
+    }
+  return std::all_of(open.begin(), open.end(), [](const auto& edge) { return !edge.second; });
 }
 
 std::optional<contact::Solid> hull_of(const Shape& shape, const ReportOnShape& refuse, const ReportOnShape& warn) {
@@ -76,7 +95,10 @@ std::optional<contact::Solid> hull_of(const Shape& shape, const ReportOnShape& r
   }
   const std::optional<double> own = volume_of(points, triangles);
   const double whole = contact::volume(hull);
-  if (own && *own < concave * whole)
+  if (own && *own >= concave * whole) return hull;
+  if (!own || !is_closed(points, triangles))
+    warn(name + " is not closed: its hull touches", "close it, or let boxes, spheres, capsules or cylinders touch");
+  else
     warn(name + " is not convex: its hull touches, of which it fills " + percent(*own / whole), "divide it into convex shapes");
   return hull;
 }

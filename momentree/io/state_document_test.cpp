@@ -275,7 +275,7 @@ TEST_CASE("contacts of a document: what it names exists, and contacts that no lo
   const auto events_from = [&](const std::string& velocity) {
     const std::size_t at = text.find("\"v\": [") + 5;
     std::string changed = text;
-    if (!velocity.empty()) changed.replace(at, text.find(']', at) + 1 - at, velocity);
+    if (!velocity.empty()) changed.replace(at, text.find("\"pdot\"", at) - at, velocity + ", ");  // without `p`
     Simulation again(model, {.method = "rk4"});
     const RestoredState state = read_state(changed, "s.json", model);
     restore(again, {state});

@@ -43,6 +43,7 @@ class Reader {
       for (const Value::Entry& joint : read_table(*joints, "joints", out_)) whole ? describe(joint) : read_partial(joint);
     if (mechanism_.empty()) {
       result_.time = fields.real("time");
+      if (result_.time && *result_.time < 0) out_.error(fields.place_of("time"), "time: must not be negative");
       result_.forest.gravity = fields.vec3("gravity", dimension::acceleration);
       if (const Value* springs = fields.find("springs"))
         for (const Value::Entry& spring : read_table(*springs, "springs", out_))

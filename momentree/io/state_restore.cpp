@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/forward.hpp>
 #include <momentree/io/number_text.hpp>
 #include <momentree/io/state_document.hpp>
 
@@ -68,6 +70,21 @@ double fastest_body(const World& world) {
   return speed;
 }
 
+/// The velocities that belong to the momenta of these joints; those of the world where a joint has no momenta.
+std::vector<double> velocities_of(const World& world, const std::vector<JointStart>& starts) {
+  const Tree& tree = world.tree();
+  std::vector<double> q(world.state().q().begin(), world.state().q().end()), p(world.p().begin(), world.p().end());
+  for (const JointStart& start : starts)
+    for (int i = 0; i < start.p.size(); ++i)
+      p[static_cast<std::size_t>(tree.first_p(tree.carrier(start.joint.index)) + i)] = start.p[i];
+  follow_motions(tree, world.time(), q.data(), p.data());
+  State state(tree);
+  state.assign(world.time(), q, p, tree);
+  Workspace<double> workspace(tree);
+  forward_dynamics(tree, state, workspace);
+  return {workspace.v.get(), workspace.v.get() + p.size()};
+}
+
 }  // namespace
 
 void restore(Simulation& simulation, const std::vector<RestoredState>& documents) {
@@ -88,6 +105,7 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
     }
     if (!document.forest.places.empty()) {
       forest = document.forest;
+      forest.gravity = document.forest.gravity.value_or(simulation.world().first_gravity());
     } else if (!document.forest.springs.empty()) {
       forest.springs = document.forest.springs;
     }
@@ -105,11 +123,17 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
       throw_error({"a part of the world that it describes lacks the mass or inertia to move freely", documents.front().file,
                    "is it a document of this model?"});
     const double tolerance = 1e-6 * fastest_body(world);
+    // A world that is integrated in velocities begins with those of the document.
+    std::vector<double> of_momenta;
+    if (world.state().variables() == Variables::velocities && !world.tree().has_loops())
+      of_momenta = velocities_of(world, starts);
     for (const JointStart& start : starts) {
       if (start.p.empty() || start.v.empty()) continue;
       const JointView joint = world.joint(start.joint);
+      const int first = of_momenta.empty() ? 0 : world.tree().first_p(world.tree().carrier(start.joint.index));
       for (int i = 0; i < start.v.size(); ++i) {
-        const double v = joint.v[static_cast<std::size_t>(i)];
+        const double v =
+            of_momenta.empty() ? joint.v[static_cast<std::size_t>(i)] : of_momenta[static_cast<std::size_t>(first + i)];
         if (!(std::fabs(v - start.v[i]) <= tolerance))
           throw_error({"`v` of joint '" + std::string(joint.name) + "' does not fit its `p`: number " + std::to_string(i + 1) +
                            " should be " + number_text(v) + ", not " + number_text(start.v[i]),

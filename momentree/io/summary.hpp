@@ -14,8 +14,8 @@ struct RunOrigin {
   std::string hash;                    ///< of its text and the overrides: identifies the input
   std::vector<std::string> overrides;  ///< "integrate.step=1e-4"
   double start = 0, until = 0;         ///< s
-  Integration integration;
-  bool reactions = false;  ///< joints.csv has them
+  Integration integration;             ///< with the variables of the run's world
+  bool reactions = false;              ///< joints.csv has them
 };
 
 /// `summary.json`: `status` is "done", or why the run ended early.

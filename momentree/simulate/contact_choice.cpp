@@ -216,7 +216,10 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
     if (!(speed > slowest_) || !(system_.laws[i].friction > 0)) continue;
-    if (system_.state(i) == contact::PointState::stick) continue;  // no finite force keeps it slipping: it stops (Painlevé)
+    if (system_.state(i) == contact::PointState::stick) {  // no finite force keeps it slipping: it stops (Painlevé)
+      jammed_.push_back(contacts[i].pair);
+      continue;
+    }
     system_.laws[i].slipping = true, system_.laws[i].direction = {v1 / speed, v2 / speed};
   }
   return solved;

@@ -178,8 +178,8 @@ std::vector<int> Simulation::Impl::bodies_of_flood() const {
 
 // Adaptive steps that contacts keep short beyond reason would never reach the end. With many contacts each of them takes long.
 void Simulation::Impl::judge_steps() {
-  constexpr int most = 5000, least = 500;
-  constexpr double shortest = 1e-4;  // on average, of the given step
+  constexpr int most = 2000, least = 500;
+  constexpr double shortest = 3e-4;  // on average, of the given step
   if (steps_through() || !method->adaptive() || world.tree_.contacts().empty()) {
     stepping.steps = 0;
     return;

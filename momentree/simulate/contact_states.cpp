@@ -203,7 +203,7 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   if (before.empty()) before.assign(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
   std::erase_if(before, [this](const Contact& c) { return is_gone(c.a) || is_gone(c.b); });
   set({});
-  settling_.clear();
+  settling_.clear(), jammed_.clear();
   const std::size_t first = events.size();
   (*evaluate_)(world_->state_);
   if (const std::optional<Overlap> worst = overlap())
@@ -295,6 +295,8 @@ void Contacts::report_changes(const std::vector<Contact>& before, std::size_t fi
     Event event = begin_event(what, pair);
     place_contacts(world_->tree_, world_->workspace_, of, rows_);
     locate_event(event, of, std::vector<double>(of.size(), 1.0), pair);
+    if (change.to == Now::still && std::find(jammed_.begin(), jammed_.end(), pair) != jammed_.end())
+      event.reason = "no finite force lets it slip on (Painlevé's paradox)";
     events.push_back(std::move(event));
   }
 }

@@ -124,6 +124,8 @@ TEST_CASE("contact: slip that no finite force allows ends at once, by an impact"
   REQUIRE(sim.run_until(0.05) == Status::ok);
   const double impact = 0.5 * v * v * nn / (nn * tt - nt * nt);  // until it stops
   CHECK(sim.energy().lost_in_impacts / impact == doctest::Approx(1).epsilon(1e-5));
+  const auto named = [](const Event& event) { return event.reason.find("Painlevé") != std::string::npos; };
+  CHECK(std::count_if(sim.events().begin(), sim.events().end(), named) == 1);
   for (const ContactPoint& contact : sim.world().contacts()) CHECK(contact.force.z > 0);
   CHECK(sim.world().contacts().size() == 1);
   CHECK(std::fabs(sim.energy().error) < 1e-9);

@@ -251,6 +251,7 @@ class Contacts {
   double started_ = 0;             // when the step began (s)
   int short_steps_ = 0;            // in a row in which a contact crept
   double slowest_approach_ = 0;    // slower approaches count as rest (m/s)
+  std::vector<int> jammed_;        // pairs that no finite force lets slip (Painlevé), since the last change of contacts
   double slowest_ = slowest_slip;  // slower contacts have no direction of slip when their states are next chosen (m/s)
   mutable std::vector<contact::Candidate> found_candidates_;
 };

@@ -178,8 +178,8 @@ TEST_CASE("contact: boxes thrown on the floor never gain energy, never sink in, 
       impacts += event.name == "impact" ? 1 : 0;
       CHECK(event.lost > -1e-11);
       const std::array<double, 6>& G = event.ground_impulse;
-      CHECK(norm(event.after.linear - event.before.linear - Vec3{G[0], G[1], G[2]}) < 1e-11);
-      CHECK(norm(event.after.angular - event.before.angular - Vec3{G[3], G[4], G[5]}) < 1e-11);
+      CHECK(norm(event.after.linear - event.before.linear - Vec3{G[0], G[1], G[2]}) < 1e-13);
+      CHECK(norm(event.after.angular - event.before.angular - Vec3{G[3], G[4], G[5]}) < 1e-13);
     }
     CHECK(std::fabs(sim.energy().error) < 1e-6);
   }

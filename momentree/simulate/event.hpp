@@ -87,7 +87,8 @@ struct Event {
     std::string cable{};     ///< that became taut or slack; empty: the bodies touch
   };
   Contact contact{};
-  /// Of an event that changes how contacts are computed: why, and the mechanisms of which this is true.
+  /// Of an event that changes how contacts are computed: why, and the mechanisms of which this is true. A slip that ends because
+  /// no finite force allows it (Painlevé's paradox) has a reason, too.
   std::string reason{};
   std::vector<std::string> stepped{};
   /// The impulse that the ground exerted on the mechanisms: force (N s), then torque (N m s) about the world's origin, in world

@@ -199,8 +199,8 @@ class Simulation {
   [[nodiscard]] std::optional<Error> check(const Condition& condition) const;
 
   /// Changes gravity from now on (m/s², world axes). The resulting change of potential energy counts as work. The history that
-  /// keep_history() kept is discarded; snapshots taken before do not restore the former gravity. Throws Error for values that are
-  /// not finite.
+  /// keep_history() kept is discarded; snapshots taken before restore the former gravity. Throws Error for values that are not
+  /// finite.
   void set_gravity(Vec3 gravity);
 
   /// Steps to `time` (s), landing exactly on every scheduled event and on `time`; events at `time` happen. Does nothing if `time`

@@ -51,7 +51,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
       functions.push_back(
           {names_.joint(tree_.loops()[i].id().index), tree_.loops()[i].joint.kind, std::make_shared<const JointFunction>(*f)});
   const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
-  if (!forest.places.empty() && forest.places.size() < model_.bodies().size()) model_.keep(first_bodies_);
+  if (forest.places.size() < model_.bodies().size()) model_.keep(first_bodies_);
   tree_ = Tree(model_);
   former_contacts_.clear();
   first_bodies_ = model_.size();
@@ -302,6 +302,7 @@ WorldSnapshot World::snapshot() const {
   for (const Collider& collider : model_.colliders())
     if (collider.body.index >= first_bodies_) all.added_colliders.push_back(collider);
   all.former_contacts = former_contacts_;
+  all.gravity = model_.gravity();
   for (int k = 0; k < model_.size(); ++k) {
     if (names_.joint(k) != declared_.joint(k)) all.joint_names.emplace_back(k, names_.joint(k));
     if (names_.mechanism(k) != declared_.mechanism(k)) all.mechanism_names.emplace_back(k, names_.mechanism(k));
@@ -320,6 +321,7 @@ void World::restore(const WorldSnapshot& snapshot) {
     declared_ = Names(model_);
     make_room();
   }
+  if (snapshot.gravity && !(*snapshot.gravity == model_.gravity())) set_gravity(*snapshot.gravity);
   names_ = declared_;
   active_limits_ = snapshot.active_limits;
   former_contacts_ = snapshot.former_contacts;

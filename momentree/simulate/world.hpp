@@ -113,6 +113,7 @@ struct WorldSnapshot {
   std::vector<BodySpec> added{};            ///< bodies that were added after the start
   std::vector<Collider> added_colliders{};  ///< and what they touch with
   std::vector<Contact> former_contacts{};   ///< World::former_contacts()
+  std::optional<Vec3> gravity{};            ///< m/s²; absent: gravity stays as it is when the snapshot is restored
 };
 
 /// Gravity, topology and names where they differ from the model: which body is carried by which, and by which joint, as in a
@@ -127,7 +128,7 @@ struct Forest {
   };
   std::optional<Vec3> gravity{};        ///< m/s²; without it, gravity stays as it is
   std::vector<Topology::Place> places;  ///< by body, with or without those that were added to the world; empty: topology and
-                                        ///< names of mechanisms are the model's
+                                        ///< names of mechanisms are the model's, without them
   std::vector<Changed> changed;         ///< in the order of numbers
   std::vector<std::pair<int, std::string>> mechanisms;  ///< by root
   std::vector<ActiveLimit> active_limits;

@@ -108,7 +108,9 @@ void resume(const SimulationPtr& self, const std::string& text, const std::vecto
 
 io::RunOrigin origin_of(const SimulationObject& self, double start, double until) {
   const io::Scenario& s = self.scenario();
-  return {s.name, s.title, s.path, s.hash, {}, start, until, s.integration};
+  Integration integration = s.integration;
+  integration.variables = integration.state_variables(s.model);
+  return {s.name, s.title, s.path, s.hash, {}, start, until, integration};
 }
 
 // Runs and records: (record, how the run ended, why). The record is complete whatever happens.

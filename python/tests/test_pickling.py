@@ -131,6 +131,52 @@ def test_gravity_that_was_changed_is_kept(seed: int) -> None:
         assert each.state_json() == sim.state_json()
 
 
+def test_documents_and_snapshots_of_before_bring_their_gravity_back() -> None:
+    sim = start(3)
+    sim.run(0.01)
+    document, snapshot = sim.state_json(), sim.snapshot()
+    for back in (lambda: sim.restore_state(document), lambda: sim.restore(snapshot)):
+        sim.set_gravity((0, 0, 5))
+        sim.run(0.02)
+        back()
+        assert sim.state_json() == document
+    sim.restore(snapshot)
+    before = sim.energy_balance["error"]
+    sim.set_gravity((0, 0, 5))
+    sim.restore(snapshot)
+    assert sim.energy_balance["error"] == before
+
+
+@pytest.mark.parametrize("method", ["rk4", "dopri5"])
+def test_velocities_that_do_not_fit_the_momenta_are_refused_in_any_variables(method: str) -> None:
+    model = mt.Model()
+    model.add("arm", mass=1, inertia=0.1, joint=mt.Revolute(axis=(0, 1, 0)), q=0.3)
+    sim = mt.Simulation(model, method=method)
+    before = sim.state_json()
+    with pytest.raises(mt.Error, match="does not fit its `p`"):
+        sim.restore_state('{"joints": {"arm": {"q": [0.1], "v": [1], "p": [99]}}}')
+    assert sim.state_json() == before
+    sim.restore_state('{"joints": {"arm": {"q": [0.1], "v": [1], "p": [0.1]}}}')
+    assert sim.world.joints["arm"].v[0] == pytest.approx(1, rel=1e-12)
+
+
+@pytest.mark.parametrize("partial", ["{}", '{"time": 0.05}', '{"gravity": [0, 0, -1]}', '{"joints": {"new/one": {"q": [1]}}}'])
+def test_partial_documents_after_bodies_were_added(partial: str) -> None:
+    sim, other = start(1), start(1)
+    document, snapshot = sim.state_json(), sim.snapshot()
+    sim.add("new/one", mass=1, inertia=0.1, joint=mt.Revolute())
+    with_body = sim.snapshot()
+    try:
+        sim.restore_state(partial)
+        assert list(sim.world.bodies) == list(other.world.bodies)
+    except mt.Error as error:
+        assert "unknown joint" in str(error) and "new/one" in sim.world.bodies
+    sim.restore(with_body)
+    assert "new/one" in sim.world.bodies
+    sim.restore(snapshot)
+    assert sim.state_json() == document
+
+
 def test_a_document_of_before_bodies_were_added_removes_them() -> None:
     sim, other = start(1), start(1)
     document = sim.state_json()

@@ -45,6 +45,36 @@ def test_crane_the_rope_bears_weight_and_swing() -> None:
     assert 0.9 * 9.9e3 < tension[k] < 9.9e3
 
 
+def test_crane_the_load_lands_on_an_edge_and_slides_as_friction_says() -> None:
+    run = Run("crane")
+    parting, landing = run.event("strength of crane/rope3"), run.event("impact landing")
+    # It falls freely, but for drag, which takes less than 2 %.
+    assert landing["before"]["kinetic"] == pytest.approx(
+        parting["after"]["kinetic"] + parting["after"]["potential"] - landing["before"]["potential"], rel=0.02
+    )
+    # One corner hits the ground: an impulse there, within the cone of friction, and no moment about it.
+    before, after = landing["before"], landing["after"]
+    impulse = np.subtract(after["linear"], before["linear"])
+    assert impulse == pytest.approx(landing["impulse"], rel=1e-9)
+    assert np.hypot(impulse[0], impulse[1]) < (0.5 + 1e-9) * impulse[2]
+    moment = np.subtract(after["angular"], before["angular"])
+    assert moment == pytest.approx(np.cross(landing["point"], impulse), rel=1e-7)
+    # Flat on the ground it slides to v² / (2 μ g). What is left of the rope pulls a little.
+    corners = [run.point("crane/load", (x, y, -1.5)) for x in (-0.9, 0.9) for y in (-0.9, 0.9)]
+    assert min(np.min(corner[:, 2]) for corner in corners) > -1e-9
+    k = run.row(4.8)
+    assert max(corner[k, 2] for corner in corners) < 1e-6
+    centre = run.centre("crane/load")
+    speed = np.linalg.norm(centre[k + 1] - centre[k - 1]) / 0.04
+    assert speed > 2
+    assert np.linalg.norm(centre[-1] - centre[k]) == pytest.approx(speed**2 / (2 * 0.5 * G), rel=0.02)
+    stick = run.event("stick landing")["time"]
+    assert stick - 4.8 == pytest.approx(speed / (0.5 * G), rel=0.02)
+    for body in ("crane/load", "crane/rope3", "crane/rope4"):
+        assert np.linalg.norm(run.point(body)[-1] - run.point(body)[-25]) < 1e-6
+    assert abs(run.energy["error"]) < 1e-8 * run.energy["largest_kinetic"]
+
+
 def test_hand_over_each_hand_bears_the_tube_in_turn() -> None:
     run = Run("hand_over", "--reactions")
     assert run.names() == ["hold", "grasp", "lets go"]

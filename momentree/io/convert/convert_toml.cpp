@@ -110,6 +110,9 @@ class Converter {
     if (left_out_.flat > 0)
       say(Severity::warning, counted(left_out_.flat, "shape", "shapes") + " without extent left out: they are for pictures only",
           "");
+    if (colliders_left_out_ > 0)
+      say(Severity::warning, counted(colliders_left_out_, "collision element", "collision elements") + " of model files left out",
+          "their bodies no longer touch anything: give them a collision");
     Converted result{toml_text(value(std::move(document))), std::move(diagnostics_)};
     check(result.text);
     return result;
@@ -188,6 +191,8 @@ class Converter {
     const std::string& name = *string_at(mechanism, "name");
     const std::string* state = string_at(mechanism, "state");
     const fs::path model = fs::path(from_.empty() ? "." : from_) / *string_at(mechanism, "model");
+    for (const int body : bodies_.at(name))
+      for (const Collider& collider : scenario_.model.colliders()) colliders_left_out_ += collider.body.index == body ? 1 : 0;
     const MeshFolders folders{model.parent_path().string(), folder_.empty() ? "." : folder_, meshes_};
     return describe_mechanism(name, scenario_.model, bodies_.at(name), scenario_.shapes, folders, state ? moved(*state) : "",
                               left_out_);
@@ -236,6 +241,7 @@ class Converter {
   const MeshNames* meshes_;
   std::unordered_map<std::string, std::vector<int>> bodies_;
   LeftOut left_out_;
+  int colliders_left_out_ = 0;
   std::vector<Diagnostic> diagnostics_;
 };
 
