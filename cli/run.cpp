@@ -82,10 +82,8 @@ int run(const RunOptions& options) {
   const double start = simulation.time();
   const int dofs = simulation.world().tree().nv();
   const InterruptGuard guard;  // before there is a folder that would be left behind
-  Integration integration = scenario->integration;
-  integration.variables = integration.state_variables(scenario->model);
-  const io::RunOrigin origin{scenario->name, scenario->title, scenario->path, scenario->hash,   overrides,
-                             start,          scenario->until, integration,    options.reactions};
+  io::RunOrigin origin = io::run_origin(*scenario, simulation, scenario->until);
+  origin.overrides = overrides, origin.reactions = options.reactions;
   io::RecordOptions record{.directory = out,
                            .joints = session.joints(),
                            .every = scenario->output_every,

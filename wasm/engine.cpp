@@ -224,7 +224,7 @@ EXPORT(mt_release_grip) void mt_release_grip(MtWorld* world) {
 EXPORT(mt_snapshot) int mt_snapshot(MtWorld* world) {
   const Simulation& simulation = *world->simulation;
   wasm::Store& store = *world->store;
-  store.snapshots.emplace(store.next, wasm::Store::Entry{simulation.snapshot(), simulation.world().model().gravity()});
+  store.snapshots.emplace(store.next, simulation.snapshot());
   return store.next++;
 }
 EXPORT(mt_restore) int mt_restore(MtWorld* world, int snapshot) {
@@ -233,10 +233,7 @@ EXPORT(mt_restore) int mt_restore(MtWorld* world, int snapshot) {
     world->text = "there is no snapshot with that number";
     return mt_refused;
   }
-  Simulation& simulation = *world->simulation;
-  const auto& [state, gravity] = found->second;
-  if (!(simulation.world().model().gravity() == gravity)) simulation.set_gravity(gravity);
-  simulation.restore(state);
+  world->simulation->restore(found->second);
   world->after_restore();
   return mt_ok;
 }

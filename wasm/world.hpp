@@ -20,11 +20,7 @@ static_assert(io::motion_size == mt_motion_size && io::joint_size == mt_joint_si
 
 /// Snapshots of a world and of its branches, by number.
 struct Store {
-  struct Entry {
-    SimulationSnapshot snapshot;
-    Vec3 gravity;
-  };
-  std::map<int, Entry> snapshots;
+  std::map<int, SimulationSnapshot> snapshots;
   int next = 1;
 };
 

@@ -145,7 +145,7 @@ TEST_CASE("contact: runs with reactions have a table of the points that touch") 
         std::string::npos);
 }
 
-TEST_CASE("contact: worlds with contact are integrated in velocities, and a file that says otherwise is told") {
+TEST_CASE("contact: a file that asks for momenta gets a warning, as worlds with contact are integrated in velocities") {
   const auto said = [](const std::string& variables) {
     return rendered(
         read_scenario_text("format = 1\n[world]\nfloor = true\n" + ball("a", 1) + "[integrate]\n" + variables, "s.toml")

@@ -46,7 +46,9 @@ bool is_closed(const std::vector<Vec3>& points, const std::vector<std::array<std
   for (const auto& triangle : triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const int a = corner[triangle[k]], b = corner[triangle[(k + 1) % 3]];
-      if (bool& edge = open[std::minmax(a, b)]; a != b) edge = !edge;
+      if (a == b) continue;
+      bool& edge = open[std::minmax(a, b)];
+      edge = !edge;
     }
   return std::all_of(open.begin(), open.end(), [](const auto& edge) { return !edge.second; });
 }

@@ -5,7 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include <limits>
+#include <memory>
 
+#include <momentree/io/json_writer.hpp>
+#include <momentree/io/session.hpp>
 #include <momentree/io/test_support.hpp>
 
 namespace momentree::io {
@@ -322,6 +325,35 @@ TEST_CASE("gravity that was changed is in the document; a document that is refus
   CHECK_FALSE(read_state(R"({"gravity": [1, 2], "time": 0})", "s.json", model, "", problems));
   CHECK(rendered(problems) ==
         "s.json:1:13: error: gravity: expected three numbers, found a list of 2; write x, y and z, as in gravity = [1, 2, 0]\n");
+}
+
+TEST_CASE("a partial document with momenta restores a world to which a body was added") {
+  const Model model = test::two_mechanisms();
+  Simulation first(model), second(model);
+  first.add({.name = "new/body", .mass = 1, .inertia = diagonal(0.1), .parent = model.body("arm/hand"), .joint = Revolute{}});
+  std::string joints;
+  for (int j = 0; j < model.size(); ++j) {
+    const JointView joint = second.world().joint({j});
+    if (joint.name.substr(0, 4) != "arm/" || joint.v.empty()) continue;
+    JsonWriter json(joints += joints.empty() ? "" : ", ", 2);
+    json.key(joint.name).begin_object().member("q", joint.q).member("p", joint.p).end_object();
+  }
+  const RestoredState document = read_state("{\"joints\": {" + joints + "}}", "s.json", model);
+  for (Simulation* simulation : {&first, &second}) restore(*simulation, {document});
+  CHECK(state_json(first.world(), {}) == state_json(second.world(), {}));
+}
+
+TEST_CASE("a run that begins with another gravity than the scenario's says so") {
+  const auto scenario = std::make_shared<const Scenario>(
+      *read_scenario_text("format = 1\n[[mechanism]]\nname = \"a\"\n[mechanism.chain]\nlinks = 1\nlength = 1\nmass = 1\n",
+                          "s.toml")
+           .scenario);
+  const auto warnings = [&](const std::string& gravity) {
+    Session session(scenario, {read_state("{\"gravity\": " + gravity + "}", "s.json", scenario->model)});
+    return rendered(session.schedule());
+  };
+  CHECK(warnings("[0, 0, -9.81]") == "");
+  CHECK(warnings("[0, 1, -3]") == "s.toml: warning: gravity is that of the state document: [0, 1, -3] m/s²\n");
 }
 
 TEST_CASE("all mistakes of a document are reported at once") {

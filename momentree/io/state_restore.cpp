@@ -18,8 +18,10 @@ struct Entry {
 
 /// The tree: by body its parent, by joint the body that carries it, and the kind.
 struct Places {
-  Places(const Model& model, const Forest& forest) {
-    for (int b = 0; b < (forest.places.empty() ? model.size() : static_cast<int>(forest.places.size())); ++b) {
+  Places(const World& world, const Forest& forest) {
+    const Model& model = world.model();
+    const int bodies = forest.places.empty() ? world.first_bodies() : static_cast<int>(forest.places.size());
+    for (int b = 0; b < bodies; ++b) {
       carrier.push_back(b);
       parent.push_back(model[{b}].parent.index);
       nv.push_back(info(model[{b}].joint.kind).nv);
@@ -47,9 +49,9 @@ struct Places {
 };
 
 /// Momenta depend on the velocities of the whole mechanism: they are used if every joint of it has one.
-void choose_momenta(const Model& model, const Forest& forest, const std::vector<Entry>& entries,
+void choose_momenta(const World& world, const Forest& forest, const std::vector<Entry>& entries,
                     std::vector<JointStart>& starts) {
-  const Places places(model, forest);
+  const Places places(world, forest);
   std::vector<char> complete(entries.size(), 1);
   for (std::size_t j = 0; j < places.nv.size(); ++j)
     if (places.nv[j] > 0 && (entries[j].start == nullptr || entries[j].start->p.empty())) complete[places.root_of_joint(j)] = 0;
@@ -57,9 +59,9 @@ void choose_momenta(const Model& model, const Forest& forest, const std::vector<
     const auto j = static_cast<std::size_t>(start.joint.index);
     if (start.p.empty() || complete[places.root_of_joint(j)] != 0) continue;
     if (start.v.empty())
-      throw_error(
-          {"joint '" + model.bodies()[j].joint_name + "' has `p` and no `v`, but other joints of its mechanism have no `p`",
-           *entries[j].where, "give `v`, or `p` of every joint of the mechanism"});
+      throw_error({"joint '" + world.model().bodies()[j].joint_name +
+                       "' has `p` and no `v`, but other joints of its mechanism have no `p`",
+                   *entries[j].where, "give `v`, or `p` of every joint of the mechanism"});
     start.p = {};
   }
 }
@@ -70,9 +72,11 @@ double fastest_body(const World& world) {
   return speed;
 }
 
-/// The velocities that belong to the momenta of these joints; those of the world where a joint has no momenta.
+/// The velocities of the restored world as they follow from the momenta that the joints start with. With closed loops, a world
+/// starts with the velocities of the document: nothing is compared.
 std::vector<double> velocities_of(const World& world, const std::vector<JointStart>& starts) {
   const Tree& tree = world.tree();
+  if (world.state().variables() == Variables::momenta || tree.has_loops()) return {world.v().begin(), world.v().end()};
   std::vector<double> q(world.state().q().begin(), world.state().q().end()), p(world.p().begin(), world.p().end());
   for (const JointStart& start : starts)
     for (int i = 0; i < start.p.size(); ++i)
@@ -116,27 +120,22 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
   std::vector<JointStart> starts;
   for (const Entry& entry : entries)
     if (entry.start != nullptr) starts.push_back(*entry.start);
-  choose_momenta(model, forest, entries, starts);
+  choose_momenta(simulation.world(), forest, entries, starts);
   const auto check = [&](const World& world) {
     const Totals totals = world.totals();
     if (!std::isfinite(totals.kinetic) && !forest.places.empty())
       throw_error({"a part of the world that it describes lacks the mass or inertia to move freely", documents.front().file,
                    "is it a document of this model?"});
     const double tolerance = 1e-6 * fastest_body(world);
-    // A world that is integrated in velocities begins with those of the document.
-    std::vector<double> of_momenta;
-    if (world.state().variables() == Variables::velocities && !world.tree().has_loops())
-      of_momenta = velocities_of(world, starts);
+    const std::vector<double> velocities = velocities_of(world, starts);
     for (const JointStart& start : starts) {
       if (start.p.empty() || start.v.empty()) continue;
-      const JointView joint = world.joint(start.joint);
-      const int first = of_momenta.empty() ? 0 : world.tree().first_p(world.tree().carrier(start.joint.index));
+      const int first = world.tree().first_p(world.tree().carrier(start.joint.index));
       for (int i = 0; i < start.v.size(); ++i) {
-        const double v =
-            of_momenta.empty() ? joint.v[static_cast<std::size_t>(i)] : of_momenta[static_cast<std::size_t>(first + i)];
+        const double v = velocities[static_cast<std::size_t>(first + i)];
         if (!(std::fabs(v - start.v[i]) <= tolerance))
-          throw_error({"`v` of joint '" + std::string(joint.name) + "' does not fit its `p`: number " + std::to_string(i + 1) +
-                           " should be " + number_text(v) + ", not " + number_text(start.v[i]),
+          throw_error({"`v` of joint '" + std::string(world.joint_name(start.joint)) + "' does not fit its `p`: number " +
+                           std::to_string(i + 1) + " should be " + number_text(v) + ", not " + number_text(start.v[i]),
                        *entries[static_cast<std::size_t>(start.joint.index)].where, "leave out one of the two"});
       }
     }

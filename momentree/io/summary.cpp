@@ -208,6 +208,13 @@ void write_missed(JsonWriter& json, const Simulation& simulation) {
 
 }  // namespace
 
+RunOrigin run_origin(const Scenario& scenario, const Simulation& simulation, double until) {
+  RunOrigin origin{scenario.name,     scenario.title, scenario.path,       scenario.hash, {},
+                   simulation.time(), until,          scenario.integration};
+  origin.integration.variables = simulation.world().state().variables();
+  return origin;
+}
+
 std::string summary_json(const RunOrigin& origin, const std::string& status) {
   std::string text;
   JsonWriter json(text, 2);

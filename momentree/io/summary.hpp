@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <momentree/io/scenario.hpp>
 #include <momentree/simulate/simulation.hpp>
 
 namespace momentree::io {
@@ -17,6 +18,9 @@ struct RunOrigin {
   Integration integration;             ///< with the variables of the run's world
   bool reactions = false;              ///< joints.csv has them
 };
+
+/// Of a run of the scenario that starts at the present state of the simulation.
+RunOrigin run_origin(const Scenario& scenario, const Simulation& simulation, double until);
 
 /// `summary.json`: `status` is "done", or why the run ended early.
 std::string summary_json(const RunOrigin& origin, const std::string& status, const Simulation& simulation);

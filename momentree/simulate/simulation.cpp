@@ -282,11 +282,9 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
   };
 #ifdef __cpp_exceptions
   const WorldSnapshot before = world.snapshot();
-  const Vec3 gravity = world.model().gravity();
   try {
     restore_world();
   } catch (...) {  // such as loops that cannot be closed
-    world.set_gravity(gravity);
     world.restore(before);
     impl_->evaluate_state();
     throw;

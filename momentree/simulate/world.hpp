@@ -163,7 +163,8 @@ class World {
   const Model& model() const { return model_; }
   /// The model without the bodies that were added to the world.
   Model first_model() const;
-  /// Gravity that the world was made with (m/s²); that of model() is the present one.
+  /// The number of its bodies, and the gravity (m/s²) that the world was made with; that of model() is the present one.
+  int first_bodies() const { return first_bodies_; }
   Vec3 first_gravity() const { return first_gravity_; }
   const Tree& tree() const { return tree_; }
   const State& state() const;
@@ -300,8 +301,8 @@ class World {
 
   Model model_;
   Variables variables_ = Variables::momenta, loop_variables_ = Variables::velocities;
-  int first_bodies_ = 0;  // number of bodies that the world was made with
-  Vec3 first_gravity_;
+  int first_bodies_ = 0;    // number of bodies that the world was made with
+  Vec3 first_gravity_;      // and the gravity
   Names declared_, names_;  // as in the model, and now
   std::vector<ActiveLimit> active_limits_;
   std::vector<Contact> former_contacts_;

@@ -219,7 +219,7 @@ class Event:
     contact: EventContact | None = None
     """Of an event at a contact: its bodies, point, normal and impulse; otherwise None."""
     reason: str = ""
-    """Why contacts are stepped through from then on; empty for other events."""
+    """Why contacts are stepped through from then on, or that no finite force lets a contact slip on; otherwise empty."""
     stepped: tuple[str, ...] = ()
     """The mechanisms whose contacts are stepped through from then on, or located again; empty for other events."""
 
@@ -237,6 +237,7 @@ class Event:
         what = "; ".join(str(action) for action in self.actions) or self.reason or ", ".join(self.stepped)
         if self.contact is not None:
             what = f"cable {self.contact.cable}" if self.contact.cable else f"{self.contact.one} and {self.contact.other}"
+            what += f"  {self.reason}" if self.reason else ""
         return f"{self.time:.9g} s  {self.name}  {what}"
 
     def __repr__(self) -> str:

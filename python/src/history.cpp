@@ -106,13 +106,6 @@ void resume(const SimulationPtr& self, const std::string& text, const std::vecto
   sim.resume(all, state.memory);
 }
 
-io::RunOrigin origin_of(const SimulationObject& self, double start, double until) {
-  const io::Scenario& s = self.scenario();
-  Integration integration = s.integration;
-  integration.variables = integration.state_variables(s.model);
-  return {s.name, s.title, s.path, s.hash, {}, start, until, integration};
-}
-
 // Runs and records: (record, how the run ended, why). The record is complete whatever happens.
 nb::object run(const SimulationPtr& self, double until, double every, bool reactions, nb::object observer, nb::object progress,
                nb::handle finished) {
@@ -126,7 +119,7 @@ nb::object run(const SimulationPtr& self, double until, double every, bool react
     meshes = io::mesh_sources(self->scenario().shapes);
     Simulation& sim = self->simulation();
     record =
-        std::make_shared<io::RunRecord>(sim, origin_of(*self, sim.time(), until),
+        std::make_shared<io::RunRecord>(sim, io::run_origin(self->scenario(), sim, until),
                                         io::model_json(sim.world(), self->scenario().title, self->scenario().shapes), reactions);
     if (until == HUGE_VAL && observer.is_none())
       refuse("nothing ends a run with infinite end time", "give it an observer that eventually returns False");

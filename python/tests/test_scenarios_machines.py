@@ -45,7 +45,7 @@ def test_crane_the_rope_bears_weight_and_swing() -> None:
     assert 0.9 * 9.9e3 < tension[k] < 9.9e3
 
 
-def test_crane_the_load_lands_on_an_edge_and_slides_as_friction_says() -> None:
+def test_crane_the_load_lands_on_a_corner_and_slides_as_friction_says() -> None:
     run = Run("crane")
     parting, landing = run.event("strength of crane/rope3"), run.event("impact landing")
     # It falls freely, but for drag, which takes less than 2 %.

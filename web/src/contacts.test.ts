@@ -61,6 +61,7 @@ describe("the list of contacts", () => {
     expect(groupText(events, groups[0])).toBe("2 × impact: 2 pairs of bodies");
     expect(groupText(events, groups[1])).toBe("break a");
     expect(textOf(events[3])).toBe("slip: ball and the ground");
+    expect(textOf({ ...events[3], event: "stick", reason: "why" })).toBe("stick: ball and the ground, why");
   });
 
   it("is fast for a hundred thousand events", () => {

@@ -13,10 +13,10 @@ const named = (body: string) => (body === "ground" ? "the ground" : body);
 /** The bodies of a contact: "box and the ground". */
 export const pairText = (event: RunEvent) => (event.bodies ?? []).map(named).join(" and ");
 
-/** "impact: box and the ground"; of other events their actions, or their name with its reason. */
+/** "impact: box and the ground", with a reason if there is one; of other events their actions, or their name with its reason. */
 export const textOf = (event: RunEvent) =>
   isContact(event)
-    ? `${event.event}: ${pairText(event)}`
+    ? `${event.event}: ${pairText(event)}${event.reason ? `, ${event.reason}` : ""}`
     : event.actions.join("; ") || (event.reason ? `${event.event}: ${event.reason}` : event.event);
 
 /** Events that are one line of a list: an event that is no contact, or contacts in quick succession. */

@@ -19,13 +19,15 @@ namespace {
 using namespace document_values;
 namespace fs = std::filesystem;
 
+std::string mechanism_of(const Model& model, BodyId body) {
+  const std::string& name = model[body].name;
+  return name.substr(0, name.find('/'));
+}
+
 // Indices of bodies by the mechanism prefix of their names, in the order of the model.
 std::unordered_map<std::string, std::vector<int>> by_mechanism(const Model& model) {
   std::unordered_map<std::string, std::vector<int>> all;
-  for (int b = 0; b < model.size(); ++b) {
-    const std::string& name = model[BodyId{b}].name;
-    all[name.substr(0, name.find('/'))].push_back(b);
-  }
+  for (int b = 0; b < model.size(); ++b) all[mechanism_of(model, {b})].push_back(b);
   return all;
 }
 
@@ -110,8 +112,8 @@ class Converter {
     if (left_out_.flat > 0)
       say(Severity::warning, counted(left_out_.flat, "shape", "shapes") + " without extent left out: they are for pictures only",
           "");
-    if (colliders_left_out_ > 0)
-      say(Severity::warning, counted(colliders_left_out_, "collision element", "collision elements") + " of model files left out",
+    if (left_out_.colliders > 0)
+      say(Severity::warning, counted(left_out_.colliders, "collision element", "collision elements") + " of model files left out",
           "their bodies no longer touch anything: give them a collision");
     Converted result{toml_text(value(std::move(document))), std::move(diagnostics_)};
     check(result.text);
@@ -191,8 +193,8 @@ class Converter {
     const std::string& name = *string_at(mechanism, "name");
     const std::string* state = string_at(mechanism, "state");
     const fs::path model = fs::path(from_.empty() ? "." : from_) / *string_at(mechanism, "model");
-    for (const int body : bodies_.at(name))
-      for (const Collider& collider : scenario_.model.colliders()) colliders_left_out_ += collider.body.index == body ? 1 : 0;
+    for (const Collider& collider : scenario_.model.colliders())
+      if (collider.body != ground && mechanism_of(scenario_.model, collider.body) == name) ++left_out_.colliders;
     const MeshFolders folders{model.parent_path().string(), folder_.empty() ? "." : folder_, meshes_};
     return describe_mechanism(name, scenario_.model, bodies_.at(name), scenario_.shapes, folders, state ? moved(*state) : "",
                               left_out_);
@@ -241,7 +243,6 @@ class Converter {
   const MeshNames* meshes_;
   std::unordered_map<std::string, std::vector<int>> bodies_;
   LeftOut left_out_;
-  int colliders_left_out_ = 0;
   std::vector<Diagnostic> diagnostics_;
 };
 
@@ -286,8 +287,7 @@ std::string to_toml(const Model& given, const std::vector<Shape>& shapes, bool c
   Value::Array mechanisms, forces, loops, springs, cables, couplings;
   const auto bodies = by_mechanism(model);
   for (int b = 0; b < model.size(); ++b) {
-    const std::string& name = model[BodyId{b}].name;
-    const std::string mechanism = name.substr(0, name.find('/'));
+    const std::string mechanism = mechanism_of(model, {b});
     if (bodies.at(mechanism).front() != b) continue;
     mechanisms.push_back(value(describe_mechanism(mechanism, model, bodies.at(mechanism), shapes, {}, "", left_out)));
     explain_carriers(mechanisms.back());

@@ -19,8 +19,9 @@ Value describe_signal(const Signal& signal);
 
 /// Counts of what is left out of a text; reported once at the end.
 struct LeftOut {
-  int meshes = 0;  ///< meshes that do not exist, or are not below the folder of the file that is written
-  int flat = 0;    ///< shapes with an edge, radius or length of zero
+  int meshes = 0;     ///< meshes that do not exist, or are not below the folder of the file that is written
+  int flat = 0;       ///< shapes with an edge, radius or length of zero
+  int colliders = 0;  ///< collision elements of model files
 };
 
 /// Names of meshes in a text whose reader has the meshes themselves, by the keys of their sources (mesh/source.hpp).

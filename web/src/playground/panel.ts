@@ -1,8 +1,8 @@
 // The panel next to the picture: joints, sliders, events and branches.
 import { groupsOf, groupText } from "../contacts";
 import { h } from "../panels/dom";
-import { typicalLength } from "../viewer/mechanisms";
 import { massOf } from "../recording";
+import { typicalLength } from "../viewer/mechanisms";
 import type { App } from "./app";
 
 /** Joints by name, without a pointer: the same actions as the tools. */

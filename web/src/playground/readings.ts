@@ -4,8 +4,8 @@ import { h } from "../panels/dom";
 import type { FrameRate } from "../panels/frame_rate";
 import { digits } from "../panels/numbers";
 import { momentumScale, reachOf } from "../panels/scales";
-import type { Theme } from "../viewer/colours";
 import { massOf } from "../recording";
+import type { Theme } from "../viewer/colours";
 import { Chart } from "./chart";
 
 /** Minimum time between two redraws while frames arrive (ms). */
