@@ -202,8 +202,9 @@ void Simulation::Impl::note_before_contact_step() {
 // Where friction leaves hardly any force that keeps a contact closed, forces grow within a step to whatever the arithmetic allows
 // (Painlevé). The energy shows it: that of the whole world, or that of an island.
 bool Simulation::Impl::contacts_gained_energy() {
-  constexpr double most = 0.1, rounding = 1e-6;  // of the kinetic energy, and of all energies
-  constexpr double least_height = 1e-3;          // of the energy of falling by their own size
+  constexpr double most = 0.01, rounding = 1e-6;  // of the largest kinetic energy, and of all energies
+  constexpr double most_of_island = 0.1;          // of its present kinetic energy
+  constexpr double least_height = 1e-3;           // of the energy of falling by their own size
   const auto brought_in = [](const EnergyLedger& l) { return l.work + l.projection - l.dissipated - l.impacts; };
   const double gained = total_energy() - before_step.energy - (brought_in(ledger) - brought_in(before_step.ledger));
   const Totals now = world.totals();
@@ -213,7 +214,7 @@ bool Simulation::Impl::contacts_gained_energy() {
   if (!(gained > least_height * contacts.energy_of_heights())) return false;
   const std::vector<double> kinetic = contacts.kinetic_by_island();
   for (std::size_t i = 0; i < kinetic.size(); ++i)
-    if (gained > most * kinetic[i] && kinetic[i] - before_step.kinetic[i] > 0.5 * gained) return true;
+    if (gained > most_of_island * kinetic[i] && kinetic[i] - before_step.kinetic[i] > 0.5 * gained) return true;
   return false;
 }
 
