@@ -151,11 +151,18 @@ std::string model_json(const World& world, const std::string& title, const std::
     for (const auto& [from, to] : extents[n]) json.begin_array().value(from).value(to).end_array();
     json.end_array().key("shape");
     const Shape shape = n < shapes.size() ? shapes[n] : Shape{};
-    write_shape(json, shape, meshes);
-    if (!shape.more.empty()) {
-      json.key("more_shapes").begin_array();
-      for (const Shape& each : shape.more) write_shape(json, each, meshes);
+    const auto write_shapes = [&](const char* key, const std::vector<Shape>& all) {
+      if (all.empty()) return;
+      json.key(key).begin_array();
+      for (const Shape& each : all) write_shape(json, each, meshes);
       json.end_array();
+    };
+    write_shape(json, shape, meshes);
+    write_shapes("more_shapes", shape.more);
+    if (n < given.size() && given[n].kind == Shape::Kind::mesh && shape.kind != Shape::Kind::mesh) {
+      std::vector<Shape> missing = given[n].more;
+      missing.insert(missing.begin(), given[n]);
+      write_shapes("missing_shapes", missing);
     }
     json.end_object();
   }

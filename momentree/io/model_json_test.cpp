@@ -100,6 +100,8 @@ TEST_CASE("bodies without shapes have those of their colliders, and the planes o
   Shape missing;  // a mesh that does not exist
   missing.kind = Shape::Kind::mesh, missing.mesh = "ball.stl";
   CHECK(drawn_shapes(model, {{}, {}, missing})[2].radius == 7);
+  const std::string replaced = model_json(World(model, Variables::velocities), "", {{}, {}, missing});
+  CHECK(mentions(replaced, R"("missing_shapes": [{"kind": "mesh", "file": "ball.stl")"));
   missing.more.push_back(own);
   CHECK(drawn_shapes(model, {{}, {}, missing})[2].kind == Shape::Kind::mesh);
   const std::string text = model_json(World(model, Variables::velocities), "", {{}, {}, own});

@@ -83,6 +83,7 @@ def test_bodies_have_the_colours_of_their_mechanisms_between_events(results: dic
     result, glb = Result(results[name]), Glb(results[name].with_suffix(".glb"))
     changes = [time for time, _ in result.phases()]
     instants = [*((a + b) / 2 for a, b in zip(changes, changes[1:]) if b - a > 1e-4), (changes[-1] + result.time[-1]) / 2]
+    meshed = any((body["shape"] or {}).get("kind") == "mesh" for body in result.model["bodies"].values())
     seen = 0
     for instant in instants[:12]:
         expected = result.colours_at(instant)
@@ -91,7 +92,8 @@ def test_bodies_have_the_colours_of_their_mechanisms_between_events(results: dic
             own = {shape["colour"] for shape in shapes if shape and "colour" in shape}
             shown = glb.shown_colours(body, instant - result.time[0])
             assert shown & set(COLOURS) <= own | {expected[body]}
-            assert all(shapes) or shown == {expected[body]}
+            frame = meshed and not any(shapes) and result.model["bodies"][body]["mass"] == 0  # between bodies with meshes
+            assert all(shapes) or frame or shown == {expected[body]}
             seen += len(shown)
     assert seen > 0
 

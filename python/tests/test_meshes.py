@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import pathlib
 import shutil
+import subprocess
+import sys
 import warnings
 
 import momentree as mt
@@ -36,3 +38,13 @@ def test_a_mesh_that_cannot_be_read_is_a_warning(tmp_path: pathlib.Path) -> None
     with pytest.warns(UserWarning, match=r"grinder_arm\.urdf:\d+:\d+: warning: the mesh .* is not drawn: a coordinate"):
         folder = pathlib.Path(run.save(tmp_path / "run"))
     assert None in json.loads((folder / "meshes.json").read_text())["meshes"]
+
+
+@pytest.mark.parametrize("folder", ["meshes", "models/grinder_arm", "models/ur5"])
+def test_meshes_are_what_their_scripts_make(folder: str, tmp_path: pathlib.Path) -> None:
+    subprocess.run([sys.executable, SCENARIOS / folder / "make_meshes.py", tmp_path], check=True)
+    made = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert len(made) > 5
+    kept = {path.name: path for path in (SCENARIOS / folder).rglob("*") if path.is_file()}
+    for path in made:
+        assert path.read_bytes() == kept[path.name].read_bytes(), path.name

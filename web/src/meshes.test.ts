@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { Vector3 } from "three";
-import { partsFrom, type PackedPart } from "./meshes";
+import { joined, partsFrom, type PackedPart } from "./meshes";
 import type { MeshPart, Shape, Vec3 } from "./recording";
 import { meshGeometry } from "./viewer/mesh_geometry";
 
@@ -35,6 +35,16 @@ describe("packed meshes", () => {
     expect(parts({ kind: "mesh", mesh: 7 })).toBe(0);
     expect(parts({ kind: "box" })).toBe(0);
     expect(partsFrom(undefined)({ kind: "mesh", mesh: 1, at })).toEqual([]);
+  });
+
+  it("two lists become one; of a name in both, the first one's mesh is meant", () => {
+    const blue = { parts: [{ ...part, colour: "#0000ff" }] };
+    const both = joined({ meshes: [blue], files: { "a.stl": 0 } }, { ...meshes, files: { ...meshes.files, "c.stl": 1 } });
+    const colour = (shape: Omit<Shape, "at">) => partsFrom(both)({ ...shape, at })[0]?.colour;
+    expect(colour({ kind: "mesh", file: "a.stl" })).toBe("#0000ff");
+    expect(colour({ kind: "mesh", file: "c.stl" })).toBe("#ff0000");
+    expect(colour({ kind: "mesh", file: "b.stl" })).toBeUndefined();
+    expect(joined(undefined, meshes)).toBe(meshes);
   });
 });
 

@@ -22,6 +22,14 @@ export interface Meshes {
   readonly files?: Readonly<Record<string, number>>;
 }
 
+/** Of a name in both, the mesh of `first`. */
+export function joined(first: Meshes | undefined, second: Meshes): Meshes {
+  if (!first) return second;
+  const count = first.meshes.length;
+  const files = Object.fromEntries(Object.entries(second.files ?? {}).map(([name, number]) => [name, number + count]));
+  return { meshes: [...first.meshes, ...second.meshes], files: { ...files, ...first.files } };
+}
+
 function partOf({ colour, low, high, points, triangles }: PackedPart): MeshPart {
   const levels = shorts(points);
   const positions = new Float32Array(levels.length);

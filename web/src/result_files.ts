@@ -30,7 +30,16 @@ export interface ModelFile {
   mechanisms: { name: string; bodies: string[] }[];
   bodies: Record<
     string,
-    { mass: number; com: Vec3; inertia?: number[]; extent: [Vec3, Vec3][]; shape: Shape | null; more_shapes?: Shape[] }
+    {
+      mass: number;
+      com: Vec3;
+      inertia?: number[];
+      extent: [Vec3, Vec3][];
+      shape: Shape | null;
+      more_shapes?: Shape[];
+      /** Meshes that the engine could not read, which this page may have: shapes that touch are drawn in their place. */
+      missing_shapes?: Shape[];
+    }
   >;
   joints: Record<string, JointFile>;
   springs?: Record<string, SpringFile>;
@@ -87,7 +96,9 @@ export function modelOf(file: ModelFile, names: readonly string[] = Object.keys(
   const partsOf = partsFrom(meshes);
   const bodies = names.map((name) => {
     const body = file.bodies[name];
-    const shapes = [body?.shape, ...(body?.more_shapes ?? [])].filter((shape): shape is Shape => Boolean(shape));
+    const missing = body?.missing_shapes?.filter((shape) => partsOf(shape).length > 0) ?? [];
+    const given = missing.length > 0 ? missing : [body?.shape, ...(body?.more_shapes ?? [])];
+    const shapes = given.filter((shape): shape is Shape => Boolean(shape));
     const drawn = shapes.map((shape) => (shape.kind === "mesh" ? { ...shape, parts: partsOf(shape) } : shape));
     const { mass, com, inertia, extent } = body ?? {};
     return { name, mass: mass ?? 0, com: com ?? [0, 0, 0], ...(inertia && { inertia }), extent: extent ?? [], shapes: drawn };

@@ -1,5 +1,5 @@
 // The project's scenarios; for the breaking chain, the variant that conserves energy. Scenarios with model files are
-// included as `momentree convert` writes them (./dev web gallery).
+// included as `momentree convert` writes them (tools/make_gallery).
 const written = import.meta.glob<string>("../../../scenarios/*.toml", { query: "?raw", import: "default", eager: true });
 const converted = import.meta.glob<string>("../../gallery/*.toml", { query: "?raw", import: "default", eager: true });
 

@@ -1,6 +1,7 @@
 // The playground's page: opens the scenario that was passed to it, the one in its address, or the first of the gallery.
 // If a model was passed to it, it shows sliders for the joints instead.
 import packedModule from "../../engine/momentree.wasm?packed";
+import packedMeshes from "../../gallery/meshes.json?packed";
 import EngineWorker from "../engine/worker?worker&inline";
 import "../panels/base.css";
 import "../panels/parts.css";
@@ -11,7 +12,7 @@ import "../posing/style.css";
 import "../panels/across.css";
 import "../panels/fingers.css";
 import { Engine } from "../../../wasm/host.mjs";
-import type { Meshes } from "../meshes";
+import { joined, type Meshes } from "../meshes";
 import { h } from "../panels/dom";
 import { showModel } from "../posing/page";
 import { App } from "./app";
@@ -34,7 +35,9 @@ async function begin(page: HTMLElement) {
   const { model, scenario, meshes }: Content = typeof content === "string" ? { scenario: content } : (content ?? {});
   if (model !== undefined) return showModel(page, await Engine.of(module), model, meshes);
   const worker = new EngineWorker();
-  const app = new App(worker, meshes);
+  // Of the gallery; links to its scenarios, and changed ones, name them, too.
+  const known = JSON.parse(new TextDecoder().decode(await inflated(bytesOf(packedMeshes)))) as Meshes;
+  const app = new App(worker, joined(meshes, known));
   worker.onerror = (event) => app.showNotice(`The engine can't start: ${event.message || "its worker is blocked"}`);
   worker.postMessage({ type: "module", bytes: module }, [module]);
   const playground = showPlayground(page, app);

@@ -1,5 +1,5 @@
-declare module "*.wasm?packed" {
-  /** The module, deflated, in base64. */
+declare module "*?packed" {
+  /** The file, deflated, in base64. */
   const packed: string;
   export default packed;
 }
