@@ -277,7 +277,8 @@ class Run:
         """Write the run as one file for other programs.
 
         Args:
-            path: A name that ends in ``.glb``, for an animated glTF 2.0 file (3D programs), or in ``.mcap`` (Foxglove).
+            path: A name that ends in ``.glb`` or ``.usda``, for an animated glTF 2.0 or USD file (3D programs), or in ``.mcap``
+                (Foxglove).
 
         Returns:
             The path.

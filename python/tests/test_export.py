@@ -1,4 +1,4 @@
-"""Exported runs: .glb and .mcap files, compared with the result that they were made from."""
+"""Exported runs: .glb, .usda and .mcap files, compared with the result that they were made from."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, pathlib.Path]
         def __missing__(self, name: str) -> pathlib.Path:
             folder = place / name
             call("run", f"scenarios/{name}.toml", "--out", folder, "--quiet", "--reactions", *SCENARIOS[name])
-            for ending in ("glb", "mcap"):
+            for ending in ("glb", "usda", "mcap"):
                 call("view", folder, "--export", place / f"{name}.{ending}")
             self[name] = folder
             return folder
@@ -143,6 +143,111 @@ def test_meshes_are_those_of_the_result(results: dict[str, pathlib.Path]) -> Non
     assert len(flat) == parts
     assert all(glb.json["materials"][p["material"]].get("doubleSided") for m in glb.json["meshes"] for p in m["primitives"]
                if p["indices"] in flat)  # fmt: skip
+
+
+# USD
+
+
+class Usd:
+    """A .usda file, read and checked by Pixar's library."""
+
+    def __init__(self, path: pathlib.Path) -> None:
+        pxr = pytest.importorskip("pxr", reason="usd-core is not installed")
+        from pxr import Usd, UsdGeom, UsdShade, UsdValidation
+
+        self.pxr, self.UsdGeom, self.UsdShade = pxr, UsdGeom, UsdShade
+        self.stage = Usd.Stage.Open(str(path))
+        validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+        assert len(validators) > 20
+        assert [error.GetErrorAsString() for error in UsdValidation.ValidationContext(validators).Validate(self.stage)] == []
+        self.root = self.stage.GetDefaultPrim()
+        self.named = {prim.GetDisplayName() or prim.GetName(): prim for prim in self.root.GetChildren()}
+
+    def codes(self, result: Result) -> Any:
+        return (result.time - result.time[0]) * self.stage.GetTimeCodesPerSecond()
+
+    def pose(self, prim: Any, code: float) -> tuple[Any, Any]:
+        """In the frame of the world: the position, and the quaternion w, x, y, z."""
+        matrix, _ = self.UsdGeom.XformCache(code).ComputeRelativeTransform(prim, self.root)
+        matrix = matrix.RemoveScaleShear()
+        quaternion = matrix.ExtractRotationQuat()
+        return np.array(matrix.ExtractTranslation()), np.array([quaternion.GetReal(), *quaternion.GetImaginary()])
+
+    def colours(self, body: str, code: float) -> set[str]:
+        """Of a body's solids; those of their materials and those of their own are the same."""
+        found = set()
+        for solid in self.named[body].GetChildren():
+            material = self.UsdShade.MaterialBindingAPI(solid).ComputeBoundMaterial()[0]
+            shader = self.UsdShade.Shader(material.GetPrim().GetChildren()[0])
+            shown = shader.GetInput("diffuseColor").Get(code)
+            assert np.allclose(self.UsdGeom.Gprim(solid).GetDisplayColorAttr().Get(code)[0], shown)
+            srgb = [12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055 for c in shown]
+            found.add("#" + "".join(f"{round(255 * c):02x}" for c in srgb))
+        return found
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_usd_prims_have_the_poses_and_colours_of_the_result(results: dict[str, pathlib.Path], name: str) -> None:
+    result, usd = Result(results[name]), Usd(results[name].with_suffix(".usda"))
+    codes = usd.codes(result)
+    assert usd.UsdGeom.GetStageMetersPerUnit(usd.stage) == 1 and usd.UsdGeom.GetStageUpAxis(usd.stage) == "Z"
+    assert usd.stage.GetEndTimeCode() == pytest.approx(codes[-1])
+    gravity = np.array(result.model["gravity"])
+    if gravity.any():
+        up = usd.pxr.Gf.Vec3d(*(-gravity / np.linalg.norm(gravity)))
+        turned = usd.UsdGeom.XformCache().GetLocalToWorldTransform(usd.root).TransformDir(up)
+        assert np.allclose(turned, [0, 0, 1], atol=1e-6)
+    for body in result.bodies[:40]:
+        position, quaternion = result.pose(body)
+        for row in range(0, len(codes), 7):
+            at, turn = usd.pose(usd.named[body], codes[row])
+            assert np.allclose(at, position[row], rtol=1e-15, atol=1e-12)
+            assert abs(abs(turn @ quaternion[row]) - 1) < 1e-6
+    changes = [time for time, _ in result.phases()]
+    instants = [(a + b) / 2 for a, b in zip(changes, changes[1:]) if b - a > 1e-4][:5] + [(changes[-1] + result.time[-1]) / 2]
+    for instant in instants:
+        expected = result.colours_at(instant)
+        for body in result.bodies:
+            shapes = [result.model["bodies"][body]["shape"], *result.model["bodies"][body].get("more_shapes", [])]
+            own = {shape["colour"] for shape in shapes if shape and "colour" in shape}
+            shown = usd.colours(body, (instant - result.time[0]) * usd.stage.GetTimeCodesPerSecond())
+            assert shown & set(COLOURS) <= own | {expected[body]}
+
+
+def test_usd_colours_change_and_springs_vanish_at_events(results: dict[str, pathlib.Path]) -> None:
+    result, usd = Result(results["breaking_chain"]), Usd(results["breaking_chain"].with_suffix(".usda"))
+    (event,) = result.events
+    at = (event["time"] - result.time[0]) * usd.stage.GetTimeCodesPerSecond()
+    assert usd.colours("chain/100", at - 1e-6) == {COLOURS[0]} and usd.colours("chain/100", at + 1e-6) == {COLOURS[1]}
+    assert usd.colours("chain/1", at + 1e-6) == {COLOURS[0]}
+
+    result, usd = Result(results["guyed_mast"]), Usd(results["guyed_mast"].with_suffix(".usda"))
+    parted = {name: event["time"] for event in result.events for name in event.get("topology", {}).get("broken_springs", [])}
+    assert parted
+    for name, spring in result.model["springs"].items():
+        bar = usd.UsdGeom.Imageable(usd.named[name])
+        assert spring["from"]["body"] == "ground" or spring["to"]["body"] == "ground"
+        held = next(end["point"] for end in (spring["from"], spring["to"]) if end["body"] == "ground")
+        for row, code in enumerate(usd.codes(result)):
+            shown = bar.ComputeVisibility(code) == "inherited"
+            assert shown == (result.time[row] < parted.get(name, np.inf))
+            matrix, _ = usd.UsdGeom.XformCache(code).ComputeRelativeTransform(bar.GetPrim(), usd.root)
+            ends = [np.array(matrix.Transform(usd.pxr.Gf.Vec3d(0, 0, side))) for side in (-0.5, 0.5)]
+            assert min(np.linalg.norm(end - held) for end in ends) < 1e-5 * (1 + np.linalg.norm(held))
+
+
+def test_usd_meshes_are_those_of_the_result(results: dict[str, pathlib.Path]) -> None:
+    folder = results["arm_loses_its_grinder"]
+    usd, meshes = Usd(folder.with_suffix(".usda")), json.loads((folder / "meshes.json").read_text())["meshes"]
+    parts = [part for mesh in meshes if mesh for part in mesh["parts"]]
+    found = [usd.UsdGeom.Mesh(prim) for prim in usd.stage.Traverse() if prim.IsA(usd.UsdGeom.Mesh)]
+    assert len(found) == len(parts)
+    boxes = sorted((*part["low"], *part["high"]) for part in parts)
+    assert np.allclose(sorted((*low, *high) for low, high in (mesh.GetExtentAttr().Get() for mesh in found)), boxes, atol=1e-6)
+    for mesh in found:
+        assert usd.UsdGeom.Mesh.ValidateTopology(
+            mesh.GetFaceVertexIndicesAttr().Get(), mesh.GetFaceVertexCountsAttr().Get(), len(mesh.GetPointsAttr().Get())
+        )[0]
 
 
 # MCAP

@@ -3,6 +3,7 @@
 #include <momentree/base/error.hpp>
 #include <momentree/io/export/glb.hpp>
 #include <momentree/io/export/mcap.hpp>
+#include <momentree/io/export/usd.hpp>
 #include <momentree/io/text_file.hpp>
 
 namespace momentree::io {
@@ -20,15 +21,19 @@ std::string small_ending(const std::filesystem::path& file) {
 
 void require_export_name(const std::filesystem::path& file) {
   const std::string ending = small_ending(file);
-  if (ending == ".glb" || ending == ".mcap") return;
+  if (ending == ".glb" || ending == ".usda" || ending == ".mcap") return;
   throw_error({ending.empty() ? "the name has no ending, which says the format" : "runs cannot be exported as '" + ending + "'",
-               file.string(), "name a file that ends in .glb (glTF, for 3D programs) or .mcap (for Foxglove)"});
+               file.string(),
+               "name a file that ends in .glb (glTF) or .usda (USD), for 3D programs, or in .mcap (for Foxglove)"});
 }
 
 void export_result(const std::filesystem::path& directory, const std::filesystem::path& file) {
   require_export_name(file);
   const Drawing drawing = read_drawing(directory);
-  write_text_file(file.string(), small_ending(file) == ".glb" ? glb_of(drawing) : mcap_of(drawing, directory));
+  const std::string ending = small_ending(file);
+  write_text_file(file.string(), ending == ".glb"    ? glb_of(drawing)
+                                 : ending == ".usda" ? usd_of(drawing)
+                                                     : mcap_of(drawing, directory));
 }
 
 }  // namespace momentree::io
