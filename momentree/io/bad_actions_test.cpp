@@ -52,6 +52,13 @@ TEST_CASE("actions with no effect are refused, with the reason") {
   });
 }
 
+TEST_CASE("what an action sets on a joint that could not be read is not judged") {
+  std::string text = first + "set = { joint = \"p/z\", damping = \"2 N m s\" }\n";
+  const std::size_t mass = text.rfind("mass = 1");
+  text.replace(mass, 8, "mass = true");
+  check({{text, "s.toml:38:8: error: mass: expected a mass (kg), found true or false; for example 0.2, or \"200 g\""}});
+}
+
 TEST_CASE("contradictory actions at one instant name both") {
   const std::string hint = "; a joint can take only one such change at a time: give the actions different instants";
   check({

@@ -140,7 +140,7 @@ TEST_CASE("a scenario's meshes are in its folder or below it, with symbolic link
   CHECK(has(said_of("../beside/secret"), "error: mesh: '../beside/secret' is not a file in the scenario's folder or below it"));
   CHECK(has(said_of("/etc/passwd"), "error: mesh: '/etc/passwd' is not a file in the scenario's folder or below it"));
   CHECK(has(said_of("meshes"), "error: mesh: 'meshes' is a folder, not a mesh"));
-  CHECK(has(said_of("none.stl"), "error: mesh: there is no file 'none.stl'"));
+  CHECK(has(said_of("none.stl"), "warning: mesh: there is no file 'none.stl': the body is drawn without it"));
   CHECK(has(said_of("a\\u001b.stl"), "error: mesh: 'a\\x1b.stl' is not a file in the scenario's folder or below it"));
 }
 

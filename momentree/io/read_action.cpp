@@ -154,6 +154,10 @@ void ActionReader::parameters(const std::string& of, JointParameters& parameters
   for (const JointKey& key : joint_keys()) acts_ = acts_ || (!key.documents && fields_->has(key.key));
   const KindInfo* kind = kind_of ? kind_of(of) : nullptr;
   const std::size_t errors = out_.errors();
+  if (!kind && errors > 0) {  // it may be one of the joints that could not be read
+    for (const JointKey& key : joint_keys()) static_cast<void>(fields_->find(key.key));
+    return;
+  }
   read_parameters(*fields_, kind, parameters, out_);
   if (!kind || errors != out_.errors()) return;
   JointSpec spec;

@@ -69,18 +69,21 @@ void read_mesh(const Value& value, Shape& shape, Reading& reading) {
   const auto refuse = [&](const std::string& what, const char* hint) { reading.out.error(value.place, "mesh: " + what, hint); };
   if (file->empty() || leaves_folder(*file))
     return refuse(in_quotes(*file) + " is not a file in the scenario's folder or below it", "copy it there");
+  bool missing = false;
   if (reading.looks_at_files) {
     const std::string path = (std::filesystem::path(reading.folder) / *file).string();
     if (!reading.enclosure.holds(path))
       return refuse(in_quotes(*file) + " leads out of the scenario's folder through a symbolic link", "copy the file there");
     const auto reason = why_unreadable(path, "mesh");
-    if (reason && reason->missing)
-      return refuse("there is no file " + in_quotes(*file), "it is looked for in the scenario's folder");
-    if (reason) return refuse(in_quotes(*file) + " " + reason->what, reason->hint.c_str());
+    if (reason && !reason->missing) return refuse(in_quotes(*file) + " " + reason->what, reason->hint.c_str());
+    missing = reason.has_value();
+    if (missing)
+      reading.out.warning(value.place, "mesh: there is no file " + in_quotes(*file) + ": the body is drawn without it",
+                          "it is looked for in the scenario's folder");
   }
   shape.kind = Shape::Kind::mesh;
   shape.mesh = *file;
-  if (!reading.looks_at_files) return;
+  if (!reading.looks_at_files || missing) return;
   const std::string path = (std::filesystem::path(reading.folder) / *file).lexically_normal().string();
   shape.source = std::make_shared<MeshSource>(MeshSource{path, "", "", {}, reading.scenario.path, value.place});
 }

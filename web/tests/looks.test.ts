@@ -40,7 +40,8 @@ async function playground(name: string, view = desktop): Promise<Page> {
 }
 
 it("bodies without shapes are solid, and cast shadows on a floor that tells its scale", async () => {
-  const { page, complaints } = await openReport(browser, panda, desktop, 0.5);
+  const iiwa = report(scenario("iiwa_falls_to_its_stops.toml"));
+  const { page, complaints } = await openReport(browser, iiwa, desktop, 0.5);
   expect(await page.locator(".scale").innerText()).toMatch(/^1 square: [125]0* (mm|cm|m)$/);
   for (const name of ["Ghosts", "Trails"]) await page.getByRole("button", { name }).click();
   await settled(page);
@@ -49,8 +50,24 @@ it("bodies without shapes are solid, and cast shadows on a floor that tells its 
   expect(shadow).toBeGreaterThan(400);
   const [robot] = await pixelsLike(page, ".stage canvas", [mechanismColour(light, 0)], 90);
   expect(robot).toBeGreaterThan(2500);
-  await keep(page, "panda_solid");
+  await keep(page, "iiwa_solid");
   expect(complaints).toEqual([]);
+});
+
+it("meshes have their own colours, in reports and in the playground's gallery", async () => {
+  const { page, complaints } = await openReport(browser, panda, desktop, 0.5);
+  for (const name of ["Ghosts", "Trails"]) await page.getByRole("button", { name }).click();
+  await settled(page);
+  const [white, joints] = await pixelsLike(page, ".stage canvas", ["#e6e8ec", "#404040"], 14);
+  expect(white).toBeGreaterThan(2000);
+  expect(joints).toBeGreaterThan(50);
+  expect(complaints).toEqual([]);
+
+  const gallery = await playground("excavator_pin");
+  await settled(gallery);
+  const [yellow] = await pixelsLike(gallery, ".stage canvas", ["#c79330"], 30);
+  expect(yellow).toBeGreaterThan(1500);
+  await keep(gallery, "excavator");
 });
 
 it("arrows show momenta, and forces where the run recorded them", async () => {
