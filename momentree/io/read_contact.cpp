@@ -106,7 +106,7 @@ void read_collision(const Value& value, BodyEntry& body, Reading& reading) {
   };
   const std::string* const word = value.string();
   if (word == nullptr) {
-    add_all(read_shape(value, reading));
+    add_all(read_shape(value, reading, false));
   } else if (*word == "shape") {
     if (body.shape.kind == Shape::Kind::none)
       reading.out.error(value.place, "collision: the body has no shape", "give it one, or a list of shapes as its collision");

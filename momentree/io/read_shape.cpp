@@ -63,7 +63,7 @@ void read_colour(Fields& fields, std::string_view key, std::string& colour, Diag
 }
 
 // Meshes must be in the scenario's folder or below it: a scenario from elsewhere must not cause access to other files.
-void read_mesh(const Value& value, Shape& shape, Reading& reading) {
+void read_mesh(const Value& value, bool drawn, Shape& shape, Reading& reading) {
   const auto file = read_string(value, "mesh", reading.out);
   if (!file) return;
   const auto refuse = [&](const std::string& what, const char* hint) { reading.out.error(value.place, "mesh: " + what, hint); };
@@ -77,7 +77,7 @@ void read_mesh(const Value& value, Shape& shape, Reading& reading) {
     const auto reason = why_unreadable(path, "mesh");
     if (reason && !reason->missing) return refuse(in_quotes(*file) + " " + reason->what, reason->hint.c_str());
     missing = reason.has_value();
-    if (missing)
+    if (missing && drawn)
       reading.out.warning(value.place, "mesh: there is no file " + in_quotes(*file) + ": the body is drawn without it",
                           "it is looked for in the scenario's folder");
   }
@@ -109,7 +109,7 @@ void read_round(const Value& value, Shape::Kind kind, const KeyTable& keys, Shap
   fields.finish();
 }
 
-Shape read_one(const Value& value, Reading& reading) {
+Shape read_one(const Value& value, bool drawn, Reading& reading) {
   Diagnostics& out = reading.out;
   Fields fields(value, shape_table, out);
   Shape shape;
@@ -129,7 +129,7 @@ Shape read_one(const Value& value, Reading& reading) {
     read_round(*cylinder, Shape::Kind::cylinder, cylinder_table, shape, out);
   if (const Value* capsule = fields.find("capsule"); capsule && ++kinds)
     read_round(*capsule, Shape::Kind::capsule, capsule_table, shape, out);
-  if (const Value* mesh = fields.find("mesh"); mesh && ++kinds) read_mesh(*mesh, shape, reading);
+  if (const Value* mesh = fields.find("mesh"); mesh && ++kinds) read_mesh(*mesh, drawn, shape, reading);
   if (const Value* scale = fields.find("scale")) {
     if (shape.kind == Shape::Kind::mesh || fields.has("mesh"))
       read_scale(*scale, shape, out);
@@ -149,12 +149,12 @@ Shape read_one(const Value& value, Reading& reading) {
 constinit const KeyTable shape_table{
     "shape", "shape", "A shape, for pictures only", shape_entries, {{KeyRule::How::not_two, "box sphere cylinder capsule mesh"}}};
 
-Shape read_shape(const Value& value, Reading& reading) {
+Shape read_shape(const Value& value, Reading& reading, bool drawn) {
   const Value::Array* several = value.array();
-  if (!several) return read_one(value, reading);
+  if (!several) return read_one(value, drawn, reading);
   Shape all;
   for (const Value& each : *several) {
-    Shape one = read_one(each, reading);
+    Shape one = read_one(each, drawn, reading);
     if (&each == &several->front())
       all = std::move(one);
     else

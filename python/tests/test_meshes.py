@@ -42,7 +42,7 @@ def test_a_mesh_that_cannot_be_read_is_a_warning(tmp_path: pathlib.Path) -> None
 
 @pytest.mark.parametrize("folder", ["meshes", "models/grinder_arm", "models/ur5"])
 def test_meshes_are_what_their_scripts_make(folder: str, tmp_path: pathlib.Path) -> None:
-    subprocess.run([sys.executable, SCENARIOS / folder / "make_meshes.py", tmp_path], check=True)
+    subprocess.run([sys.executable, "-B", SCENARIOS / folder / "make_meshes.py", tmp_path], check=True)
     made = [path for path in tmp_path.rglob("*") if path.is_file()]
     assert len(made) > 5
     kept = {path.name: path for path in (SCENARIOS / folder).rglob("*") if path.is_file()}

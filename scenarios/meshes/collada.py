@@ -1,9 +1,11 @@
 """Writes meshes as Collada."""
 
-from gltf import indexed
+from pathlib import Path
+
+from solids import indexed
 
 
-def write_collada(path, parts):
+def write_collada(path: Path, parts: dict) -> None:
     """In millimetres. `parts`: by name, the colour (red, green, blue; 0 to 1) and the triangles."""
     effects = materials = geometries = nodes = ""
     for name, (colour, triangles) in parts.items():

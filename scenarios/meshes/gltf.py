@@ -4,17 +4,7 @@ import json
 import struct
 from pathlib import Path
 
-
-def indexed(triangles):
-    """Points without repetition, and the triangles as numbers of these."""
-    points, number = [], {}
-    for t in triangles:
-        for p in t:
-            key = tuple(round(c, 6) + 0.0 for c in p)
-            if key not in number:
-                number[key] = len(points)
-                points.append(key)
-    return points, [[number[tuple(round(c, 6) + 0.0 for c in p)] for p in t] for t in triangles]
+from solids import indexed
 
 
 def linear(colour: str) -> list[float]:
@@ -31,7 +21,12 @@ def write_glb(path: Path, parts: dict) -> None:
         points = [(x, z, -y) for x, y, z in points]
         flat = [c for t in corners for c in t]
         for data, kind, target, entry in (
-            (struct.pack(f"<{3 * len(points)}f", *(c for p in points for c in p)), 5126, 34962, {"type": "VEC3", "count": len(points)}),
+            (
+                struct.pack(f"<{3 * len(points)}f", *(c for p in points for c in p)),
+                5126,
+                34962,
+                {"type": "VEC3", "count": len(points)},
+            ),
             (struct.pack(f"<{len(flat)}H", *flat), 5123, 34963, {"type": "SCALAR", "count": len(flat)}),
         ):
             views.append({"buffer": 0, "byteOffset": len(buffer), "byteLength": len(data), "target": target})

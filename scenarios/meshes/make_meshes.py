@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes the meshes of the scenarios in the folder above. Needs only Python.
 
-    python3 make_meshes.py [FOLDER]
+python3 make_meshes.py [FOLDER]
 """
 
 import sys

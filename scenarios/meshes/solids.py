@@ -66,8 +66,8 @@ def oval(a: float, b: float, around: int, power: float = 2) -> list[tuple[float,
     return points
 
 
-def limb(sections: list[tuple[float, ...]], around: int = 10, power: float = 2) -> Triangles:
-    """Ovals in planes of constant z: entries (z, half axis along x, along y), with their middle (x, y) or on the z axis."""
+def along_z(sections: list[tuple[float, ...]], around: int = 10, power: float = 2) -> Triangles:
+    """A loft of ovals in planes of constant z: entries (z, half axis along x, along y), and optionally the centre (x, y)."""
     rings = []
     for z, a, b, *middle in sections:
         x, y = middle or (0, 0)
@@ -75,8 +75,8 @@ def limb(sections: list[tuple[float, ...]], around: int = 10, power: float = 2) 
     return loft(rings)
 
 
-def hull(sections: list[tuple[float, ...]], around: int = 16, power: float = 6) -> Triangles:
-    """Ovals in planes of constant x: entries (x, half axis along y, along z, z of the middle)."""
+def along_x(sections: list[tuple[float, ...]], around: int = 16, power: float = 6) -> Triangles:
+    """A loft of ovals in planes of constant x: entries (x, half axis along y, along z, z of the centre)."""
     return loft([[(x, u, z + v) for u, v in oval(a, b, around, power)] for x, a, b, z in sections])
 
 
@@ -91,8 +91,8 @@ def lathe(profile: list[tuple[float, float]], around: int = 24) -> Triangles:
     return outward(triangles)
 
 
-def rounded(profile: list[tuple[float, float, float]], step: float = 0.5) -> list[tuple[float, float]]:
-    """A profile whose corners are quarter circles: entries (radius, z, size of the corner)."""
+def rounded(profile: list[tuple[float, float, float]]) -> list[tuple[float, float]]:
+    """A profile with rounded corners: entries (radius, z, size of the corner)."""
     points = []
     for k, (r, z, size) in enumerate(profile):
         if size == 0:
@@ -102,7 +102,7 @@ def rounded(profile: list[tuple[float, float, float]], step: float = 0.5) -> lis
         before, after = hypot(r0 - r, z0 - z), hypot(r1 - r, z1 - z)
         a = (r + (r0 - r) * size / before, z + (z0 - z) * size / before)
         b = (r + (r1 - r) * size / after, z + (z1 - z) * size / after)
-        n = max(2, round(pi / 2 / step))
+        n = 3
         points += [
             tuple((1 - s) ** 2 * p + 2 * s * (1 - s) * q + s**2 * t for p, q, t in zip(a, (r, z), b))
             for s in (i / n for i in range(n + 1))
@@ -110,7 +110,7 @@ def rounded(profile: list[tuple[float, float, float]], step: float = 0.5) -> lis
     return points
 
 
-def disc(radius: float, z0: float, z1: float, around: int = 16) -> Triangles:
+def cylinder(radius: float, z0: float, z1: float, around: int = 16) -> Triangles:
     return lathe([(0, z0), (radius, z0), (radius, z1), (0, z1)], around)
 
 
@@ -137,7 +137,7 @@ def rod(start: Point, end: Point, radius: float, sides: int = 6) -> Triangles:
     return loft([[tuple(p[k] + a * u[k] + b * v[k] for k in range(3)) for a, b in circle] for p in (start, end)])
 
 
-def ears(outline: list[tuple[float, float]]) -> list[tuple[int, int, int]]:
+def triangulated(outline: list[tuple[float, float]]) -> list[tuple[int, int, int]]:
     """Triangles of a polygon without holes, counter-clockwise, by clipping ears."""
 
     def turn(a: int, b: int, c: int) -> float:
@@ -159,10 +159,10 @@ def ears(outline: list[tuple[float, float]]) -> list[tuple[int, int, int]]:
 
 
 def plate(outline: list[tuple[float, float]], y0: float, y1: float) -> Triangles:
-    """A polygon (x, z), with any turn, extruded along y."""
+    """A polygon (x, z), in either direction, extruded along y."""
     if sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(outline, outline[1:] + outline[:1])) < 0:
         outline = outline[::-1]
-    corners = ears(outline)
+    corners = triangulated(outline)
     triangles = []
     for y, last in ((y0, False), (y1, True)):
         at = [(x, y, z) for x, z in outline]
@@ -184,3 +184,10 @@ def link(length: float, r0: float, r1: float, width: float, bevel: float = 0.008
 
     half = width / 2
     return loft([outline(-half, bevel), outline(-half + bevel, 0), outline(half - bevel, 0), outline(half, bevel)])
+
+
+def indexed(triangles: Triangles) -> tuple[list[Point], list[list[int]]]:
+    """Points without repetition, rounded to micrometres, and the triangles as numbers of these."""
+    numbers: dict[Point, int] = {}
+    corners = [[numbers.setdefault(tuple(round(c, 6) + 0.0 for c in p), len(numbers)) for p in t] for t in triangles]
+    return list(numbers), corners

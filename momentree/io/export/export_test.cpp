@@ -15,6 +15,7 @@
 #include <momentree/io/export/mcap_file.hpp>
 #include <momentree/io/export/solids.hpp>
 #include <momentree/io/export/triangles.hpp>
+#include <momentree/io/export/usd.hpp>
 #include <momentree/io/mesh/read_mesh.hpp>
 #include <momentree/io/model_json.hpp>
 #include <momentree/io/results.hpp>
@@ -159,6 +160,34 @@ TEST_CASE("a drawing has the colours, solids and status of its run") {
   } else {
     CHECK(std::max({half.x, half.y, half.z}) == doctest::Approx(0.55 * lines));
   }
+}
+
+TEST_CASE("USD: any name, one row, and the gap of a run that diverged") {
+  const test::TemporaryFolder folder;
+  write_export_input(folder / "r", 0.2);
+  Drawing drawing = read_drawing(folder / "r");
+  const auto has = [](const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; };
+  CHECK(has(usd_of(drawing), "endTimeCode = 12\n"));
+  CHECK(has(usd_of(drawing), "color3f inputs:diffuseColor.timeSamples"));  // of the arm that comes off
+
+  drawing.run.bodies[0].name = "materials";
+  drawing.run.bodies[1].name = "a \"b\\c\"\nd\xff";
+  drawing.run.bodies[2].name = "a__b_c__d_";
+  drawing.run.bodies[3].name = "";
+  const std::string named = usd_of(drawing);
+  CHECK(has(named, "def Xform \"materials_2\" (\n        displayName = \"materials\"\n"));
+  CHECK(has(named, "def Xform \"a__b_c__d_\" (\n        displayName = \"a \\\"b\\\\c\\\" d\xef\xbf\xbd\"\n"));
+  CHECK(has(named, "def Xform \"a__b_c__d__2\" (\n"));
+  CHECK(has(named, "def Xform \"_\" (\n        displayName = \"\"\n"));
+
+  drawing.gap = true;
+  CHECK(has(usd_of(drawing), "            11.999999999999998: "));
+  drawing.gap = false;
+  drawing.times.resize(1), drawing.poses.resize(7 * drawing.run.bodies.size());
+  const std::string still = usd_of(drawing);
+  CHECK(has(still, "endTimeCode = 0\n"));
+  CHECK_FALSE(has(still, "translate.timeSamples"));
+  CHECK_FALSE(has(still, "orient.timeSamples"));
 }
 
 TEST_CASE("damaged results and wrong names are errors that name the file") {

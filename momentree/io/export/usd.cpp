@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include <momentree/base/characters.hpp>
 #include <momentree/io/colour.hpp>
 #include <momentree/io/export/solids.hpp>
 #include <momentree/io/number_text.hpp>
@@ -17,11 +18,20 @@ namespace {
 
 constexpr double codes_per_second = 60;
 
+/// Control characters become spaces, and bytes that are not UTF-8 U+FFFD.
 std::string usd_string(const std::string& text) {
   std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  const std::string_view words = text;
+  for (std::size_t i = 0; i < words.size();) {
+    const std::size_t length = character_length(words, i);
+    if (words[i] == '"' || words[i] == '\\') result += '\\';
+    if (length == 0)
+      result += "\ufffd";
+    else if (static_cast<unsigned char>(words[i]) < ' ')
+      result += ' ';
+    else
+      result += words.substr(i, length);
+    i += std::max<std::size_t>(length, 1);
   }
   return result + '"';
 }
@@ -70,6 +80,7 @@ class UsdBuilder {
     for (const Bar& bar : drawing_.bars) write_bar(bar, taken);
     write_materials();
     close();
+    write_meshes();
     return std::move(text_);
   }
 
@@ -78,9 +89,11 @@ class UsdBuilder {
     text_.append(4 * depth_, ' ');
     text_ += text + '\n';
   }
-  /// `has_material`: a material is bound to it.
-  void open(const std::string& type, const std::string& name, const std::string& shown, bool has_material = false) {
+  /// `has_material`: a material is bound to it. `reference`: a prim whose attributes it has; empty: none.
+  void open(const std::string& type, const std::string& name, const std::string& shown, bool has_material = false,
+            const std::string& reference = {}) {
     line("def " + type + " \"" + name + "\" (");
+    if (!reference.empty()) line("    prepend references = <" + reference + ">");
     if (has_material) line("    prepend apiSchemas = [\"MaterialBindingAPI\"]");
     if (name != shown) line("    displayName = " + usd_string(shown));
     line(")");
@@ -205,6 +218,24 @@ class UsdBuilder {
     line("float3[] extent = [" + short_tuple(low) + ", " + short_tuple(high) + "]");
   }
 
+  /// Those that solids refer to, written once.
+  void write_meshes() {
+    if (meshes_.empty()) return;
+    line("class \"meshes\"");
+    line("{");
+    ++depth_;
+    for (const int mesh : meshes_) {
+      line("def Mesh \"" + mesh_name(mesh) + "\"");
+      line("{");
+      ++depth_;
+      write_mesh(drawing_.meshes[static_cast<std::size_t>(mesh)]);
+      close();
+    }
+    close();
+  }
+
+  static std::string mesh_name(int mesh) { return "mesh_" + std::to_string(mesh); }
+
   void write_mesh(const MeshPart& part) {
     Vec3 low = part.points.front(), high = low;
     for (const Vec3& p : part.points) {
@@ -227,7 +258,12 @@ class UsdBuilder {
     static constexpr const char* names[] = {"box", "ellipsoid", "cylinder", "capsule", "mesh"};
     const auto kind = static_cast<std::size_t>(solid.kind);
     const std::string name = identifier(names[kind], taken);
-    open(types[kind], name, name, true);
+    std::string reference;
+    if (solid.kind == Solid::Kind::mesh) {
+      meshes_.insert(solid.mesh);
+      reference = "/meshes/" + mesh_name(solid.mesh);
+    }
+    open(types[kind], name, name, true, reference);
     write_geometry(solid);
     write_colours(colours);
     line("double3 xformOp:translate = " + exact_tuple(solid.at.position));
@@ -252,7 +288,7 @@ class UsdBuilder {
         line("double radius = " + number_text(radius));
         write_extent({-radius, -radius, -radius - 0.5 * solid.size.z}, {radius, radius, radius + 0.5 * solid.size.z});
         return;
-      case Solid::Kind::mesh: write_mesh(drawing_.meshes[static_cast<std::size_t>(solid.mesh)]); return;
+      case Solid::Kind::mesh: return;  // in the prim to which it refers
     }
     write_extent({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5});
   }
@@ -330,6 +366,7 @@ class UsdBuilder {
   std::size_t depth_ = 0;
   std::vector<std::pair<double, std::size_t>> rows_;  ///< time codes, and the rows there
   std::map<Samples, std::string> materials_;          ///< by their colours from time codes on
+  std::set<int> meshes_;                              ///< those that solids refer to
 };
 
 }  // namespace

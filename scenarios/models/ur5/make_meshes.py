@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes simple meshes for ur5_robot.urdf, with the lengths of its joints: the manufacturer's are not free. Needs only Python.
 
-    python3 make_meshes.py [FOLDER]
+python3 make_meshes.py [FOLDER]
 """
 
 import sys
@@ -9,7 +9,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "meshes"))
 from collada import write_collada
-from solids import Triangles, lathe, limb, moved, rounded, turned
+from solids import Triangles, lathe, along_z, moved, rounded, turned
 
 GREY, BLUE, DARK = (0.78, 0.8, 0.82), (0.35, 0.55, 0.72), (0.3, 0.32, 0.35)
 
@@ -29,13 +29,23 @@ def arm(length: float, r0: float, r1: float, w0: float, w1: float, tube: float) 
     """Two motors about y, at the origin and at z = length, and a tube between them."""
     motors = drum(r0, -w0, w0, "y") + moved(drum(r1, -w1, w1, "y"), z=length)
     lids = lid(r0, w0, 1, "y") + moved(lid(r1, w1, 1, "y"), z=length)
-    middle = limb([(0.8 * r0, 1.12 * tube, 1.12 * tube), (0.25 * length, tube, tube), (0.8 * length, tube, tube), (length - 0.8 * r1, 1.1 * tube, 1.1 * tube)], 20)
+    middle = along_z(
+        [
+            (0.8 * r0, 1.12 * tube, 1.12 * tube),
+            (0.25 * length, tube, tube),
+            (0.8 * length, tube, tube),
+            (length - 0.8 * r1, 1.1 * tube, 1.1 * tube),
+        ],
+        20,
+    )
     return {"body": (GREY, motors + middle), "lids": (BLUE, lids)}
 
 
 def main(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    base = lathe(rounded([(0, 0, 0), (0.075, 0, 0.004), (0.075, 0.02, 0.006), (0.06, 0.035, 0.01), (0.06, 0.03, 0), (0, 0.03, 0)]))
+    base = lathe(
+        rounded([(0, 0, 0), (0.075, 0, 0.004), (0.075, 0.02, 0.006), (0.06, 0.035, 0.01), (0.06, 0.03, 0), (0, 0.03, 0)])
+    )
     links = {
         "base": {"body": (GREY, base), "ring": (DARK, moved(lathe([(0, 0.03), (0.056, 0.03), (0.056, 0.032), (0, 0.032)])))},
         "shoulder": {
