@@ -150,7 +150,7 @@ struct ModelChoice {
 bool check_bare_name(const std::string& name, Place place, std::string_view what, Diagnostics& out);
 
 BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& reading);
-/// Reads a shape table, or a list of them. Of shapes that are `drawn`, meshes that do not exist are warnings; the caller judges others.
+/// Reads a shape table, or a list of them. `drawn`: a mesh that does not exist is a warning; otherwise the caller judges it.
 Shape read_shape(const Value& value, Reading& reading, bool drawn = true);
 /// Reads kind, geometry, parameters, initial values and parent of a joint.
 void read_joint(const Value& table, BodyEntry& body, Reading& reading);
