@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 namespace momentree::io {
@@ -35,5 +36,7 @@ Rgb rgb_of(std::string_view hex) {
   const auto share = [hex](std::size_t at) { return std::max(level_of(hex, at), 0) / 255.0; };
   return {share(1), share(3), share(5)};
 }
+
+double linear_light(double level) { return level <= 0.04045 ? level / 12.92 : std::pow((level + 0.055) / 1.055, 2.4); }
 
 }  // namespace momentree::io

@@ -15,4 +15,7 @@ struct Rgb {
 /// Of "#rrggbb"; black for anything else.
 Rgb rgb_of(std::string_view hex);
 
+/// The linear light of an sRGB level from 0 to 1.
+double linear_light(double level);
+
 }  // namespace momentree::io

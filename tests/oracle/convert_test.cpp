@@ -133,7 +133,7 @@ void check_same_shapes(const io::Scenario& a, const io::Scenario& b) {
     there.insert(there.begin(), b.shapes[i]);
     for (const io::Shape& each : a.shapes[i].more) here.push_back(each);
     here.insert(here.begin(), a.shapes[i]);
-    std::erase_if(here, [](const io::Shape& s) { return s.kind == io::Shape::Kind::mesh; });  // convert drops others
+    std::erase_if(here, [](const io::Shape& s) { return s.kind == io::Shape::Kind::mesh; });  // left out
     if (here.empty()) here.emplace_back();
     REQUIRE(here.size() == there.size());
     for (std::size_t k = 0; k < here.size(); ++k) same(here[k], there[k]);

@@ -1,7 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { Vector3 } from "three";
-import { joined, partsFrom, type PackedPart } from "./meshes";
+import { joined, partsFrom, type Meshes, type PackedPart } from "./meshes";
 import type { MeshPart, Shape, Vec3 } from "./recording";
+import { modelOf, type ModelFile } from "./result_files";
 import { meshGeometry } from "./viewer/mesh_geometry";
 
 const base64 = (numbers: readonly number[]) => Buffer.from(Uint16Array.from(numbers).buffer).toString("base64");
@@ -45,6 +46,22 @@ describe("packed meshes", () => {
     expect(colour({ kind: "mesh", file: "c.stl" })).toBe("#ff0000");
     expect(colour({ kind: "mesh", file: "b.stl" })).toBeUndefined();
     expect(joined(undefined, meshes)).toBe(meshes);
+  });
+});
+
+describe("bodies whose meshes the engine could not read", () => {
+  const body = { mass: 1, com: [0, 0, 0], extent: [], shape: { kind: "box", size: [1, 1, 1], at } };
+  const shapesOf = (meshes: Meshes | undefined) => {
+    const missing = { ...body, missing_shapes: [{ kind: "mesh", file: "a.stl", at }] };
+    const file = { title: "", gravity: [0, 0, 0], mechanisms: [], joints: {}, bodies: { a: missing } } as unknown as ModelFile;
+    return modelOf(file, undefined, meshes).bodies[0].shapes;
+  };
+
+  it("are drawn with the page's meshes if it has them, otherwise as what touches", () => {
+    const triangle = { low: [0, 0, 0], high: [1, 1, 1], points: base64([0, 0, 0]), triangles: base64([0, 0, 0]) } as const;
+    expect(shapesOf({ meshes: [{ parts: [triangle] }], files: { "a.stl": 0 } }).map(({ kind }) => kind)).toEqual(["mesh"]);
+    expect(shapesOf({ meshes: [null], files: { "a.stl": 0 } }).map(({ kind }) => kind)).toEqual(["box"]);
+    expect(shapesOf(undefined).map(({ kind }) => kind)).toEqual(["box"]);
   });
 });
 

@@ -195,18 +195,12 @@ class GlbBuilder {
     if (bar.end < 1e300) shown.emplace_back(bar.end, false);
     const int parent = add_switched(bar.name, shown, fixed ? nodes_[static_cast<std::size_t>(bar.from)] : root_);
     std::vector<float> places, turns, scales;
-    Vec3 direction{0, 0, 1};
-    Quat turn{};
+    BarPoses poses;
     const auto add_key = [&](const Vec3& from, const Vec3& to) {
-      const double length = norm(to - from);
-      if (length > 1e-12) {  // turned as little as possible, so that the way between two keys is short
-        const Vec3 now = (1 / length) * (to - from);
-        turn = normalized(shortest_turn(direction, now) * turn);
-        direction = now;
-      }
-      for (const float x : single(0.5 * (from + to))) places.push_back(x);
-      for (const float x : single(turn)) turns.push_back(x);
-      for (const float x : single(Vec3{2 * bar.radius, 2 * bar.radius, std::max(length, 1e-6)})) scales.push_back(x);
+      const Pose pose = poses.next(from, to);
+      for (const float x : single(pose.position)) places.push_back(x);
+      for (const float x : single(pose.rotation)) turns.push_back(x);
+      for (const float x : single(bar_scale(bar.radius, from, to))) scales.push_back(x);
     };
     if (fixed)
       add_key(bar.from_point, bar.to_point);

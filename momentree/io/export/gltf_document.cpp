@@ -15,9 +15,6 @@ namespace {
 
 constexpr int component_float = 5126, component_short = 5123, component_int = 5125;
 
-/// sRGB to linear intensity.
-double linear(double level) { return level <= 0.04045 ? level / 12.92 : std::pow((level + 0.055) / 1.055, 2.4); }
-
 template <class Numbers>
 void write_floats(JsonWriter& json, const char* key, const Numbers& numbers) {
   json.key(key).begin_array();
@@ -147,9 +144,9 @@ std::string GltfDocument::json(const std::string& generator, const std::string& 
   write_list(json, "materials", materials_, [&](const Material& material) {
     const Rgb rgb = rgb_of(material.colour);
     json.member("name", material.colour).key("pbrMetallicRoughness").begin_object();
-    write_floats(
-        json, "baseColorFactor",
-        Float4{static_cast<float>(linear(rgb.r)), static_cast<float>(linear(rgb.g)), static_cast<float>(linear(rgb.b)), 1});
+    write_floats(json, "baseColorFactor",
+                 Float4{static_cast<float>(linear_light(rgb.r)), static_cast<float>(linear_light(rgb.g)),
+                        static_cast<float>(linear_light(rgb.b)), 1});
     json.member("metallicFactor", 0).member("roughnessFactor", 0.7).end_object();
     if (material.open) json.member("doubleSided", true);
   });

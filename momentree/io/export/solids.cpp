@@ -196,6 +196,20 @@ Quat shortest_turn(const Vec3& from, const Vec3& to) {
   return normalized(Quat{1 + cosine, axis.x, axis.y, axis.z});
 }
 
+Pose BarPoses::next(const Vec3& from, const Vec3& to) {
+  const double length = norm(to - from);
+  if (length > 1e-12) {
+    const Vec3 now = (1 / length) * (to - from);
+    turn_ = normalized(shortest_turn(direction_, now) * turn_);
+    direction_ = now;
+  }
+  return {0.5 * (from + to), turn_};
+}
+
+Vec3 bar_scale(double radius, const Vec3& from, const Vec3& to) {
+  return {2 * radius, 2 * radius, std::max(norm(to - from), 1e-6)};
+}
+
 Quat along_z(const Vec3& direction) { return shortest_turn({0, 0, 1}, normalized(direction)); }
 
 }  // namespace momentree::io

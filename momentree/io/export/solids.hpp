@@ -19,4 +19,18 @@ Quat along_z(const Vec3& direction);
 /// The shortest rotation from one unit vector to another.
 Quat shortest_turn(const Vec3& from, const Vec3& to);
 
+/// The poses of a bar at successive rows: its middle, with z along it. It is turned as little as possible from row to row, so
+/// that programs interpolate on the short way.
+class BarPoses {
+ public:
+  Pose next(const Vec3& from, const Vec3& to);
+
+ private:
+  Vec3 direction_{0, 0, 1};
+  Quat turn_{};
+};
+
+/// The scale that makes a cylinder of diameter and length 1 along z this bar.
+Vec3 bar_scale(double radius, const Vec3& from, const Vec3& to);
+
 }  // namespace momentree::io

@@ -55,9 +55,8 @@ std::string short_tuple(const Quat& q) { return usd_tuple({q.w, q.x, q.y, q.z}, 
 
 /// Linear light of "#rrggbb".
 std::string usd_colour(const std::string& colour) {
-  const auto linear = [](double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); };
   const Rgb rgb = rgb_of(colour);
-  return usd_tuple({linear(rgb.r), linear(rgb.g), linear(rgb.b)}, 5);
+  return usd_tuple({linear_light(rgb.r), linear_light(rgb.g), linear_light(rgb.b)}, 5);
 }
 
 /// Values from time codes on.
@@ -323,19 +322,13 @@ class UsdBuilder {
   void write_bar(const Bar& bar, std::set<std::string>& taken) {
     const std::string name = identifier(bar.name, taken);
     Samples places, turns, scales;
-    Vec3 direction{0, 0, 1};
-    Quat turn{};
+    BarPoses poses;
     for (const auto& [code, row] : rows_) {
       const Vec3 from = drawing_.place(row, bar.from, bar.from_point), to = drawing_.place(row, bar.to, bar.to_point);
-      const double length = norm(to - from);
-      if (length > 1e-12) {  // turned as little as possible, so that the way between two samples is short
-        const Vec3 now = (1 / length) * (to - from);
-        turn = normalized(shortest_turn(direction, now) * turn);
-        direction = now;
-      }
-      places.emplace_back(code, exact_tuple(0.5 * (from + to)));
-      turns.emplace_back(code, short_tuple(turn));
-      scales.emplace_back(code, short_tuple(Vec3{2 * bar.radius, 2 * bar.radius, std::max(length, 1e-6)}));
+      const Pose pose = poses.next(from, to);
+      places.emplace_back(code, exact_tuple(pose.position));
+      turns.emplace_back(code, short_tuple(pose.rotation));
+      scales.emplace_back(code, short_tuple(bar_scale(bar.radius, from, to)));
     }
     Samples shown{{0, "\"invisible\""}};
     const auto show = [&](double time, const char* state) {
