@@ -200,10 +200,10 @@ Pose BarPoses::next(const Vec3& from, const Vec3& to) {
   const double length = norm(to - from);
   if (length > 1e-12) {
     const Vec3 now = (1 / length) * (to - from);
-    turn_ = normalized(shortest_turn(direction_, now) * turn_);
+    rotation_ = normalized(shortest_turn(direction_, now) * rotation_);
     direction_ = now;
   }
-  return {0.5 * (from + to), turn_};
+  return {0.5 * (from + to), rotation_};
 }
 
 Vec3 bar_scale(double radius, const Vec3& from, const Vec3& to) {

@@ -27,7 +27,7 @@ class BarPoses {
 
  private:
   Vec3 direction_{0, 0, 1};
-  Quat turn_{};
+  Quat rotation_{};
 };
 
 /// The scale that makes a cylinder of diameter and length 1 along z this bar.
