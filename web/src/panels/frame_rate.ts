@@ -1,7 +1,10 @@
 // How often the picture is drawn, and how long that takes of the page's time.
 
-/** Drawings are counted over this time (s). */
+/** Drawings are counted over this time (s), or over the last two if there are fewer in it. */
 const span = 1;
+
+/** Drawings further apart than this (s) do not belong together: the world stood still. */
+const stillness = 10;
 
 export class FrameRate {
   private readonly ends: number[] = [];
@@ -9,12 +12,18 @@ export class FrameRate {
 
   /** A drawing that began and ended at these times (s). */
   add(began: number, ended: number) {
+    const before = this.ends.at(-1);
+    if (before !== undefined && ended - before > stillness) this.forget(this.ends.length);
     this.ends.push(ended);
     this.durations.push(ended - began);
-    while (this.ends[0] < ended - span) {
-      this.ends.shift();
-      this.durations.shift();
-    }
+    const old = this.ends.findIndex((end) => end >= ended - span);
+    this.forget(Math.min(old, this.ends.length - 2));
+  }
+
+  private forget(count: number) {
+    if (count <= 0) return;
+    this.ends.splice(0, count);
+    this.durations.splice(0, count);
   }
 
   /** Drawings per second; NaN if there were fewer than two. */

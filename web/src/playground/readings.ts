@@ -8,6 +8,8 @@ import { massOf } from "../recording";
 import type { Theme } from "../viewer/colours";
 import { Chart } from "./chart";
 
+const rateText = (rate: number) => `${rate.toFixed(rate < 10 ? 1 : 0)} frames/s`;
+
 /** Minimum time between two redraws while frames arrive (ms). */
 const pause = 120;
 
@@ -87,7 +89,7 @@ export class Readings {
     ];
     const drawing = picture && Number.isFinite(picture.rate) ? picture : null;
     this.drawing.textContent = drawing
-      ? `Picture: ${drawing.rate.toFixed(0)} frames/s, ${(1000 * drawing.duration).toFixed(1)} ms of the page for each`
+      ? `Picture: ${rateText(drawing.rate)}, ${(1000 * drawing.duration).toFixed(1)} ms of the page for each`
       : "";
     this.readout.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
   }

@@ -1,27 +1,21 @@
-// Notices that pictures of a motion follow each other too slowly, as where a processor draws them.
+// Notices that the browser can't keep up with the pictures of a motion, as where a processor draws them.
 
-/** Pictures that are farther apart than this (s) are not of the same motion. */
-const longest = 0.35;
-/** Mean interval above which drawing is slow (s), and the number of intervals that decide. */
+/** The browser is slow if it takes longer than this for a picture (s), on average. */
 const slow = 1 / 24;
-const needed = 40;
+/** One picture counts at most this much (s): the first is slow everywhere, and a page in the background draws none. */
+const most = 0.25;
+/** Time spent on pictures that decides (s). */
+const needed = 5 / 3;
 
 export class Pace {
-  private last = -Infinity;
   private count = 0;
   private sum = 0;
 
-  /** A picture is drawn at this time (s); returns whether drawing was slow over the last pictures. */
-  isSlow(now: number): boolean {
-    const interval = now - this.last;
-    this.last = now;
-    if (!(interval < longest)) {
-      this.count = this.sum = 0;
-      return false;
-    }
+  /** `duration`: from the request of a picture to its drawing (s). Returns whether the last pictures were slow. */
+  isSlow(duration: number): boolean {
     this.count++;
-    this.sum += interval;
-    if (this.count < needed) return false;
+    this.sum += Math.min(duration, most);
+    if (this.sum < needed) return false;
     const mean = this.sum / this.count;
     this.count = this.sum = 0;
     return mean > slow;

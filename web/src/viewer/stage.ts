@@ -210,7 +210,12 @@ export class Stage {
   draw() {
     if (this.scheduled) return;
     this.scheduled = true;
-    requestAnimationFrame(() => this.drawNow());
+    const requested = performance.now();
+    requestAnimationFrame(() => {
+      const duration = (performance.now() - requested) / 1000;
+      this.drawNow();
+      if (this.shadows && this.pace.isSlow(duration)) this.simplify();
+    });
   }
 
   drawNow() {
@@ -223,7 +228,6 @@ export class Stage {
     for (const listener of this.drawListeners) listener(this.camera, height);
     this.renderer.render(this.scene, this.camera);
     this.drawingListener(began / 1000, performance.now() / 1000);
-    if (this.shadows && this.pace.isSlow(began / 1000)) this.simplify();
   }
 
   /** This machine draws too slowly: motion matters more than shadows and fine pixels. */
