@@ -22,6 +22,8 @@ constexpr Key chain_entries[] = {
     {"angle_growth", boolean, "Link k starts at k·angle", "false"},
     {"radius", number(dimension::length, Range::positive),
      "Radius of the links where they touch other bodies; default: they touch nothing"},
+    {"shape", other(R"({"anyOf": [@, {"type": "array", "items": @}]})", shape_table),
+     "How each link is drawn; its frame is at the joint that carries it"},
 };
 
 struct Chain {
@@ -32,6 +34,7 @@ struct Chain {
   std::optional<double> radius{};
   Sym3 inertia{};
   Vec3 axis{0, 0, 1};
+  Shape shape{};
 };
 
 BodySpec make_link(const Chain& chain, int k, const std::string& mechanism, bool free_root, const Pose& pose, BodyId parent) {
@@ -60,7 +63,9 @@ BodySpec make_link(const Chain& chain, int k, const std::string& mechanism, bool
   return link;
 }
 
-Chain read_fields(Fields& fields, int most, Diagnostics& out) {
+Chain read_fields(Fields& fields, Reading& reading) {
+  Diagnostics& out = reading.out;
+  const int most = reading.bodies_left;
   Chain chain;
   if (const Value* links = fields.require("links")) {
     const std::int64_t* n = links->integer();
@@ -89,6 +94,7 @@ Chain read_fields(Fields& fields, int most, Diagnostics& out) {
   if (chain.radius && !(2 * *chain.radius < chain.length))
     out.error(fields.place_of("radius"), "radius: the links would be thicker than they are long",
               "use less than half the length");
+  if (const Value* shape = fields.find("shape")) chain.shape = read_shape(*shape, reading);
   if (chain.parameters.drive && chain.parameters.drive->moves() && fields.has("angle"))
     out.error(fields.place_of("angle"), "angle: the motion of these joints defines where they start", "leave it out");
   fields.finish();
@@ -105,7 +111,7 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
   Diagnostics& out = reading.out;
   Fields fields(table, chain_table, out);
   if (!table.table()) return;
-  const Chain chain = read_fields(fields, reading.bodies_left, out);
+  const Chain chain = read_fields(fields, reading);
   // The last revolute link represents all: they differ only in their angle, and its angle is the largest.
   const BodySpec any = make_link(chain, std::max(chain.links, 2), mechanism, free_root, pose, ground);
   for (const BodyProblem& problem : check_body(any))
@@ -154,6 +160,10 @@ void read_chain(const Value& table, const std::string& mechanism, bool free_root
     reading.joints.emplace(link.name, fields.place());
     if (!sound || errors != out.errors()) continue;
     parent = reading.scenario.model.add_unjudged(std::move(link));
+    if (chain.shape.kind != Shape::Kind::none) {
+      reading.scenario.shapes.resize(static_cast<std::size_t>(reading.scenario.model.size()));
+      reading.scenario.shapes.back() = chain.shape;
+    }
     if (!chain.radius) continue;
     Collider collider;  // from joint to joint
     collider.body = parent;

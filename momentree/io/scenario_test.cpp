@@ -207,6 +207,18 @@ TEST_CASE("shapes are kept by body number") {
   CHECK(s.shapes[3].kind == Shape::Kind::none);
 }
 
+TEST_CASE("each link of a chain has its shape") {
+  const Scenario s = read(one_body + "[[mechanism]]\nname = \"n\"\n" + chain.substr(head.size()) +
+                          "inertia = 1\nshape = [{ sphere = 2 }, { box = [1, 2, 3] }]\n");
+  REQUIRE(s.shapes.size() == 4);
+  CHECK(s.shapes[0].kind == Shape::Kind::none);
+  for (std::size_t link = 1; link < s.shapes.size(); ++link) {
+    CHECK(s.shapes[link].radius == 2);
+    REQUIRE(s.shapes[link].more.size() == 1);
+    CHECK(s.shapes[link].more[0].size == Vec3{1, 2, 3});
+  }
+}
+
 TEST_CASE("a body has several shapes, a mesh is scaled") {
   const Scenario s =
       read(one_body + "shape = [{ sphere = 2 }, { mesh = \"a.stl\", scale = [1, 2, 3] }, { mesh = \"a.stl\", scale = 5 }]\n");

@@ -10,6 +10,7 @@ from solids import (
     cylinder,
     along_x,
     lathe,
+    link,
     loft,
     moved,
     oval,
@@ -225,3 +226,20 @@ def motion_platform() -> dict:
     stripe = box((-1.0, -0.925, 0.5), (0.5, 0.925, 0.62))
     ring = [[(u, v, z) for u, v in oval(1.1, 0.85, 20, 4)] for z in (0.16, 0.24)]
     return {"cabin": {"#e3e6eb": shell, GLASS: screen, STEEL: base + eyes, "#c8963e": stripe, "#9aa4b2": door + loft(ring)}}
+
+
+def chain_to_ring() -> dict:
+    """A module of a snake robot: a tongue at its own joint, a fork around that of the next one, both about z."""
+
+    def eyes(width: float) -> Triangles:
+        return turned(turned(link(0.04, 0.013, 0.013, width, 0.0015, 12), "y", 90), "x", 90)
+
+    def above_and_below(solid: Triangles, z: float) -> Triangles:
+        return moved(solid, z=z) + moved(solid, z=-z)
+
+    tongue = eyes(0.012)
+    fork = above_and_below(moved(eyes(0.006), x=0.068), 0.0135)
+    horns = above_and_below(moved(cylinder(0.007, -0.002, 0.002, 14), x=0.108), 0.018)
+    case = along_x([(0.016, 0.013, 0.014, 0), (0.022, 0.02, 0.02, 0), (0.08, 0.02, 0.02, 0), (0.086, 0.013, 0.017, 0)], 20)
+    band = along_x([(0.032, 0.0206, 0.0206, 0), (0.04, 0.0206, 0.0206, 0)], 20)
+    return {"module": {"#4a7fb5": case, DARK: tongue + fork, STEEL: horns, "#e3e6eb": band}}

@@ -9,10 +9,22 @@ from pathlib import Path
 
 from bodies import climbing_robot, knee, trapeze
 from gltf import write_glb
-from machines import crane, excavator, motion_platform, tower, wind_turbine
+from machines import chain_to_ring, crane, excavator, motion_platform, tower, wind_turbine
 from spacecraft import debris_capture, satellite
 
-MADE = [climbing_robot, crane, debris_capture, excavator, knee, motion_platform, satellite, tower, trapeze, wind_turbine]
+MADE = [
+    chain_to_ring,
+    climbing_robot,
+    crane,
+    debris_capture,
+    excavator,
+    knee,
+    motion_platform,
+    satellite,
+    tower,
+    trapeze,
+    wind_turbine,
+]
 
 
 def main(folder: Path) -> None:

@@ -5,6 +5,7 @@ import { defineConfig } from "vitest/config";
 // is therefore run once more; the output says so.
 export default defineConfig({
   test: {
+    slowTestThreshold: 60_000, // short output: on a busy machine nearly every test takes seconds
     testTimeout: 180_000,
     retry: 1,
     hookTimeout: 120_000,

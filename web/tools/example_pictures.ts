@@ -29,7 +29,7 @@ const pictures: readonly Picture[] = [
   { name: "hexapod", time: 2.7, keys: "++" },
   { name: "hand_over", time: 2.9, keys: "+++" },
   { name: "climbing_robot", time: 1.9, keys: "+++" },
-  { name: "chain_to_ring", time: 1.1, keys: "+" },
+  { name: "chain_to_ring", time: 1.1, keys: "++++" },
   { name: "trapeze_catch", time: 2.1, keys: "+++" },
   { name: "knee_ligament", time: 1.202, keys: ">>>>>++++", joint: "leg/slide" },
 ];
