@@ -21,17 +21,17 @@ interface Picture {
 
 const pictures: readonly Picture[] = [
   { name: "debris_tug", time: 5.95, keys: "++++" },
-  { name: "solar_array_jam", time: 11, keys: "+" },
-  { name: "blade_loss", time: 4.5, keys: "++++>>>>>" },
-  { name: "line_cascade", time: 5, keys: ">>>>>>v++++++++++++++" },
-  { name: "crane", time: 4.0, keys: "+" },
+  { name: "solar_array_jam", time: 11, keys: "" },
+  { name: "blade_loss", time: 4.5, keys: "++>>>>>" },
+  { name: "line_cascade", time: 5, keys: ">>>>>>v+++++++++++++" },
+  { name: "crane", time: 4.0, keys: "" },
   { name: "excavator_pin", time: 1.4, keys: "+++" },
   { name: "hexapod", time: 2.7, keys: "++" },
   { name: "hand_over", time: 2.9, keys: "+++" },
-  { name: "climbing_robot", time: 1.9, keys: "+++" },
-  { name: "chain_to_ring", time: 1.1, keys: "++++" },
-  { name: "trapeze_catch", time: 2.1, keys: "+++" },
-  { name: "knee_ligament", time: 1.202, keys: ">>>>>++++", joint: "leg/slide" },
+  { name: "climbing_robot", time: 1.9, keys: "++" },
+  { name: "chain_to_ring", time: 1.1, keys: "+++" },
+  { name: "trapeze_catch", time: 2.1, keys: "++" },
+  { name: "knee_ligament", time: 1.202, keys: ">>>>>++", joint: "leg/slide" },
 ];
 
 const press: Readonly<Record<string, string>> = { "<": "ArrowLeft", ">": "ArrowRight", "^": "ArrowUp", v: "ArrowDown" };

@@ -17,7 +17,7 @@ interface Stray {
 
 /** Mechanisms without a body in the picture: by their heaviest body. */
 function straysOf(stage: Stage, poses: ArrayLike<number>, phase: Phase, names: readonly string[]): Stray[] {
-  const spheres = spheresOf(stage.model, poses, (body) => stage.shapes.reach(body));
+  const spheres = spheresOf(stage.model, poses, (body) => stage.shapes.sphere(body));
   const seen = new Set<number>();
   const heaviest = new Map<number, number>();
   const at = new THREE.Vector3();

@@ -3,17 +3,18 @@
 import * as THREE from "three";
 import type { LiveRecording } from "../engine/live";
 import type { Vec3 } from "../recording";
-import { viewOf, type View } from "../viewer/camera";
+import { cornersOf, viewOf, type View } from "../viewer/camera";
 import { inboardJoints, phaseAt, pointOf } from "../viewer/frames";
+import type { ShapeLibrary } from "../viewer/shapes";
 
 const distance = (a: Vec3, b: Vec3) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 
-export function initialView(run: LiveRecording, frame: number, reach: (body: number) => number): View {
+export function initialView(run: LiveRecording, frame: number, shapes: Pick<ShapeLibrary, "bounds" | "reach">): View {
   const poses = run.poses(frame);
   const { bodies } = run.model;
   const { joints } = phaseAt(run, run.time(frame));
   const inboard = inboardJoints(joints);
-  const view = viewOf(run, reach);
+  const view = viewOf(run, (body) => shapes.bounds(body));
   const along = (["x", "y", "z"] as const).filter((axis) => Math.abs(view.direction[axis]) > 0.99);
   // The box around a ball has corners outside the ball: seen obliquely, it is much wider.
   const corners = along.length > 0 ? 1 : 0.65;
@@ -28,7 +29,7 @@ export function initialView(run: LiveRecording, frame: number, reach: (body: num
     include(pointOf(poses, b, body.com), 0);
     for (const line of body.extent) for (const end of line) include(pointOf(poses, b, end), 0);
     // Length of the stretched mechanism from the ground to this body.
-    let length = reach(b);
+    let length = shapes.reach(b);
     for (const line of body.extent) length = Math.max(length, distance(...line));
     let joint = inboard.get(b);
     let count = 1;
@@ -40,7 +41,7 @@ export function initialView(run: LiveRecording, frame: number, reach: (body: num
     // Long chains are seldom fully stretched: half of the length is enough.
     const share = corners * (0.5 + 0.5 * Math.min(1, 4 / count));
     if (joint && joint.kind !== "free") include(pointOf(poses, joint.child, joint.childAt), share * length);
-    else include(pointOf(poses, b, body.com), reach(b));
+    else for (const { x, y, z } of cornersOf(shapes.bounds(b))) include(pointOf(poses, b, [x, y, z]), 0);
   });
   // A planar motion that is seen along its normal needs no depth.
   for (const axis of along) {

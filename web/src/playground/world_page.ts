@@ -241,7 +241,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
   }
 
   function resetView() {
-    if (app.run && stage) stage.lookAt(initialView(app.run, app.frame, (body) => stage!.shapes.reach(body)));
+    if (app.run && stage) stage.lookAt(initialView(app.run, app.frame, stage.shapes));
   }
 
   function draw() {

@@ -98,12 +98,14 @@ export function showModel(page: HTMLElement, engine: Engine, scenario: string, m
   const reset = () => {
     q = tree.map((joint) => joint.q);
     pose();
+    if (picture.stage?.following) picture.fit();
     fill();
   };
   page.classList.add("model");
   page.append(picture.element, list);
   onThemeChange((theme) => picture.setTheme(theme));
   picture.fit();
+  if (picture.stage) picture.stage.following = true; // sliders move bodies out of the first picture
   fill();
   listenToKeys(run, player, picture.keys, { step: () => undefined });
 }

@@ -47,9 +47,22 @@ function lightAndFar(run: Motion, boxes: readonly THREE.Box3[]): Set<number> {
   return new Set(rest > 0 && diagonal(around(present)) > 3 * rest ? farthestFirst.slice(0, left) : []);
 }
 
-/** Points that the picture should include: origins of bodies and ends of their shapes, over some frames. */
-function points(run: Motion, reach: (body: number) => number, most = 40): THREE.Box3 {
+/** The corners of a box; none if it is empty. */
+export function cornersOf({ min, max }: THREE.Box3): THREE.Vector3[] {
+  if (min.x > max.x) return [];
+  return [0, 1, 2, 3, 4, 5, 6, 7].map(
+    (i) => new THREE.Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z),
+  );
+}
+
+/** Points that the picture should include: origins of bodies and corners of their shapes, over some frames. */
+function points(run: Motion, bounds: (body: number) => THREE.Box3, most = 40): THREE.Box3 {
   const boxes = run.model.bodies.map(() => new THREE.Box3());
+  const fixed = run.model.bodies.map((body, b) => [
+    new THREE.Vector3(),
+    ...body.extent.flatMap((line) => line.map((end) => new THREE.Vector3(...end))),
+    ...cornersOf(bounds(b)),
+  ]);
   const detached: THREE.Vector3[] = [];
   const step = Math.max(1, Math.floor(run.frames / most));
   const turn = new THREE.Quaternion();
@@ -57,19 +70,16 @@ function points(run: Motion, reach: (body: number) => number, most = 40): THREE.
   for (let frame = 0; frame < run.frames; frame += step) {
     const poses = run.poses(frame);
     const attached = anchored ? attachedBodies(run, run.time(frame)) : null;
-    run.model.bodies.forEach((body, b) => {
+    run.model.bodies.forEach((_body, b) => {
       const i = 7 * b;
       if (Number.isNaN(poses[i])) return;
       turn.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
       const origin = new THREE.Vector3(poses[i], poses[i + 1], poses[i + 2]);
-      const r = reach(b);
-      const ends = body.extent.flatMap((line) =>
-        line.map((end) => new THREE.Vector3(...end).applyQuaternion(turn).add(origin)),
-      );
-      ends.push(origin.clone().addScalar(r), origin.clone().addScalar(-r));
-      for (const end of ends)
-        if (attached && !attached.has(b)) detached.push(end);
-        else boxes[b].expandByPoint(end);
+      for (const point of fixed[b]) {
+        const placed = point.clone().applyQuaternion(turn).add(origin);
+        if (attached && !attached.has(b)) detached.push(placed);
+        else boxes[b].expandByPoint(placed);
+      }
     });
   }
   const box = new THREE.Box3();
@@ -83,20 +93,24 @@ function points(run: Motion, reach: (body: number) => number, most = 40): THREE.
       for (const end of endsOf(spring, run.poses(0))) if (!Number.isNaN(end.x)) box.expandByPoint(end);
   // Parts that fly off are followed for some distance, but not so far that the remaining bodies become tiny.
   const centre = box.getCenter(new THREE.Vector3());
-  const far = 1.6 * box.getSize(new THREE.Vector3()).length();
+  const far = 2.5 * box.getSize(new THREE.Vector3()).length();
   for (const point of detached) if (point.distanceTo(centre) < far) box.expandByPoint(point);
   return box;
 }
 
-/** The whole run, or the frames available so far. */
-export function viewOf(run: Motion, reach: (body: number) => number): View {
+/** The whole run, or the frames available so far; `bounds`: of a body's shapes, in its axes. */
+export function viewOf(run: Motion, bounds: (body: number) => THREE.Box3): View {
   const up = upOf(run.model);
-  const box = points(run, reach);
+  const box = points(run, bounds);
   if (box.isEmpty()) box.set(new THREE.Vector3(-1, -1, -1), new THREE.Vector3(1, 1, 1));
   const size = box.getSize(new THREE.Vector3());
   const centre = box.getCenter(new THREE.Vector3());
   const radius = Math.max(0.5 * size.length(), 1e-3);
-  const flat = [size.x, size.y, size.z].findIndex((extent) => extent < 0.02 * radius);
+  // Bodies that are not small in such a motion would be seen from one side only.
+  let reach = 0;
+  for (let b = 0; b < run.model.bodies.length; b++)
+    for (const corner of cornersOf(bounds(b))) reach = Math.max(reach, corner.length());
+  const flat = [size.x, size.y, size.z].findIndex((extent) => extent + reach < 0.02 * radius);
   const direction = new THREE.Vector3();
   if (flat >= 0 && Math.abs(up.getComponent(flat)) < 0.5) {
     direction.setComponent(flat, flat === 1 ? -1 : 1);
@@ -133,5 +147,5 @@ export function distanceFor(
     const away = Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(top)) / tall);
     distance = Math.max(distance, away + corner.dot(direction));
   }
-  return 1.06 * distance;
+  return 1.1 * distance;
 }

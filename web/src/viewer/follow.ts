@@ -1,7 +1,7 @@
 // Keeps the mechanisms in the picture while they move: the camera moves and recedes no more than it must. Pieces that are too far
 // away for that are named at the picture's edge (panels/strays.ts).
 import * as THREE from "three";
-import type { Model } from "../recording";
+import type { Model, Vec3 } from "../recording";
 import { pointOf } from "./frames";
 
 /** Something with a place and a size (m). */
@@ -29,16 +29,20 @@ export function stepTowards(present: Aim, aim: Aim, seconds: number): Aim {
   };
 }
 
-/** Spheres around the bodies that exist. */
-export function spheresOf(model: Model, poses: ArrayLike<number>, reach: (body: number) => number): (Sphere | null)[] {
+/** Spheres around the bodies that exist; `shapes`: around a body's shapes, in its axes. */
+export function spheresOf(
+  model: Model,
+  poses: ArrayLike<number>,
+  shapes: (body: number) => THREE.Sphere | null,
+): (Sphere | null)[] {
   return model.bodies.map((body, b) => {
     if (Number.isNaN(poses[7 * b])) return null;
-    const at = new THREE.Vector3(...pointOf(poses, b, body.com));
-    let radius = reach(b);
+    const own = shapes(b);
+    const centre: Vec3 = own ? [own.center.x, own.center.y, own.center.z] : body.com;
+    let radius = own?.radius ?? 0;
     for (const line of body.extent)
-      for (const end of line)
-        radius = Math.max(radius, Math.hypot(end[0] - body.com[0], end[1] - body.com[1], end[2] - body.com[2]));
-    return { at, radius };
+      for (const end of line) radius = Math.max(radius, Math.hypot(end[0] - centre[0], end[1] - centre[1], end[2] - centre[2]));
+    return { at: new THREE.Vector3(...pointOf(poses, b, centre)), radius };
   });
 }
 

@@ -68,6 +68,7 @@ export interface ShapeMeshes {
 export class ShapeLibrary {
   private readonly parts: THREE.Mesh[][];
   private readonly shaped: boolean[];
+  private readonly spheres: (THREE.Sphere | null)[] = [];
 
   constructor(model: Model) {
     const nothing = new THREE.MeshBasicMaterial();
@@ -123,6 +124,33 @@ export class ShapeLibrary {
       if (sphere) reach = Math.max(reach, sphere.center.length() + sphere.radius);
     }
     return reach;
+  }
+
+  /** The box around a body's shapes, in the body's axes (m). */
+  bounds(body: number): THREE.Box3 {
+    const box = new THREE.Box3();
+    for (const part of this.parts[body]) {
+      part.geometry.computeBoundingBox();
+      if (part.geometry.boundingBox) box.union(part.geometry.boundingBox);
+    }
+    return box;
+  }
+
+  /** A sphere around a body's shapes, in the body's axes (m); null if it has none. */
+  sphere(body: number): THREE.Sphere | null {
+    const known = this.spheres[body];
+    if (known !== undefined) return known;
+    const box = this.bounds(body);
+    if (box.isEmpty()) return (this.spheres[body] = null);
+    const sphere = box.getBoundingSphere(new THREE.Sphere());
+    let radius = 0;
+    for (const { geometry } of this.parts[body]) {
+      geometry.computeBoundingSphere();
+      const own = geometry.boundingSphere;
+      if (own) radius = Math.max(radius, own.center.distanceTo(sphere.center) + own.radius);
+    }
+    sphere.radius = Math.min(sphere.radius, radius);
+    return (this.spheres[body] = sphere);
   }
 
   dispose() {

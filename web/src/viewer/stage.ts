@@ -175,7 +175,7 @@ export class Stage {
     const offset = camera.position.clone().sub(controls.target);
     const distance = offset.length();
     const direction = offset.divideScalar(distance);
-    const spheres = spheresOf(this.model, this.state.poses, (body) => this.shapes.reach(body));
+    const spheres = spheresOf(this.model, this.state.poses, (body) => this.shapes.sphere(body));
     const near = gathered(spheres, this.view.centre, 4 * this.view.radius);
     const present = { target: controls.target, distance };
     const lens = { fov: camera.fov, aspect: camera.aspect, above: this.shareAbove() };
@@ -250,7 +250,7 @@ export class Stage {
    * Fits the whole motion into the picture; `direction`: the viewing direction, by default one that suits the motion.
    */
   fit(run: Motion, direction?: THREE.Vector3) {
-    this.view = viewOf(run, (body) => this.shapes.reach(body));
+    this.view = viewOf(run, (body) => this.shapes.bounds(body));
     this.layFloor(this.view);
     this.aimAt(direction ? { ...this.view, direction } : this.view);
   }

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Motion } from "../recording";
 import { ArrowScale } from "./arrows";
-import { BoxGeometry, Vector3 } from "three";
+import { Box3, BoxGeometry, Vector3 } from "three";
 import { viewOf } from "./camera";
 import { hexOf, mixed, shapeColour, themeOf } from "./colours";
 import { frameAt, isGap, lastNotAfter, phaseAt, pointOf, posesAt } from "./frames";
@@ -199,7 +199,16 @@ describe("the initial view", () => {
     const mechanism = masses.map(() => 0);
     return { ...recording(), model: { ...recording().model, bodies }, poses: at, phases: [{ from: 0, mechanism, joints: [] }] };
   }
-  const width = (run: Motion) => viewOf(run, () => 0.1).box.getSize(new Vector3()).x;
+  const around = new Box3(new Vector3(-0.1, -0.1, -0.1), new Vector3(0.1, 0.1, 0.1));
+  const width = (run: Motion) => viewOf(run, () => around).box.getSize(new Vector3()).x;
+
+  it("is around the shapes, not around all that they could reach", () => {
+    const long = new Box3(new Vector3(0, -0.1, -0.2), new Vector3(2, 0.1, 0.3)); // moves by 4 m along x, turned by 90° about z
+    const { box, lowest } = viewOf(recording(), () => long);
+    expect(box.min.toArray()).toEqual([0, -0.1, -0.2].map((each) => expect.closeTo(each, 9) as number));
+    expect(box.max.toArray()).toEqual([4.1, 2, 0.3].map((each) => expect.closeTo(each, 9) as number));
+    expect(lowest).toBeCloseTo(-0.2, 9);
+  });
 
   it("leaves out a light body that slides far away", () => {
     expect(width(sliding([4, 4, 4, 0.1], 0))).toBeCloseTo(3.2, 9);
