@@ -148,6 +148,25 @@ describe.each(["playground", "report", "sweep"] as const)("the %s", (name) => {
     expect(complaints).toEqual([]);
   });
 
+  it.skipIf(name === "sweep")("in a low window the plots are scrolled, not squeezed", async () => {
+    const { page } = await opened({ width: 840, height: 520 });
+    const tops = await page.locator(".plots > *").evaluateAll((all) =>
+      all.map((each) => {
+        const { top, bottom } = each.getBoundingClientRect();
+        return {
+          top,
+          bottom,
+          inside: Math.max(...[...each.querySelectorAll("canvas")].map((c) => c.getBoundingClientRect().bottom)),
+        };
+      }),
+    );
+    tops.forEach(({ top, bottom, inside }, i) => {
+      if (i > 0) expect(top).toBeGreaterThanOrEqual(tops[i - 1].bottom - 1);
+      expect(inside).toBeLessThanOrEqual(bottom + 1);
+    });
+    await keep(page, `${name}_low`);
+  });
+
   it("text has contrast in both themes, and every control has a name", async () => {
     const { page } = await opened(desktop);
     for (const colorScheme of ["light", "dark"] as const) {
