@@ -150,7 +150,7 @@ describe.each(["playground", "report", "sweep"] as const)("the %s", (name) => {
 
   it.skipIf(name === "sweep")("in a low window the plots are scrolled, not squeezed", async () => {
     const { page } = await opened({ width: 840, height: 520 });
-    const tops = await page.locator(".plots > *").evaluateAll((all) =>
+    const parts = await page.locator(".plots > *").evaluateAll((all) =>
       all.map((each) => {
         const { top, bottom } = each.getBoundingClientRect();
         return {
@@ -160,8 +160,8 @@ describe.each(["playground", "report", "sweep"] as const)("the %s", (name) => {
         };
       }),
     );
-    tops.forEach(({ top, bottom, inside }, i) => {
-      if (i > 0) expect(top).toBeGreaterThanOrEqual(tops[i - 1].bottom - 1);
+    parts.forEach(({ top, bottom, inside }, i) => {
+      if (i > 0) expect(top).toBeGreaterThanOrEqual(parts[i - 1].bottom - 1);
       expect(inside).toBeLessThanOrEqual(bottom + 1);
     });
     await keep(page, `${name}_low`);

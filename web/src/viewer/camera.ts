@@ -55,14 +55,15 @@ export function cornersOf({ min, max }: THREE.Box3): THREE.Vector3[] {
   );
 }
 
-/** Points that the picture should include: origins of bodies and corners of their shapes, over some frames. */
-function points(run: Motion, bounds: (body: number) => THREE.Box3, most = 40): THREE.Box3 {
+/** The box around the origins of bodies and the corners of their shapes, over some frames; `corners`: by body, in its axes. */
+function boxOf(run: Motion, corners: readonly THREE.Vector3[][], most = 40): THREE.Box3 {
   const boxes = run.model.bodies.map(() => new THREE.Box3());
-  const fixed = run.model.bodies.map((body, b) => [
+  const points = run.model.bodies.map((body, b) => [
     new THREE.Vector3(),
     ...body.extent.flatMap((line) => line.map((end) => new THREE.Vector3(...end))),
-    ...cornersOf(bounds(b)),
+    ...corners[b],
   ]);
+  const placed = new THREE.Vector3();
   const detached: THREE.Vector3[] = [];
   const step = Math.max(1, Math.floor(run.frames / most));
   const turn = new THREE.Quaternion();
@@ -75,9 +76,9 @@ function points(run: Motion, bounds: (body: number) => THREE.Box3, most = 40): T
       if (Number.isNaN(poses[i])) return;
       turn.set(poses[i + 4], poses[i + 5], poses[i + 6], poses[i + 3]);
       const origin = new THREE.Vector3(poses[i], poses[i + 1], poses[i + 2]);
-      for (const point of fixed[b]) {
-        const placed = point.clone().applyQuaternion(turn).add(origin);
-        if (attached && !attached.has(b)) detached.push(placed);
+      for (const point of points[b]) {
+        placed.copy(point).applyQuaternion(turn).add(origin);
+        if (attached && !attached.has(b)) detached.push(placed.clone());
         else boxes[b].expandByPoint(placed);
       }
     });
@@ -101,15 +102,14 @@ function points(run: Motion, bounds: (body: number) => THREE.Box3, most = 40): T
 /** The whole run, or the frames available so far; `bounds`: of a body's shapes, in its axes. */
 export function viewOf(run: Motion, bounds: (body: number) => THREE.Box3): View {
   const up = upOf(run.model);
-  const box = points(run, bounds);
+  const corners = run.model.bodies.map((_body, b) => cornersOf(bounds(b)));
+  const box = boxOf(run, corners);
   if (box.isEmpty()) box.set(new THREE.Vector3(-1, -1, -1), new THREE.Vector3(1, 1, 1));
   const size = box.getSize(new THREE.Vector3());
   const centre = box.getCenter(new THREE.Vector3());
   const radius = Math.max(0.5 * size.length(), 1e-3);
-  // Bodies that are not small in such a motion would be seen from one side only.
-  let reach = 0;
-  for (let b = 0; b < run.model.bodies.length; b++)
-    for (const corner of cornersOf(bounds(b))) reach = Math.max(reach, corner.length());
+  // A planar motion is seen along its normal, unless its bodies are thick.
+  const reach = corners.flat().reduce((most, corner) => Math.max(most, corner.length()), 0);
   const flat = [size.x, size.y, size.z].findIndex((extent) => extent + reach < 0.02 * radius);
   const direction = new THREE.Vector3();
   if (flat >= 0 && Math.abs(up.getComponent(flat)) < 0.5) {
@@ -140,10 +140,10 @@ export function distanceFor(
   const [wide, tall] = [half * aspect, half * height];
   const right = new THREE.Vector3().crossVectors(up, direction).normalize();
   const top = new THREE.Vector3().crossVectors(direction, right);
-  const corners = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
+  const centre = box.getCenter(new THREE.Vector3());
   let distance = 1e-6;
-  for (const [x, y, z] of [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2].map((bit) => 2 * bit - 1))) {
-    const corner = corners.clone().multiply(new THREE.Vector3(x, y, z));
+  for (const corner of cornersOf(box)) {
+    corner.sub(centre);
     const away = Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(top)) / tall);
     distance = Math.max(distance, away + corner.dot(direction));
   }
