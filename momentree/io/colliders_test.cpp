@@ -1,13 +1,16 @@
 // Meshes and collision elements of model files as colliders.
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 #include <doctest/doctest.h>
 
 #include <momentree/io/convert/convert.hpp>
+#include <momentree/io/mesh/source.hpp>
 #include <momentree/io/test_support.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <tests/bad_input.hpp>
+#include <tests/error_of.hpp>
 
 using namespace momentree;
 using namespace momentree::io;
@@ -150,6 +153,54 @@ TEST_CASE("colliders: collision elements of a model count where there is somethi
   CHECK(rendered(to_toml(*on_floor.scenario, folder / ".").diagnostics)
             .find("warning: 4 collision elements of model files left out; their bodies no longer touch anything") !=
         std::string::npos);
+}
+
+TEST_CASE("colliders: convert keeps the meshes that bodies and links have, in a folder from which they can be named") {
+  test::TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "a/meshes");
+  std::filesystem::create_directories(folder / "b");
+  write(folder / "a/meshes/box.obj", box_mesh({0.5, 0.3, 0.2}));
+  const std::string chain =
+      "[[mechanism]]\nname = \"c\"\npose = { xyz = [9, 0, 5] }\n[mechanism.chain]\nlinks = 2\nlength = 1\n"
+      "mass = 1\nshape = [{ box = [1, 1, 1] }, { mesh = \"meshes/box.obj\" }]\n";
+  const auto read = [&](const std::string& file) {
+    ReadResult result = read_scenario(file);
+    INFO(rendered(result.diagnostics));
+    REQUIRE(result.scenario);
+    return *result.scenario;
+  };
+  for (const char* touching :
+       {"collision = { mesh = \"meshes/box.obj\" }\n", "collision = [{ mesh = \"meshes/box.obj\" }, { sphere = 0.1 }]\n",
+        "shape = { mesh = \"meshes/box.obj\" }\ncollision = \"shape\"\n"}) {
+    CAPTURE(touching);
+    write(folder / "a/s.toml", a_floor + a_mesh_above + touching + chain);
+    const Scenario scenario = read(folder / "a/s.toml");
+    for (const char* to : {"a", "."}) {
+      CAPTURE(to);
+      const Converted converted = to_toml(scenario, folder / to);
+      CHECK(converted.diagnostics.empty());
+      const std::string file = folder / to + "/written.toml";
+      write(file, converted.text);
+      const Scenario again = read(file);
+      REQUIRE(again.model.colliders().size() == scenario.model.colliders().size());
+      for (std::size_t i = 0; i < again.model.colliders().size(); ++i)
+        CHECK(again.model.colliders()[i].solid == scenario.model.colliders()[i].solid);
+      for (const Shape& shape : {again.shapes[1], again.shapes[2]}) {
+        REQUIRE(shape.more.size() == 1);
+        REQUIRE(shape.more[0].source);
+        CHECK(std::filesystem::equivalent(shape.more[0].source->path, std::string(folder / "a/meshes/box.obj")));
+      }
+    }
+    CHECK(error_of([&] {
+            (void)to_toml(scenario, folder / "b");
+          }).find("with the mesh 'meshes/box.obj', which is not in the folder of the output file or below it") !=
+          std::string::npos);
+  }
+  write(folder / "a/s.toml", "format = 1\n" + chain);
+  const Converted without = to_toml(read(folder / "a/s.toml"), folder / "b");
+  CHECK(without.text.find("box.obj") == std::string::npos);
+  CHECK(without.text.find("shape  = [{ box = [1, 1, 1] }]") != std::string::npos);
+  CHECK(rendered(without.diagnostics).find("1 mesh is left out") != std::string::npos);
 }
 
 TEST_CASE("colliders: friction and exclusions of SDF and MJCF files") {

@@ -59,6 +59,7 @@ inline constexpr Type moments = other(R"({"anyOf": [{"type": ["number", "string"
   {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 3, "maxItems": 3},
   {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 6, "maxItems": 6}]})");
 constexpr Type tables(const KeyTable& keys) { return other(R"({"type": "array", "items": @})", keys); }
+constexpr Type one_or_several(const KeyTable& keys) { return other(R"({"anyOf": [@, {"type": "array", "items": @}]})", keys); }
 }  // namespace type
 
 struct Key {

@@ -18,8 +18,7 @@ constexpr Key body_entries[] = {
      "3 principal values, or xx, yy, zz, xy, xz, yz",
      "0"},
     {"joint", table(joint_table), ""},
-    {"shape", other(R"({"anyOf": [@, {"type": "array", "items": @}]})", shape_table),
-     "Shape for pictures: one, or a list of several"},
+    {"shape", one_or_several(shape_table), "Shape for pictures: one, or a list of several"},
     {"collision", other(R"({"anyOf": [{"enum": ["shape", "none"]}, @, {"type": "array", "items": @}]})", shape_table),
      "What it touches other bodies with: shapes, \"shape\" (those drawn) or \"none\"", R"("none")"},
 };

@@ -22,8 +22,7 @@ constexpr Key chain_entries[] = {
     {"angle_growth", boolean, "Link k starts at k·angle", "false"},
     {"radius", number(dimension::length, Range::positive),
      "Radius of the links where they touch other bodies; default: they touch nothing"},
-    {"shape", other(R"({"anyOf": [@, {"type": "array", "items": @}]})", shape_table),
-     "How each link is drawn; its frame is at the joint that carries it"},
+    {"shape", one_or_several(shape_table), "How each link is drawn; its frame is at the joint that carries it"},
 };
 
 struct Chain {
