@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include <momentree/simulate/lasting_function.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree::io {
@@ -56,9 +57,9 @@ void couple(Simulation& simulation, const std::vector<JointCoupling>& couplings)
   std::vector<JointDriver> drivers;
   for (auto& [joint, acting] : ends)
     drivers.push_back({std::string(simulation.world().joint({joint}).name),
-                       [all = std::move(acting)](const EvaluationContext& context, std::span<double> efforts) {
+                       lasting([all = std::move(acting)](const EvaluationContext& context, std::span<double> efforts) {
                          for (const End& end : all) efforts[0] += end.effort(context);
-                       }});
+                       })});
   if (!drivers.empty()) simulation.drive_all(std::move(drivers));
 }
 

@@ -52,6 +52,32 @@ TEST_CASE("two coupled wheels swing about their gear as two masses on a spring d
   CHECK(p(run, 0) == left);
 }
 
+TEST_CASE("functions that drive coupled joints act beside the springs, and end with them") {
+  const ReadResult read = read_scenario_text(
+      wheels + "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nmultiplier = -0.5\nstiffness = 500\n[integrate]\nstep = 1e-4\n",
+      "s.toml");
+  REQUIRE(read.scenario);
+  Simulation run(read.scenario->model, read.scenario->integration);
+  couple(run, read.scenario->couplings);
+  Simulation without = run.branch();
+  run.drive("m/a", [](const EvaluationContext&) { return 0.3; });
+  run.drive("m/a", [](const EvaluationContext&) { return 0.2; });  // in place of the former function, not of the spring
+  REQUIRE(run.run_until(0.1) == Status::ok);
+  CHECK(p(run, 0) - 0.5 * p(run, 1) == doctest::Approx(0.02 + 0.2 * 0.1).epsilon(1e-12));
+  CHECK(std::abs(q(run, 1) + 0.5 * q(run, 0)) < 0.05);
+  Simulation branch = run.branch();
+  for (Simulation* each : {&run, &branch}) each->drive("m/a", {});
+  for (Simulation* each : {&run, &branch, &without}) REQUIRE(each->run_until(0.2) == Status::ok);
+  for (Simulation* each : {&run, &branch}) CHECK(p(*each, 0) - 0.5 * p(*each, 1) == doctest::Approx(0.04).epsilon(1e-12));
+  CHECK(p(without, 0) - 0.5 * p(without, 1) == doctest::Approx(0.02).epsilon(1e-12));
+  // A joint that takes the place of one that broke has no spring, with and without functions.
+  run.apply({break_joint("m/b")});
+  const double left = p(run, 0);
+  run.drive("m/a", [](const EvaluationContext&) { return 1.0; });
+  REQUIRE(run.run_until(0.3) == Status::ok);
+  CHECK(p(run, 0) == doctest::Approx(left + 0.1).epsilon(1e-12));
+}
+
 TEST_CASE("a damped coupling ends in step, and a locked leader holds its followers") {
   const ReadResult read = read_scenario_text(wheels +
                                                  "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nmultiplier = 2\noffset = "

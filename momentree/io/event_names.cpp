@@ -78,6 +78,20 @@ class Names {
     return kind;
   }
 
+  /// The same for an event whose instant may be unknown: the joint may then have any of its kinds.
+  std::vector<const KindInfo*> kinds_of(const std::string& joint, double time) const {
+    const auto found = became_.find(joint);
+    const double when = std::isfinite(time) || found == became_.end() ? time : -HUGE_VAL;
+    std::vector<const KindInfo*> kinds;
+    const auto add = [&](const KindInfo* kind) {
+      if (kind != nullptr && std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) kinds.push_back(kind);
+    };
+    add(kind_of(joint, when));
+    if (when != time)
+      for (const Became& each : found->second) add(&info(each.kind));
+    return kinds;
+  }
+
  private:
   // The free joint of a separated part is named after its body.
   void broken(const std::string& joint, double time) {
@@ -198,7 +212,7 @@ void finish_events(Reading& reading) {
   for (const Reading::LateEntry& late : reading.late) {
     if (late.value == wrong || wild.fill(late)) continue;
     ActionReader reader(*late.value, *late.action, late.match, late.time, reading);
-    reader.kind_of = [&](const std::string& joint) { return names.kind_of(joint, late.time); };
+    reader.kinds_of = [&](const std::string& joint) { return names.kinds_of(joint, late.time); };
     if (!reader.read()) wrong = late.value;
   }
   wild.drop_idle(reading.scenario.events);

@@ -231,3 +231,22 @@ TEST_CASE("an event without delay after another may concern the same joint: it i
       read(arm + "[[event]]\nname = \"hold\"\nat = 0.1\nlock = \"m/j\"\n[[event]]\nafter = \"hold\"\nbreak = \"m/j\"\n");
   CHECK(scenario.events.size() == 2);
 }
+
+TEST_CASE("what an event at an unknown instant sets may fit any kind that the joint can have") {
+  const std::string change = "[[event]]\nat = 1.5\nbreak = \"m/a\"\n";
+  const auto set = [](const std::string& what) {
+    return "[[event]]\nwhen = { speed = \"m/a\", exceeds = 0.2 }\nset = { joint = \"m/a\", " + what + " }\n";
+  };
+  for (const char* what : {"damping = \"1 N m s\"", "damping = 2", "drive = { effort = 2 }", "limits = { lower = -1, upper = 2 }",
+                           "stiffness = 3, rest = \"30 deg\"", "damping = [1, 1, 1, 2, 2, 2]"}) {
+    CAPTURE(what);
+    for (const std::string& events : {set(what) + change, change + set(what)})
+      CHECK(read(pinned + events + "[integrate]\nuntil = 2\n").events.size() == 2);
+  }
+  const auto refusal = [&](const std::string& events) { return said(read_scenario_text(pinned + events, "s.toml")); };
+  CHECK(refusal(set("damping = \"1 m\"") + change).find("'1 m' is a length (m), not a rotational damping") != std::string::npos);
+  CHECK(refusal(change + set("limits = { lower = 2, upper = -1 }")).find("limits") != std::string::npos);
+  // At a known instant the kind is known: a free joint.
+  const std::string known = "[[event]]\nat = 1.6\nset = { joint = \"m/a\", damping = \"1 N m s\" }\n";
+  CHECK(refusal(change + known).find("not a damping (N s/m)") != std::string::npos);
+}

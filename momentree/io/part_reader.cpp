@@ -145,9 +145,9 @@ std::vector<Action> PartReader::actions(const std::string& key, const Value& val
   read_actions(value, key, event, trigger.match.get(), wild, part.reading);
   for (const Reading::LateEntry& late : part.reading.late) {
     ActionReader reader(*late.value, *late.action, late.match, late.time, part.reading);
-    reader.kind_of = [&](const std::string& joint) {
+    reader.kinds_of = [&](const std::string& joint) {
       const auto found = part.kinds.find(joint);
-      return found == part.kinds.end() ? nullptr : found->second;
+      return found == part.kinds.end() ? std::vector<const KindInfo*>() : std::vector<const KindInfo*>{found->second};
     };
     reader.read();
   }

@@ -1,4 +1,6 @@
 // One entry of an event's actions: a name, or a table with the fields that the action needs.
+#include <algorithm>
+
 #include <momentree/io/joint_keys.hpp>
 #include <momentree/io/read_action.hpp>
 
@@ -17,6 +19,15 @@ const Value* wild_name(const Value& entry) {
   for (const char* key : {"joint", "body"})
     if (const Value::Entry* found = entry.find(key)) name = &found->value;
   return name->string() && name->string()->find('*') != std::string::npos ? name : nullptr;
+}
+
+void read_for(const KindInfo* kind, Fields& fields, JointParameters& parameters, Diagnostics& out) {
+  const std::size_t errors = out.errors();
+  read_parameters(fields, kind, parameters, out);
+  if (!kind || errors != out.errors()) return;
+  JointSpec spec;
+  spec.kind = kind->kind, spec.axis2 = x_axis, spec.pitch = 1, spec.parameters = parameters;
+  report_problems(spec, fields, out);
 }
 
 }  // namespace
@@ -152,17 +163,27 @@ void ActionReader::parameters(const std::string& of, JointParameters& parameters
   if (!fields_) return;
   acts_ = false;
   for (const JointKey& key : joint_keys()) acts_ = acts_ || (!key.documents && fields_->has(key.key));
-  const KindInfo* kind = kind_of ? kind_of(of) : nullptr;
+  const std::vector<const KindInfo*> kinds = kinds_of ? kinds_of(of) : std::vector<const KindInfo*>();
+  const KindInfo* kind = kinds.empty() ? nullptr : kinds.front();
+  if (kinds.size() > 1) {
+    const auto fitting = std::find_if(kinds.begin(), kinds.end(), [&](const KindInfo* each) { return fits(*each); });
+    if (fitting != kinds.end()) kind = *fitting;
+  }
   const std::size_t errors = out_.errors();
   if (!kind && errors > 0) {  // it may be one of the joints that could not be read
     for (const JointKey& key : joint_keys()) static_cast<void>(fields_->find(key.key));
     return;
   }
-  read_parameters(*fields_, kind, parameters, out_);
-  if (!kind || errors != out_.errors()) return;
-  JointSpec spec;
-  spec.kind = kind->kind, spec.axis2 = x_axis, spec.pitch = 1, spec.parameters = parameters;
-  report_problems(spec, *fields_, out_);
+  read_for(kind, *fields_, parameters, out_);
+}
+
+// True if the parameters are possible for joints of that kind.
+bool ActionReader::fits(const KindInfo& kind) const {
+  Diagnostics problems("", "");
+  Fields fields(value_, key_, problems);
+  JointParameters parameters;
+  read_for(&kind, fields, parameters, problems);
+  return problems.errors() == 0;
 }
 
 void read_actions(const Value& value, const std::string& key, ScenarioEvent& event, const TriggerMatch* trigger,

@@ -33,8 +33,8 @@ class ActionReader final : public ActionFields {
   /// False, with reports, if something is wrong.
   bool read();
 
-  /// The kind of a joint; null: unknown.
-  std::function<const KindInfo*(const std::string& joint)> kind_of;
+  /// The kinds that a joint can have when the action takes effect, the likeliest first; empty: unknown.
+  std::function<std::vector<const KindInfo*>(const std::string& joint)> kinds_of;
 
   void joint(const char* key, std::string& name) override;
   void body(const char* key, std::string& name, bool ground_too) override;
@@ -47,6 +47,7 @@ class ActionReader final : public ActionFields {
  private:
   static constexpr const char* hint_ = "degrees of freedom are numbered in the order of v: [0, 2]";
   const Value* given(const char* key, bool required);
+  bool fits(const KindInfo& kind) const;
   std::optional<std::string> name(const char* key, bool required, Place& place);
 
   const Value& value_;

@@ -37,20 +37,24 @@ void append_column(std::string& text, const std::string& name, const std::string
 
 }  // namespace
 
-BodyColumns::BodyColumns(const Model& model) : quaternions_(model.bodies().size()) {}
+BodyColumns::BodyColumns(const World& world) : quaternions_(static_cast<std::size_t>(world.model().size())) {
+  for (int b = 0; b < world.model().size(); ++b)
+    if (world.alive({b})) bodies_.push_back(b);
+}
 
-void BodyColumns::header(std::string& text, const Model& model) {
+void BodyColumns::header(std::string& text, const Model& model) const {
   text += "time";
-  for (const BodySpec& body : model.bodies())
-    for (const char* suffix : {".x", ".y", ".z", ".qw", ".qx", ".qy", ".qz"}) append_column(text, body.name, suffix);
+  for (const int b : bodies_)
+    for (const char* suffix : {".x", ".y", ".z", ".qw", ".qx", ".qy", ".qz"}) append_column(text, model[BodyId{b}].name, suffix);
   text += '\n';
 }
 
 void BodyColumns::row(std::string& text, const World& world) {
   append_number(text, world.time());
   const std::vector<BodyMotion>& motions = world.motions();
-  for (std::size_t i = 0; i < quaternions_.size(); ++i) {  // bodies added later have no columns
-    if (!world.alive({static_cast<int>(i)})) {
+  for (const int b : bodies_) {
+    const auto i = static_cast<std::size_t>(b);
+    if (!world.alive({b})) {
       text.append(7, ',');
       continue;
     }

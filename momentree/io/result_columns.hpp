@@ -30,15 +30,16 @@ class ContinuousQuaternions {
 };
 
 /// `time` (s), then per body x, y, z (m), qw, qx, qy, qz: the pose of its frame in the world. The columns stay the same for the
-/// whole run.
+/// whole run: those of the bodies that are in the world at its start.
 class BodyColumns {
  public:
-  explicit BodyColumns(const Model& model);
-  static void header(std::string& text, const Model& model);
+  explicit BodyColumns(const World& world);
+  void header(std::string& text, const Model& model) const;
   void row(std::string& text, const World& world);
   ContinuousQuaternions& quaternions() { return quaternions_; }
 
  private:
+  std::vector<int> bodies_;
   ContinuousQuaternions quaternions_;
 };
 

@@ -66,7 +66,7 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, RecordOptions
       events_(open_table(*directory_, "events.jsonl", options_, from != nullptr ? &from->events : nullptr)),
       bodies_(open_table(*directory_, "bodies.csv", options_, from != nullptr ? &from->bodies : nullptr)),
       joints_(open_table(*directory_, "joints.csv", options_, from != nullptr ? &from->joints : nullptr)),
-      body_columns_(simulation.world().model()),
+      body_columns_(simulation.world()),
       joint_columns_(options_.joints, options_.reactions) {
   if (options_.energy)
     energy_.emplace(open_table(*directory_, "energy.csv", options_, from != nullptr ? &*from->energy : nullptr));
@@ -87,7 +87,7 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_v
       static_cast<void>(directory_->file(checkpoint_file));
       directory_->to_disk();
     }
-    BodyColumns::header(bodies_.text(), simulation.world().model());
+    body_columns_.header(bodies_.text(), simulation.world().model());
     joint_columns_.header(joints_.text());
     if (energy_) energy_header(energy_->text());
     if (springs_) spring_header(springs_->text(), simulation.world().model());

@@ -71,7 +71,7 @@ std::size_t RunRecord::row_size(const Epoch& epoch) const {
 
 void RunRecord::drop_last_row() {
   numbers_.resize(offsets_.back());
-  times_.pop_back(), offsets_.pop_back(), ledger_.pop_back();
+  times_.pop_back(), offsets_.pop_back(), ledger_.pop_back(), progress_.pop_back();
   contacts_.resize(std::min(contacts_.size(), times_.size()));
   if (epochs_.back().first_row == times_.size() && times_.size() > 0) epochs_.pop_back();
   if (times_.empty()) epochs_.clear();
@@ -89,6 +89,17 @@ void RunRecord::add_loops(const World& world, const Epoch& epoch) {
     const Turns own = i < turns.size() ? turns[i] : Turns{};
     numbers_.push_back(own.first), numbers_.push_back(own.second);
   }
+}
+
+void RunRecord::add_progress(const Simulation& simulation) {
+  Progress progress{simulation.snapshot(), {}};
+  progress.run.world = {};
+  progress.run.queue.reset();  // strengths of joints are looked at anew
+  std::vector<EventStatus> armed = std::exchange(progress.run.armed, {});
+  for (EventStatus& each : armed) each.excess = each.excess_before = 0, each.looked = each.looked_before = -1;
+  const bool same = !progress_.empty() && *progress_.back().armed == armed;
+  progress.armed = same ? progress_.back().armed : std::make_shared<const std::vector<EventStatus>>(std::move(armed));
+  progress_.push_back(std::move(progress));
 }
 
 void RunRecord::observe(const Simulation& simulation) {
@@ -116,12 +127,13 @@ void RunRecord::observe(const Simulation& simulation) {
     }
     if (reactions_) contact_rows(contacts_.emplace_back(), world);
     const EnergyBalance e = simulation.energy();
+    add_progress(simulation);
     offsets_.push_back(offset);
     ledger_.push_back({e.dissipated, e.lost_in_impacts, e.released, e.work, e.error});
     times_.push_back(world.time());
   } catch (...) {  // out of memory: no partial row
     numbers_.resize(offset);
-    offsets_.resize(times_.size()), ledger_.resize(times_.size(), Ledger{});
+    offsets_.resize(times_.size()), ledger_.resize(times_.size(), Ledger{}), progress_.resize(times_.size());
     contacts_.resize(std::min(contacts_.size(), times_.size()));
     throw;
   }
@@ -212,6 +224,13 @@ WorldSnapshot RunRecord::state(std::size_t row) const {
   return snapshot;
 }
 
+SimulationSnapshot RunRecord::snapshot(std::size_t row) const {
+  SimulationSnapshot snapshot = progress_[row].run;
+  snapshot.world = state(row);
+  snapshot.armed = *progress_[row].armed;
+  return snapshot;
+}
+
 template <class Visit>
 void RunRecord::each_world(const Visit& visit) const {
   if (rows() == 0) return;
@@ -290,16 +309,16 @@ std::string RunRecord::write(const std::string& folder, const ReportPage& report
     TextFile events(directory.file("events.jsonl")), bodies(directory.file("bodies.csv")), joints(directory.file("joints.csv")),
         energy(directory.file("energy.csv"));
     for (const Event& event : events_) events.text() += event_json(event) + '\n';
-    BodyColumns body_columns(model_);
+    std::optional<BodyColumns> body_columns;
     JointColumns joint_columns(std::move(kinds), false);
-    BodyColumns::header(bodies.text(), model_);
     joint_columns.header(joints.text());
     energy_header(energy.text());
     std::optional<TextFile> springs;
     if (with_springs) spring_header(springs.emplace(directory.file("springs.csv")).text(), model_);
     each_world([&](const World& world, std::size_t row) {
       const Ledger& l = ledger_[row];
-      body_columns.row(bodies.text(), world);
+      if (!body_columns) body_columns.emplace(world).header(bodies.text(), model_);
+      body_columns->row(bodies.text(), world);
       joint_columns.row(joints.text(), world);
       energy_row(
           energy.text(), world,

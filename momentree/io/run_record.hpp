@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,8 +57,10 @@ class RunRecord {
   /// Rows of 3 numbers, as in springs.csv: length (m), rate (m/s) and tension (N) of a spring; NaN once it is broken. Throws
   /// Error, with the nearest name, for an unknown one.
   [[nodiscard]] std::vector<double> spring(std::string_view name) const;
-  /// The state of a row, which a simulation of the same model can be restored to.
+  /// The state of a row.
   [[nodiscard]] WorldSnapshot state(std::size_t row) const;
+  /// The run at a row, with its events and its energy balance, which the simulation can be restored to.
+  [[nodiscard]] SimulationSnapshot snapshot(std::size_t row) const;
 
   /// Writes the files that `momentree run` writes. `report`: the content of report.html; empty: no report. `meshes`: that of
   /// meshes.json; empty: none. Returns the folder.
@@ -82,6 +85,12 @@ class RunRecord {
   struct Ledger {
     double dissipated, lost, released, work, error;
   };
+  // What a row adds to its state; the events are shared by rows between which none happened.
+  struct Progress {
+    SimulationSnapshot run;
+    std::shared_ptr<const std::vector<EventStatus>> armed;
+  };
+  void add_progress(const Simulation& simulation);
   void begin_epoch(const Simulation& simulation);
   void add_loops(const World& world, const Epoch& epoch);
   std::size_t row_size(const Epoch& epoch) const;
@@ -100,6 +109,7 @@ class RunRecord {
       numbers_;                       // of each row q, v, p; of loops q, v, turns; with reactions a and a wrench for each joint
   std::vector<std::size_t> offsets_;  // of the rows in numbers_
   std::vector<Ledger> ledger_;
+  std::vector<Progress> progress_;
   std::vector<std::string> contacts_;  // by row, with reactions: its rows of contacts.csv
   std::size_t events_before_ = 0;
   std::vector<Event> events_;

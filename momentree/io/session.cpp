@@ -156,11 +156,16 @@ void Session::resume() {
   simulation_.resume(armed, memory_);
 }
 
-Armed Session::armed() const {
+void Session::count_before(const Armed& armed) {
+  for (const ArmedEvent& event : armed)
+    if (const auto place = by_name_.find(event.name); place != by_name_.end()) armed_at_start_[place->second].fired = event.fired;
+}
+
+Armed Session::armed(const Simulation& branch) const {
   Armed armed = armed_at_start_;
-  for (const Event& event : simulation_.events())
+  for (const Event& event : branch.events())
     if (const auto place = by_name_.find(event.name); place != by_name_.end()) ++armed[place->second].fired;
-  const std::vector<EventStatus> now = simulation_.snapshot().armed;
+  const std::vector<EventStatus> now = branch.snapshot().armed;
   std::unordered_map<const ScenarioEvent*, const EventStatus*> scheduled;
   for (std::size_t k = 0; k < scheduled_.events.size(); ++k) scheduled.emplace(&original(*scheduled_.events[k]), &now[k]);
   for (std::size_t place = 0; place < armed.size(); ++place) {

@@ -30,7 +30,11 @@ class Session {
   /// or have no effect left. Throws Error for the first event that is impossible in the world of a state document.
   [[nodiscard]] std::vector<Diagnostic> schedule();
   /// How often each event has happened, including before the start according to the state document.
-  Armed armed() const;
+  Armed armed() const { return armed(simulation_); }
+  /// The same of a branch of the simulation.
+  Armed armed(const Simulation& branch) const;
+  /// The simulation was brought to the state of a document whose run had this many of each event before.
+  void count_before(const Armed& armed);
   /// Runs to the end of the scenario.
   RunResult run();
   /// Every joint that exists, or that scheduled events will make.

@@ -8,6 +8,7 @@
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/simulate/assembly.hpp>
+#include <momentree/simulate/lasting_function.hpp>
 
 namespace momentree {
 
@@ -331,8 +332,11 @@ void World::restore(const WorldSnapshot& snapshot) {
 }
 
 void World::drive(int joint, JointFunction function) {
+  const bool loop = is_loop({joint});
+  function =
+      joined(loop ? tree_.loop_function(tree_.loop_place({joint})) : tree_.function(carrier({joint})), std::move(function));
   auto shared = function ? std::make_shared<const JointFunction>(std::move(function)) : nullptr;
-  if (is_loop({joint}))
+  if (loop)
     tree_.set_loop_function(joint - first_loop, std::move(shared));
   else
     tree_.set_function(carrier({joint}), std::move(shared));

@@ -35,9 +35,10 @@ from momentree.events import *
 from momentree.function_sweep import sweep
 from momentree.joints import *
 from momentree.live import LiveView
+from momentree.loading import load, loads
 from momentree.model import Model
 from momentree.run import BodyRows, JointRows, Run, SpringRows
-from momentree.simulation import Scheduled, Simulation, load, loads
+from momentree.simulation import Scheduled, Simulation
 from momentree.sweeps import Share, Sweep, SweepResults
 
 __all__: list[str] = [

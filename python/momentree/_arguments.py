@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
@@ -49,3 +50,11 @@ def toml(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(toml(each) for each in cast("Sequence[Any]", value)) + "]"
     return repr(value)
+
+
+def anywhere(source: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The same source for a process with another working folder."""
+    if source[0] != "file" or source[4] is not None:
+        return source
+    kind, path, overrides_, state, text = source
+    return kind, os.path.abspath(path), overrides_, os.path.abspath(state) if state else "", text

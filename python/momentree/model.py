@@ -264,7 +264,7 @@ class Model(_core.ModelBase):
             name: Name of the joint, by which events and ``world.joints`` refer to it.
             body: The joint's child: its name, or what ``add`` returned for it.
             to: The joint's parent, in the same way; ``None`` or ``"ground"``: the ground.
-            joint: :func:`Ball`, :func:`Revolute` …: any kind but ``free``, without armature, hard stops and prescribed motion.
+            joint: :func:`Ball`, :func:`Revolute` …: any kind but ``free``.
             at: Placement of the joint's frame in the frame of ``to``: a position (m), or ``{"xyz": …, "quat": …}``; default: the
                 same frame.
             child_at: Placement of the joint's frame in the frame of ``body``, in the same way.
@@ -332,7 +332,7 @@ class Model(_core.ModelBase):
 def _model_from_toml(
     text: str, order: list[str], names: list[tuple[str, str]], contact: Any = ((), (), ())
 ) -> Model:
-    from momentree.simulation import loads
+    from momentree.loading import loads
 
     model = Model.__new__(Model)
     _core.ModelBase.__init__(model, loads(text, name="pickle.toml").model._in_order(order, names))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Union
 
 from numpy.typing import ArrayLike
 
 from momentree import _core, live
-from momentree._arguments import called, number, overrides
+from momentree._arguments import anywhere, called, number
 from momentree._core import Body, Context, Snapshot, World
 from momentree._errors import Error, RunError
 from momentree._records import Event
@@ -419,7 +418,9 @@ class Simulation(_core.SimulationBase):
         copy._functions = list(self._functions)
         return copy
 
-    def __copy__(self) -> Simulation:
+    __copy__ = branch
+
+    def __deepcopy__(self, memo: object) -> Simulation:
         return self.branch()
 
     def __getstate__(self) -> dict[str, Any]:
@@ -433,7 +434,8 @@ class Simulation(_core.SimulationBase):
             raise TypeError("a simulation with Python functions as drives or forces can't be pickled")
         if self._has_other_bodies:
             raise TypeError("a simulation in which bodies were added or removed can't be pickled: no state document describes it")
-        return {"source": self._source, "state": self.state_json(), "schedule": schedule, "armed": self._armed(), "q": self.q}
+        state = {"source": anywhere(self._source), "hash": self._hash, "state": self.state_json(), "schedule": schedule}
+        return {**state, "armed": self._armed(), "q": self.q, "effort": [float(x) for x in self.effort]}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         kind, *arguments = state["source"]
@@ -441,6 +443,8 @@ class Simulation(_core.SimulationBase):
             super().__init__(*arguments)
         else:
             _core.SimulationBase.__init__(self, *arguments)
+            if self._hash != state["hash"]:
+                raise Error("the scenario has changed since the simulation was pickled", where=arguments[0], hint="load it again")
         self._begin(state["source"])
         for entry in state["schedule"]:
             how, given = entry["how"]
@@ -449,52 +453,8 @@ class Simulation(_core.SimulationBase):
                 scheduled.named(entry["name"])
             scheduled.then(*entry["actions"])
         self._resume(state["state"], state["armed"], state["q"])
+        if any(state["effort"]):
+            self.effort = state["effort"]
 
     def __repr__(self) -> str:
         return f"<momentree.Simulation: {len(self.world.bodies)} bodies, t = {self.time:.9g} s>"
-
-
-def load(
-    path: str | os.PathLike[str],
-    *,
-    set: Mapping[str, Any] | None = None,
-    state: str | os.PathLike[str] | None = None,
-) -> Simulation:
-    """Load a scenario (TOML) or a model (URDF, SDF, MJCF) and make it ready to run, its events scheduled.
-
-    Args:
-        path: The file.
-        set: Changes of the scenario by dotted keys: ``{"integrate.step": 1e-4, "mechanism.tug.pose.xyz": [0, 0, 1]}``.
-        state: A state document to begin from, such as the ``final.json`` of another run.
-
-    Returns:
-        The simulation at its start. ``simulation.until`` is the end of the scenario's run, ``simulation.warnings`` what the reader
-        warned of.
-
-    Raises:
-        Error: The file has errors: ``diagnostics`` lists all of them, with line and column.
-    """
-    simulation = Simulation.__new__(Simulation)
-    arguments = (os.fspath(path), overrides(set), os.fspath(state) if state is not None else "", None)
-    _core.SimulationBase.__init__(simulation, *arguments)
-    simulation._begin(("file", *arguments))
-    return simulation
-
-
-def loads(text: str, name: str = "scenario.toml", *, set: Mapping[str, Any] | None = None) -> Simulation:
-    """Load a scenario or model from its text.
-
-    Args:
-        text: The text of a file.
-        name: For messages; its ending says what it is: ``"robot.urdf"``. Files that the text names are located in the working
-            folder.
-        set: As for :func:`load`.
-
-    Raises:
-        Error: The text has errors: ``diagnostics`` lists all of them, with line and column.
-    """
-    simulation = Simulation.__new__(Simulation)
-    arguments = (name, overrides(set), "", text)
-    _core.SimulationBase.__init__(simulation, *arguments)
-    simulation._begin(("file", *arguments))
-    return simulation

@@ -104,6 +104,7 @@ void resume(const SimulationPtr& self, const std::string& text, const std::vecto
     io::restore(sim, {state});
   }
   sim.resume(all, state.memory);
+  self->count_before(state.armed);
 }
 
 // Runs and records: (record, how the run ended, why). The record is complete whatever happens.
@@ -236,7 +237,7 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
       .def("state", [](const RecordObject& r, std::size_t row) {
         if (row >= r.record->rows()) throw nb::index_error("no such row");
         SnapshotObject snapshot = r.end;
-        snapshot.snapshot.world = r.record->state(row);
+        snapshot.snapshot = r.record->snapshot(row);
         return snapshot;
       });
   simulation.def("_snapshot", &snapshot)
@@ -257,7 +258,8 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
            "Raises:\n    Error: There is no such event, or the history does not reach back that far.")
       .def("state_json", &state_json,
            "The state document (JSON) of this instant: topology, coordinates, momenta, and conditions that are armed.\n\n"
-           "`restore_state` and `momentree.load(…, state=…)` continue from it with the same bits.")
+           "`restore_state` and `momentree.load(…, state=…)` continue from it with the same bits. `effort` and Python "
+           "functions are not in it.")
       .def("restore_state", &restore_state, "text"_a, "name"_a = "state.json",
            "Return to the state of a document.\n\n"
            "Args:\n    text: A state document (JSON) of a simulation of the same model.\n"

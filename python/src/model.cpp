@@ -206,12 +206,16 @@ void register_model(nb::module_& m) {
              return bodies;
            })
       .def(
-          "to_toml", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, true, self.collision_shapes); },
+          "to_toml",
+          [](const ModelObject& self) {
+            return io::to_toml(self.model, self.shapes, true, self.collision_shapes, self.couplings);
+          },
           "The model as the text of a scenario file (TOML), without events. `momentree.loads` reads it.\n\n"
-          "Names that do not begin with the mechanism of their root get it in front: `hand`, carried by `arm`, becomes\n"
-          "`arm/hand`.\n\n"
+          "Names that do not begin with the mechanism of their root get it in front, with dots for slashes: `hand`, carried\n"
+          "by `arm`, becomes `arm/hand`.\n\n"
           "Raises:\n    Error: A body touches with a mesh of a model file.")
-      .def("_to_toml_without_contact", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, false); })
+      .def("_to_toml_without_contact",
+           [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, false, {}, self.couplings); })
       .def("to_urdf", &to_urdf, "mechanism"_a = "",
            "One mechanism as the text of a URDF file.\n\n"
            "Args:\n    mechanism: Its name; may be left out if there is only one.\n\n"

@@ -32,7 +32,7 @@ void from_file(SimulationObject* self, const std::string& path, const std::vecto
 
 void from_branch(SimulationObject* self, const SimulationPtr& from) {
   const Use use(*from, Access::read);
-  new (self) SimulationObject(from->shared_scenario(), from->simulation().branch());
+  new (self) SimulationObject(*from);
   self->set_inputs(from->copy_inputs());
 }
 
@@ -211,9 +211,9 @@ void register_simulation(nb::module_& m) {
       .def_prop_ro("_has_functions",
                    [](const SimulationPtr& self) {
                      const Use use(*self, Access::read);
-                     const Tree& tree = self->simulation().world().tree();
-                     return tree.has_functions() || !tree.body_functions().empty();
+                     return self->has_functions();
                    })
+      .def_prop_ro("_hash", [](const SimulationObject& self) { return self.scenario().hash; })
       .def_prop_ro("_has_other_bodies",
                    [](const SimulationPtr& self) {
                      const Use use(*self, Access::read);

@@ -25,8 +25,11 @@ SimulationObject::SimulationObject(std::shared_ptr<const io::Scenario> scenario,
   watch();
 }
 
-SimulationObject::SimulationObject(std::shared_ptr<const io::Scenario> scenario, Simulation branch)
-    : scenario_(std::move(scenario)), branch_(std::move(branch)) {
+SimulationObject::SimulationObject(SimulationObject& from)
+    : std::enable_shared_from_this<SimulationObject>(),
+      scenario_(from.scenario_),
+      session_(from.session_),
+      branch_(from.simulation().branch()) {
   watch();
 }
 
@@ -94,6 +97,15 @@ std::vector<int> layout_of(const Tree& tree) {
   for (int j = 0; j < tree.bodies(); ++j)
     if (const int body = tree.carrier(j); body >= 0) layout[static_cast<std::size_t>(j)] = static_cast<int>(tree.kind(body));
   return layout;
+}
+
+// True if the joint exists and has a function.
+bool is_driven(const World& world, const std::string& joint) {
+  const Tree& tree = world.tree();
+  const int number = world.find_joint(joint);
+  if (number < 0) return false;
+  const int place = is_loop({number}) ? tree.loop_place({number}) : tree.carrier(number);
+  return place >= 0 && (is_loop({number}) ? tree.loop_function(place) : tree.function(place)) != nullptr;
 }
 
 }  // namespace
@@ -248,6 +260,14 @@ void SimulationObject::set_efforts(const std::vector<double>& packed) {
   if (!fresh.empty()) sim.drive_all(std::move(fresh));
 }
 
+bool SimulationObject::has_functions() {
+  const World& world = simulation().world();
+  const Tree& tree = world.tree();
+  if (!tree.body_functions().empty()) return true;
+  return std::any_of(inputs_.begin(), inputs_.end(),
+                     [&](const auto& each) { return each.second->function.is_valid() && is_driven(world, each.first); });
+}
+
 SimulationObject::Inputs SimulationObject::copy_inputs() const {
   Inputs copies;
   for (const auto& [joint, input] : inputs_) copies.emplace(joint, std::make_shared<JointInput>(*input));
@@ -257,16 +277,10 @@ SimulationObject::Inputs SimulationObject::copy_inputs() const {
 void SimulationObject::set_inputs(const Inputs& inputs) {
   inputs_ = {};
   const World& world = simulation().world();
-  const Tree& tree = world.tree();
   std::vector<JointDriver> drivers;
   for (const auto& [joint, input] : inputs) {
     const auto own = inputs_[joint] = std::make_shared<JointInput>(*input);
-    const int number = world.find_joint(joint);
-    if (number < 0) continue;
-    const int place = is_loop({number}) ? tree.loop_place({number}) : tree.carrier(number);
-    if (place < 0) continue;
-    const bool driven = is_loop({number}) ? tree.loop_function(place) != nullptr : tree.function(place) != nullptr;
-    if (driven) drivers.push_back({joint, drive_of(own)});
+    if (is_driven(world, joint)) drivers.push_back({joint, drive_of(own)});
   }
   if (!drivers.empty()) simulation().drive_all(std::move(drivers));
   if (arrays_ && same_layout()) fill_efforts();

@@ -50,16 +50,19 @@ enum class Access { read, schedule, change };
 class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
  public:
   SimulationObject(std::shared_ptr<const io::Scenario> scenario, std::unique_ptr<io::Session> session);
-  SimulationObject(std::shared_ptr<const io::Scenario> scenario, Simulation branch);
+  /// A branch of another one.
+  explicit SimulationObject(SimulationObject& from);
   ~SimulationObject();
   SimulationObject(const SimulationObject&) = delete;
   SimulationObject& operator=(const SimulationObject&) = delete;
 
-  Simulation& simulation() { return session_ ? session_->simulation() : *branch_; }
+  Simulation& simulation() { return branch_ ? *branch_ : session_->simulation(); }
   const io::Scenario& scenario() const { return *scenario_; }
   const std::shared_ptr<const io::Scenario>& shared_scenario() const { return scenario_; }
-  io::Armed armed() const { return session_ ? session_->armed() : io::Armed{}; }
-  std::vector<io::Diagnostic> warnings() const { return session_ ? session_->warnings : std::vector<io::Diagnostic>{}; }
+  io::Armed armed() const { return branch_ ? session_->armed(*branch_) : session_->armed(); }
+  std::vector<io::Diagnostic> warnings() const { return branch_ ? std::vector<io::Diagnostic>{} : session_->warnings; }
+  /// The simulation was brought to the state of a document whose run had this many of each event before.
+  void count_before(const io::Armed& armed) { session_->count_before(armed); }
 
   /// The arrays of the present topology.
   const std::shared_ptr<StateArrays>& arrays();
@@ -87,6 +90,8 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   };
   void set_drive(const std::string& joint, nb::handle function);
   void set_efforts(const std::vector<double>& packed);
+  /// True if Python functions drive joints or act on bodies.
+  bool has_functions();
   /// By the joint's name, which a joint that closes a loop keeps when it takes the place of a broken joint in the tree.
   using Inputs = std::map<std::string, std::shared_ptr<JointInput>, std::less<>>;
   /// Copies, for snapshots and branches: the engine's functions refer to inputs, so that two simulations must not share any.
@@ -108,7 +113,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   void rethrow();
 
   std::shared_ptr<const io::Scenario> scenario_;
-  std::unique_ptr<io::Session> session_;
+  std::shared_ptr<io::Session> session_;  // of a branch: the session of the simulation that was loaded, whose events it has
   std::optional<Simulation> branch_;
   std::shared_ptr<StateArrays> arrays_;
   bool same_layout();

@@ -148,16 +148,7 @@ class Converter {
   // The coupling tables: the scenario's own, and one for each follower of a model file.
   Value couplings() const {
     Value::Array all;
-    for (const JointCoupling& each : scenario_.couplings) {
-      Value::Table table;
-      add(table, "joint", text(scenario_.model[each.joint].joint_name));
-      add(table, "follows", text(scenario_.model[each.leader].joint_name));
-      if (each.multiplier != 1) add(table, "multiplier", number(each.multiplier));
-      if (each.offset != 0) add(table, "offset", number(each.offset));
-      add(table, "stiffness", number(each.stiffness));
-      if (each.damping != 0) add(table, "damping", number(each.damping));
-      all.push_back(value(std::move(table)));
-    }
+    for (const JointCoupling& each : scenario_.couplings) all.push_back(value(describe_coupling(each, scenario_.model)));
     for (const Coupling& each : scenario_.model.couplings()) all.push_back(value(describe_coupling(each, scenario_.model)));
     return value(std::move(all));
   }
@@ -308,7 +299,7 @@ Converted to_toml(const Scenario& scenario, const MeshNames& meshes) {
 }
 
 std::string to_toml(const Model& given, const std::vector<Shape>& shapes, bool contact,
-                    const std::vector<Shape>& collision_shapes) {
+                    const std::vector<Shape>& collision_shapes, const std::vector<JointCoupling>& springs_of_joints) {
   const Model model = with_scenario_names(given);
   Value::Table document, world;
   add(document, "format", Value(std::int64_t{1}, Place{}));
@@ -332,6 +323,7 @@ std::string to_toml(const Model& given, const std::vector<Shape>& shapes, bool c
   for (const LoopSpec& loop : model.loops()) loops.push_back(value(describe_loop(loop, model)));
   for (const Spring& spring : model.springs())
     (spring.inextensible ? cables : springs).push_back(value(describe_spring(spring, model)));
+  for (const JointCoupling& each : springs_of_joints) couplings.push_back(value(describe_coupling(each, model)));
   for (const Coupling& each : model.couplings()) couplings.push_back(value(describe_coupling(each, model)));
   add(document, "mechanism", value(std::move(mechanisms)));
   if (!forces.empty()) add(document, "force", value(std::move(forces)));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <momentree/io/convert/document_values.hpp>
+#include <momentree/io/coupling.hpp>
 #include <momentree/io/shape.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/tree/model.hpp>
@@ -51,6 +52,7 @@ Value describe_contacts(const Model& model);
 Value::Table describe_force(const BodyForce& force, const Model& model);
 Value::Table describe_spring(const Spring& spring, const Model& model);
 Value::Table describe_coupling(const Coupling& coupling, const Model& model);
+Value::Table describe_coupling(const JointCoupling& coupling, const Model& model);
 Value::Table describe_loop(const LoopSpec& loop, const Model& model);
 
 }  // namespace momentree::io

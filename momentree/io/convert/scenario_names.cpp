@@ -1,5 +1,6 @@
 #include <momentree/io/convert/scenario_names.hpp>
 
+#include <algorithm>
 #include <string>
 #include <unordered_set>
 #include <utility>
@@ -27,8 +28,10 @@ std::vector<ScenarioName> scenario_names(const Model& model) {
   std::unordered_set<std::string> bodies, joints;
   const std::vector<int> roots = roots_of(model);
   const auto fit = [](const std::string& name, const std::string& mechanism, std::unordered_set<std::string>& used) {
-    std::string full = name;
-    if (name.find('/') == std::string::npos || first_part(name) != mechanism) full = mechanism + '/' + name;
+    const bool has_it = name.size() > mechanism.size() && name[mechanism.size()] == '/' && first_part(name) == mechanism;
+    std::string bare = has_it ? name.substr(mechanism.size() + 1) : name;
+    std::replace(bare.begin(), bare.end(), '/', '.');  // a scenario's names have one slash
+    std::string full = mechanism + '/' + bare;
     while (!used.insert(full).second) full += '~';
     return full;
   };

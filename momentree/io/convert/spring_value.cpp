@@ -46,4 +46,15 @@ Value::Table describe_coupling(const Coupling& coupling, const Model& model) {
   return table;
 }
 
+Value::Table describe_coupling(const JointCoupling& coupling, const Model& model) {
+  Value::Table table;
+  add(table, "joint", text(model[coupling.joint].joint_name));
+  add(table, "follows", text(model[coupling.leader].joint_name));
+  if (coupling.multiplier != 1) add(table, "multiplier", number(coupling.multiplier));
+  if (coupling.offset != 0) add(table, "offset", number(coupling.offset));
+  add(table, "stiffness", number(coupling.stiffness));
+  if (coupling.damping != 0) add(table, "damping", number(coupling.damping));
+  return table;
+}
+
 }  // namespace momentree::io

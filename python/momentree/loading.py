@@ -1,0 +1,57 @@
+"""Simulations from scenario and model files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from momentree import _core
+from momentree._arguments import overrides
+from momentree.simulation import Simulation
+
+
+def load(
+    path: str | os.PathLike[str],
+    *,
+    set: Mapping[str, Any] | None = None,
+    state: str | os.PathLike[str] | None = None,
+) -> Simulation:
+    """Load a scenario (TOML) or a model (URDF, SDF, MJCF) and make it ready to run, its events scheduled.
+
+    Args:
+        path: The file.
+        set: Changes of the scenario by dotted keys: ``{"integrate.step": 1e-4, "mechanism.tug.pose.xyz": [0, 0, 1]}``.
+        state: A state document to begin from, such as the ``final.json`` of another run.
+
+    Returns:
+        The simulation at its start. ``simulation.until`` is the end of the scenario's run, ``simulation.warnings`` what the reader
+        warned of.
+
+    Raises:
+        Error: The file has errors: ``diagnostics`` lists all of them, with line and column.
+    """
+    simulation = Simulation.__new__(Simulation)
+    arguments = (os.fspath(path), overrides(set), os.fspath(state) if state is not None else "", None)
+    _core.SimulationBase.__init__(simulation, *arguments)
+    simulation._begin(("file", *arguments))
+    return simulation
+
+
+def loads(text: str, name: str = "scenario.toml", *, set: Mapping[str, Any] | None = None) -> Simulation:
+    """Load a scenario or model from its text.
+
+    Args:
+        text: The text of a file.
+        name: For messages; its ending says what it is: ``"robot.urdf"``. Files that the text names are located in the working
+            folder.
+        set: As for :func:`load`.
+
+    Raises:
+        Error: The text has errors: ``diagnostics`` lists all of them, with line and column.
+    """
+    simulation = Simulation.__new__(Simulation)
+    arguments = (name, overrides(set), "", text)
+    _core.SimulationBase.__init__(simulation, *arguments)
+    simulation._begin(("file", *arguments))
+    return simulation
