@@ -189,11 +189,31 @@ describe("the report of a run", () => {
     await page.getByLabel("Quantity of the joint").selectOption("v");
     const joint = csv(chain, "joints.csv").find(({ time }) => Math.abs(time - 1.2) < 1e-9)!;
     expect(await shown(page, "v0")).toBeCloseTo(joint["chain/7.v0"], 2);
+    // The legend has the values under the pointer, in all plots.
     const over = (await page.locator(".u-over").first().boundingBox())!;
+    await page.mouse.move(over.x + over.width / 4, over.y + 20);
+    const under = csv(chain, "energy.csv").find(({ time }) => Math.abs(time - 0.75) < 0.011)!;
+    expect(Math.abs((await shown(page, "kinetic")) / under.kinetic - 1)).toBeLessThan(0.1);
+    expect(await shown(page, "v0")).not.toBeCloseTo(joint["chain/7.v0"], 2);
+    await page.mouse.move(over.x + over.width / 4, over.y - 60);
+    expect(await shown(page, "kinetic")).toBeCloseTo(row.kinetic, 2);
     await page.mouse.click(over.x + over.width / 2, over.y + 20);
     expect(parseFloat(await clock(page))).toBeCloseTo(1.5, 1);
     const line = (await page.locator(".now").first().boundingBox())!;
     expect(line.x - over.x).toBeCloseTo(over.width / 2, -0.5);
+  });
+
+  it("plots fill their boxes, and their axes are whole, with legends of one and of several lines", async () => {
+    const { page: other } = await openReport(browser, report(scenario("dominoes.toml")), desktop, 0.5);
+    for (const joint of [1, 3]) {
+      await other.getByLabel("Joint", { exact: true }).selectOption({ index: joint });
+      const spare = await other
+        .locator(".plot")
+        .evaluateAll((all) => all.map((e) => e.clientHeight - e.querySelector<HTMLElement>(".uplot")!.offsetHeight));
+      expect(spare.length).toBe(3);
+      for (const height of spare) expect(Math.abs(height)).toBeLessThanOrEqual(1);
+    }
+    await other.context().close();
   });
 
   it("is controlled by the keyboard, and describes the picture", async () => {

@@ -32,8 +32,8 @@ export function certificate(event: RunEvent): { rows: string[][]; notes: string[
       const jump = between(a, b);
       rows.push([name, digits(size(a), 6), digits(size(b), 6), digits(jump, 2), relative(jump, Math.max(size(a), size(b)))]);
     };
-    momentum("linear momentum (N s)", before.linear, after.linear);
-    momentum("angular momentum (N m s)", before.angular, after.angular);
+    momentum("linear momentum (N\u00a0s)", before.linear, after.linear);
+    momentum("angular momentum (N\u00a0m\u00a0s)", before.angular, after.angular);
     const loops = (name: string, of: (loops: NonNullable<Totals["loops"]>) => string) => {
       if (before.loops || after.loops) rows.push([name, ...[before, after].map((t) => (t.loops ? of(t.loops) : "–")), "", ""]);
     };
@@ -115,13 +115,19 @@ export class EventList {
     else if (this.chosen < 0) this.detail.replaceChildren(h("p", { class: "nothing" }, "Choose an event to go there."));
   }
 
-  private button(index: number, text: string): HTMLButtonElement {
+  private button(index: number, text: string, strength = ""): HTMLButtonElement {
     const span = endTime(this.run) - startTime(this.run);
     const button = h(
       "button",
-      { type: "button", "aria-pressed": String(index === this.chosen), title: text, onclick: () => this.choose(index) },
+      {
+        type: "button",
+        "aria-pressed": String(index === this.chosen),
+        title: strength ? `${text}, ${strength}` : text,
+        onclick: () => this.choose(index),
+      },
       h("span", { class: "time" }, instant(this.run.events[index].time, span)),
       h("span", { class: "description" }, text),
+      strength && h("span", { class: "strength" }, strength),
     );
     this.buttons.set(index, button);
     return button;
@@ -139,8 +145,8 @@ export class EventList {
       if (inside.childElementCount > 0) return;
       for (let index = group.first; index < Math.min(group.end, group.first + most); index++) {
         const impulse = impulseOf(events[index]);
-        const strength = impulse > 0 ? `, ${digits(impulse, 3)} N s` : "";
-        inside.append(h("li", {}, this.button(index, textOf(events[index]) + strength)));
+        const strength = impulse > 0 ? `${digits(impulse, 3)} N s` : "";
+        inside.append(h("li", {}, this.button(index, textOf(events[index]), strength)));
       }
       const more = group.end - group.first - most;
       if (more > 0) inside.append(h("li", {}, `and ${count(more, "event", "events")} more, in events.jsonl`));
@@ -171,7 +177,6 @@ export class EventList {
     this.player.seek(event.time);
     const group = this.groups.find(({ first, end }) => index >= first && index < end);
     if (group) this.openers.get(group)?.();
-    for (const [i, button] of this.buttons) button.setAttribute("aria-pressed", String(i === index));
     this.buttons.get(index)?.scrollIntoView({ block: "nearest" });
     this.show();
   }
@@ -189,8 +194,10 @@ export class EventList {
   /** Redraws the chosen event after a change of colours or size. */
   show() {
     const changes = this.run.events.findIndex((each) => each.mechanisms.before.join() !== each.mechanisms.after.join());
-    const event = this.run.events[this.chosen >= 0 ? this.chosen : Math.max(changes, 0)];
+    const index = this.chosen >= 0 ? this.chosen : Math.max(changes, 0);
+    const event = this.run.events[index];
     if (!event) return;
+    for (const [i, button] of this.buttons) button.setAttribute("aria-pressed", String(i === index));
     const { rows, notes } = certificate(event);
     const pair = this.stage && !this.stage.lost && drawBeforeAfter(this.stage, this.run, event, 220, 150);
     const figure = (canvas: HTMLCanvasElement, text: string) => {

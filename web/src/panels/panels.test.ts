@@ -4,7 +4,7 @@ import { certificate } from "./events";
 import { count, digits, duration, instant } from "./numbers";
 import { significantColumns } from "./plot";
 import { balanceOf } from "./plots";
-import { momentumScale, rangeOf } from "./scales";
+import { momentumScale, rangeOf, withoutNoise } from "./scales";
 import { apart, withoutMiddle } from "./strays";
 import { energyTable, missedRow, timesTable } from "./summary";
 import { marked } from "./timeline";
@@ -77,6 +77,9 @@ describe("the axis of values", () => {
     expect(rangeOf([noise.map((x) => x - 5)], 0)).toMatchObject({ high: 0, flat: "constant" });
     expect(rangeOf([noise], 0).flat).toBeNull(); // nothing shows that it is noise
     expect(rangeOf([[0, 0]], 0)).toEqual({ low: -1, high: 1, flat: "zero" });
+    const range = rangeOf([[1000, -20], noise], 3);
+    expect([1000, -20, 1e-6, noise[1], -2e-30].map((x) => withoutNoise(x, 3, range))).toEqual([1000, -20, 1e-6, 0, 0]);
+    expect(withoutNoise(2e-30, 0, rangeOf([[1e-30, 2e-30]], 0))).toBe(2e-30); // nothing shows that it is noise
     expect(rangeOf([[5, 5 + 4e-7]], 5, 2.4e-7).flat).toBe("constant"); // in single precision
     expect(rangeOf([[5, 5 + 4e-7]], 5).flat).toBeNull();
   });
@@ -122,8 +125,8 @@ describe("certificates", () => {
     const { rows, notes } = certificate(event);
     expect(rows).toEqual([
       ["energy (J)", "5", "4", "−1", "0.2"],
-      ["linear momentum (N s)", "2", "2", "0", "0"],
-      ["angular momentum (N m s)", "5", "5", "0", "0"],
+      ["linear momentum (N\u00a0s)", "2", "2", "0", "0"],
+      ["angular momentum (N\u00a0m\u00a0s)", "5", "5", "0", "0"],
     ]);
     expect(notes).toEqual(["Lost in the impact: 1 J", "Largest impulse: 8 N s, 0.5 N m s, through grasp"]);
   });

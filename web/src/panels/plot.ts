@@ -8,7 +8,7 @@ import type { Player } from "../viewer/player";
 import { axisRange, fillLegend, newPlot } from "./curves";
 import { h } from "./dom";
 import { digits } from "./numbers";
-import { rangeOf } from "./scales";
+import { rangeOf, withoutNoise, type Range } from "./scales";
 import { marked } from "./timeline";
 
 /** Columns that are negligible compared with the largest are left out, but at least one stays. */
@@ -34,6 +34,8 @@ export class Plot {
   private title = "";
   private scale = 0;
   private precision = 0;
+  private pointed: number | null = null;
+  private range: Range = { low: 0, high: 0, flat: null };
   private readonly marked: readonly number[];
   private readonly resizeObserver = new ResizeObserver(() => this.resize());
 
@@ -60,6 +62,7 @@ export class Plot {
     if (!this.theme) return;
     this.chart?.destroy();
     this.chart = null;
+    this.pointed = null;
     const theme = this.theme;
     this.legend.replaceChildren();
     this.element.replaceChildren();
@@ -75,6 +78,7 @@ export class Plot {
       scale,
       precision,
     );
+    this.range = range;
     const labels = columns.map(({ label }) => label);
     const [first, last] = [times[0], times[times.length - 1]];
     this.chart = newPlot(this.element, [times, ...data] as uPlot.AlignedData, {
@@ -84,13 +88,18 @@ export class Plot {
       y: axisRange(range),
       rows: this.run.frames,
       cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: "time" } },
-      hooks: { ready: [(u) => this.listen(u)], drawClear: [(u) => this.drawEvents(u, theme)] },
+      hooks: {
+        ready: [(u) => this.listen(u)],
+        setCursor: [(u) => this.point(u.cursor.idx ?? null)],
+        drawClear: [(u) => this.drawEvents(u, theme)],
+      },
     });
     this.chart.over.append(this.cursor);
     this.values = fillLegend(this.legend, theme, labels, this.run.frames > 1 ? range.flat : null);
     const unit = columns[0].unit;
     this.element.setAttribute("aria-label", `${title}${unit ? ` in ${unit}` : ""} over time: ${labels.join(", ")}`);
     this.follow();
+    this.resize(); // the legend takes room from the chart
   }
 
   /** A press or a drag on the plot sets the clock. */
@@ -125,13 +134,20 @@ export class Plot {
     ctx.restore();
   }
 
+  /** The legend shows the values under the pointer, which all plots mark, and otherwise those at the clock. */
+  private point(frame: number | null) {
+    if (frame === this.pointed) return;
+    this.pointed = frame;
+    this.follow();
+  }
+
   private follow() {
     const chart = this.chart;
     if (!chart) return;
     this.cursor.style.transform = `translateX(${chart.valToPos(this.player.time, "x")}px)`;
-    const frame = frameAt(this.run, this.player.time);
+    const frame = this.pointed ?? frameAt(this.run, this.player.time);
     this.columns.forEach((column, i) => {
-      this.values[i].textContent = ` ${digits(column.values[frame])} ${column.unit}`;
+      this.values[i].textContent = ` ${digits(withoutNoise(column.values[frame], this.scale, this.range))} ${column.unit}`;
     });
   }
 

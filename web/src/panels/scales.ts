@@ -40,6 +40,10 @@ export function rangeOf(columns: readonly ArrayLike<number>[], scale: number, pr
   return { low: Math.min(0, 2 * middle), high: Math.max(0, 2 * middle), flat: "constant" };
 }
 
+/** A value of a plot as its legend shows it: 0 if it is round-off of the others, or for this scale. */
+export const withoutNoise = (value: number, scale: number, { low, high }: Range) =>
+  Math.abs(value) < roundOff * Math.max(scale, Math.abs(low), Math.abs(high)) ? 0 : value;
+
 /** The largest momentum that bodies with this total mass and kinetic energy can have. */
 export const momentumScale = (mass: number, kinetic: number) => Math.sqrt(2 * mass * Math.max(kinetic, 0));
 

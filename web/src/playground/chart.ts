@@ -4,7 +4,7 @@ import type { LiveRecording } from "../engine/live";
 import { axisRange, fillLegend, newPlot } from "../panels/curves";
 import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
-import { rangeOf, type Range } from "../panels/scales";
+import { rangeOf, withoutNoise, type Range } from "../panels/scales";
 import type { Theme } from "../viewer/colours";
 import type { WorldTotals } from "../../../wasm/host.mjs";
 
@@ -72,12 +72,14 @@ export class Chart {
     }
     const wasFlat = this.range.flat;
     this.times = [times[0], Math.max(times[times.length - 1], times[0] + 1)];
-    this.range = rangeOf(columns, this.scale(run, from, frame));
+    const scale = this.scale(run, from, frame);
+    this.range = rangeOf(columns, scale);
     if (frame === 0) this.range = { ...this.range, flat: null }; // one frame does not show which values change
     if (this.range.flat !== wasFlat) this.fillLegend();
     this.chart?.setData([times, ...columns]);
     this.series.forEach((_each, k) => {
-      if (this.values[k]) this.values[k].textContent = ` ${digits(columns[k][columns[k].length - 1] ?? NaN)} ${this.unit}`;
+      const value = withoutNoise(columns[k][columns[k].length - 1] ?? NaN, scale, this.range);
+      if (this.values[k]) this.values[k].textContent = ` ${digits(value)} ${this.unit}`;
     });
   }
 }

@@ -169,13 +169,13 @@ export function history(app: App): HTMLElement {
               "button",
               {
                 type: "button",
-                class: "description",
-                title: event.time < from ? "Before the start of what this page recorded" : "Show this instant",
+                class: "event",
+                title: `${groupText(all, group)}: ${event.time < from ? "before the start of what this page recorded" : "show this instant"}`,
                 disabled: event.time < from,
                 onclick: () => app.seek(event.time),
               },
               h("span", { class: "time" }, `${event.time.toFixed(3)} s`),
-              ` ${groupText(all, group)}`,
+              h("span", { class: "description" }, groupText(all, group)),
             ),
             !app.live &&
               h("button", { type: "button", title: "Go back to just before it", onclick: () => app.undo(index) }, "Undo"),

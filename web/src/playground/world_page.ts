@@ -25,11 +25,17 @@ import { forcesOf, loadColours } from "./load_colours";
 import { Readings } from "./readings";
 import { initialView } from "./initial_view";
 
+const click = matchMedia("(pointer: coarse)").matches ? "Tap" : "Click";
 const tools: readonly { tool: Tool; label: string; key: string; hint: string }[] = [
   { tool: "grab", label: "Grab", key: "g", hint: "Drag a body and throw it" },
-  { tool: "cut", label: "Cut", key: "c", hint: "Click a joint: its outboard bodies become a separate mechanism" },
-  { tool: "lock", label: "Lock", key: "l", hint: "Click a joint to lock or unlock it" },
-  { tool: "weld", label: "Weld", key: "w", hint: "Click two bodies to join them rigidly; two of one mechanism close a loop" },
+  { tool: "cut", label: "Cut", key: "c", hint: `${click} a joint: its outboard bodies become a separate mechanism` },
+  { tool: "lock", label: "Lock", key: "l", hint: `${click} a joint to lock or unlock it` },
+  {
+    tool: "weld",
+    label: "Weld",
+    key: "w",
+    hint: `${click} two bodies to join them rigidly; two of one mechanism close a loop`,
+  },
 ];
 
 /** What differs between the pages that show a world. */
@@ -267,9 +273,11 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
       document.title = `${title.textContent} – momentree`;
     }
     if (!app.run && app.notice) placeholder.show("Nothing to show", app.notice);
-    notice.textContent = app.run ? app.notice : "";
+    const text = app.run ? app.notice : "";
+    const noticed = text !== notice.textContent;
+    notice.textContent = text;
     if (acts === app.ended) showActing();
-    if (changed !== "status") draw();
+    if (changed !== "status" || noticed) draw(); // labels at the edge make way for the notice
     if (app.run) readings.show(app.run, app.frame, app.engineSeconds, frameRate, changed !== "frame" || !app.playing);
   });
   onThemeChange((next) => {

@@ -1,6 +1,7 @@
 // Two close-up pictures, just before and shortly after an event: Figure 1 of the paper.
 import * as THREE from "three";
 import type { Motion, RunEvent } from "../recording";
+import { cornersOf } from "./camera";
 import { endTime, phaseAt, pointOf, posesAt, startTime } from "./frames";
 import { typicalLength } from "./mechanisms";
 import type { Stage } from "./stage";
@@ -22,19 +23,28 @@ export function delayAfter(run: Motion, event: RunEvent, share = 0.04): number {
   return Math.max(0, Math.min(preferred, Math.min(next, endTime(run)) - event.time));
 }
 
-/** Bodies affected by an event: those that it pushed or joined, and the children of joints that it changed. */
+/** Bodies affected by an event: those that touch, that it pushed or joined, and the children of joints that it changed. */
 export function affectedBodies(run: Motion, event: RunEvent): number[] {
   const joints = [...phaseAt(run, event.time - 1e-12).joints, ...phaseAt(run, event.time).joints];
-  return event.changes.flatMap(({ body, joint, skipped }) => {
+  const numbered = (name: string) => {
+    const number = run.model.bodies.findIndex((body) => body.name === name);
+    return number < 0 ? [] : [number];
+  };
+  const changed = event.changes.flatMap(({ body, joint, skipped }) => {
     if (skipped !== undefined) return [];
     if (body === undefined) return joints.find(({ name }) => name === joint)?.child ?? [];
-    const number = run.model.bodies.findIndex(({ name }) => name === body);
-    return number < 0 ? [] : number;
+    return numbered(body);
   });
+  return [...(event.bodies ?? []).flatMap(numbered), ...changed];
 }
 
-/** Positions of the bodies affected by an event, with their surroundings. */
-function surroundings(run: Motion, event: RunEvent, frames: readonly ArrayLike<number>[]): THREE.Box3 {
+/** Joints and shapes of the bodies affected by an event, with their surroundings. `bounds`: of a body's shapes, in its frame. */
+function surroundings(
+  run: Motion,
+  event: RunEvent,
+  frames: readonly ArrayLike<number>[],
+  bounds: (body: number) => THREE.Box3,
+): THREE.Box3 {
   const box = new THREE.Box3();
   const wide = 1.6 * typicalLength(run.model);
   const { joints } = phaseAt(run, event.time - 1e-12);
@@ -49,6 +59,9 @@ function surroundings(run: Motion, event: RunEvent, frames: readonly ArrayLike<n
         const at = new THREE.Vector3(...end);
         box.expandByPoint(at.clone().addScalar(wide)).expandByPoint(at.addScalar(-wide));
       }
+      const shapes = bounds(body);
+      if (affected.length > 0 && !shapes.isEmpty())
+        for (const { x, y, z } of cornersOf(shapes)) box.expandByPoint(new THREE.Vector3(...pointOf(poses, body, [x, y, z])));
     }
   return box;
 }
@@ -60,7 +73,7 @@ export function drawBeforeAfter(stage: Stage, run: Motion, event: RunEvent, widt
   const early = Math.max(startTime(run), event.time - 1e-9 * Math.max(1, Math.abs(event.time)));
   const first = posesAt(run, event.time, new Float64Array(size));
   const second = posesAt(run, event.time + delay, new Float64Array(size));
-  const box = surroundings(run, event, [first, second]);
+  const box = surroundings(run, event, [first, second], (body) => stage.shapes.bounds(body));
   const before = phaseAt(run, early);
   const view = { box, centre: box.getCenter(new THREE.Vector3()) };
   const draw = (poses: Float64Array, phase: typeof before) => stage.snapshot(poses, phase, view, width, height);
