@@ -85,5 +85,6 @@ export class Editor {
     this.area.focus();
     this.area.setSelectionRange(start + Math.max(0, column - 1), start + (lines[line - 1]?.length ?? 0));
     this.reveal(line);
+    this.area.scrollIntoView({ block: "nearest" });
   }
 }
