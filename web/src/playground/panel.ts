@@ -147,6 +147,7 @@ export function history(app: App): HTMLElement {
   const list = h("ul", { class: "list", "aria-label": "Events" });
   const branches = h("ul", { class: "list", "aria-label": "Branches" });
   let shownFrom = 0;
+  const beforeStart = "before the start of what this page recorded";
   const show = (changed: string) => {
     const run = app.run;
     const from = run?.time(0) ?? 0;
@@ -155,13 +156,13 @@ export function history(app: App): HTMLElement {
     const most = 200;
     const all = run?.events ?? [];
     const events = groupsOf(all, 0.25)
-      .map((group) => ({ group, event: all[group.first], index: group.first }))
+      .map((group) => ({ text: groupText(all, group), event: all[group.first], index: group.first }))
       .filter(({ event }) => event.bodies || !event.changes.every(({ kind }) => kind === "set"));
     list.replaceChildren(
       ...events
         .slice(-most)
         .reverse()
-        .map(({ group, event, index }) =>
+        .map(({ text, event, index }) =>
           h(
             "li",
             {},
@@ -170,12 +171,12 @@ export function history(app: App): HTMLElement {
               {
                 type: "button",
                 class: "event",
-                title: `${groupText(all, group)}: ${event.time < from ? "before the start of what this page recorded" : "show this instant"}`,
+                title: `${text}: ${event.time < from ? beforeStart : "show this instant"}`,
                 disabled: event.time < from,
                 onclick: () => app.seek(event.time),
               },
               h("span", { class: "time" }, `${event.time.toFixed(3)} s`),
-              h("span", { class: "description" }, groupText(all, group)),
+              h("span", { class: "description" }, text),
             ),
             !app.live &&
               h("button", { type: "button", title: "Go back to just before it", onclick: () => app.undo(index) }, "Undo"),

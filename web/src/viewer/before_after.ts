@@ -46,10 +46,13 @@ function surroundings(
   bounds: (body: number) => THREE.Box3,
 ): THREE.Box3 {
   const box = new THREE.Box3();
-  const wide = 1.6 * typicalLength(run.model);
+  const length = typicalLength(run.model);
   const { joints } = phaseAt(run, event.time - 1e-12);
   const affected = affectedBodies(run, event);
-  for (const body of affected.length > 0 ? affected : run.model.bodies.map((_body, b) => b))
+  for (const body of affected.length > 0 ? affected : run.model.bodies.map((_body, b) => b)) {
+    const shapes = bounds(body);
+    const shown = affected.length > 0 && !shapes.isEmpty();
+    const wide = (shown ? 0.5 : 1.6) * length;
     for (const poses of frames) {
       const own = joints.filter((each) => each.child === body);
       const ends = own.length > 0 ? own.map(({ childAt }) => pointOf(poses, body, childAt)) : [pointOf(poses, body, [0, 0, 0])];
@@ -59,10 +62,10 @@ function surroundings(
         const at = new THREE.Vector3(...end);
         box.expandByPoint(at.clone().addScalar(wide)).expandByPoint(at.addScalar(-wide));
       }
-      const shapes = bounds(body);
-      if (affected.length > 0 && !shapes.isEmpty())
+      if (shown)
         for (const { x, y, z } of cornersOf(shapes)) box.expandByPoint(new THREE.Vector3(...pointOf(poses, body, [x, y, z])));
     }
+  }
   return box;
 }
 
