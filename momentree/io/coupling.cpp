@@ -4,8 +4,8 @@
 #include <map>
 #include <utility>
 
-#include <momentree/simulate/lasting_function.hpp>
 #include <momentree/simulate/world.hpp>
+#include <momentree/tree/lasting_function.hpp>
 
 namespace momentree::io {
 
@@ -17,8 +17,10 @@ struct End {
   double share;  ///< share of the spring's effort: 1 on the joint, −multiplier on its leader
 
   double effort(const EvaluationContext& context) const noexcept {
-    // A joint that broke or was changed no longer has its function. Another joint with its number is not coupled.
+    // A joint that broke or was changed no longer has its function. Another joint with its number is not coupled; after a break
+    // it is free, and may be driven.
     if (!context.has_function(coupling.joint) || !context.has_function(coupling.leader)) return 0;
+    if (context.q(coupling.joint).size() != 1 || context.q(coupling.leader).size() != 1) return 0;
     const auto q = context.q(coupling.joint), v = context.v(coupling.joint);
     const auto q0 = context.q(coupling.leader), v0 = context.v(coupling.leader);
     const double apart = q[0] - coupling.multiplier * q0[0] - coupling.offset, rate = v[0] - coupling.multiplier * v0[0];

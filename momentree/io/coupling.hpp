@@ -23,7 +23,7 @@ struct CouplingSpring {
 
 /// Couples the joints of a simulation from now on. In each world a coupling acts as long as both joints are still those of the
 /// model (not broken, freed or changed); it persists through locks, snapshots and branches. The work of the springs is counted
-/// in `work`. Call it only once.
+/// in `work`. Called again, as after a state was restored, it renews them.
 void couple(Simulation& simulation, const std::vector<JointCoupling>& couplings);
 
 }  // namespace momentree::io

@@ -31,6 +31,31 @@ void make_continuous(std::vector<double>& q, std::size_t width, std::size_t firs
   }
 }
 
+// The place of each body among those that are in the world; −1: it is not.
+std::vector<int> numbers_in(const World& world) {
+  std::vector<int> numbers;
+  int next = 0;
+  for (int b = 0; b < world.model().size(); ++b) numbers.push_back(world.alive({b}) ? next++ : -1);
+  return numbers;
+}
+
+using Ranges = std::vector<std::pair<int, int>>;
+
+// Ranges of bodies (first number, count) by their places.
+Ranges renumbered(const Ranges& ranges, const std::vector<int>& numbers) {
+  Ranges all;
+  for (const auto& [first, count] : ranges)
+    for (int b = first; b < first + count; ++b) {
+      const int number = numbers[static_cast<std::size_t>(b)];
+      if (number < 0) continue;
+      if (!all.empty() && all.back().first + all.back().second == number)
+        ++all.back().second;
+      else
+        all.emplace_back(number, 1);
+    }
+  return all;
+}
+
 }  // namespace
 
 RunRecord::RunRecord(const Simulation& simulation, RunOrigin origin, std::string model_json, bool reactions)
@@ -308,7 +333,7 @@ std::string RunRecord::write(const std::string& folder, const ReportPage& report
     }
     TextFile events(directory.file("events.jsonl")), bodies(directory.file("bodies.csv")), joints(directory.file("joints.csv")),
         energy(directory.file("energy.csv"));
-    for (const Event& event : events_) events.text() += event_json(event) + '\n';
+    std::vector<int> columns;
     std::optional<BodyColumns> body_columns;
     JointColumns joint_columns(std::move(kinds), false);
     joint_columns.header(joints.text());
@@ -317,7 +342,10 @@ std::string RunRecord::write(const std::string& folder, const ReportPage& report
     if (with_springs) spring_header(springs.emplace(directory.file("springs.csv")).text(), model_);
     each_world([&](const World& world, std::size_t row) {
       const Ledger& l = ledger_[row];
-      if (!body_columns) body_columns.emplace(world).header(bodies.text(), model_);
+      if (!body_columns) {
+        body_columns.emplace(world).header(bodies.text(), model_);
+        columns = numbers_in(world);
+      }
       body_columns->row(bodies.text(), world);
       joint_columns.row(joints.text(), world);
       energy_row(
@@ -327,6 +355,10 @@ std::string RunRecord::write(const std::string& folder, const ReportPage& report
       for (TextFile* table : {&bodies, &joints, &energy, springs ? &*springs : &energy})
         if (table->is_full()) table->flush();
     });
+    for (Event event : events_) {
+      for (TopologyRecord::Moved& moved : event.topology.moved) moved.bodies = renumbered(moved.bodies, columns);
+      events.text() += event_json(event) + '\n';
+    }
     for (TextFile* table : {&events, &bodies, &joints, &energy}) table->close(false);
     if (springs) springs->close(false);
   }

@@ -8,7 +8,7 @@
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/simulate/assembly.hpp>
-#include <momentree/simulate/lasting_function.hpp>
+#include <momentree/tree/lasting_function.hpp>
 
 namespace momentree {
 

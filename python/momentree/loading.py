@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from momentree import _core
-from momentree._arguments import overrides
+from momentree._arguments import anywhere, overrides
 from momentree.simulation import Simulation
 
 
@@ -34,7 +34,7 @@ def load(
     simulation = Simulation.__new__(Simulation)
     arguments = (os.fspath(path), overrides(set), os.fspath(state) if state is not None else "", None)
     _core.SimulationBase.__init__(simulation, *arguments)
-    simulation._begin(("file", *arguments))
+    simulation._begin(anywhere(("file", *arguments)))
     return simulation
 
 

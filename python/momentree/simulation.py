@@ -9,7 +9,7 @@ from typing import Any, Union
 from numpy.typing import ArrayLike
 
 from momentree import _core, live
-from momentree._arguments import anywhere, called, number
+from momentree._arguments import called, number
 from momentree._core import Body, Context, Snapshot, World
 from momentree._errors import Error, RunError
 from momentree._records import Event
@@ -434,7 +434,7 @@ class Simulation(_core.SimulationBase):
             raise TypeError("a simulation with Python functions as drives or forces can't be pickled")
         if self._has_other_bodies:
             raise TypeError("a simulation in which bodies were added or removed can't be pickled: no state document describes it")
-        state = {"source": anywhere(self._source), "hash": self._hash, "state": self.state_json(), "schedule": schedule}
+        state = {"source": self._source, "hash": self._hash, "state": self.state_json(), "schedule": schedule}
         return {**state, "armed": self._armed(), "q": self.q, "effort": [float(x) for x in self.effort]}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -443,7 +443,7 @@ class Simulation(_core.SimulationBase):
             super().__init__(*arguments)
         else:
             _core.SimulationBase.__init__(self, *arguments)
-            if self._hash != state["hash"]:
+            if self._hash != state.get("hash", self._hash):  # older pickles have none
                 raise Error("the scenario has changed since the simulation was pickled", where=arguments[0], hint="load it again")
         self._begin(state["source"])
         for entry in state["schedule"]:
@@ -453,7 +453,7 @@ class Simulation(_core.SimulationBase):
                 scheduled.named(entry["name"])
             scheduled.then(*entry["actions"])
         self._resume(state["state"], state["armed"], state["q"])
-        if any(state["effort"]):
+        if any(state.get("effort", ())):
             self.effort = state["effort"]
 
     def __repr__(self) -> str:

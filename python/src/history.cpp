@@ -67,6 +67,7 @@ void restore_state(const SimulationPtr& self, const std::string& text, const std
   const Use use(*self, Access::change);
   const io::RestoredState state = io::read_state(text, name, self->simulation().world().first_model());
   io::restore(self->simulation(), {state});
+  io::couple(self->simulation(), self->scenario().couplings);  // joints that had broken exist again
   self->simulation().resume({}, state.memory);
 }
 
@@ -258,8 +259,8 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
            "Raises:\n    Error: There is no such event, or the history does not reach back that far.")
       .def("state_json", &state_json,
            "The state document (JSON) of this instant: topology, coordinates, momenta, and conditions that are armed.\n\n"
-           "`restore_state` and `momentree.load(…, state=…)` continue from it with the same bits. `effort` and Python "
-           "functions are not in it.")
+           "`momentree.load(…, state=…)` continues from it with the same bits; `restore_state` restores the motion, not which "
+           "events happened. `effort` and Python functions are not in it.")
       .def("restore_state", &restore_state, "text"_a, "name"_a = "state.json",
            "Return to the state of a document.\n\n"
            "Args:\n    text: A state document (JSON) of a simulation of the same model.\n"

@@ -212,7 +212,7 @@ void register_model(nb::module_& m) {
           },
           "The model as the text of a scenario file (TOML), without events. `momentree.loads` reads it.\n\n"
           "Names that do not begin with the mechanism of their root get it in front, with dots for slashes: `hand`, carried\n"
-          "by `arm`, becomes `arm/hand`.\n\n"
+          "by `arm`, becomes `arm/hand`, and `gripper/base` becomes `arm/gripper.base`.\n\n"
           "Raises:\n    Error: A body touches with a mesh of a model file.")
       .def("_to_toml_without_contact",
            [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, false, {}, self.couplings); })

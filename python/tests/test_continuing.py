@@ -144,6 +144,23 @@ def test_springs_of_couplings_stay_with_drives_and_efforts() -> None:
     assert abs(driven[0] - expected[0]) > 0.1
 
 
+def test_springs_of_couplings_end_with_a_joint_also_if_the_next_one_is_driven_and_return_with_documents() -> None:
+    sim = mt.loads(WHEELS)
+    sim.run(0.1)
+    document = sim.state_json()
+    sim.run(0.2)
+    sim.apply(mt.break_joint("gear/large"))
+    momentum = float(sim.world.joints["gear/small"].p[0])
+    sim.drive("gear/large", lambda _: np.zeros(6))
+    sim.run(0.5)
+    assert float(sim.world.joints["gear/small"].p[0]) == momentum
+    sim.restore_state(document)
+    other = mt.loads(WHEELS)
+    for each in (sim, other):
+        each.run(1)
+    np.testing.assert_allclose(sim.q, other.q, atol=1e-9)
+
+
 def test_springs_of_couplings_are_in_texts_and_pickles() -> None:
     sim = mt.loads(WHEELS)
     model = sim.model
@@ -180,8 +197,8 @@ def test_pickles_of_files_do_not_depend_on_the_folder_and_see_that_a_file_change
     monkeypatch.chdir(tmp_path)
     sim = mt.load("a.toml")
     sim.run(0.3)
-    data = pickle.dumps(sim)
     os.chdir(tmp_path / "other")
+    data = pickle.dumps(sim)
     other = pickle.loads(data)
     (tmp_path / "a.toml").write_text(PENDULUM.replace("[0.5, 0, 0]", "[0.4, 0, 0]"))
     copied = copy.deepcopy(sim)
@@ -217,10 +234,14 @@ def test_runs_after_bodies_were_removed_can_be_written(tmp_path: pathlib.Path) -
     sim = mt.Simulation(model)
     sim.run(0.1)
     sim.remove("d/0")
+    sim.at(0.15).then(mt.weld("c/0", "e/0"))
     run = sim.run(0.2)
     folder = run.save(tmp_path / "results")
     header = (pathlib.Path(folder) / "bodies.csv").read_text().splitlines()[0]
     assert "c/0.x" in header and "e/0.x" in header and "d/0" not in header
+    lines = [json.loads(line) for line in (pathlib.Path(folder) / "events.jsonl").read_text().splitlines()]
+    moved = [numbers for line in lines for numbers in line["topology"].get("moved", {}).values()]
+    assert moved and all(first + count <= 2 for numbers in moved for first, count in numbers)
     for ending in ("glb", "usda", "mcap"):
         run.export(tmp_path / f"run.{ending}")
     run.report(tmp_path / "run.html")

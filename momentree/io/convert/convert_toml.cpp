@@ -232,7 +232,7 @@ class Converter {
       if (!move_mesh(each))
         throw_error({"cannot be written as TOML there: a body touches others with the mesh '" + name +
                          "', which is not in the folder of the output file or below it",
-                     scenario_.path, "write it in the folder of the scenario, or above it"});
+                     scenario_.path, "write it in the folder of the mesh, or above it"});
     };
     if (Value::Array* several = all.array())
       for (Value& each : *several) move(each);

@@ -30,11 +30,18 @@ inline JointFunction lasting(JointFunction function) {
   return LastingFunction{std::make_shared<const JointFunction>(std::move(function))};
 }
 
+inline bool is_lasting(const JointFunction* function) {
+  return function != nullptr && function->target<LastingFunction>() != nullptr;
+}
+
 /// What a joint with function `now` (null: none) gets when `function` (empty: none) is set.
 inline JointFunction joined(const JointFunction* now, JointFunction function) {
-  const LastingFunction* const there = now != nullptr ? now->target<LastingFunction>() : nullptr;
-  if (there == nullptr || function.target<LastingFunction>() != nullptr) return function;
-  return LastingFunction{there->lasting, std::move(function)};
+  const LastingFunction* const there = is_lasting(now) ? now->target<LastingFunction>() : nullptr;
+  if (const LastingFunction* const given = function.target<LastingFunction>()) {
+    JointFunction kept = there != nullptr ? there->replaceable : now != nullptr ? *now : JointFunction();
+    return LastingFunction{given->lasting, std::move(kept)};
+  }
+  return there == nullptr ? function : LastingFunction{there->lasting, std::move(function)};
 }
 
 }  // namespace momentree
