@@ -6,9 +6,9 @@
 
 namespace momentree::detail {
 
-MOMENTREE_INLINE Place place_of(unsigned flags) {
+MOMENTREE_INLINE BodyPlace place_of(unsigned flags) {
   const bool root = (flags & node::grounded) != 0;
-  return (flags & node::leaf) != 0 ? root ? Place::single : Place::leaf : root ? Place::root : Place::inner;
+  return (flags & node::leaf) != 0 ? root ? BodyPlace::single : BodyPlace::leaf : root ? BodyPlace::root : BodyPlace::inner;
 }
 /// Where the contribution of a body goes: that of a last child starts the sum of its parent in memory, a leaf between it and the
 /// first child adds to this sum directly, and other bodies in between by way of the accumulator.

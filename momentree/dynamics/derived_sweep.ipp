@@ -27,7 +27,7 @@ void Sweep<T>::inboard_derived(const KernelRun& run) const {
         Steps::template inboard<adds(), T>(link, tree.subtree_mass(b), has_gravity, joint_state(b), p + tree.first_p(b), a,
                                            detail::derived_record<T, Steps>(records[i - run.begin]), sum);
       };
-      if constexpr (Steps::place == Place::leaf)
+      if constexpr (Steps::place == BodyPlace::leaf)
         if (to.adds) return step(std::true_type{});
       step(std::false_type{});
     });

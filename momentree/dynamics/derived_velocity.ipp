@@ -60,7 +60,7 @@ void VelocitySweep<T, Keep>::inboard_derived(const KernelRun& run) const {
         Steps::template inboard<adds(), T>(link, tree.armature()[at], joint_state(b), workspace.a.get() + at, a,
                                            detail::derived_record<T, Steps>(records[i - run.begin]), sum);
       };
-      if constexpr (Steps::place == Place::leaf)
+      if constexpr (Steps::place == BodyPlace::leaf)
         if (to.adds) return step(std::true_type{});
       step(std::false_type{});
     });

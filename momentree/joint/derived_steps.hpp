@@ -10,14 +10,14 @@
 namespace momentree {
 
 /// The place of a body in its mechanism, by what its steps can omit: the children of a leaf, the parent of a root.
-enum class Place : unsigned char { inner, leaf, root, single };
+enum class BodyPlace : unsigned char { inner, leaf, root, single };
 
 /// The steps of kernels K for a link with such a LinkRotation or PlacementShape and a body in such a place; specialised in
 /// derived/.
-template <class K, auto Form, Place At>
+template <class K, auto Form, BodyPlace At>
 struct DerivedSteps;
 /// The same in velocities; specialised in derived_velocity/.
-template <class K, auto Form, Place At>
+template <class K, auto Form, BodyPlace At>
 struct DerivedVelocitySteps;
 
 /// What kernels have steps for, as bits 1 << LinkRotation or 1 << PlacementShape; a link's own may be a special case of one of
@@ -48,13 +48,13 @@ constexpr PlacementShape covering(unsigned shapes, PlacementShape shape) {
 }  // namespace detail
 
 /// Calls f(std::type_identity<Steps<K, …>>{}) with the steps for a link and a place.
-template <template <class, auto, Place> class Steps, class K, DerivedForms Forms, class F>
-MOMENTREE_INLINE void with_derived_steps(const LinkConstants& link, Place place, F&& f) {
+template <template <class, auto, BodyPlace> class Steps, class K, DerivedForms Forms, class F>
+MOMENTREE_INLINE void with_derived_steps(const LinkConstants& link, BodyPlace place, F&& f) {
   const auto with = [&](auto form) MOMENTREE_INLINE_LAMBDA {
-    if (place == Place::inner)
-      f(std::type_identity<Steps<K, form(), Place::inner>>{});
+    if (place == BodyPlace::inner)
+      f(std::type_identity<Steps<K, form(), BodyPlace::inner>>{});
     else
-      f(std::type_identity<Steps<K, form(), Place::leaf>>{});
+      f(std::type_identity<Steps<K, form(), BodyPlace::leaf>>{});
   };
   constexpr auto most_general = [] {
     if constexpr (Forms.shapes != 0)
@@ -62,8 +62,8 @@ MOMENTREE_INLINE void with_derived_steps(const LinkConstants& link, Place place,
     else
       return LinkRotation::any;
   }();
-  if (place == Place::root) return f(std::type_identity<Steps<K, most_general, Place::root>>{});
-  if (place == Place::single) return f(std::type_identity<Steps<K, most_general, Place::single>>{});
+  if (place == BodyPlace::root) return f(std::type_identity<Steps<K, most_general, BodyPlace::root>>{});
+  if (place == BodyPlace::single) return f(std::type_identity<Steps<K, most_general, BodyPlace::single>>{});
   if constexpr (Forms.shapes != 0) {
     dispatch_shape(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
       with(std::integral_constant<PlacementShape, detail::covering(Forms.shapes, shape())>{});

@@ -62,11 +62,11 @@ Results generic(const LinkConstants& k, double mass, bool leaf, bool root, const
   return r;
 }
 
-template <class Kind, LinkRotation Rotation, Place At, class T>
+template <class Kind, LinkRotation Rotation, BodyPlace At, class T>
 [[gnu::noinline]] void law(Draw& draw, LinkRotation rotation, double tolerance) {
   using K = typename Kind::Kernels;
   using Steps = DerivedSteps<K, Rotation, At>;
-  constexpr bool leaf = At == Place::leaf || At == Place::single, root = At == Place::root || At == Place::single;
+  constexpr bool leaf = At == BodyPlace::leaf || At == BodyPlace::single, root = At == BodyPlace::root || At == BodyPlace::single;
   LinkConstants k = random_link(draw, rotation);
   const auto random = random_joint<Kind>(draw, root, k);
   if (!random) return;
@@ -92,7 +92,7 @@ template <class Kind, LinkRotation Rotation, Place At, class T>
   const Results found = derived<Steps, false, T>(k, mass, joint, start);
   check(found);
   if (!root) check_inboard(found.in, expected.in);  // nothing reads the contribution of a root
-  if constexpr (At == Place::leaf) {                // only leaves add to a sum
+  if constexpr (At == BodyPlace::leaf) {            // only leaves add to a sum
     const Results more = derived<Steps, true, T>(k, mass, joint, start);
     Inboard<double> sum = start.in;
     sum += expected.in;
@@ -105,10 +105,10 @@ void laws_of_places(Draw& draw, double tolerance) {
   constexpr unsigned kept = momentum_forms<typename Kind::Kernels>.rotations;
   if constexpr ((kept >> static_cast<unsigned>(Rotation) & 1u) != 0)
     for (int trial = 0; trial < 100; ++trial) {
-      law<Kind, Rotation, Place::inner, T>(draw, Rotation, tolerance),
-          law<Kind, Rotation, Place::leaf, T>(draw, Rotation, tolerance);
-      law<Kind, LinkRotation::any, Place::root, T>(draw, Rotation, tolerance);
-      law<Kind, LinkRotation::any, Place::single, T>(draw, Rotation, tolerance);
+      law<Kind, Rotation, BodyPlace::inner, T>(draw, Rotation, tolerance),
+          law<Kind, Rotation, BodyPlace::leaf, T>(draw, Rotation, tolerance);
+      law<Kind, LinkRotation::any, BodyPlace::root, T>(draw, Rotation, tolerance);
+      law<Kind, LinkRotation::any, BodyPlace::single, T>(draw, Rotation, tolerance);
     }
 }
 

@@ -65,10 +65,10 @@ Results generic(const LinkConstants& k, double armature, bool leaf, const TestJo
   return r;
 }
 
-template <class Kind, class K, auto Form, Place At, class T>
+template <class Kind, class K, auto Form, BodyPlace At, class T>
 [[gnu::noinline]] void law(Draw& draw, double tolerance) {
   using Steps = DerivedVelocitySteps<K, Form, At>;
-  constexpr bool leaf = At == Place::leaf || At == Place::single, root = At == Place::root || At == Place::single;
+  constexpr bool leaf = At == BodyPlace::leaf || At == BodyPlace::single, root = At == BodyPlace::root || At == BodyPlace::single;
   LinkConstants k = random_link(draw, Form);
   const auto random = random_joint<Kind>(draw, root, k);
   if (!random) return;
@@ -92,7 +92,7 @@ template <class Kind, class K, auto Form, Place At, class T>
   const Results found = derived<Steps, false, T>(k, armature, *random, start);
   check(found);
   if (!root) check_inboard(found.in, expected.in);  // nothing reads the contribution of a root
-  if constexpr (At == Place::leaf) {                // only leaves add to a sum
+  if constexpr (At == BodyPlace::leaf) {            // only leaves add to a sum
     const Results more = derived<Steps, true, T>(k, armature, *random, start);
     Inboard<double> sum = start.in;
     sum += expected.in;
@@ -107,9 +107,9 @@ void laws_of_places(Draw& draw, double tolerance) {
   constexpr bool most_general = static_cast<unsigned>(Form) == 0;
   if constexpr ((kept >> static_cast<unsigned>(Form) & 1u) != 0)
     for (int trial = 0; trial < 50; ++trial) {
-      law<Kind, K, Form, Place::inner, T>(draw, tolerance), law<Kind, K, Form, Place::leaf, T>(draw, tolerance);
+      law<Kind, K, Form, BodyPlace::inner, T>(draw, tolerance), law<Kind, K, Form, BodyPlace::leaf, T>(draw, tolerance);
       if constexpr (most_general)
-        law<Kind, K, Form, Place::root, T>(draw, tolerance), law<Kind, K, Form, Place::single, T>(draw, tolerance);
+        law<Kind, K, Form, BodyPlace::root, T>(draw, tolerance), law<Kind, K, Form, BodyPlace::single, T>(draw, tolerance);
     }
 }
 

@@ -46,10 +46,11 @@ struct Crossing {
   Derived out{};
 
   /// `name`: the numbers of the DoFs that the first function is given.
-  Crossing(const Traits& of, const Form& form, Place place, const Order& by_order, Recorder& recorder, const std::string& name)
+  Crossing(const Traits& of, const Form& form, BodyPlace place, const Order& by_order, Recorder& recorder,
+           const std::string& name)
       : kind(of),
-        leaf(place == Place::leaf || place == Place::single),
-        root(place == Place::root || place == Place::single),
+        leaf(place == BodyPlace::leaf || place == BodyPlace::single),
+        root(place == BodyPlace::root || place == BodyPlace::single),
         order(by_order),
         in(recorder),
         k(recorder, form),

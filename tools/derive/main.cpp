@@ -60,7 +60,7 @@ struct Written {
 };
 
 template <class Text>
-Written write(const Signatures& names, const Traits& traits, const Form& form, Place place, const Order& order) {
+Written write(const Signatures& names, const Traits& traits, const Form& form, BodyPlace place, const Order& order) {
   Recorder in;
   const Derived steps = Text(traits, form, place, order, in).run();
   Writer writer(in, steps);
@@ -79,7 +79,7 @@ using TextOf = std::conditional_t<Velocities, VelocitySteps<typename Kind::Kerne
 /// Momenta: in the order with the fewest operations. Velocities: in that which takes the least time for a single world; see
 /// docs/adr/0020-derived-steps.md.
 template <class Kind, bool Velocities>
-Written best(const Signatures& names, const Traits& traits, const Form& form, Place place) {
+Written best(const Signatures& names, const Traits& traits, const Form& form, BodyPlace place) {
   using Text = TextOf<Kind, Velocities>;
   constexpr Order::Frame frames[] = {Order::child, Order::before_rotation, Order::before_displacement};
   Written least;
@@ -103,12 +103,13 @@ std::string name_of(const Form& form) {
 }
 
 template <class Kind, bool Velocities>
-std::string step(const Signatures& names, const Traits& traits, const Form& form, Place place) {
+std::string step(const Signatures& names, const Traits& traits, const Form& form, BodyPlace place) {
   static const char* const places[] = {"inner", "leaf", "root", "single"};
   const Written written = best<Kind, Velocities>(names, traits, form, place);
   return "/// " + std::to_string(written.operations) + " operations.\ntemplate <>\nstruct " + names.steps + "<" + traits.kernels +
-         ", " + name_of(form) + ", Place::" + places[static_cast<int>(place)] +
-         "> {\n  static constexpr Place place = Place::" + places[static_cast<int>(place)] + ";\n" + written.text + "};\n";
+         ", " + name_of(form) + ", BodyPlace::" + places[static_cast<int>(place)] +
+         "> {\n  static constexpr BodyPlace place = BodyPlace::" + places[static_cast<int>(place)] + ";\n" + written.text +
+         "};\n";
 }
 
 template <class Kind, bool Velocities>
@@ -124,8 +125,9 @@ std::string steps(const Traits& traits) {
   std::string s = std::string("template <>\ninline constexpr DerivedForms ") + names.forms + "<" + traits.kernels + ">{" +
                   std::to_string(rotations) + ", " + std::to_string(shapes) + "};\n\n";
   for (const Form& form : traits.forms)
-    for (const Place place : {Place::inner, Place::leaf}) s += step<Kind, Velocities>(names, traits, form, place) + '\n';
-  for (const Place place : {Place::root, Place::single})
+    for (const BodyPlace place : {BodyPlace::inner, BodyPlace::leaf})
+      s += step<Kind, Velocities>(names, traits, form, place) + '\n';
+  for (const BodyPlace place : {BodyPlace::root, BodyPlace::single})
     s += step<Kind, Velocities>(names, traits, traits.forms.front(), place) + '\n';
   return s;
 }

@@ -13,7 +13,7 @@ struct MomentumSteps : Crossing<K, NQ, NV> {
 
   std::vector<T> p_basis;
 
-  MomentumSteps(const Traits& of, const Form& form, Place place, const Order& by_order, Recorder& recorder)
+  MomentumSteps(const Traits& of, const Form& form, BodyPlace place, const Order& by_order, Recorder& recorder)
       : Base(of, form, place, by_order, recorder, "p"), p_basis(this->along_basis(this->given)) {}
 
   Derived run() {

@@ -14,7 +14,7 @@ struct VelocitySteps : Crossing<K, NQ, NV> {
   using Base::kind, Base::leaf, Base::root, Base::order, Base::in, Base::k, Base::q, Base::c, Base::s;
   using Base::out, Base::E, Base::basis, Base::eliminated, Base::M_hat, Base::D_hat, Base::across_joint, Base::screw;
 
-  VelocitySteps(const Traits& of, const Form& form, Place place, const Order& by_order, Recorder& recorder)
+  VelocitySteps(const Traits& of, const Form& form, BodyPlace place, const Order& by_order, Recorder& recorder)
       : Base(of, form, place, by_order, recorder, "u") {}
 
   Derived run() {

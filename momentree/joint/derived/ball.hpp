@@ -11,8 +11,8 @@ inline constexpr DerivedForms momentum_forms<BallKernels>{9, 0};
 
 /// 541 operations.
 template <>
-struct DerivedSteps<BallKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<BallKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 33>;
   template <bool Add, class T>
@@ -667,8 +667,8 @@ struct DerivedSteps<BallKernels, LinkRotation::any, Place::inner> {
 
 /// 497 operations.
 template <>
-struct DerivedSteps<BallKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<BallKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 32>;
   template <bool Add, class T>
@@ -1268,8 +1268,8 @@ struct DerivedSteps<BallKernels, LinkRotation::any, Place::leaf> {
 
 /// 496 operations.
 template <>
-struct DerivedSteps<BallKernels, LinkRotation::none, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<BallKernels, LinkRotation::none, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 33>;
   template <bool Add, class T>
@@ -1879,8 +1879,8 @@ struct DerivedSteps<BallKernels, LinkRotation::none, Place::inner> {
 
 /// 452 operations.
 template <>
-struct DerivedSteps<BallKernels, LinkRotation::none, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<BallKernels, LinkRotation::none, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 32>;
   template <bool Add, class T>
@@ -2435,8 +2435,8 @@ struct DerivedSteps<BallKernels, LinkRotation::none, Place::leaf> {
 
 /// 178 operations.
 template <>
-struct DerivedSteps<BallKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedSteps<BallKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedRecord<T, 15>;
   template <bool Add, class T>
@@ -2678,8 +2678,8 @@ struct DerivedSteps<BallKernels, LinkRotation::any, Place::root> {
 
 /// 166 operations.
 template <>
-struct DerivedSteps<BallKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedSteps<BallKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedRecord<T, 15>;
   template <bool Add, class T>

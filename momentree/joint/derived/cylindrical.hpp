@@ -11,8 +11,8 @@ inline constexpr DerivedForms momentum_forms<CylindricalKernels>{7, 0};
 
 /// 498 operations.
 template <>
-struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<CylindricalKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 28>;
   template <bool Add, class T>
@@ -614,8 +614,8 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::inner> {
 
 /// 387 operations.
 template <>
-struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<CylindricalKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 25>;
   template <bool Add, class T>
@@ -1094,8 +1094,8 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::leaf> {
 
 /// 402 operations.
 template <>
-struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 27>;
   template <bool Add, class T>
@@ -1600,8 +1600,8 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::inner> {
 
 /// 291 operations.
 template <>
-struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 24>;
   template <bool Add, class T>
@@ -1983,8 +1983,8 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::tilted, Place::leaf> {
 
 /// 307 operations.
 template <>
-struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 26>;
   template <bool Add, class T>
@@ -2394,8 +2394,8 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::inner> {
 
 /// 196 operations.
 template <>
-struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 23>;
   template <bool Add, class T>
@@ -2682,8 +2682,8 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::about_z, Place::leaf> {
 
 /// 40 operations.
 template <>
-struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedSteps<CylindricalKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedRecord<T, 3>;
   template <bool Add, class T>
@@ -2770,8 +2770,8 @@ struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::root> {
 
 /// 26 operations.
 template <>
-struct DerivedSteps<CylindricalKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedSteps<CylindricalKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedRecord<T, 2>;
   template <bool Add, class T>

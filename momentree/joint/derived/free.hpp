@@ -11,8 +11,8 @@ inline constexpr DerivedForms momentum_forms<FreeKernels>{9, 0};
 
 /// 489 operations.
 template <>
-struct DerivedSteps<FreeKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<FreeKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 42>;
   template <bool Add, class T>
@@ -632,8 +632,8 @@ struct DerivedSteps<FreeKernels, LinkRotation::any, Place::inner> {
 
 /// 383 operations.
 template <>
-struct DerivedSteps<FreeKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<FreeKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 33>;
   template <bool Add, class T>
@@ -1128,8 +1128,8 @@ struct DerivedSteps<FreeKernels, LinkRotation::any, Place::leaf> {
 
 /// 429 operations.
 template <>
-struct DerivedSteps<FreeKernels, LinkRotation::none, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<FreeKernels, LinkRotation::none, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 33>;
   template <bool Add, class T>
@@ -1680,8 +1680,8 @@ struct DerivedSteps<FreeKernels, LinkRotation::none, Place::inner> {
 
 /// 323 operations.
 template <>
-struct DerivedSteps<FreeKernels, LinkRotation::none, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<FreeKernels, LinkRotation::none, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 24>;
   template <bool Add, class T>
@@ -2107,8 +2107,8 @@ struct DerivedSteps<FreeKernels, LinkRotation::none, Place::leaf> {
 
 /// 396 operations.
 template <>
-struct DerivedSteps<FreeKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedSteps<FreeKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedRecord<T, 42>;
   template <bool Add, class T>
@@ -2604,8 +2604,8 @@ struct DerivedSteps<FreeKernels, LinkRotation::any, Place::root> {
 
 /// 299 operations.
 template <>
-struct DerivedSteps<FreeKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedSteps<FreeKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedRecord<T, 33>;
   template <bool Add, class T>

@@ -11,8 +11,8 @@ inline constexpr DerivedForms momentum_forms<HelicalKernels>{7, 0};
 
 /// 547 operations.
 template <>
-struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<HelicalKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 27>;
   template <bool Add, class T>
@@ -659,8 +659,8 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::inner> {
 
 /// 450 operations.
 template <>
-struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<HelicalKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 27>;
   template <bool Add, class T>
@@ -1201,8 +1201,8 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::leaf> {
 
 /// 449 operations.
 template <>
-struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<HelicalKernels, LinkRotation::tilted, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 26>;
   template <bool Add, class T>
@@ -1750,8 +1750,8 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::inner> {
 
 /// 352 operations.
 template <>
-struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<HelicalKernels, LinkRotation::tilted, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 26>;
   template <bool Add, class T>
@@ -2193,8 +2193,8 @@ struct DerivedSteps<HelicalKernels, LinkRotation::tilted, Place::leaf> {
 
 /// 353 operations.
 template <>
-struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<HelicalKernels, LinkRotation::about_z, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 25>;
   template <bool Add, class T>
@@ -2646,8 +2646,8 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::inner> {
 
 /// 256 operations.
 template <>
-struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<HelicalKernels, LinkRotation::about_z, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 25>;
   template <bool Add, class T>
@@ -2992,8 +2992,8 @@ struct DerivedSteps<HelicalKernels, LinkRotation::about_z, Place::leaf> {
 
 /// 41 operations.
 template <>
-struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedSteps<HelicalKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedRecord<T, 1>;
   template <bool Add, class T>
@@ -3076,8 +3076,8 @@ struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::root> {
 
 /// 29 operations.
 template <>
-struct DerivedSteps<HelicalKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedSteps<HelicalKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedRecord<T, 1>;
   template <bool Add, class T>

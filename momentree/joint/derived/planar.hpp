@@ -11,8 +11,8 @@ inline constexpr DerivedForms momentum_forms<PlanarKernels>{5, 0};
 
 /// 571 operations.
 template <>
-struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<PlanarKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 27>;
   template <bool Add, class T>
@@ -691,8 +691,8 @@ struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::inner> {
 
 /// 390 operations.
 template <>
-struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<PlanarKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 18>;
   template <bool Add, class T>
@@ -1170,8 +1170,8 @@ struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::leaf> {
 
 /// 399 operations.
 template <>
-struct DerivedSteps<PlanarKernels, LinkRotation::about_z, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<PlanarKernels, LinkRotation::about_z, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 26>;
   template <bool Add, class T>
@@ -1678,8 +1678,8 @@ struct DerivedSteps<PlanarKernels, LinkRotation::about_z, Place::inner> {
 
 /// 219 operations.
 template <>
-struct DerivedSteps<PlanarKernels, LinkRotation::about_z, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<PlanarKernels, LinkRotation::about_z, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 17>;
   template <bool Add, class T>
@@ -1985,8 +1985,8 @@ struct DerivedSteps<PlanarKernels, LinkRotation::about_z, Place::leaf> {
 
 /// 108 operations.
 template <>
-struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedSteps<PlanarKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedRecord<T, 6>;
   template <bool Add, class T>
@@ -2149,8 +2149,8 @@ struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::root> {
 
 /// 44 operations.
 template <>
-struct DerivedSteps<PlanarKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedSteps<PlanarKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedRecord<T, 5>;
   template <bool Add, class T>

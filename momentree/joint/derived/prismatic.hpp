@@ -11,8 +11,8 @@ inline constexpr DerivedForms momentum_forms<PrismaticKernels>{7, 0};
 
 /// 467 operations.
 template <>
-struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<PrismaticKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 20>;
   template <bool Add, class T>
@@ -572,8 +572,8 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::inner> {
 
 /// 295 operations.
 template <>
-struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<PrismaticKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 8>;
   template <bool Add, class T>
@@ -940,8 +940,8 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::leaf> {
 
 /// 369 operations.
 template <>
-struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 19>;
   template <bool Add, class T>
@@ -1402,8 +1402,8 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::inner> {
 
 /// 193 operations.
 template <>
-struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 7>;
   template <bool Add, class T>
@@ -1667,8 +1667,8 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::tilted, Place::leaf> {
 
 /// 259 operations.
 template <>
-struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 18>;
   template <bool Add, class T>
@@ -2020,8 +2020,8 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::inner> {
 
 /// 105 operations.
 template <>
-struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 6>;
   template <bool Add, class T>
@@ -2197,8 +2197,8 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::about_z, Place::leaf> {
 
 /// 26 operations.
 template <>
-struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedSteps<PrismaticKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedRecord<T, 1>;
   template <bool Add, class T>
@@ -2265,8 +2265,8 @@ struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::root> {
 
 /// 9 operations.
 template <>
-struct DerivedSteps<PrismaticKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedSteps<PrismaticKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedRecord<T, 1>;
   template <bool Add, class T>

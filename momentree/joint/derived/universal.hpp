@@ -11,8 +11,8 @@ inline constexpr DerivedForms momentum_forms<UniversalKernels>{9, 0};
 
 /// 642 operations.
 template <>
-struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<UniversalKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 37>;
   template <bool Add, class T>
@@ -769,8 +769,8 @@ struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::inner> {
 
 /// 529 operations.
 template <>
-struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<UniversalKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 36>;
   template <bool Add, class T>
@@ -1402,8 +1402,8 @@ struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::leaf> {
 
 /// 594 operations.
 template <>
-struct DerivedSteps<UniversalKernels, LinkRotation::none, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedSteps<UniversalKernels, LinkRotation::none, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedRecord<T, 33>;
   template <bool Add, class T>
@@ -2108,8 +2108,8 @@ struct DerivedSteps<UniversalKernels, LinkRotation::none, Place::inner> {
 
 /// 481 operations.
 template <>
-struct DerivedSteps<UniversalKernels, LinkRotation::none, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedSteps<UniversalKernels, LinkRotation::none, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedRecord<T, 32>;
   template <bool Add, class T>
@@ -2689,8 +2689,8 @@ struct DerivedSteps<UniversalKernels, LinkRotation::none, Place::leaf> {
 
 /// 162 operations.
 template <>
-struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedSteps<UniversalKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedRecord<T, 15>;
   template <bool Add, class T>
@@ -2913,8 +2913,8 @@ struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::root> {
 
 /// 136 operations.
 template <>
-struct DerivedSteps<UniversalKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedSteps<UniversalKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedRecord<T, 15>;
   template <bool Add, class T>

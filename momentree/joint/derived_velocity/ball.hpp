@@ -11,8 +11,8 @@ inline constexpr DerivedForms velocity_forms<BallKernels>{9, 0};
 
 /// 583 operations.
 template <>
-struct DerivedVelocitySteps<BallKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<BallKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 33>;
   template <class T>
@@ -709,8 +709,8 @@ struct DerivedVelocitySteps<BallKernels, LinkRotation::any, Place::inner> {
 
 /// 542 operations.
 template <>
-struct DerivedVelocitySteps<BallKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<BallKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 32>;
   template <class T>
@@ -1355,8 +1355,8 @@ struct DerivedVelocitySteps<BallKernels, LinkRotation::any, Place::leaf> {
 
 /// 538 operations.
 template <>
-struct DerivedVelocitySteps<BallKernels, LinkRotation::none, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<BallKernels, LinkRotation::none, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 33>;
   template <class T>
@@ -2008,8 +2008,8 @@ struct DerivedVelocitySteps<BallKernels, LinkRotation::none, Place::inner> {
 
 /// 497 operations.
 template <>
-struct DerivedVelocitySteps<BallKernels, LinkRotation::none, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<BallKernels, LinkRotation::none, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 32>;
   template <class T>
@@ -2609,8 +2609,8 @@ struct DerivedVelocitySteps<BallKernels, LinkRotation::none, Place::leaf> {
 
 /// 232 operations.
 template <>
-struct DerivedVelocitySteps<BallKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedVelocitySteps<BallKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedVelocityRecord<T, 27>;
   template <class T>
@@ -2921,8 +2921,8 @@ struct DerivedVelocitySteps<BallKernels, LinkRotation::any, Place::root> {
 
 /// 208 operations.
 template <>
-struct DerivedVelocitySteps<BallKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedVelocitySteps<BallKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedVelocityRecord<T, 26>;
   template <class T>

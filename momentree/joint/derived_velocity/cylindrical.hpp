@@ -11,8 +11,8 @@ inline constexpr DerivedForms velocity_forms<CylindricalKernels>{7, 0};
 
 /// 571 operations.
 template <>
-struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 24>;
   template <class T>
@@ -687,8 +687,8 @@ struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::any, Place::inner>
 
 /// 463 operations.
 template <>
-struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 21>;
   template <class T>
@@ -1242,8 +1242,8 @@ struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::any, Place::leaf> 
 
 /// 475 operations.
 template <>
-struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::tilted, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::tilted, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 23>;
   template <class T>
@@ -1821,8 +1821,8 @@ struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::tilted, Place::inn
 
 /// 367 operations.
 template <>
-struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::tilted, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::tilted, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 20>;
   template <class T>
@@ -2279,8 +2279,8 @@ struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::tilted, Place::lea
 
 /// 380 operations.
 template <>
-struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::about_z, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::about_z, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 20>;
   template <class T>
@@ -2760,8 +2760,8 @@ struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::about_z, Place::in
 
 /// 272 operations.
 template <>
-struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::about_z, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::about_z, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 17>;
   template <class T>
@@ -3121,8 +3121,8 @@ struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::about_z, Place::le
 
 /// 64 operations.
 template <>
-struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedVelocityRecord<T, 7>;
   template <class T>
@@ -3239,8 +3239,8 @@ struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::any, Place::root> 
 
 /// 29 operations.
 template <>
-struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedVelocitySteps<CylindricalKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedVelocityRecord<T, 4>;
   template <class T>

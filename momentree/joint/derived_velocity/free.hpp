@@ -11,8 +11,8 @@ inline constexpr DerivedForms velocity_forms<FreeKernels>{9, 0};
 
 /// 531 operations.
 template <>
-struct DerivedVelocitySteps<FreeKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<FreeKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 42>;
   template <class T>
@@ -670,8 +670,8 @@ struct DerivedVelocitySteps<FreeKernels, LinkRotation::any, Place::inner> {
 
 /// 428 operations.
 template <>
-struct DerivedVelocitySteps<FreeKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<FreeKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 33>;
   template <class T>
@@ -1207,8 +1207,8 @@ struct DerivedVelocitySteps<FreeKernels, LinkRotation::any, Place::leaf> {
 
 /// 471 operations.
 template <>
-struct DerivedVelocitySteps<FreeKernels, LinkRotation::none, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<FreeKernels, LinkRotation::none, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 42>;
   template <class T>
@@ -1806,8 +1806,8 @@ struct DerivedVelocitySteps<FreeKernels, LinkRotation::none, Place::inner> {
 
 /// 368 operations.
 template <>
-struct DerivedVelocitySteps<FreeKernels, LinkRotation::none, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<FreeKernels, LinkRotation::none, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 33>;
   template <class T>
@@ -2283,8 +2283,8 @@ struct DerivedVelocitySteps<FreeKernels, LinkRotation::none, Place::leaf> {
 
 /// 408 operations.
 template <>
-struct DerivedVelocitySteps<FreeKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedVelocitySteps<FreeKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedVelocityRecord<T, 36>;
   template <class T>
@@ -2788,8 +2788,8 @@ struct DerivedVelocitySteps<FreeKernels, LinkRotation::any, Place::root> {
 
 /// 305 operations.
 template <>
-struct DerivedVelocitySteps<FreeKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedVelocitySteps<FreeKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedVelocityRecord<T, 27>;
   template <class T>

@@ -11,8 +11,8 @@ inline constexpr DerivedForms velocity_forms<HelicalKernels>{7, 0};
 
 /// 617 operations.
 template <>
-struct DerivedVelocitySteps<HelicalKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<HelicalKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 19>;
   template <class T>
@@ -725,8 +725,8 @@ struct DerivedVelocitySteps<HelicalKernels, LinkRotation::any, Place::inner> {
 
 /// 537 operations.
 template <>
-struct DerivedVelocitySteps<HelicalKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<HelicalKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 19>;
   template <class T>
@@ -1349,8 +1349,8 @@ struct DerivedVelocitySteps<HelicalKernels, LinkRotation::any, Place::leaf> {
 
 /// 519 operations.
 template <>
-struct DerivedVelocitySteps<HelicalKernels, LinkRotation::tilted, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<HelicalKernels, LinkRotation::tilted, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 18>;
   template <class T>
@@ -1964,8 +1964,8 @@ struct DerivedVelocitySteps<HelicalKernels, LinkRotation::tilted, Place::inner> 
 
 /// 439 operations.
 template <>
-struct DerivedVelocitySteps<HelicalKernels, LinkRotation::tilted, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<HelicalKernels, LinkRotation::tilted, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 18>;
   template <class T>
@@ -2489,8 +2489,8 @@ struct DerivedVelocitySteps<HelicalKernels, LinkRotation::tilted, Place::leaf> {
 
 /// 423 operations.
 template <>
-struct DerivedVelocitySteps<HelicalKernels, LinkRotation::about_z, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<HelicalKernels, LinkRotation::about_z, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 15>;
   template <class T>
@@ -3005,8 +3005,8 @@ struct DerivedVelocitySteps<HelicalKernels, LinkRotation::about_z, Place::inner>
 
 /// 343 operations.
 template <>
-struct DerivedVelocitySteps<HelicalKernels, LinkRotation::about_z, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<HelicalKernels, LinkRotation::about_z, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 15>;
   template <class T>
@@ -3431,8 +3431,8 @@ struct DerivedVelocitySteps<HelicalKernels, LinkRotation::about_z, Place::leaf> 
 
 /// 60 operations.
 template <>
-struct DerivedVelocitySteps<HelicalKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedVelocitySteps<HelicalKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedVelocityRecord<T, 4>;
   template <class T>
@@ -3539,8 +3539,8 @@ struct DerivedVelocitySteps<HelicalKernels, LinkRotation::any, Place::root> {
 
 /// 32 operations.
 template <>
-struct DerivedVelocitySteps<HelicalKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedVelocitySteps<HelicalKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedVelocityRecord<T, 4>;
   template <class T>

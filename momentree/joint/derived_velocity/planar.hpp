@@ -11,8 +11,8 @@ inline constexpr DerivedForms velocity_forms<PlanarKernels>{5, 0};
 
 /// 620 operations.
 template <>
-struct DerivedVelocitySteps<PlanarKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<PlanarKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 26>;
   template <class T>
@@ -743,8 +743,8 @@ struct DerivedVelocitySteps<PlanarKernels, LinkRotation::any, Place::inner> {
 
 /// 471 operations.
 template <>
-struct DerivedVelocitySteps<PlanarKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<PlanarKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 19>;
   template <class T>
@@ -1308,8 +1308,8 @@ struct DerivedVelocitySteps<PlanarKernels, LinkRotation::any, Place::leaf> {
 
 /// 448 operations.
 template <>
-struct DerivedVelocitySteps<PlanarKernels, LinkRotation::about_z, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<PlanarKernels, LinkRotation::about_z, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 25>;
   template <class T>
@@ -1867,8 +1867,8 @@ struct DerivedVelocitySteps<PlanarKernels, LinkRotation::about_z, Place::inner> 
 
 /// 300 operations.
 template <>
-struct DerivedVelocitySteps<PlanarKernels, LinkRotation::about_z, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<PlanarKernels, LinkRotation::about_z, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 18>;
   template <class T>
@@ -2260,8 +2260,8 @@ struct DerivedVelocitySteps<PlanarKernels, LinkRotation::about_z, Place::leaf> {
 
 /// 113 operations.
 template <>
-struct DerivedVelocitySteps<PlanarKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedVelocitySteps<PlanarKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedVelocityRecord<T, 10>;
   template <class T>
@@ -2436,8 +2436,8 @@ struct DerivedVelocitySteps<PlanarKernels, LinkRotation::any, Place::root> {
 
 /// 49 operations.
 template <>
-struct DerivedVelocitySteps<PlanarKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedVelocitySteps<PlanarKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedVelocityRecord<T, 6>;
   template <class T>

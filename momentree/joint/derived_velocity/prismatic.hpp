@@ -11,8 +11,8 @@ inline constexpr DerivedForms velocity_forms<PrismaticKernels>{7, 0};
 
 /// 534 operations.
 template <>
-struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 17>;
   template <class T>
@@ -639,8 +639,8 @@ struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::any, Place::inner> {
 
 /// 391 operations.
 template <>
-struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 14>;
   template <class T>
@@ -1111,8 +1111,8 @@ struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::any, Place::leaf> {
 
 /// 436 operations.
 template <>
-struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::tilted, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::tilted, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 16>;
   template <class T>
@@ -1640,8 +1640,8 @@ struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::tilted, Place::inner
 
 /// 283 operations.
 template <>
-struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::tilted, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::tilted, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 13>;
   template <class T>
@@ -2003,8 +2003,8 @@ struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::tilted, Place::leaf>
 
 /// 326 operations.
 template <>
-struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::about_z, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::about_z, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 13>;
   template <class T>
@@ -2421,8 +2421,8 @@ struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::about_z, Place::inne
 
 /// 184 operations.
 template <>
-struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::about_z, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::about_z, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 10>;
   template <class T>
@@ -2683,8 +2683,8 @@ struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::about_z, Place::leaf
 
 /// 35 operations.
 template <>
-struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedVelocityRecord<T, 3>;
   template <class T>
@@ -2764,8 +2764,8 @@ struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::any, Place::root> {
 
 /// 9 operations.
 template <>
-struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedVelocitySteps<PrismaticKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedVelocityRecord<T, 1>;
   template <class T>

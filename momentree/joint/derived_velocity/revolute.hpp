@@ -11,8 +11,8 @@ inline constexpr DerivedForms velocity_forms<RevoluteKernels>{0, 2047};
 
 /// 556 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::general, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::general, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 16>;
   template <class T>
@@ -661,8 +661,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::general, Place::inn
 
 /// 449 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::general, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::general, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 15>;
   template <class T>
@@ -1193,8 +1193,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::general, Place::lea
 
 /// 461 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::tilted, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::tilted, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 16>;
   template <class T>
@@ -1748,8 +1748,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::tilted, Place::inne
 
 /// 354 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::tilted, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::tilted, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 15>;
   template <class T>
@@ -2185,8 +2185,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::tilted, Place::leaf
 
 /// 431 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 16>;
   template <class T>
@@ -2710,8 +2710,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw, Place::inner
 
 /// 305 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 15>;
   template <class T>
@@ -3098,8 +3098,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw, Place::leaf>
 
 /// 384 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_a, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_a, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 16>;
   template <class T>
@@ -3576,8 +3576,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_a, Place::inn
 
 /// 277 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_a, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_a, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 15>;
   template <class T>
@@ -3936,8 +3936,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_a, Place::lea
 
 /// 382 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_d, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_d, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 16>;
   template <class T>
@@ -4412,8 +4412,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_d, Place::inn
 
 /// 256 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_d, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_d, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 15>;
   template <class T>
@@ -4751,8 +4751,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::screw_d, Place::lea
 
 /// 350 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 14>;
   template <class T>
@@ -5193,8 +5193,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right, Place::inner
 
 /// 232 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 13>;
   template <class T>
@@ -5506,8 +5506,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right, Place::leaf>
 
 /// 303 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_a, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_a, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 14>;
   template <class T>
@@ -5901,8 +5901,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_a, Place::inn
 
 /// 204 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_a, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_a, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 13>;
   template <class T>
@@ -6186,8 +6186,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_a, Place::lea
 
 /// 316 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_d, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_d, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 14>;
   template <class T>
@@ -6594,8 +6594,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_d, Place::inn
 
 /// 204 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_d, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_d, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 13>;
   template <class T>
@@ -6880,8 +6880,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_d, Place::lea
 
 /// 239 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_meeting, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_meeting, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 11>;
   template <class T>
@@ -7207,8 +7207,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_meeting, Plac
 
 /// 155 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_meeting, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_meeting, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 10>;
   template <class T>
@@ -7440,8 +7440,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::right_meeting, Plac
 
 /// 349 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 14>;
   template <class T>
@@ -7881,8 +7881,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel, Place::in
 
 /// 229 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 13>;
   template <class T>
@@ -8191,8 +8191,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel, Place::le
 
 /// 302 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel_a, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel_a, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 14>;
   template <class T>
@@ -8585,8 +8585,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel_a, Place::
 
 /// 201 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel_a, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel_a, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 13>;
   template <class T>
@@ -8867,8 +8867,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::parallel_a, Place::
 
 /// 39 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::general, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::general, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedVelocityRecord<T, 4>;
   template <class T>
@@ -8954,8 +8954,8 @@ struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::general, Place::roo
 
 /// 23 operations.
 template <>
-struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::general, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedVelocitySteps<RevoluteKernels, PlacementShape::general, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedVelocityRecord<T, 3>;
   template <class T>
@@ -9016,8 +9016,8 @@ inline constexpr DerivedForms velocity_forms<ArmatureKernels>{0, 37};
 
 /// 596 operations.
 template <>
-struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::general, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::general, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 17>;
   template <class T>
@@ -9707,8 +9707,8 @@ struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::general, Place::inn
 
 /// 486 operations.
 template <>
-struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::general, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::general, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 16>;
   template <class T>
@@ -10277,8 +10277,8 @@ struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::general, Place::lea
 
 /// 471 operations.
 template <>
-struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::screw, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::screw, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 17>;
   template <class T>
@@ -10843,8 +10843,8 @@ struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::screw, Place::inner
 
 /// 342 operations.
 template <>
-struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::screw, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::screw, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 16>;
   template <class T>
@@ -11269,8 +11269,8 @@ struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::screw, Place::leaf>
 
 /// 390 operations.
 template <>
-struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::right, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::right, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 15>;
   template <class T>
@@ -11752,8 +11752,8 @@ struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::right, Place::inner
 
 /// 262 operations.
 template <>
-struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::right, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::right, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 14>;
   template <class T>
@@ -12096,8 +12096,8 @@ struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::right, Place::leaf>
 
 /// 40 operations.
 template <>
-struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::general, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::general, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedVelocityRecord<T, 4>;
   template <class T>
@@ -12184,8 +12184,8 @@ struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::general, Place::roo
 
 /// 24 operations.
 template <>
-struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::general, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedVelocitySteps<ArmatureKernels, PlacementShape::general, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedVelocityRecord<T, 3>;
   template <class T>

@@ -11,8 +11,8 @@ inline constexpr DerivedForms velocity_forms<UniversalKernels>{9, 0};
 
 /// 683 operations.
 template <>
-struct DerivedVelocitySteps<UniversalKernels, LinkRotation::any, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<UniversalKernels, LinkRotation::any, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 31>;
   template <class T>
@@ -808,8 +808,8 @@ struct DerivedVelocitySteps<UniversalKernels, LinkRotation::any, Place::inner> {
 
 /// 597 operations.
 template <>
-struct DerivedVelocitySteps<UniversalKernels, LinkRotation::any, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<UniversalKernels, LinkRotation::any, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 30>;
   template <class T>
@@ -1507,8 +1507,8 @@ struct DerivedVelocitySteps<UniversalKernels, LinkRotation::any, Place::leaf> {
 
 /// 635 operations.
 template <>
-struct DerivedVelocitySteps<UniversalKernels, LinkRotation::none, Place::inner> {
-  static constexpr Place place = Place::inner;
+struct DerivedVelocitySteps<UniversalKernels, LinkRotation::none, BodyPlace::inner> {
+  static constexpr BodyPlace place = BodyPlace::inner;
   template <class T>
   using Record = DerivedVelocityRecord<T, 27>;
   template <class T>
@@ -2252,8 +2252,8 @@ struct DerivedVelocitySteps<UniversalKernels, LinkRotation::none, Place::inner> 
 
 /// 549 operations.
 template <>
-struct DerivedVelocitySteps<UniversalKernels, LinkRotation::none, Place::leaf> {
-  static constexpr Place place = Place::leaf;
+struct DerivedVelocitySteps<UniversalKernels, LinkRotation::none, BodyPlace::leaf> {
+  static constexpr BodyPlace place = BodyPlace::leaf;
   template <class T>
   using Record = DerivedVelocityRecord<T, 26>;
   template <class T>
@@ -2899,8 +2899,8 @@ struct DerivedVelocitySteps<UniversalKernels, LinkRotation::none, Place::leaf> {
 
 /// 224 operations.
 template <>
-struct DerivedVelocitySteps<UniversalKernels, LinkRotation::any, Place::root> {
-  static constexpr Place place = Place::root;
+struct DerivedVelocitySteps<UniversalKernels, LinkRotation::any, BodyPlace::root> {
+  static constexpr BodyPlace place = BodyPlace::root;
   template <class T>
   using Record = DerivedVelocityRecord<T, 26>;
   template <class T>
@@ -3202,8 +3202,8 @@ struct DerivedVelocitySteps<UniversalKernels, LinkRotation::any, Place::root> {
 
 /// 178 operations.
 template <>
-struct DerivedVelocitySteps<UniversalKernels, LinkRotation::any, Place::single> {
-  static constexpr Place place = Place::single;
+struct DerivedVelocitySteps<UniversalKernels, LinkRotation::any, BodyPlace::single> {
+  static constexpr BodyPlace place = BodyPlace::single;
   template <class T>
   using Record = DerivedVelocityRecord<T, 25>;
   template <class T>
