@@ -52,6 +52,17 @@ TEST_CASE("actions with no effect are refused, with the reason") {
   });
 }
 
+TEST_CASE("a broken free joint is not the free joint of the part that broke off, although it has its name") {
+  std::string text = first;
+  const std::string ball = "name = \"j\"\nkind = \"ball\"\n", free = "kind = \"free\"\n";
+  text.replace(text.find(ball), ball.size(), free);
+  check({
+      {text + "break = \"m/b\"\n" + then + "change = { joint = \"m/b\", kind = \"ball\" }\n",
+       "s.toml:46:10: error: change: joint 'm/b' will be broken by then, by break m/b (event '#1', line 43); to hold the "
+       "separated part where it is, weld its body to the ground"},
+  });
+}
+
 TEST_CASE("what an action sets on a joint that could not be read is not judged") {
   std::string text = first + "set = { joint = \"p/z\", damping = \"2 N m s\" }\n";
   const std::size_t mass = text.rfind("mass = 1");

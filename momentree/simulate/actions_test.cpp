@@ -461,6 +461,29 @@ TEST_CASE("actions on a broken joint do not act on the separated part, whose fre
     CHECK(norm(sim.world().totals().linear - before.linear) > 0);  // arm/a still holds
     CHECK(norm(sim.world().motions()[1].linear) > 0.5);
   }
+  // A free joint within a mechanism is a joint like others.
+  Model loose({.gravity = {}});
+  const BodyId hull = loose.add({.name = "m/a", .mass = 1, .inertia = diagonal(0.1), .joint = Free{}});
+  loose.add({.name = "m/b",
+             .mass = 1,
+             .inertia = diagonal(0.1),
+             .parent = hull,
+             .at = {1, 0, 0},
+             .joint = Free{},
+             .v = {0, 1, 0, 0, 0, 0}});
+  for (const Action& action : {lock("m/b"), set_parameters("m/b", {.damping = 3}), break_joint("m/b"),
+                               change_joint("m/b", JointSpec(Prismatic{.axis = y_axis}))}) {
+    CAPTURE(action.text());
+    Simulation sim(loose);
+    sim.when(reaction_force("m/b").below(1)).then(impulse("m/a", {0, 0, 1})).named("unloaded");
+    sim.apply(break_joint("m/b"));
+    CHECK(sim.apply(action).actions.at(0).text().find("skipped: the joint no longer exists") != std::string::npos);
+    REQUIRE(sim.run_until(1) == Status::ok);
+    CHECK(sim.events().size() == 2);  // a joint that is gone has no reaction
+    CHECK(sim.world().motions()[1].pose.position.y == doctest::Approx(1).epsilon(1e-12));
+  }
+  Simulation root(loose);  // its free root is the same joint before and after
+  CHECK(root.apply(lock("m/a")).actions.at(0).text() == "lock m/a");
   // A joint that is released for the impact of its change is another matter: it exists.
   Simulation turned(arm());
   CHECK(

@@ -102,23 +102,11 @@ double TopologyEditor::work_of_motions() {
   return work;
 }
 
-// The free joint of a part that broke off is named after its body, and often the joint that broke has the same name. Actions mean
-// the joint that broke: none of them may act on the free part instead.
+// None of the actions may act on a part that broke off instead.
 int TopologyEditor::joint(std::string_view name) const {
   const int found = world_.names_.find_joint(name);
-  if (is_loop({found})) return found;
   if (found < 0 || loosened.contains(found)) return found;
-  const int b = tree().carrier(found);
-  const Joint& now = tree().joint(b);
-  // A root that was freed at its own frame is unchanged: neither a state document nor the motion can tell the difference.
-  const auto moved = [](const Pose& pose) {
-    const Quat& r = pose.rotation;
-    return !(pose.position == Vec3{}) || r.w != 1 || r.x != 0 || r.y != 0 || r.z != 0;
-  };
-  if (now.kind != Kind::free || tree().parent(b) >= 0 || moved(now.at) || moved(now.child_at)) return found;
-  const Model& model = world_.model();
-  const bool broke = model.has_joint(name) && model.joint_spec(model.joint(name)).kind != Kind::free;
-  return broke ? -1 : found;
+  return world_.is_broken(name, {found}) ? -1 : found;
 }
 
 void TopologyEditor::touch(int joint) {

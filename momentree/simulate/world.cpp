@@ -34,12 +34,23 @@ struct KeptFunction {
   std::shared_ptr<const JointFunction> function;
 };
 
-Kind declared_kind(const Model& model, const std::string& joint) {
-  const JointId id = model.joint(joint);
-  return is_loop(id) ? model.loops()[static_cast<std::size_t>(id.index - first_loop)].joint.kind : model[{id.index}].joint.kind;
-}
-
 }  // namespace
+
+// The free joint of a part that broke off is named after its body, and often the joint that broke has the same name. A free root
+// that was freed at its own frame is unchanged: neither a state document nor the motion can tell the difference.
+bool World::is_broken(std::string_view name, JointId found) const {
+  if (is_loop(found) || !model_.has_joint(name)) return false;
+  const int b = tree_.carrier(found.index);
+  if (b < 0) return false;
+  const Joint& now = tree_.joint(b);
+  const auto moved = [](const Pose& pose) {
+    const Quat& r = pose.rotation;
+    return !(pose.position == Vec3{}) || r.w != 1 || r.x != 0 || r.y != 0 || r.z != 0;
+  };
+  if (now.kind != Kind::free || tree_.parent(b) >= 0 || moved(now.at) || moved(now.child_at)) return false;
+  const JointId declared = model_.joint(name);
+  return model_.joint_spec(declared).kind != Kind::free || model_[BodyId{declared.index}].parent != ground;
+}
 
 void World::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
   MT_REQUIRE(std::isfinite(time), "a finite time");
@@ -68,7 +79,8 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   for (KeptFunction& each : functions) {
     // By name: a loop joint that takes the place of a broken joint has the number of that one.
     const int joint = names_.find_joint(each.joint);
-    if (joint < 0 || !model_.has_joint(each.joint) || declared_kind(model_, each.joint) != each.kind) continue;
+    if (joint < 0 || !model_.has_joint(each.joint) || model_.joint_spec(model_.joint(each.joint)).kind != each.kind) continue;
+    if (is_broken(each.joint, {joint})) continue;
     const Loop* const loop = tree_.find_loop({joint});
     if (loop != nullptr && loop->joint.kind == each.kind)
       tree_.set_loop_function(joint - first_loop, std::move(each.function));

@@ -204,6 +204,9 @@ class World {
   /// Number of the joint that has that name now; −1 if there is none.
   int find_joint(std::string_view name) const { return names_.find_joint(name); }
   int find_joint(std::string_view name, std::atomic<int>& number) const { return names_.find_joint(name, number); }
+  /// True if the model's joint of that name broke, and `found`, which now has the name, is the free joint of the part that broke
+  /// off. Actions and conditions mean the joint that broke.
+  bool is_broken(std::string_view name, JointId found) const;
   /// The loop joints, in the order in which they were made, and the state of their equations and those of couplings.
   std::vector<JointId> loops() const;
   LoopStatus loop_status() const;
