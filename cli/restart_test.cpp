@@ -52,6 +52,7 @@ void check_restarts(const io::Scenario& scenario, double until, const std::vecto
     const std::string file = folder / "state.json";
     io::write_text_file(file, io::state_json(first.session.simulation().world(), first.session.armed(),
                                              first.session.simulation().step_memory()));
+    CHECK(Run(scenario, file, stop).state() == first.state());  // nothing happens again
     const Run second(scenario, file, until);
     std::vector<std::string> events = first.events;
     events.insert(events.end(), second.events.begin(), second.events.end());
@@ -276,19 +277,163 @@ kind = "revolute"
 v = 1
 [[event]]
 name = "first"
-at = 0.16
+at = 0.1
 set = { joint = "p/bob", damping = 0.1 }
 [[event]]
 name = "unlock"
-after = { event = "first", delay = 0.06 }
+after = { event = "first", delay = 0.2 }
 unlock = "p/bob"
 [[event]]
 name = "lock"
 every = 0.1
-from = 0.02
+from = 0.2
 lock = "p/bob"
-)"),  // the third of these is at 0.02 + 0.1 + 0.1, a rounding after 0.16 + 0.06
+)"),  // the second of these is at 0.3, a rounding before 0.1 + 0.2
                  0.4, {0.13, 0.2});
+}
+
+TEST_CASE("rows and periodic events are at the decimal instants that a user writes, so that a run may stop and continue there") {
+  const std::string text = R"(format = 1
+[integrate]
+until = 0.9
+method = "METHOD"
+[output]
+every = 0.05
+[[mechanism]]
+name = "p"
+[[mechanism.body]]
+name = "bob"
+mass = 1
+com = [0, 0, -1]
+inertia = 0.1
+[mechanism.body.joint]
+kind = "revolute"
+axis = [0, 1, 0]
+angle = 1
+[[event]]
+name = "kick"
+every = 0.1
+from = 0.1
+impulse = { body = "p/bob", force = [0.1, 0, 0] }
+)";  // 3 * 0.1, 3 * 0.05, 6 * 0.05 and 7 * 0.05 are a rounding after 0.3, 0.15, 0.3 and 0.35
+  for (const char* method : {"rk4", "dopri5", "dop853"}) {
+    CAPTURE(method);
+    std::string with = text;
+    with.replace(with.find("METHOD"), 6, method);
+    check_restarts(read(with), 0.9, {0.15, 0.3, 0.35, 0.6, 0.7});
+  }
+}
+
+TEST_CASE("a periodic event that would be refused after the end is no reason to refuse a restart") {
+  const std::string text = R"(format = 1
+[integrate]
+until = 0.25
+[output]
+every = 0.125
+[[mechanism]]
+name = "a"
+root = "free"
+[[mechanism.body]]
+name = "a"
+mass = 1
+inertia = 0.01
+[[mechanism]]
+name = "b"
+root = "free"
+pose = { xyz = [1, 0, 0] }
+[[mechanism.body]]
+name = "b"
+mass = 1
+inertia = 0.01
+[[event]]
+name = "w"
+every = 0.23
+from = 0.1
+weld = { body = "b/b", to = "a/a" }
+)";
+  check_restarts(read(text), 0.25, {0.125});
+  const io::test::TemporaryFolder folder;  // one that is due is refused at its instant, as in the direct run
+  io::Scenario longer = read(text);
+  longer.until = 0.5;
+  const Run first(longer, "", 0.25);
+  io::write_text_file(folder / "state.json", io::state_json(first.session.simulation().world(), first.session.armed(), {}));
+  Session second(longer, momentree::cli::documents_of(folder / "state.json", longer.model));
+  static_cast<void>(second.schedule());
+  CHECK(second.run() == Status::refused);
+  CHECK(second.simulation().time() == 0.33);
+}
+
+TEST_CASE("a document reads back to the same text after the ground has become the parent of another body") {
+  check_restarts(read(R"(format = 1
+[integrate]
+until = 0.5
+[output]
+every = 0.125
+[[mechanism]]
+name = "m"
+root = "free"
+[[mechanism.body]]
+name = "a"
+mass = 1
+inertia = 0.01
+[[mechanism.body]]
+name = "b"
+mass = 1
+inertia = 0.01
+joint = { kind = "revolute", name = "j", parent = "a" }
+[[event]]
+at = 0.1
+weld = { body = "m/b" }
+[[event]]
+at = 0.2
+break = "m/j"
+)"),
+                 0.5, {0.125, 0.25, 0.5});
+}
+
+TEST_CASE("a restart keeps a cable taut next to a coupling's spring") {
+  for (const char* method : {"rk4", "dopri5", "dop853"}) {
+    CAPTURE(method);
+    check_restarts(read(R"(format = 1
+[[mechanism]]
+name = "m0"
+[[mechanism.body]]
+name = "b0"
+mass = 1
+inertia = [0.01, 0.02, 0.012]
+[[mechanism]]
+name = "m1"
+[[mechanism.body]]
+name = "b0"
+mass = 0.4
+inertia = 0.005
+[[mechanism.body]]
+name = "b1"
+mass = 0.7
+inertia = 0.004
+joint = { kind = "prismatic", name = "j1", parent = "b0" }
+[[mechanism.body]]
+name = "b3"
+mass = 3
+inertia = [0.01, 0.011, 0.012]
+joint = { kind = "revolute", parent = "b1" }
+[[coupling]]
+joint = "m1/j1"
+follows = "m1/b3"
+stiffness = 9
+[[cable]]
+name = "C0"
+from = { body = "m1/b3" }
+to = { body = "m0/b0", point = [0.03, -0.05, -0.03] }
+[integrate]
+method = ")" + std::string(method) +
+                        R"("
+until = 0.5
+[output]
+every = 0.06
+)"),
+                   0.5, {0.12, 0.18, 0.3});
+  }
 }
 
 TEST_CASE("the events of a document must fit the scenario") {

@@ -194,11 +194,7 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
     Simulation::Scheduled scheduled = [&] {
       if (condition) return *condition;
       if (!event->after.empty()) return simulation.after(event->after, event->delay);
-      if (event->period > 0) {
-        const double periods = std::max(0.0, std::ceil((simulation.time() - event->time) / event->period));
-        // Rounding may put the next instant before the start of the run.
-        return simulation.every(event->period, std::max(simulation.time(), event->time + periods * event->period));
-      }
+      if (event->period > 0) return simulation.every(event->period, event->time);
       return simulation.at(event->time);
     }();
     scheduled.named(event->name, event->named).ranked(ranks.at(event));

@@ -45,6 +45,8 @@ Session::Session(std::shared_ptr<const Scenario> scenario, std::vector<RestoredS
     restore(simulation_, documents);
   }
   couple(simulation_, shared_->couplings);
+  if (from_document_ && !shared_->couplings.empty())
+    restore(simulation_, documents);  // its contacts close again: they opened when forces were added
   for (const RestoredState& document : documents) {
     if (document.memory != StepMemory{}) memory_ = document.memory;
     for (const ArmedEvent& event : document.armed) take_armed(event, document.file);
@@ -71,6 +73,11 @@ void Session::take_armed(const ArmedEvent& event, const std::string& file) {
 const EventStatus* Session::past_of(const ScenarioEvent& event) const {
   const std::vector<EventStatus>& each = armed_at_start_[by_name_.at(event.name)].each;
   return each.empty() ? nullptr : &each[match_of_.at(&original(event))];
+}
+
+bool Session::has_happened(const ScenarioEvent& event) const {
+  const EventStatus* const past = past_of(event);
+  return (past != nullptr ? past->fired : armed_at_start_[by_name_.at(event.name)].fired) > 0;
 }
 
 const ScenarioEvent& Session::original(const ScenarioEvent& event) const {
@@ -114,8 +121,7 @@ std::vector<Diagnostic> Session::schedule() {
                  "] m/s²");
   std::vector<const ScenarioEvent*> events;
   for (const ScenarioEvent& event : scenario().events) {
-    const EventStatus* const past = past_of(event);
-    const bool fired = (past != nullptr ? past->fired : armed_at_start_[by_name_.at(event.name)].fired) > 0;
+    const bool fired = has_happened(event);
     const bool once = !(event.condition && event.condition->repeats) && event.after.empty() && event.period == 0;
     if (event.condition && fired && once) continue;
     if (event.period == 0 && (event.time < start || (event.time == start && fired))) {
@@ -132,7 +138,12 @@ std::vector<Diagnostic> Session::schedule() {
   std::vector<EventProblem> problems = scheduled_.problems;
   if (problems.empty() && from_document_) {  // otherwise the reader has tried them
     const auto line = [](Place place) { return "line " + std::to_string(place.line); };
-    problems = problems_of(simulation_.dry_run(), scheduled_, line);
+    DryRun dry_run = simulation_.dry_run();
+    // The run that wrote the document may have ended before they are due, or went on past them.
+    std::erase_if(dry_run.issues, [this](const DryRun::Issue& issue) {
+      return issue.time > scenario().until || has_happened(*scheduled_.events[issue.event]);
+    });
+    problems = problems_of(dry_run, scheduled_, line);
     // An action with no effect is not an error: the run that wrote the document continued past such actions, too.
     std::erase_if(problems, [&](const EventProblem& problem) {
       if (problem.idle) warn(problem.place, problem.what);

@@ -46,6 +46,7 @@ class Session {
  private:
   void take_armed(const ArmedEvent& event, const std::string& file);
   const EventStatus* past_of(const ScenarioEvent& event) const;
+  bool has_happened(const ScenarioEvent& event) const;
   void resume();
   void schedule_followers(std::vector<const ScenarioEvent*>& events);
   const ScenarioEvent& original(const ScenarioEvent& event) const;

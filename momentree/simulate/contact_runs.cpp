@@ -112,11 +112,20 @@ bool Simulation::Impl::resolve_contacts(bool after_step) {
   if (some_step()) join_touched_islands();
   if (steps_through()) return true;
   const std::size_t first = events.size();
+  const auto same = [](const Contact& x, const Contact& y) {
+    return same_contact(x, y) && x.mode == y.mode && x.direction == y.direction && x.keeps_direction == y.keeps_direction &&
+           x.settles == y.settles;
+  };
+  const std::vector<Contact> closed(world.tree_.contacts().begin(), world.tree_.contacts().end());
   for (;;) {
     const std::size_t before = events.size();
     const std::optional<Contacts::Unresolved> failed = resolve_stops_and_contacts();
     for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
-    balance.lost_in_impacts += contacts.take_lost();
+    const double lost = contacts.take_lost();
+    balance.lost_in_impacts += lost;
+    const bool changed =
+        failed || lost != 0 || events.size() > first || !std::ranges::equal(closed, world.tree_.contacts(), same);
+    if (!changed && !after_step) return true;  // a run that continues another one has the memory of that one
     queue.forget_looks();
     if (!failed) break;
     if (!failed->can_be_stepped && !after_step) {
@@ -234,7 +243,7 @@ SteppingState Simulation::Impl::stepping_state() const {
 
 void Simulation::Impl::continue_stepping(const SteppingState& from) {
   stepping = from;
-  stepping.points.clear(), stepping.unloaded = -1;
+  stepping.points.clear(), stepping.unloaded = stepping.excess = -1;
   contacts.set_short_steps(from.short_steps);
   contacts.set_stepped(stepped_bodies());
   if (stepping.on || method_steps || !contact_steps.points().empty()) contact_steps.set_points(from.points, from.released);
@@ -251,7 +260,7 @@ void Simulation::Impl::update_pending_contacts() {
 // A document may be one of another scenario, in which its contacts are no longer those that close.
 void Simulation::Impl::check_contacts_of_document(const SteppingState& from) {
   if (!contacts.any()) return;
-  bool hold = contacts.closed_ones().empty() || contacts.closed_ones_hold();
+  bool hold = contacts.excess_of_closed() <= from.excess;
   if (hold && !contact_steps.points().empty()) {
     constexpr double same = 1e-9;
     const bool known = from.unloaded >= 0;
@@ -304,11 +313,4 @@ bool Simulation::Impl::overlaps_at_start() {
 }
 
 // Whether a run may begin with the closed contacts, as after one of its steps.
-bool Simulation::Impl::closed_contacts_hold() {
-  if (!contacts.any()) return false;
-  if (stepping.on && world.tree_.contacts().empty()) return true;
-  evaluate_state();
-  return contacts.closed_ones_hold();
-}
-
 }  // namespace momentree

@@ -1,6 +1,7 @@
 // Contacts before a run begins: those that it will close, and those that were closed in the run that it continues.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <momentree/simulate/contacts_impl.hpp>
 #include <momentree/simulate/overlap.hpp>
@@ -156,11 +157,14 @@ void Contacts::close_from_document(const Forest& forest) {
   if (!forest.former_contacts.empty()) world_->former_contacts_ = placed_again(forest.former_contacts);
 }
 
-bool Contacts::closed_ones_hold() {
-  const std::span<const Contact> closed = world_->tree_.contacts();
-  if (closed.empty() || has_pending() || overlap()) return false;
+double Contacts::excess_of_closed() {
+  const std::vector<Contact> closed = closed_ones();
+  if (closed.empty()) return -1;
+  if (overlap()) return std::numeric_limits<double>::max();
   world_->evaluate();
-  return stay_together({closed.begin(), closed.end()}) && excess_of_forces() <= rounding;
+  if (!stay_together(closed)) return std::numeric_limits<double>::max();
+  const double excess = excess_of_forces();
+  return excess <= rounding ? -1 : excess;
 }
 
 }  // namespace momentree

@@ -79,8 +79,9 @@ class Contacts {
   void open_pending();
   /// Closes contacts of a document; those that do not touch stay open.
   void close_from_document(const Forest& forest);
-  /// True if the closed contacts fit the state and the forces, as after a step: a run can go on with them.
-  bool closed_ones_hold();
+  /// −1 if the closed contacts fit the state and the forces. Otherwise the largest force that contacts cannot exert, relative to
+  /// the largest force of its island; or the largest number, if bodies overlap or do not stay together.
+  double excess_of_closed();
   /// The bodies that are stepped through, by number; none: all or no bodies are.
   void set_stepped(std::vector<bool> bodies);
   bool is_stepped(int body) const {

@@ -57,7 +57,7 @@ DryRun Simulation::Impl::dry_run() {
     for (const ActionReport& action : report.actions)
       if (certain && action.result.outcome != ActionResult::Outcome::done)
         found.issues.push_back({order[begin + action.event].entry, action.action, action.result,
-                                action.result.outcome == ActionResult::Outcome::refused ? report.message : ""});
+                                action.result.outcome == ActionResult::Outcome::refused ? report.message : "", time});
     found.complete = !report.lost;
     add_breaks();
     look_at_joints();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <momentree/base/periodic.hpp>
 #include <momentree/simulate/run_state.hpp>
 #include <momentree/simulate/world.hpp>
 
@@ -156,7 +157,7 @@ void EventQueue::happened(std::size_t place, double time) {
     e.resting = e.condition->repeats;
     e.done = !e.condition->repeats;
   } else if (e.period > 0) {
-    e.time += e.period;
+    e.time = Periodic(e.from, e.period).first_after(e.time);
   } else if (e.after.empty()) {
     e.done = true;
   } else {
@@ -247,8 +248,7 @@ void EventQueue::restart(double before, double now) {
     e.nearest = {};
     if (back) e.fired = 0, e.done = e.resting = false;
     if (e.period > 0 && (back || e.time < now)) {
-      e.time = e.from + std::max(0.0, std::ceil((now - e.from) / e.period)) * e.period;
-      if (e.time < now) e.time += e.period;
+      e.time = std::max(e.from, Periodic(e.from, e.period).first_from(now));
     } else if (!e.after.empty() && (back || e.time < now)) {
       e.time = HUGE_VAL;
     } else if (!e.condition && e.time < now) {

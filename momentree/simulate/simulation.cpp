@@ -83,12 +83,12 @@ Simulation::Scheduled Simulation::after(std::string event, double delay) {
 
 Simulation::Scheduled Simulation::every(double period, double from) {
   const double now = scheduling().world.time();
-  if (!std::isfinite(from) || from < now)
+  if (!std::isfinite(from) || from < std::min(now, 0.0))
     throw_error({"an event from " + detail::text(from) + " s on cannot happen: the time is " + detail::text(now) + " s", "", ""});
   const double clock = std::max({now, from, impl_->integration.step});
   if (std::optional<Error> wrong = wrong_period(period, clock, "the period of an event")) throw_error(std::move(*wrong));
   EventQueue::Entry entry;
-  entry.time = entry.from = from, entry.period = period;
+  entry.time = std::max(from, Periodic(from, period).first_from(now)), entry.from = from, entry.period = period;
   return Scheduled(impl_, impl_->schedule(std::move(entry)));
 }
 
@@ -331,6 +331,7 @@ StepMemory Simulation::step_memory() const {
   const bool adaptive = impl().method->adaptive();
   StepMemory memory{adaptive ? impl_->method->proposal() : 0.0, adaptive ? impl_->ledger.work : 0.0, impl_->stepping_state()};
   if (!memory.stepping.points.empty() && !memory.stepping.released && impl_->idle()) memory.stepping.unloaded = impl_->unloaded();
+  if (impl_->idle()) memory.stepping.excess = impl_->contacts.any() ? impl_->contacts.excess_of_closed() : -1;
   memory.stepping.placed = true;  // whatever begins with it
   return memory;
 }

@@ -112,6 +112,7 @@ struct DryRun {
     std::size_t event = 0, action = 0;  ///< in the order of scheduling
     ActionResult result;                ///< skipped or refused
     std::string message;                ///< for a refusal
+    double time = 0;                    ///< when the event is due (s)
   };
   std::vector<Issue> issues;
   /// Every joint that the world has now or would have later, with each kind that it would have.
@@ -179,8 +180,8 @@ class Simulation {
   /// Schedules actions `delay` seconds after the event with that name, each time that it happens; a joint with a strength has an
   /// event "strength of <joint>".
   Scheduled after(std::string event, double delay = 0);
-  /// Schedules actions at `from` (s) and every `period` seconds from then on. Throws Error for a period that is not positive or
-  /// is shorter than the clock can resolve.
+  /// Schedules actions at `from` (s) and every `period` seconds from then on; instants before the present time don't happen.
+  /// Throws Error for a period that is not positive or is shorter than the clock can resolve.
   Scheduled every(double period, double from = 0);
 
   /// Declares names of joints that events scheduled later will make: conditions and actions may then refer to them.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <momentree/base/error.hpp>
+#include <momentree/base/periodic.hpp>
 #include <momentree/base/restored.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/integrate/integrator.hpp>
@@ -92,7 +93,7 @@ struct Simulation::Impl {
   // The observer's next instant is the first one from now on.
   void look_anew() {
     observed = false;
-    if (every > 0) next_look = std::floor(world.time() / every * (1 + 1e-12)) * every;
+    if (every > 0) next_look = Periodic(0, every).first_from(world.time());
   }
   double total_energy() {
     const Totals t = world.totals();
@@ -216,7 +217,6 @@ struct Simulation::Impl {
   void undo_contact_step();
   SteppingState stepping_state() const;
   void continue_stepping(const SteppingState& from);
-  bool closed_contacts_hold();
   void check_contacts_of_document(const SteppingState& from);
   double unloaded();
   void report_overlap(const std::string& what);
@@ -293,10 +293,7 @@ struct Simulation::Impl {
     if (!force && every > 0 && world.time() < next_look) return true;
     observed = true;
     observed_at = world.time();
-    if (every > 0) {
-      next_look = (std::floor(world.time() / every * (1 + 1e-12)) + 1) * every;
-      if (!(next_look > world.time())) next_look = std::nextafter(world.time(), HUGE_VAL);
-    }
+    if (every > 0) next_look = Periodic(0, every).first_after(world.time());
     evaluate_state();
     const During observing(doing, Doing::observing);
     return observer(world);
@@ -328,7 +325,7 @@ struct Simulation::Impl {
     contacts.open_pending();
     const std::size_t before = events.size();
     resolve_limits();
-    const bool kept = may_keep && events.size() == before && closed_contacts_hold();
+    const bool kept = may_keep && events.size() == before && (stepping.on || !contacts.closed_ones().empty());
     if (contacts.any() && !kept && !resolve_contacts()) return Status::stalled;
     contacts.forget_former();
     Status status = Status::ok;
@@ -422,7 +419,7 @@ struct Simulation::Impl {
   RunResult result;     // of the last call that returned one
   bool diverged = false, stalled = false;
   bool continues = false;       // the next run continues one that was between two steps
-  bool keeps_contacts = false;  // the next run may begin with the closed contacts, if these hold
+  bool keeps_contacts = false;  // the next run may begin with the closed contacts
   ProgressMonitor progress;
   double every = 0, next_look = 0, observed_at = 0;
   bool observed = false;

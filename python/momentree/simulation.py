@@ -205,7 +205,7 @@ class Simulation(_core.SimulationBase):
         return Scheduled(self, self._after(event, delay), ("after", (event, delay)))
 
     def every(self, period: float, start: float = 0.0) -> Scheduled:
-        """Schedule actions at ``start`` (s) and every ``period`` seconds from then on."""
+        """Schedule actions at ``start`` (s) and every ``period`` seconds from then on, without instants that are past."""
         return Scheduled(self, self._every(period, start), ("every", (period, start)))
 
     def apply(self, *actions: Action, name: str | None = None) -> Event:
@@ -382,7 +382,7 @@ class Simulation(_core.SimulationBase):
         end = self.until if until is None else number(until, "until")
         every = self._output_every if record_every is None else number(record_every, "record_every")
         if every == math.inf:
-            every = max(end - self.time, 1e-9)
+            every = max(2 * end, 1e-9)  # no multiple of it is between start and end
         if observe is not None:
             called(observe, "observe")
         found: list[Run] = []
