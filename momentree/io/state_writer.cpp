@@ -50,7 +50,8 @@ void write_joint(JsonWriter& json, const World& world, int number) {
   json.member("v", joint.v).member("p", joint.p).member("pdot", joint.pdot);
   const JointForces forces = world.joint_forces({number});
   json.member("a", forces.a).key("reaction").begin_object();
-  json.member("force", forces.reaction.force).member("torque", forces.reaction.torque);
+  const auto& [force, torque] = forces.reaction;  // documents: about the origin of the child's frame
+  json.member("force", force).member("torque", torque + cross(joint.child_at.position, force));
   if (world.tree().has_loops()) json.member("determined", forces.determined);
   json.end_object().end_object();
 }

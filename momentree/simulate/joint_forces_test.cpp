@@ -76,6 +76,36 @@ TEST_CASE("a pendulum: acceleration, joint reaction and the drive's share of it,
   }
 }
 
+TEST_CASE("torques of reactions are about the joint's frame: a pin has none about its axis, and a hook none at all") {
+  // A rod of mass 3 whose frame is at its centre, 0.8 m from the point where it hangs: the weight is taken there alone.
+  const Pose end{{0, 0, 0.8}, from_axis_angle(x_axis, 0.3)};
+  for (const bool hook : {false, true}) {
+    Model model({.gravity = {0, 0, -9.81}});
+    BodySpec rod{.name = "rod", .mass = 3, .inertia = diagonal(0.2, 0.3, 0.1), .child_at = end, .joint_name = "pin"};
+    if (hook)
+      rod.joint = Ball{}, rod.q = {std::cos(0.4), 0, std::sin(0.4), 0}, rod.v = {0.3, -1.5, 2};
+    else
+      rod.joint = Revolute{.axis = y_axis}, rod.q = {0.8}, rod.v = {-1.5};
+    model.add(rod);
+    Simulation sim(model, {.step = 1e-3});
+    CHECK(sim.run_until(0.1) == Status::ok);
+    const JointForces forces = sim.world().joint_forces({0});
+    const Vec3 axis = rotation_matrix(end.rotation) * y_axis;
+    REQUIRE(norm(forces.reaction.force) > 10);
+    CHECK(std::fabs(hook ? norm(forces.reaction.torque) : dot(forces.reaction.torque, axis)) <
+          1e-13 * norm(forces.reaction.force));
+    CHECK(distance(forces.pure, forces.reaction) < 1e-13 * norm(forces.reaction.force));
+    // About the centre of mass the same wrench turns the rod: Euler's equation.
+    const BodyMotion& motion = sim.world().motions()[0];
+    const Mat3 R = rotation_matrix(motion.pose.rotation);
+    const Vec3 w = transpose_times(R, motion.angular), rate = transpose_times(R, sim.world().accelerations()[0].angular);
+    const Sym3 J = diagonal(0.2, 0.3, 0.1);
+    const Vec3 turns = J * rate + cross(w, J * w);
+    CHECK(norm(forces.reaction.torque + cross(end.position, forces.reaction.force) - turns) <
+          1e-12 * norm(forces.reaction.force));
+  }
+}
+
 TEST_CASE("accelerations are the rates of the velocities of motions and joints") {
   const double h = 1e-5;
   Simulation sim(floating(), {.step = h});

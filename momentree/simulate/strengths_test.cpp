@@ -61,6 +61,34 @@ TEST_CASE("strengths break joints as explicit events do, bit for bit") {
   }
 }
 
+TEST_CASE("torques of strengths and conditions are about the joint's frame, in the tree and in loops") {
+  // A rod of mass 2 and length 1, its frame at one end, on two smooth pins that are 1 m apart: no pin transmits a torque,
+  // wherever the frame of the body is.
+  for (const bool both : {false, true}) {
+    Model model({.gravity = {0, 0, -9.81}});
+    Revolute pin{.axis = y_axis, .strength = {.torque = 1e-9}};
+    model.add({.name = "rod",
+               .mass = 2,
+               .com = {0.5, 0, 0},
+               .inertia = diagonal(0.01, 0.2, 0.2),
+               .joint = pin,
+               .q = both ? 0.0 : 0.6,
+               .child_at = {1, 0, 0},
+               .joint_name = "right"});
+    if (both) {  // the block, on smooth ground, carries half of the rod by a hook
+      const BodyId block = model.add({.name = "block", .mass = 1, .inertia = diagonal(0.1), .at = {-2, 0, 0}, .joint = Planar{}});
+      Ball hook{.strength = {.torque = 1e-9}};
+      model.add_loop({.name = "left", .body = {0}, .to = block, .joint = hook, .at = {1, 0, 0}});
+    }
+    Simulation sim(model, {.step = 1e-3});
+    sim.when(reaction("right", "my").exceeds(1e-9)).then(lock("right"));
+    sim.when(reaction_torque("right").exceeds(1e-9)).then(lock("right"));
+    CHECK(sim.run_until(0.5) == Status::ok);
+    CHECK(sim.events().empty());
+    CHECK(norm(sim.world().joint_forces({0}).reaction.force) > 5);
+  }
+}
+
 TEST_CASE("a strength stays with a joint that is reversed, and events can follow its break") {
   Model model({.gravity = {}});
   const BodyId hull = model.add({.name = "hull", .mass = 5, .inertia = diagonal(1), .joint = Free{}});

@@ -237,6 +237,13 @@ int World::carrier(JointId number) const {
   return tree_.carrier(number.index);
 }
 
+namespace {
+// From the origin of the child's frame to that of the joint's frame on it.
+Wrench at_joint(const Pose& child_at, const Wrench& on_child) {
+  return {on_child.force, on_child.torque - cross(child_at.position, on_child.force)};
+}
+}  // namespace
+
 JointForces World::joint_forces(JointId number) const {
   if (is_loop(number)) return loop_forces(number);
   const int b = carrier(number);
@@ -246,17 +253,17 @@ JointForces World::joint_forces(JointId number) const {
   joint_effort(tree_, state_, workspace_, number, along);
   for (int i = 0; i < info(tree_.joint(b).kind).nv; ++i) effort.push_back(along[i]);
   return {{workspace_.a.get() + tree_.first_p(b), static_cast<std::size_t>(info(tree_.joint(b).kind).nv)},
-          momentree::reaction(tree_, state_, workspace_, number),
-          pure_reaction(tree_, state_, workspace_, number),
+          at_joint(tree_.joint(b).child_at, momentree::reaction(tree_, state_, workspace_, number)),
+          at_joint(tree_.joint(b).child_at, pure_reaction(tree_, state_, workspace_, number)),
           effort,
           !tree_.has_loops() || joint_determined(tree_, workspace_, b)};
 }
 
 Wrench World::reaction(JointId number) const {
   if (is_loop(number)) return loop_forces(number).reaction;
-  static_cast<void>(carrier(number));  // terminates the program if the joint is not in this world
+  const int b = carrier(number);
   accelerate(tree_, state_, workspace_);
-  return momentree::reaction(tree_, state_, workspace_, number);
+  return at_joint(tree_.joint(b).child_at, momentree::reaction(tree_, state_, workspace_, number));
 }
 
 std::optional<std::pair<double, double>> World::single_dof(JointId number) const {

@@ -50,7 +50,7 @@ JointForces World::loop_forces(JointId number) const {
   const LoopReaction found = loop_reaction(tree_, state_.time(), workspace_, i);
   const auto wrench = [&](const Wrench& W) {
     const Force<double> on_child = to_user_frame(tree_.frame(loop.body), as_force(W));
-    return Wrench{on_child.l, on_child.h};
+    return Wrench{on_child.l, on_child.h - cross(loop.joint.child_at.position, on_child.l)};
   };
   JointForces forces;
   forces.reaction = wrench(found.total), forces.pure = wrench(found.constraint);

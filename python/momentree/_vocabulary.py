@@ -229,7 +229,7 @@ def measured(function: Callable[[World], float]) -> Quantity:
 class Reaction:
     """The wrench that a joint transmits, equation (32) of the paper: quantities for conditions.
 
-    It is the wrench of the parent on the child, about the origin of the child's frame, in the child's axes.
+    It is the wrench of the parent on the child, about the origin of the joint's frame on the child, in the child's axes.
     """
 
     def __init__(self, joint: JointName, undetermined: Undetermined | None = None) -> None:

@@ -61,7 +61,7 @@ class JointRows:
     def reaction(self) -> Wrench:
         """Wrench of the parent on the child, equation (32) of the paper; of a run with ``reactions=True``.
 
-        Force (N) and torque (N m) about the origin of the child's frame, in the child's axes, each of shape (rows, 3).
+        Force (N) and torque (N m) about the origin of the joint's frame on the child, in the child's axes, each of shape (rows, 3).
         """
         wrench = self._with_reactions("wrench")
         return Wrench(wrench[:, :3], wrench[:, 3:])

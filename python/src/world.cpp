@@ -249,8 +249,8 @@ void register_joint(nb::module_& m) {
                    "Time derivatives of v (rad/s², m/s²), shape (nv,), a copy. Equations (30) to (51) of the paper.")
       .def_prop_ro(
           "reaction", of_joint([](const World& w, JointId j) { return wrench(w.joint_forces(j).reaction); }),
-          "Wrench of the parent on the child through the joint, drive and spring included: about the origin of the child's "
-          "frame (N, N m), in the child's axes, each of shape (3,). Equation (32) of the paper.")
+          "Wrench of the parent on the child through the joint, drive and spring included: about the origin of the joint's "
+          "frame on the child (N, N m), in the child's axes, each of shape (3,). Equation (32) of the paper.")
       .def_prop_ro("bearing", of_joint([](const World& w, JointId j) { return wrench(w.joint_forces(j).pure); }),
                    "The reaction without the effort along the joint's degrees of freedom: what its bearings and locks carry (N, "
                    "N m), each of "

@@ -290,6 +290,11 @@ inline Vec3 acceleration_less_gravity(const World& world, BodyId body) {
   return rate.linear + cross(rate.angular, to) + cross(w, cross(w, to)) - world.model().gravity();
 }
 
+/// A wrench about a joint's frame on its child, about the origin of the child's frame.
+inline Wrench at_origin(const JointView& joint, const Wrench& at_joint) {
+  return {at_joint.force, at_joint.torque + cross(joint.child_at.position, at_joint.force)};
+}
+
 /// Newton's and Euler's equations of every body.
 inline double newton_euler_error(const World& world) {
   Momenta rates;
@@ -302,16 +307,16 @@ inline double newton_euler_error(const World& world) {
     rates.linear.push_back(body.mass * eigen(acceleration));
     rates.angular.push_back(I * eigen(rate.angular) + eigen(w).cross(I * eigen(w)));
   }
-  return unbalanced(world, rates, [&](JointId joint) { return world.joint_forces(joint).reaction; });
+  return unbalanced(world, rates,
+                    [&](JointId joint) { return at_origin(world.joint(joint), world.joint_forces(joint).reaction); });
 }
 
-/// Components of a wrench on the child along the DoFs of a joint: Eᵀ W.
+/// Components of a wrench on the child, about the joint's frame there, along the DoFs of a joint: Eᵀ W.
 inline Values along_dofs(const JointView& joint, const Wrench& on_child) {
   JointSpec spec;
   spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
   const Mat3 R = rotation_matrix(joint.child_at.rotation);
-  const Vec3 f = transpose_times(R, on_child.force);
-  const Vec3 t = transpose_times(R, on_child.torque - cross(joint.child_at.position, on_child.force));
+  const Vec3 f = transpose_times(R, on_child.force), t = transpose_times(R, on_child.torque);
   Values along;
   for (const Motion<double>& E : joint_dofs(spec, joint.q.data())) along.push_back(dot(E.v, f) + dot(E.w, t));
   return along;
@@ -422,10 +427,12 @@ inline double disagreement(const Ring& ring, const World& one, const World& othe
     const JointForces f = one.joint_forces(a), g = other.joint_forces(b);
     CHECK(f.determined == g.determined);
     if (!f.determined && !least) continue;
-    differ(apart(in_world(ring, one, k, f.reaction), in_world(ring, other, k, g.reaction)), largest);
-    differ(apart(in_world(ring, one, k, f.pure), in_world(ring, other, k, g.pure)), largest);
-    if (k != ring.tested) continue;
     const JointView x = one.joint(a), y = other.joint(b);
+    const auto differs = [&](const Wrench& v, const Wrench& w) {
+      differ(apart(in_world(ring, one, k, at_origin(x, v)), in_world(ring, other, k, at_origin(y, w))), largest);
+    };
+    differs(f.reaction, g.reaction), differs(f.pure, g.pure);
+    if (k != ring.tested) continue;
     CHECK(x.kind == y.kind);
     CHECK(x.locked == y.locked);
     CHECK(x.resting == y.resting);

@@ -146,7 +146,7 @@ std::string joint_states_schema() {
                      {"v", reals("velocities (rad/s, m/s)")},
                      {"p", reals("canonical momenta (N m s, N s)")},
                      {"force", reals("of the parent on the child (N), in the child's axes")},
-                     {"torque", reals("of the parent on the child (N m), about the origin of the child's frame, in its axes")}});
+                     {"torque", reals("of the parent on the child (N m), about the joint's frame there, in the child's axes")}});
   return schema("momentree.JointStates", "The joints that exist at this time",
                 object_of("", {{"timestamp", time()}, {"joints", list_of(joint)}}));
 }

@@ -1,5 +1,5 @@
 #pragma once
-// One component of the wrench through a joint, in the child's axes (N, N m).
+// One component of the wrench through a joint, about the joint's frame on the child, in the child's axes (N, N m).
 #include <momentree/simulate/load.hpp>
 
 namespace momentree::quantities {

@@ -1,12 +1,12 @@
 #pragma once
-// Norm of the total torque through a joint, about the origin of the child's frame (N m).
+// Norm of the total torque through a joint, about the origin of the joint's frame on the child (N m).
 #include <momentree/simulate/load.hpp>
 
 namespace momentree::quantities {
 
 struct ReactionTorque : Load {
   std::string_view key() const override { return "reaction_torque"; }
-  const char* summary() const override { return "Norm of the reaction torque of a joint, about the child's origin (N m)"; }
+  const char* summary() const override { return "Norm of the reaction torque of a joint, about the joint's frame (N m)"; }
   Dimension dimension() const override { return dimension::torque; }
   std::optional<double> of(const Wrench& wrench) const override { return norm(wrench.torque); }
 };
