@@ -76,6 +76,7 @@ NAVIGATION = [
         [
             "docs/theory",
             "docs/verification",
+            "docs/squeezer",
             "bench/README",
             "bench/peers/README",
             "bench/peers/contact/README",
