@@ -138,8 +138,8 @@ int run(const RunOptions& options) {
                              simulation, Style::of_output()) +
                      "\nResults: " + printable(recorder.directory()) + (recorder.has_report() ? "/report.html\n" : "\n"));
 
-  if (const std::string advice = simulation.energy().advice(scenario->integration); ended == Status::ok && !advice.empty())
-    show(stderr, printable(scenario->path) + ": warning: " + advice + '\n');
+  for (const std::string& warning : io::run_warnings(origin, simulation))
+    show(stderr, printable(scenario->path) + ": warning: " + printable(warning) + '\n');
   if (kernels) report_generated_code(*kernels, *scenario, options.quiet || options.json);
   for (const std::string& warning : recorder.warnings()) show(stderr, warning + '\n');
   if (recorder.is_published()) return done;

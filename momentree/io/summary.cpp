@@ -1,5 +1,6 @@
 #include <momentree/io/summary.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <unordered_map>
 #include <unordered_set>
@@ -206,13 +207,44 @@ void write_missed(JsonWriter& json, const Simulation& simulation) {
   json.end_array();
 }
 
+std::span<const Event> events_of(const RunOrigin& origin, const Simulation& simulation) {
+  const std::span<const Event> all = simulation.events();
+  return all.subspan(std::min(origin.first_event, all.size()));
+}
+
 }  // namespace
 
 RunOrigin run_origin(const Scenario& scenario, const Simulation& simulation, double until) {
   RunOrigin origin{scenario.name,     scenario.title, scenario.path,       scenario.hash, {},
                    simulation.time(), until,          scenario.integration};
+  origin.first_event = simulation.events().size();
   origin.integration.variables = simulation.world().state().variables();
   return origin;
+}
+
+std::vector<std::string> run_warnings(const RunOrigin& origin, const Simulation& simulation) {
+  struct Idle {
+    std::string event, first;
+    long count = 0;
+  };
+  std::vector<Idle> all;
+  std::unordered_map<std::string, std::size_t> places;
+  for (const Event& event : events_of(origin, simulation))
+    for (const ActionRecord& action : event.actions) {
+      if (action.skipped.empty()) continue;
+      const auto [place, fresh] = places.emplace(event.name, all.size());
+      if (fresh) all.push_back({event.name, action.kind + " " + action.target + " did nothing: " + action.skipped});
+      ++all[place->second].count;
+    }
+  std::vector<std::string> warnings;
+  for (const Idle& idle : all)
+    warnings.push_back(
+        "event '" + idle.event + "': " + idle.first +
+        (idle.count > 1 ? "; it is the first of " + std::to_string(idle.count) + " such actions of the event" : ""));
+  const std::string advice = simulation.energy().advice(origin.integration);
+  if (simulation.result().reason.empty() && !advice.empty())
+    warnings.push_back(advice);  // the last energies of a diverged run are meaningless
+  return warnings;
 }
 
 std::string summary_json(const RunOrigin& origin, const std::string& status) {
@@ -235,7 +267,7 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
   write_origin(json, origin, status);
   json.member("start", origin.start).member("until", origin.until).member("time", simulation.time());
   json.member("steps", run.steps).member("evaluations", run.evaluations[0] + run.evaluations[1]);
-  json.member("topology_changes", run.changes).member("events", static_cast<long>(simulation.events().size()));
+  json.member("topology_changes", run.changes).member("events", static_cast<long>(events_of(origin, simulation).size()));
   json.key("wall_clock").begin_object();
   write_split(json, "evaluations", run.evaluation_seconds[0], run.evaluation_seconds[1]);
   write_split(json, "topology", 0, run.topology_seconds);  // part of the total after the first change
@@ -256,9 +288,7 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
   json.end_object();
   write_missed(json, simulation);
   json.key("warnings").begin_array();
-  const std::string advice = energy.advice(origin.integration);
-  if (simulation.result().reason.empty() && !advice.empty())
-    json.value(advice);  // the last energies of a diverged run are meaningless
+  for (const std::string& warning : run_warnings(origin, simulation)) json.value(warning);
   json.end_array().end_object();
   text += '\n';
   return text;

@@ -1,5 +1,6 @@
 #pragma once
 // summary.json and the lines of events.jsonl.
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct RunOrigin {
   double start = 0, until = 0;         ///< s
   Integration integration;             ///< with the variables of the run's world
   bool reactions = false;              ///< joints.csv has them
+  std::size_t first_event = 0;         ///< events of the simulation that happened before
 };
 
 /// Of a run of the scenario that starts at the present state of the simulation.
@@ -27,6 +29,10 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
 
 /// Like the above, without results: for a run in progress, or one that stopped with an invalid simulation.
 std::string summary_json(const RunOrigin& origin, const std::string& status);
+
+/// What a user should know about a run that ended: actions that did nothing, one warning for each event that has some, and a
+/// poor energy balance.
+std::vector<std::string> run_warnings(const RunOrigin& origin, const Simulation& simulation);
 
 /// Events that did not happen: of the matches of a wildcard the one that came nearest, and none of them if one happened.
 std::vector<MissedEvent> missed_events(const Simulation& simulation);

@@ -107,7 +107,10 @@ else:  # a type checker would take every name for an attribute of this module
         if name in _LATER:
             import importlib
 
-            return importlib.import_module(f"momentree.{name}")
+            try:
+                return importlib.import_module(f"momentree.{name}")
+            except ImportError as error:  # so that hasattr, inspect and help go on without it
+                raise AttributeError(f"module 'momentree' has no attribute '{name}' here: {error}") from error
         raise AttributeError(f"module 'momentree' has no attribute '{name}'")
 
 

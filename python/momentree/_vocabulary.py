@@ -62,6 +62,8 @@ class JointSpec:
     :func:`Revolute`, :func:`Ball` … make one. It is a value: equal if kind and parameters are, and not changed by its use.
     """
 
+    __slots__ = ("fields", "kind")
+
     def __init__(self, kind: str, fields: Mapping[str, Any]) -> None:
         self.kind: str = kind
         """As in scenario files: ``"revolute"``."""

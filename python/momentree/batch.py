@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, NamedTuple, Union
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from momentree import _core
+from momentree._attributes import assign
 from momentree._errors import Error
 from momentree._records import Array, Event
 from momentree._vocabulary import Action
 from momentree._world import Columns
-from momentree.model import Model
+from momentree.model import Model, checked
 
 Worlds = Union[None, int, slice, Sequence[int], NDArray[Any]]
 """All worlds (``None``), one, a slice, numbers, or a mask of booleans of shape (worlds,)."""
@@ -96,6 +97,9 @@ class Batch(_core.BatchBase):
         Error: Bodies overlap, the model has Python functions, or an argument is impossible.
     """
 
+    if not TYPE_CHECKING:
+        __setattr__ = assign
+
     def __init__(
         self,
         model: Model,
@@ -107,7 +111,7 @@ class Batch(_core.BatchBase):
         contact_method: ContactMethod = "stepping",
         step: float = 1e-3,
     ) -> None:
-        super().__init__(model, worlds, threads, precision, variables, contact_method, step)
+        super().__init__(checked(model), worlds, threads, precision, variables, contact_method, step)
         self._joint_names = [*model.joint_names, *model.loop_names]
         self._body_names = model.body_names
         self._effort: Array | None = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -38,18 +39,24 @@ def load(
     return simulation
 
 
-def loads(text: str, name: str = "scenario.toml", *, set: Mapping[str, Any] | None = None) -> Simulation:
+_NAMES = {"robot": "model.urdf", "sdf": "model.sdf", "mujoco": "model.xml"}  # by the root element
+
+
+def loads(text: str, name: str | None = None, *, set: Mapping[str, Any] | None = None) -> Simulation:
     """Load a scenario or model from its text.
 
     Args:
         text: The text of a file.
-        name: For messages; its ending says what it is: ``"robot.urdf"``. Files that the text names are located in the working
-            folder.
+        name: For messages; its ending says what it is: ``"robot.urdf"``. Default: as the text begins, ``"scenario.toml"``,
+            ``"model.urdf"`` … Files that the text names are located in the working folder.
         set: As for :func:`load`.
 
     Raises:
         Error: The text has errors: ``diagnostics`` lists all of them, with line and column.
     """
+    if name is None:
+        root = re.search(r"<(robot|sdf|mujoco)\b", text) if re.match(r"\s*<", text) else None
+        name = _NAMES[root[1]] if root else "scenario.toml"
     simulation = Simulation.__new__(Simulation)
     arguments = (name, overrides(set), "", text)
     _core.SimulationBase.__init__(simulation, *arguments)

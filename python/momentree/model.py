@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal, Union
 
+import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from momentree import _core
+from momentree._attributes import assign
 from momentree._errors import Error
 from momentree._vocabulary import JointSpec, Number, Numbers, Pose, Signal, Vector, given, pose
 
@@ -32,6 +35,16 @@ def _spring_end(end: SpringEnd) -> Any:
     return given(body=body.name if isinstance(body, _core.ModelBody) else body, point=point)
 
 
+def _inertia(value: Any) -> Any:
+    """A symmetric matrix as its six numbers; anything else as it is."""
+    if np.shape(value) != (3, 3):
+        return value
+    matrix = np.asarray(value)
+    if not (matrix == matrix.T).all():
+        raise Error("inertia: the matrix is not symmetric", hint="for example (J + J.T) / 2")
+    return [matrix[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+
+
 def body_fields(
     mass: Number,
     com: Vector,
@@ -51,7 +64,15 @@ def body_fields(
     spec = joint.scenario_value() if joint is not None else {"kind": "weld"}
     bare = joint_name.rsplit("/", 1)[-1] if joint_name is not None else None
     table = {**spec, **given(at=pose(at), child_at=pose(child_at), q=q, v=v, name=bare)}
-    return given(mass=mass, com=com, inertia=inertia, shape=shape, collision=collision, joint=table)
+    return given(mass=mass, com=com, inertia=_inertia(inertia), shape=shape, collision=collision, joint=table)
+
+
+def checked(model: Any) -> Any:
+    """The model, if it is one."""
+    if isinstance(model, _core.ModelBase):
+        return model
+    hint = "a file is read by momentree.load(…)" if isinstance(model, (str, os.PathLike)) else "make a momentree.Model"
+    raise Error(f"model: expected a model, found {type(model).__name__}", hint=hint)
 
 
 class Model(_core.ModelBase):
@@ -62,6 +83,9 @@ class Model(_core.ModelBase):
     Args:
         gravity: m/s², world axes, shape (3,).
     """
+
+    if not TYPE_CHECKING:
+        __setattr__ = assign
 
     def __init__(self, gravity: ArrayLike = (0.0, 0.0, -9.81)) -> None:
         super().__init__(gravity)
@@ -89,7 +113,8 @@ class Model(_core.ModelBase):
             name: ``"mechanism/body"``.
             mass: kg.
             com: Centre of mass in the body's frame (m), shape (3,).
-            inertia: About the centre of mass, body axes (kg m²): one number, three principal moments, or xx, yy, zz, xy, xz, yz.
+            inertia: About the centre of mass, body axes (kg m²): one number, three principal moments, xx, yy, zz, xy, xz, yz, or
+                the symmetric matrix.
             parent: ``None`` or ``"ground"``, the name of a body that was added before, or what ``add`` returned for it.
             at: Placement of the joint's frame in the parent's frame: a position (m), or ``{"xyz": …, "quat": …}``; default: the
                 same frame.

@@ -147,6 +147,8 @@ class Run:
         """The events of this run, in order."""
         self.summary: dict[str, Any] = json.loads(record.summary)
         """What ``summary.json`` of the command contains."""
+        self.warnings: list[str] = self.summary["warnings"]
+        """What to look at: events whose actions did nothing, and a poor energy balance."""
         self.final_state: str = record.final_state
         """The state document (JSON) at the end."""
         self.has_reactions: bool = record.has_reactions

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, Union
+from typing import TYPE_CHECKING, Any, Union
 
 from numpy.typing import ArrayLike
 
 from momentree import _core, live
 from momentree._arguments import called, number
+from momentree._attributes import assign
 from momentree._core import Body, Context, Snapshot, World
 from momentree._errors import Error, RunError
 from momentree._records import Event
@@ -27,7 +28,7 @@ from momentree._vocabulary import (
     Vector,
     portable,
 )
-from momentree.model import Collision, Model, Parent, Shape, body_fields
+from momentree.model import Collision, Model, Parent, Shape, body_fields, checked
 from momentree.run import Run
 
 Trigger = Union[Condition, Onset, Callable[[World], float]]
@@ -43,6 +44,9 @@ class Scheduled:
 
     ``at``, ``when``, ``after`` and ``every`` of a :class:`Simulation` make one. Its methods return it, so that calls can be chained.
     """
+
+    if not TYPE_CHECKING:  # a type checker would take any assignment for allowed
+        __setattr__ = assign
 
     def __init__(self, simulation: Simulation, scheduled: Any, how: tuple[str, tuple[Any, ...]]) -> None:
         self._simulation = simulation
@@ -89,8 +93,11 @@ class Simulation(_core.SimulationBase):
     _source: tuple[Any, ...]
     _event_cache: list[Event]
     _functions: list[Callable[..., Any]]
-    last_run: Run | None
+    last_run: Run | None = None
     """The last run, complete or not: what a run computed before an exception ended it."""
+
+    if not TYPE_CHECKING:
+        __setattr__ = assign
 
     def __init__(
         self,
@@ -107,7 +114,7 @@ class Simulation(_core.SimulationBase):
     ) -> None:
         options = {"method": method, "step": step, "rtol": rtol, "atol": atol, "max_step": max_step}
         options |= {"variables": variables, "event_tolerance": event_tolerance, "resolve": resolve}
-        super().__init__(model, options)
+        super().__init__(checked(model), options)
         self._begin(("model", model.copy(), options))
 
     def _begin(self, source: tuple[Any, ...]) -> None:
@@ -153,11 +160,11 @@ class Simulation(_core.SimulationBase):
                 self._check_handle(handle)
         return [(action.key, action.scenario_value()) for action in actions]
 
-    def at(self, time: float) -> Scheduled:
+    def at(self, time: Number) -> Scheduled:
         """Schedule actions at an instant.
 
         Args:
-            time: s, not before the present.
+            time: s, or a string with a unit; not before the present.
 
         Raises:
             Error: The time is past or not finite.
@@ -200,11 +207,11 @@ class Simulation(_core.SimulationBase):
         )
         return Scheduled(self, scheduled, ("when", (condition,)))
 
-    def after(self, event: str, delay: float = 0.0) -> Scheduled:
+    def after(self, event: str, delay: Number = 0.0) -> Scheduled:
         """Schedule actions ``delay`` seconds after the event with the name ``event``, each time that it happens."""
         return Scheduled(self, self._after(event, delay), ("after", (event, delay)))
 
-    def every(self, period: float, start: float = 0.0) -> Scheduled:
+    def every(self, period: Number, start: Number = 0.0) -> Scheduled:
         """Schedule actions at ``start`` (s) and every ``period`` seconds from then on, without instants that are past."""
         return Scheduled(self, self._every(period, start), ("every", (period, start)))
 
@@ -353,9 +360,9 @@ class Simulation(_core.SimulationBase):
 
     def run(
         self,
-        until: float | None = None,
+        until: Number | None = None,
         *,
-        record_every: float | None = None,
+        record_every: Number | None = None,
         reactions: bool = False,
         observe: Callable[[World], bool | None] | None = None,
         progress: bool = False,
@@ -364,8 +371,8 @@ class Simulation(_core.SimulationBase):
         """Run to ``until`` and record what happens. Releases the GIL; Ctrl-C ends it and keeps what was computed.
 
         Args:
-            until: s; default: the end of the scenario.
-            record_every: Time between recorded rows (s); 0: after every step; ``inf``: only start and end; default:
+            until: s, or a string with a unit; not before the present; default: the end of the scenario.
+            record_every: Time between recorded rows (s, or a string with a unit); 0: after every step; ``inf``: only start and end; default:
                 as the scenario says.
             reactions: Also record the accelerations and reactions of joints.
             observe: Called with the world at each row; may schedule events, and end the run by returning ``False``.
@@ -376,11 +383,18 @@ class Simulation(_core.SimulationBase):
             The recorded run, which is ``last_run`` as well.
 
         Raises:
+            Error: The end is past.
             RunError: The run diverged, stalled, or an action was refused. Its ``run`` holds the rows so far.
             KeyboardInterrupt: Ctrl-C; like any exception of a callback it leaves the rows so far in ``last_run``.
         """
-        end = self.until if until is None else number(until, "until")
-        every = self._output_every if record_every is None else number(record_every, "record_every")
+        end = self.until if until is None else _core._seconds(until, "until")
+        if end < self.time and not math.isclose(end, self.time):
+            of_scenario = ", the end of the scenario's run," if until is None else ""
+            raise Error(
+                f"until: {end:.9g} s{of_scenario} is past: the time is {self.time:.9g} s",
+                hint="it is an instant, not a duration: add it to sim.time",
+            )
+        every = self._output_every if record_every is None else _core._seconds(record_every, "record_every")
         if every == math.inf:
             every = max(2 * end, 1e-9)  # no multiple of it is between start and end
         if observe is not None:

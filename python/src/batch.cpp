@@ -106,25 +106,51 @@ void write_rows(BatchObject& self, const Worlds& worlds, nb::handle q, nb::handl
                    p.is_none() ? Variables::velocities : Variables::momenta);
 }
 
+std::vector<bool> worlds_away(const Batch& batch) {
+  std::vector<bool> all;
+  for (int world = 0; world < batch.worlds(); ++world) all.push_back(batch.ran_away(world));
+  return all;
+}
+
+// A RuntimeWarning that names the worlds that went away since `before`, if there are some.
+void warn_of_diverged(const Batch& batch, const std::vector<bool>& before) {
+  int first = -1, count = 0;
+  for (int world = batch.worlds() - 1; world >= 0; --world)
+    if (batch.ran_away(world) && !before[static_cast<std::size_t>(world)]) first = world, ++count;
+  if (count == 0) return;
+  const std::string others = count == 1 ? "" : count == 2 ? " and 1 other" : " and " + std::to_string(count - 1) + " others";
+  const std::string text = "world " + std::to_string(first) + others + " stopped: " + batch.message(first) +
+                           (count == 1 ? "" : "; batch.diverged has all of them");
+  if (PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) < 0) throw nb::python_error();
+}
+
 void step_worlds(BatchObject& self, nb::handle h) {
   const UseBatch use(self);
   double all = 0;
   if (nb::try_cast(h, all)) {
     if (!(all >= 0) || all == std::numeric_limits<double>::infinity())
       refuse("a step is a finite number of seconds, not negative");
-    const nb::gil_scoped_release free;
-    self.batch.step(all);
-    return;
+    const std::vector<bool> before = worlds_away(self.batch);
+    {
+      const nb::gil_scoped_release free;
+      self.batch.step(all);
+    }
+    return warn_of_diverged(self.batch, before);
   }
   const std::vector<double> each = numbers_of(h, static_cast<std::size_t>(self.batch.worlds()), 0, "h");
   if (std::any_of(each.begin(), each.end(), [](double x) { return x < 0; })) refuse("a step can't be negative");
-  const nb::gil_scoped_release free;
-  self.batch.step(each);
+  const std::vector<bool> before = worlds_away(self.batch);
+  {
+    const nb::gil_scoped_release free;
+    self.batch.step(each);
+  }
+  warn_of_diverged(self.batch, before);
 }
 
 void run_steps(BatchObject& self, double h, std::int64_t count) {
   const UseBatch use(self);
   if (!(h > 0) || h == std::numeric_limits<double>::infinity()) refuse("a step is a finite, positive number of seconds");
+  const std::vector<bool> before = worlds_away(self.batch);
   for (std::int64_t k = 0; k < count;) {
     {
       const nb::gil_scoped_release free;
@@ -132,6 +158,7 @@ void run_steps(BatchObject& self, double h, std::int64_t count) {
     }
     if (PyErr_CheckSignals() != 0) nb::raise_python_error();
   }
+  warn_of_diverged(self.batch, before);
 }
 
 nb::list apply_in_worlds(BatchObject& self, const Worlds& worlds, const std::vector<std::pair<std::string, nb::object>>& given,
@@ -246,9 +273,7 @@ std::vector<int> groups(BatchObject& self) {
 
 std::vector<bool> diverged(BatchObject& self) {
   const UseBatch use(self);
-  std::vector<bool> all;
-  for (int world = 0; world < self.batch.worlds(); ++world) all.push_back(self.batch.ran_away(world));
-  return all;
+  return worlds_away(self.batch);
 }
 
 void construct(BatchObject* self, const ModelObject& model, int worlds, int threads, const std::string& precision,
@@ -296,11 +321,13 @@ void register_batch(nb::module_& m) {
       .def("step", &step_worlds, "h"_a,
            "Step the worlds. A world that diverges stays where it was: see `diverged`. Releases the GIL.\n\n"
            "Args:\n    h: s, not negative: one number for every world, or shape (worlds,).\n\n"
-           "Raises:\n    Error: A step is negative or not finite, or another thread is using the batch.")
+           "Raises:\n    Error: A step is negative or not finite, or another thread is using the batch.\n\n"
+           "Warns:\n    RuntimeWarning: A world diverged, for every world once.")
       .def("run", &run_steps, "h"_a, "steps"_a,
            "Make many steps in every world. Releases the GIL; Ctrl-C ends it between steps.\n\n"
            "Args:\n    h: Length of a step (s), positive.\n    steps: How many.\n\n"
-           "Raises:\n    Error: A step is not positive or not finite, or another thread is using the batch.")
+           "Raises:\n    Error: A step is not positive or not finite, or another thread is using the batch.\n\n"
+           "Warns:\n    RuntimeWarning: A world diverged, for every world once.")
       .def_prop_ro("time", &times, "Times of the worlds (s), shape (worlds,), a copy.")
       .def("_read", &read_rows)
       .def("_write", &write_rows, "worlds"_a, "q"_a.none(), "v"_a.none(), "p"_a.none(), "time"_a.none())

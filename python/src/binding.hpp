@@ -48,6 +48,9 @@ nb::object from_quat(const Quat& q);
 /// Three finite numbers.
 Vec3 to_vec3(nb::handle object, const char* what);
 
+/// A time in seconds: a number, or a string with a unit. Throws Error for anything else; `what` names it.
+double seconds_of(nb::handle value, const char* what);
+
 /// A new NumPy array of doubles: the object and its memory, which is not initialised.
 struct NewArray {
   nb::object object;

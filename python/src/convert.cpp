@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstring>
 
+#include <momentree/base/units.hpp>
+
 #include "binding.hpp"
 
 namespace momentree::python {
@@ -141,6 +143,17 @@ nb::object from_vec3(const Vec3& v) {
 nb::object from_quat(const Quat& q) {
   const double numbers[] = {q.w, q.x, q.y, q.z};
   return copy_of(numbers);
+}
+
+double seconds_of(nb::handle value, const char* what) {
+  double seconds = 0;
+  if (nb::try_cast(value, seconds)) return seconds;
+  QuantityProblem problem{"expected a time (s), found " + nb::cast<std::string>(nb::repr(value).attr("__getitem__")(
+                                                              nb::slice(nb::int_(0), nb::int_(40), nb::int_(1)))),
+                          example_of(dimension::time)};
+  if (nb::isinstance<nb::str>(value))
+    if (const auto given = parse_quantity(nb::cast<std::string>(value), dimension::time, problem)) return *given;
+  refuse(problem.what, problem.hint, what);
 }
 
 Vec3 to_vec3(nb::handle object, const char* what) {

@@ -156,19 +156,20 @@ void register_events(nb::module_& m, SimulationClass& simulation) {
   nb::class_<ScheduledObject>(m, "_Scheduled").def("_then", &then).def("_named", &named);
   simulation
       .def("_at",
-           [](const SimulationPtr& self, double time) {
+           [](const SimulationPtr& self, nb::handle time) {
              const Use use(*self, Access::schedule);
-             return one(self, self->simulation().at(time));
+             return one(self, self->simulation().at(seconds_of(time, "Simulation.at")));
            })
       .def("_after",
-           [](const SimulationPtr& self, const std::string& event, double delay) {
+           [](const SimulationPtr& self, const std::string& event, nb::handle delay) {
              const Use use(*self, Access::schedule);
-             return one(self, self->simulation().after(event, delay));
+             return one(self, self->simulation().after(event, seconds_of(delay, "Simulation.after")));
            })
       .def("_every",
-           [](const SimulationPtr& self, double period, double start) {
+           [](const SimulationPtr& self, nb::handle period, nb::handle start) {
              const Use use(*self, Access::schedule);
-             return one(self, self->simulation().every(period, start));
+             return one(self,
+                        self->simulation().every(seconds_of(period, "Simulation.every"), seconds_of(start, "Simulation.every")));
            })
       .def("_when", &when)
       .def("_when_measured", &when_measured)

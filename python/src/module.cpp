@@ -10,6 +10,7 @@ NB_MODULE(_core, m) {
   nanobind::set_leak_warnings(std::getenv("MOMENTREE_LEAK_WARNINGS") != nullptr);
   m.attr("__version__") = MOMENTREE_VERSION;
   py::bind_command(m);
+  m.def("_seconds", &py::seconds_of);
   py::register_errors(m);
   py::register_model(m);
   py::register_world(m);

@@ -95,9 +95,9 @@ void set_state(const SimulationPtr& self, nb::handle q, nb::handle v, nb::handle
     sim.adjust(coordinates, y, given);
 }
 
-void make_step(const SimulationPtr& self, std::optional<double> dt) {
+void make_step(const SimulationPtr& self, nb::handle dt) {
   const Use use(*self, Access::change);
-  self->step(dt ? *dt : self->scenario().integration.step);
+  self->step(dt.is_none() ? self->scenario().integration.step : seconds_of(dt, "Simulation.step"));
 }
 
 nb::dict integration_of(const SimulationObject& self) {
@@ -234,7 +234,7 @@ void register_simulation(nb::module_& m) {
            "Raises:\n    Error: A shape is wrong, a number is not finite, or `v` and `p` are both given; nothing has changed.")
       .def("step", &make_step, "dt"_a = nb::none(),
            "Step the world, with the events that are due. It records nothing. Releases the GIL.\n\n"
-           "Args:\n    dt: Length (s), positive; default: the step of the integration.\n\n"
+           "Args:\n    dt: Length (s, or a string with a unit), positive; default: the step of the integration.\n\n"
            "Raises:\n    RunError: The step diverged, stalled, or an action was refused.")
       .def("_drive", &drive_joint, "joint"_a, "function"_a.none())
       .def("_force", &act_on, "body"_a, "function"_a.none())

@@ -149,13 +149,21 @@ nb::object momentum(const Totals& totals) {
   return python_class("_records", "Momentum")(from_vec3(totals.linear), from_vec3(totals.angular));
 }
 
+// An array that is a copy can't be written: that would have no effect, and must not look as if it had.
+template <class Value>
+Value fixed(Value value) {
+  if constexpr (std::is_same_v<Value, nb::object>)
+    if (nb::hasattr(value, "setflags")) value.attr("setflags")(false);
+  return value;
+}
+
 // A property of a body that is computed from the world.
 template <class Get>
 auto of_body(Get get) {
   return [get](const BodyObject& body) {
     const Reading world(body.world);
     check_body_exists(*world, body);
-    return get(*world, body.id);
+    return fixed(get(*world, body.id));
   };
 }
 
@@ -164,7 +172,7 @@ auto of_joint(Get get) {
   return [get](const JointObject& joint) {
     const Reading world(joint.world);
     check_joint_exists(*world, joint);
-    return get(*world, present_joint(*world, joint));
+    return fixed(get(*world, present_joint(*world, joint)));
   };
 }
 
@@ -182,7 +190,8 @@ nb::object parent_of(const World& world, JointId joint) {
 void register_body(nb::module_& m) {
   nb::class_<BodyObject>(
       m, "Body",
-      "A body of a world. Handles stay valid through every change of topology; arrays are copies. `==` compares bodies.")
+      "A body of a world. Handles stay valid through every change of topology. Arrays are copies and can't be written. `==` "
+      "compares bodies.")
       .def_prop_ro(
           "name", [](const BodyObject& b) { return b.name; }, "Name: \"mechanism/body\".")
       .def_prop_ro(
@@ -226,7 +235,9 @@ void register_body(nb::module_& m) {
 
 void register_joint(nb::module_& m) {
   nb::class_<JointObject>(
-      m, "Joint", "A joint of a world: the same joint for as long as it exists, whichever body it carries. Arrays are copies.")
+      m, "Joint",
+      "A joint of a world: the same joint for as long as it exists, whichever body it carries. Arrays are copies and can't be "
+      "written; `Simulation.q` and `Simulation.set_state` set the state.")
       .def_prop_ro("name", of_joint([](const World& w, JointId j) { return std::string(w.joint_name(j)); }),
                    "Name at present: after the joint broke, that of the body that broke off.")
       .def_prop_ro(

@@ -180,9 +180,8 @@ def test_impossible_calls(act: Callable[[mt.Simulation], Any]) -> None:
 @pytest.mark.parametrize(
     "act",
     [
-        lambda: mt.Simulation(5), lambda: mt.Batch(5, 2), lambda: mt.Batch(chain().model, 1.5), lambda: mt.load(5),
-        lambda: mt.loads(5), lambda: chain().at("x"),  # type: ignore[arg-type]
-        lambda: chain().step("x"), lambda: chain().after(5), lambda: mt.World(), lambda: mt.Snapshot(),
+        lambda: mt.Batch(chain().model, 1.5), lambda: mt.load(5), lambda: mt.loads(5),  # type: ignore[arg-type]
+        lambda: chain().after(5), lambda: mt.World(), lambda: mt.Snapshot(),  # type: ignore[arg-type]
         lambda: mt.Simulation.__new__(mt.Simulation).time,  # type: ignore[arg-type]
     ],
 )  # fmt: skip
@@ -190,6 +189,113 @@ def test_impossible_calls(act: Callable[[mt.Simulation], Any]) -> None:
 def test_wrong_types(act: Callable[[], Any]) -> None:
     with pytest.raises(TypeError):
         act()
+
+
+def test_attributes_that_do_not_exist_name_the_one_that_was_meant() -> None:
+    sim = chain()
+    batch = mt.Batch(sim.model, 2)
+    model = sim.model
+    for of, name, words in (
+        (sim, "efforts", ("'Simulation.efforts'", "did you mean 'effort'?")),
+        (sim, "gravity", ("'Simulation'", "did you mean 'set_gravity'?")),
+        (sim, "time", ("'Simulation.time' can't be assigned",)),
+        (sim, "torque", ("'Simulation' has no attribute 'torque'",)),
+        (sim.at(1.0), "name", ("'Scheduled'", "did you mean 'named'?")),
+        (batch, "efforts", ("'Batch'", "did you mean 'effort'?")),
+        (batch, "gravity", ("'Batch' has no attribute 'gravity'",)),
+        (model, "gravitation", ("'Model'", "did you mean 'gravity'?")),
+        (mt.Revolute(), "damping", ("'JointSpec'", "damping")),
+        (sim.world, "gravity", ("'World'",)),
+        (sim.world.joints["c/1"], "q", ("'Joint'",)),
+    ):
+        with pytest.raises(AttributeError) as caught:
+            setattr(of, name, 1.0)
+        assert all(word in str(caught.value) for word in words), str(caught.value)
+        assert not hasattr(of, "__dict__") or name not in vars(of)
+    before = sim.q.tobytes()
+    joint, body = sim["c/1"], sim.world.bodies["c/1"]
+    for array in (joint.q, joint.v, joint.a, joint.effort, body.position, body.quaternion, body.linear, batch.q):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.3
+    assert sim.q.tobytes() == before
+
+    class Plant(mt.Simulation):
+        goal: float
+
+    plant = Plant(model)
+    plant.goal = 2.0  # a subclass has attributes of its own
+    plant.effort, plant._note = [1, 0, 0], "mine"
+    with pytest.raises(AttributeError):
+        plant.efforts = [1, 0, 0]  # type: ignore[method-assign,assignment]
+    assert plant.goal == 2.0
+
+
+def test_a_model_is_not_a_file() -> None:
+    for act in (lambda: mt.Simulation("arm.toml"), lambda: mt.Batch(pathlib.Path("arm.toml"), 2)):  # type: ignore[arg-type]
+        refused(act, "expected a model", "momentree.load")
+    for act in (lambda: mt.Simulation(5), lambda: mt.Batch(None, 2)):  # type: ignore[arg-type]
+        refused(act, "expected a model", "momentree.Model")
+
+
+def test_an_inertia_is_a_matrix_too_and_text_of_models_is_recognised() -> None:
+    J = np.array([[3.0, 0.2, -0.1], [0.2, 4.0, 0.3], [-0.1, 0.3, 5.0]])
+    masses = []
+    for inertia in (J, J.tolist(), [3, 4, 5, 0.2, -0.1, 0.3]):
+        model = mt.Model()
+        model.add("a", mass=1, inertia=inertia, joint=mt.Free())
+        masses.append(mt.Simulation(model).mass_matrix())
+    assert (masses[0][3:, 3:] == J).all()
+    assert (masses[1] == masses[0]).all() and (masses[2] == masses[0]).all()
+    refused(lambda: mt.Model().add("a", mass=1, inertia=np.triu(J), joint=mt.Free()), "not symmetric")
+    urdf = '<?xml version="1.0"?>\n<robot name="r"><link name="a"><inertial><mass value="2"/>{}</inertial></link></robot>'
+    inertial = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    (body,) = mt.loads(urdf.format(inertial)).world.bodies.values()
+    assert body.name.endswith("/a") and body.mass == 2
+    assert "model.urdf" in str(refused(lambda: mt.loads("<robot name='r'/>")))
+    refused(lambda: mt.loads("<html/>"), "scenario.toml")
+
+
+def test_times_have_units_and_runs_do_not_end_in_the_past() -> None:
+    sim, other = chain(), chain()
+    sim.at("0.5 ms").then(mt.lock("c/1"))
+    sim.every("2 ms", "1 ms").then(mt.impulse("c/2", force=(0, 1, 0))).named("push")
+    sim.after("push", "0.25 ms").then(mt.impulse("c/2", force=(0, -1, 0)))
+    run = sim.run("4 ms", record_every="1 ms")
+    assert [event.time for event in run.events] == pytest.approx([5e-4, 1e-3, 1.25e-3, 3e-3, 3.25e-3])
+    assert run.time.tolist() == pytest.approx([0, 1e-3, 2e-3, 3e-3, 4e-3])
+    other.step("1 ms")
+    assert other.time == 1e-3
+    for act in (
+        lambda: sim.at("5 m"), lambda: sim.at("soon"), lambda: sim.step("1 kg"), lambda: sim.run("1 N"), lambda: sim.step([1]),
+        lambda: sim.every("0.1"), lambda: sim.after("push", object()), lambda: sim.run(1.0, record_every="often"),
+    ):  # fmt: skip
+        refused(act)  # type: ignore[arg-type]
+    refused(lambda: sim.run(1e-3), "past", "0.004 s")
+    refused(lambda: sim.run("1 ms"), "past", "sim.time")
+    assert len(sim.run(sim.time)) == 1
+
+
+def test_a_world_of_a_batch_that_diverges_is_a_warning() -> None:
+    model = mt.Model(gravity=(0, 0, 0))
+    model.add("a", mass=1.0, com=(0.1, 0, 0), joint=mt.Revolute((0, 1, 0), damping=1e6))
+    batch = mt.Batch(model, 3)
+    batch.v = [[0.0], [1.0], [1.0]]
+    with pytest.warns(RuntimeWarning, match="world 1 and 1 other stopped"):
+        batch.run(1.0, 2000)
+    assert batch.diverged.tolist() == [False, True, True]
+    batch.step(0.1)  # said once
+
+
+def test_an_action_that_did_nothing_is_a_warning() -> None:
+    sim = chain()
+    sim.at(0.01).then(mt.break_joint("c/2")).named("first")
+    sim.every(0.02, 0.02).then(mt.break_joint("c/2")).named("again")
+    run = sim.run(0.1)
+    assert run.warnings == [
+        "event 'again': break c/2 did nothing: the joint no longer exists; it is the first of 5 such actions of the event"
+    ]
+    assert run.summary["warnings"] == run.warnings and run.summary["events"] == len(run.events) == 6
+    assert sim.run(0.11).warnings == []
 
 
 def test_an_overflowed_state_is_refused_by_changes_that_need_it() -> None:

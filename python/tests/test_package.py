@@ -18,3 +18,27 @@ def test_importing_brings_only_numpy() -> None:
     others = {"matplotlib", "pandas", "gymnasium", "mujoco", "pydrake", "torch", "scipy", "cma"}
     assert "momentree" in loaded
     assert not others & set(loaded)
+
+
+def test_without_gymnasium_the_package_can_be_inspected() -> None:
+    program = """
+import inspect, pydoc, sys
+sys.modules["gymnasium"] = None  # as if it was not installed
+import momentree
+assert not hasattr(momentree, "envs")
+assert "Simulation" in dict(inspect.getmembers(momentree))
+assert "class Simulation" in pydoc.render_doc(momentree, renderer=pydoc.plaintext)
+for statement in ("import momentree.envs", "from momentree import envs"):
+    try:
+        exec(statement)
+    except ImportError as error:
+        assert "pip install gymnasium" in str(error)
+    else:
+        raise AssertionError(statement)
+try:
+    momentree.envs
+except AttributeError as error:
+    assert "pip install gymnasium" in str(error)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -15,12 +15,10 @@ of them changes its topology on its own. World ``i`` of ``reset(seed=s)`` does w
 
 from __future__ import annotations
 
-from momentree._errors import Error
-
 try:
     import gymnasium
-except ImportError:
-    raise Error("momentree.envs needs gymnasium", hint="pip install gymnasium") from None
+except ImportError as error:
+    raise ImportError("momentree.envs needs gymnasium: pip install gymnasium") from error
 
 from momentree.envs._arm import PlanarArm
 from momentree.envs._single import TaskEnv

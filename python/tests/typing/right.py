@@ -86,6 +86,7 @@ def events(sim: mt.Simulation) -> None:
     cut = mt.break_joint(sim.world.joints["arm/lower"])
     assert_type(cut, mt.Action)
     assert_type(sim.at(0.01).then(cut, mt.set_parameters("arm/upper", damping=0.2)).named("cut"), mt.Scheduled)
+    assert_type(sim.every("0.5 s", "10 ms"), mt.Scheduled)
     assert_type(mt.reaction("arm/upper").force > 40, mt.Condition)
     assert_type(mt.slip("arm", "floor").begins(), mt.Condition)
     assert_type(mt.slip("arm", "floor") > 0.1, mt.Condition)
@@ -110,7 +111,7 @@ def run(sim: mt.Simulation) -> None:
 
     result = sim.run(0.05, record_every=0.01, reactions=True, observe=stop)
     assert_type(result, mt.Run)
-    assert_type(sim.run(0.06, observe=watch).status, str)
+    assert_type(sim.run("60 ms", observe=watch).status, str)
     assert_type(result.time, Array)
     print(result["arm/upper"].q.shape)
     assert_type(result.joints["arm/upper"].q, Array)
