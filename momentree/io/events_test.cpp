@@ -121,6 +121,30 @@ TEST_CASE("later events find joints that earlier ones make, wherever they are in
   CHECK(simulation.world().mechanism_names() == std::vector<std::string>{"m", "m/b", "f/x"});
 }
 
+TEST_CASE("joints that actions make have the names that the actions give them, which later actions use") {
+  for (const std::string join :
+       {"weld = { body = \"f/x\", to = \"m/b\"", "attach = { body = \"f/x\", to = \"m/b\", kind = \"ball\""}) {
+    const std::string capture = arm + "[[event]]\nname = \"capture\"\nat = 1\n" + join + ", name = \"m/clasp\" }\n";
+    const Scenario s = read(capture + "[[event]]\nat = 2\nbreak = \"m/clasp\"\n");
+    Simulation simulation(s.model, s.integration);
+    std::vector<const ScenarioEvent*> events;
+    for (const ScenarioEvent& event : s.events) events.push_back(&event);
+    CHECK(schedule(simulation, events).problems.empty());
+    REQUIRE(simulation.run_until(1) == Status::ok);
+    CHECK(simulation.world().find_joint("m/clasp") >= 0);
+    CHECK(simulation.world().find_joint("capture") < 0);
+    REQUIRE(simulation.run_until(2) == Status::ok);
+    CHECK(simulation.events()[1].action_texts() == std::vector<std::string>{"break m/clasp"});
+    CHECK(simulation.world().mechanism_names() == std::vector<std::string>{"m", "f/x"});
+    check({{capture + "[[event]]\nat = 2\nbreak = \"capture\"\n",
+            "s.toml:33:9: error: break: there is no joint 'capture'; the event of that name makes no joint, or several"}});
+  }
+  check({{arm + "[[event]]\nat = 1\nweld = { body = \"*/x\", to = \"m/b\", name = \"clasp\" }\n",
+          "s.toml:29:43: error: weld: joints that a wildcard makes can't all be named 'clasp'; leave out the name: each is then "
+          "named "
+          "after its bodies"}});
+}
+
 TEST_CASE("the free joint of a separated part has its body's name") {
   const auto done = [](const std::string& text) {
     const Scenario s = read(text);

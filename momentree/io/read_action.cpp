@@ -94,6 +94,19 @@ void ActionReader::joint(const char* key, std::string& name) {
   if (match_.empty()) reading_.joint_uses.push_back({name, key_, place, time_, sets_parameters_, action_.takes_springs()});
 }
 
+void ActionReader::made_joint(const char* key, std::string& name) {
+  if (!fields_) return;
+  const auto text = fields_->string(key);
+  if (!text) return;
+  const Place place = fields_->place_of(key);
+  const std::string bare = text->substr(text->rfind('/') + 1);  // it may be in a mechanism: "tug/clasp"
+  if (!check_bare_name(bare, place, "a joint", out_)) return;
+  if (!match_.empty())
+    return out_.error(place, key_ + ": joints that a wildcard makes can't all be named " + in_quotes(*text),
+                      "leave out the name: each is then named after its bodies");
+  name = *text;
+}
+
 void ActionReader::body(const char* key, std::string& name, bool ground_too) {
   Place place;
   const auto text = this->name(key, !ground_too, place);

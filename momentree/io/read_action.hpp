@@ -12,6 +12,7 @@ namespace momentree::io {
 /// A visitor that leaves all fields as they are.
 struct IgnoredFields : ActionFields {
   void joint(const char*, std::string&) override {}
+  void made_joint(const char*, std::string&) override {}
   void body(const char*, std::string&, bool) override {}
   void dofs(const char*, const std::string&, std::vector<int>&) override {}
   void vector(const char*, Vec3&, const Dimension&, const char*) override {}
@@ -37,6 +38,7 @@ class ActionReader final : public ActionFields {
   std::function<std::vector<const KindInfo*>(const std::string& joint)> kinds_of;
 
   void joint(const char* key, std::string& name) override;
+  void made_joint(const char* key, std::string& name) override;
   void body(const char* key, std::string& name, bool ground_too) override;
   void dofs(const char* key, const std::string& of, std::vector<int>& numbers) override;
   void vector(const char* key, Vec3& value, const Dimension& dimension, const char* about) override;

@@ -12,6 +12,9 @@ class FieldsOfAction final : public ActionFields {
   explicit FieldsOfAction(Schema& schema) : schema_(schema) {}
 
   void joint(const char* key, std::string&) override { name(key, "Full name of a joint; * matches within a name", true); }
+  void made_joint(const char* key, std::string&) override {
+    name(key, "Full name of the joint that this makes; default: that of the event, or else \"<to>+<body>\"", false);
+  }
   void body(const char* key, std::string&, bool ground_too) override {
     name(key, ground_too ? "Full name of a body, or \"ground\", the default" : "Full name of a body", !ground_too);
   }

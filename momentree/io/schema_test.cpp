@@ -341,7 +341,7 @@ TEST_CASE("the reader accepts every quantity and every action of the schema, and
       {"lock", "{ joint = \"m/b\", freedoms = [0] }"},
       {"set", "{ joint = \"m/b\", damping = 1 }"},
       {"unlock", "\"m/b\"\n[[event]]\nat = 0.5\nlock = \"m/b\""},
-      {"weld", "{ body = \"f/c\", to = \"m/b\" }"},
+      {"weld", "{ body = \"f/c\", to = \"m/b\", name = \"m/clasp\" }"},
   };
   Keys defined;
   for (const auto& [name, definition] : whole.at("definitions").items())

@@ -187,7 +187,7 @@ TEST_CASE("events name springs, also by wildcards; what makes no sense for a spr
       {event("at = 1\nbreak = [\"west guy\", \"east guy\"]\n[[event]]\nat = 2\nbreak = \"east guy\"\n"),
        "s.toml:34:9: error: break: spring 'east guy' is broken already on line 31; a spring can break only once"},
       {event("name = \"west guy\"\nat = 1\nweld = { body = \"m/a\", to = \"n/b\" }\nbreak = \"m/a\"\n"),
-       "s.toml:32:8: error: weld: there is already a spring 'west guy'; give the event another name"},
+       "s.toml:32:8: error: weld: there is already a spring 'west guy'; give the action or its event another name"},
   });
 }
 

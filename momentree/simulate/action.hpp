@@ -48,6 +48,8 @@ class ActionFields {
  public:
   virtual ~ActionFields() = default;
   virtual void joint(const char* key, std::string& name) = 0;
+  /// Name of the joint that the action makes, if the user gives one.
+  virtual void made_joint(const char* key, std::string& name) = 0;
   /// `ground_too`: the name may be "ground".
   virtual void body(const char* key, std::string& name, bool ground_too) = 0;
   /// Indices of the DoFs of the joint `of`, in the order of v; empty: all of them.
@@ -88,6 +90,8 @@ class ActionBase {
   virtual JointEffect effect() const { return JointEffect::none; }
   /// Default name of the joint that it makes, used if its event does not name it; empty: it makes no joint.
   virtual std::string makes() const { return {}; }
+  /// The name that the user gave to the joint that it makes; empty: none.
+  virtual std::string made_name() const { return {}; }
   /// The kind of the joint that it makes, or that its joint has afterwards; empty: no kind changes.
   virtual std::optional<Kind> resulting_kind() const { return {}; }
 
@@ -135,11 +139,12 @@ Action change_joint(std::string joint, JointSpec to);
 Action lock(std::string joint, std::vector<int> dofs = {});
 /// Releases a lock.
 Action unlock(std::string joint, std::vector<int> dofs = {});
-/// Joins a body rigidly to another body or to the ground, in their present poses.
-Action weld(std::string body, std::string to = "ground");
+/// Joins a body rigidly to another body or to the ground, in their present poses. The joint that this makes has the name `name`,
+/// by which later actions refer to it; if that is empty, the name of the event, or else "<to>+<body>".
+Action weld(std::string body, std::string to = "ground", std::string name = {});
 /// Joins a body to another body by a joint of any kind. Its frame is `at` in `to`'s frame (by default at the body's origin, with
-/// `to`'s axes), and the present pose is its zero.
-Action attach(std::string body, std::string to, JointSpec joint, std::optional<Pose> at = {});
+/// `to`'s axes), and the present pose is its zero. `name`: of the joint, as for weld().
+Action attach(std::string body, std::string to, JointSpec joint, std::optional<Pose> at = {}, std::string name = {});
 /// An impulsive wrench on a body: force (N s) at `point` (in the body's frame) and torque (N m s), both in world axes.
 Action impulse(std::string body, Vec3 force, Vec3 torque = {}, Vec3 point = {});
 /// Sets those parameters of a joint that are not empty; of a spring: `stiffness`, `rest`, `damping` and the force of `strength`.

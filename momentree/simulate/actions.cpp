@@ -60,19 +60,21 @@ Action unlock(std::string joint, std::vector<int> dofs) {
   return action;
 }
 
-Action weld(std::string body, std::string to) {
+Action weld(std::string body, std::string to, std::string name) {
   actions::Weld action;
   action.body = std::move(body);
   action.to = std::move(to);
+  action.name = std::move(name);
   return action;
 }
 
-Action attach(std::string body, std::string to, JointSpec joint, std::optional<Pose> at) {
+Action attach(std::string body, std::string to, JointSpec joint, std::optional<Pose> at, std::string name) {
   actions::Attach action;
   action.body = std::move(body);
   action.to = std::move(to);
   action.joint.spec = std::move(joint);
   action.at = at;
+  action.name = std::move(name);
   return action;
 }
 

@@ -144,8 +144,8 @@ class Measure {
   std::shared_ptr<const Quantity> what_;
 };
 
-/// Norm of the force (N) or of the torque (N m) that a joint transmits, about the child's origin. The force also of a spring: the
-/// magnitude of its tension.
+/// Norm of the force (N) or of the torque (N m) that a joint transmits, about the origin of the joint's frame on the child. The
+/// force also of a spring: the magnitude of its tension.
 Measure reaction_force(std::string joint);
 Measure reaction_torque(std::string joint);
 /// One component of that wrench, in the child's axes: "fx", "fy", "fz" (N), "mx", "my" or "mz" (N m).

@@ -135,9 +135,10 @@ ActionRecord record_of(const ActionBase& action, const std::string& made_joint, 
 }  // namespace
 
 std::string made_joint_name(const DueEvent& event, std::size_t action) {
+  if (std::string given = event.actions[action]->made_name(); !given.empty()) return given;
   const std::string own = event.actions[action]->makes();
   if (own.empty() || !event.named) return own;
-  const auto makes = [](const Action& a) { return !a->makes().empty(); };
+  const auto makes = [](const Action& a) { return !a->makes().empty() && a->made_name().empty(); };
   return std::count_if(event.actions.begin(), event.actions.end(), makes) == 1 ? event.name : own;
 }
 

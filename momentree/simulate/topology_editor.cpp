@@ -286,13 +286,13 @@ ActionResult TopologyEditor::already_joined(int body, int to, int joint) const {
 }
 
 std::optional<ActionResult> TopologyEditor::name_taken(int body, int to) const {
-  if (spring(made_name_) >= 0)
-    return ActionResult::refused("there is already a spring '" + made_name_ + "'", "give the event another name");
+  constexpr const char* other_name = "give the action or its event another name";
+  if (spring(made_name_) >= 0) return ActionResult::refused("there is already a spring '" + made_name_ + "'", other_name);
   const int joint = world_.find_joint(made_name_);
   if (joint < 0) return std::nullopt;
   if (is_loop({joint}) && std::minmax(loop_of(joint).body, loop_of(joint).to) == std::minmax(body, to))
     return already_joined(body, to, joint);
-  return ActionResult::refused("there is already a joint '" + made_name_ + "'", "give the event another name");
+  return ActionResult::refused("there is already a joint '" + made_name_ + "'", other_name);
 }
 
 ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, const std::optional<Pose>& at) {

@@ -1,4 +1,4 @@
-// Interactive changes while a world runs: actions that may be refused, another gravity.
+// Interactive changes while a world runs: actions that may be refused, names that actions give, another gravity.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -31,6 +31,38 @@ Model stone(Vec3 gravity) {
 }
 
 }  // namespace
+
+TEST_CASE("a joint that an action makes has the name that the action gives it, and later actions find it by that name") {
+  Model model = two_links({});
+  for (int k = 0; k < 2; ++k)
+    model.add({.name = k == 0 ? "sat/hull" : "tug/hull",
+               .mass = 3,
+               .inertia = diagonal(0.1),
+               .joint = Free{},
+               .q = {0, 0, 2.0 + k, 1, 0, 0, 0},
+               .v = {0.1, 0, -0.2, 0, 0.3, 0}});
+  Simulation sim(model, {.step = 1e-3});
+  const World& world = sim.world();
+  const std::vector<Action> join{weld("sat/hull", "tug/hull", "clasp"), attach("tug/hull", "m/hand", Ball{})};
+  const Event both = sim.apply(join, "capture");
+  CHECK(both.actions[0].joint == "clasp");
+  CHECK(both.actions[1].joint == "capture");  // the only one without a name of its own
+  REQUIRE(world.find_joint("clasp") >= 0);
+  CHECK(world.joint({world.find_joint("clasp")}).kind == Kind::weld);
+  CHECK(world.joint({world.find_joint("capture")}).kind == Kind::ball);
+  CHECK_THROWS_AS(sim.apply(weld("sat/hull", "ground", "clasp")), Error);
+  sim.apply(break_joint("clasp"));
+  CHECK(world.mechanism_names() == std::vector<std::string>{"m", "sat/hull"});
+  sim.apply(attach("sat/hull", "ground", Ball{}, {}, "port/clasp"));
+  CHECK(world.joint({world.find_joint("port/clasp")}).kind == Kind::ball);
+
+  Simulation scheduled(model, {.step = 1e-3});
+  scheduled.at(0.1).then(weld("sat/hull", "tug/hull", "clasp")).named("capture");
+  scheduled.at(0.2).then(break_joint("clasp"));
+  CHECK_THROWS_AS(scheduled.at(0.3).then(break_joint("capture")), Error);
+  REQUIRE(scheduled.run_until(0.25) == Status::ok);
+  CHECK(scheduled.events()[1].action_texts() == std::vector<std::string>{"break clasp"});
+}
 
 TEST_CASE("an impossible attempt changes nothing and reports the reason; a possible one is an event") {
   Simulation simulation(two_links({0, -9.81, 0}));

@@ -43,9 +43,9 @@ struct JointView {
 /// Acceleration and forces of a joint at an instant.
 struct JointForces {
   Numbers a;  ///< time derivative of v: nv numbers (m/s², rad/s²); points into the world as in JointView; empty for loop joints
-  /// Wrench (N, N m) that the declared parent exerts on the declared child: about the origin of the child's frame (not of `at`),
-  /// in its axes. `reaction`: the total through the joint, including drive, spring and damping; `pure`: without the effort along
-  /// the joint's DoFs (momentree::pure_reaction), the load on its bearings and locks.
+  /// Wrench (N, N m) that the declared parent exerts on the declared child: about the origin of the joint's frame on the child
+  /// (`child_at`), in the child's axes. `reaction`: the total through the joint, including drive, spring and damping; `pure`:
+  /// without the effort along the joint's DoFs (momentree::pure_reaction), the load on its bearings and locks.
   Wrench reaction, pure;
   /// Effort along each DoF (nv numbers, N m or N): momentree::joint_effort; for a driven joint the effort that its motion
   /// requires.

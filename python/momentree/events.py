@@ -63,6 +63,7 @@ def attach(
     joint: JointSpec,
     *,
     at: Pose | None = None,
+    name: str | None = None,
 ) -> Action:
     """Joins a body to another, or to the ground, by a joint of any kind.
 
@@ -71,8 +72,9 @@ def attach(
         to: Name or handle of the other body, or ``"ground"``.
         at: Placement of the joint's frame in the frame of ``to``; by default where the body is.
         joint: The joint: :func:`Revolute`, :func:`Ball` ….
+        name: Name of the joint that this makes, for later actions; default: that of the event, or else ``to+body``.
     """
-    return Action("attach", {**given(body=body, to=to, at=pose(at)), **joint.scenario_value()}, [body, to])
+    return Action("attach", {**given(body=body, to=to, at=pose(at), name=name), **joint.scenario_value()}, [body, to])
 
 
 def break_joint(
@@ -198,14 +200,17 @@ def unlock(
 def weld(
     body: BodyName,
     to: BodyName = "ground",
+    *,
+    name: str | None = None,
 ) -> Action:
     """Joins a body rigidly to another, or to the ground.
 
     Args:
         body: Name of the body, or its handle.
         to: Name or handle of the other body, or ``"ground"``.
+        name: Name of the joint that this makes, for later actions; default: that of the event, or else ``to+body``.
     """
-    return Action("weld", given(body=body, to=to), [body, to])
+    return Action("weld", given(body=body, to=to, name=name), [body, to])
 
 
 def contact_force(one: BodyName, other: BodyName) -> Quantity:

@@ -14,6 +14,7 @@ struct ActionProbe final : ActionFields {
   nb::list fields;
   void add(const char* what, const char* key, const char* about) { fields.append(nb::make_tuple(what, key, about)); }
   void joint(const char* key, std::string&) override { add("joint", key, ""); }
+  void made_joint(const char* key, std::string&) override { add("made joint", key, ""); }
   void body(const char* key, std::string&, bool ground_too) override { add(ground_too ? "body or ground" : "body", key, ""); }
   void dofs(const char* key, const std::string&, std::vector<int>&) override { add("dofs", key, ""); }
   void vector(const char* key, Vec3&, const Dimension&, const char* about) override { add("vector", key, about); }

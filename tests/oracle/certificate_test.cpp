@@ -90,6 +90,7 @@ TEST_CASE("certificates: every body's momentum changes by the impulses of its jo
           std::string name;
           Vec3 force, torque, point;
           void joint(const char*, std::string&) override {}
+          void made_joint(const char*, std::string&) override {}
           void body(const char*, std::string& body, bool) override { name = body; }
           void dofs(const char*, const std::string&, std::vector<int>&) override {}
           void vector(const char* key, Vec3& value, const Dimension&, const char*) override {

@@ -7,7 +7,7 @@
 namespace momentree::actions {
 
 struct Attach : ActionBase {
-  std::string body, to = "ground";
+  std::string body, to = "ground", name;
   JointDescription joint;
   std::optional<Pose> at;
 
@@ -20,11 +20,13 @@ struct Attach : ActionBase {
     fields.body("to", to, true);
     fields.placement("at", at, "Placement of the joint's frame in the frame of `to`");
     fields.description(joint, false);
+    fields.made_joint("name", name);
   }
   std::vector<std::string> bodies() const override {
     return to == "ground" ? std::vector<std::string>{body} : std::vector<std::string>{body, to};
   }
   std::string makes() const override { return to + "+" + body; }
+  std::string made_name() const override { return name; }
   std::optional<Kind> resulting_kind() const override { return joint.spec.kind; }
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::impact; }
   ActionResult apply(TopologyEditor& editor) const override {

@@ -11,6 +11,7 @@ struct Weld : Attach {
   void fields(ActionFields& fields) override {
     fields.body("body", body, false);
     fields.body("to", to, true);
+    fields.made_joint("name", name);
   }
 };
 
