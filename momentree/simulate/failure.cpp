@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/loops.hpp>
 #include <momentree/integrate/stiffness.hpp>
 #include <momentree/simulate/arguments.hpp>
+#include <momentree/simulate/islands.hpp>
+#include <momentree/simulate/singular_start.hpp>
 
 namespace momentree {
 
@@ -26,6 +30,63 @@ std::pair<int, double> fastest_joint(const World& world) {
   return {fastest, most};
 }
 
+std::string link_text(const World& world, std::size_t link) {
+  const Tree& tree = world.tree();
+  const auto name = [&](JointId joint) { return std::string(world.joint_name(joint)); };
+  if (link < tree.loops().size()) return "loop '" + name(tree.loops()[link].id()) + "'";
+  const Coupling& coupling = tree.couplings()[static_cast<std::size_t>(tree.loop_links()[link].ends.coupling)];
+  return "the coupling of " + coupling_text(coupling, name(coupling.joint), coupling.leads() ? name(coupling.follows) : "");
+}
+
+// The joints with prescribed motions that move together with a body.
+std::string driven_joints_text(const World& world, int body) {
+  const Tree& tree = world.tree();
+  const Islands islands(tree);
+  std::string names;
+  const auto add = [&](int end, JointId joint) {
+    if (islands.of(end) == islands.of(body)) names += (names.empty() ? "'" : ", '") + std::string(world.joint_name(joint)) + "'";
+  };
+  for (const int b : tree.driven_joints()) add(b, {tree.joint_of(b)});
+  for (const Loop& loop : tree.loops())
+    if (loop.driven()) add(loop.body >= 0 ? loop.body : loop.to, loop.id());
+  return names;
+}
+
+// What cannot be closed any more within `longest` seconds from now because of prescribed motions; empty: nothing.
+std::string out_of_reach(const World& world, double h, double longest) {
+  const Tree& tree = world.tree();
+  for (double later = h; later > 0 && later <= longest; later *= 10) {
+    std::vector<double> q(world.state().q().begin(), world.state().q().end()), u(static_cast<std::size_t>(tree.nv())),
+        open(tree.loop_links().size());
+    const double t = world.time() + later;
+    follow_motions(tree, t, q.data(), u.data());
+    Workspace<double> workspace(tree);
+    load_turns(tree, world.state(), workspace);
+    if (assemble_loops(tree, t, q.data(), u.data(), workspace, open.data())) continue;
+    const auto link = static_cast<std::size_t>(std::max_element(open.begin(), open.end()) - open.begin());
+    const bool loop = link < tree.loops().size();
+    const int body = !loop                          ? tree.loop_links()[link].ends.joint
+                     : tree.loops()[link].body >= 0 ? tree.loops()[link].body
+                                                    : tree.loops()[link].to;
+    const std::string joints = driven_joints_text(world, body);
+    if (joints.empty()) return {};
+    const bool several = joints.find(',') != std::string::npos;
+    return link_text(world, link) + (loop ? " can't be closed" : " can't hold") + " any more: the prescribed motion" +
+           (several ? "s of joints " : " of joint ") + joints + (several ? " lead" : " leads") +
+           " out of the reach of the mechanism; keep the motion within reach, or end the run before";
+  }
+  return {};
+}
+
+// The loops in whose singular position the run ended, or all.
+std::string open_loops(const World& world) {
+  const std::vector<JointId> singular = singular_loops(world);
+  if (singular.empty()) return "the loops";
+  std::string names;
+  for (const JointId loop : singular) names += (names.empty() ? "'" : ", '") + std::string(world.joint_name(loop)) + "'";
+  return "near a singular position, loop " + names;
+}
+
 std::string what_ran_away(const World& world, const Integrator& method, double h) {
   const Tree& tree = world.tree();
   const std::string within = " within a step of " + text(h) + " s";
@@ -38,7 +99,7 @@ std::string what_ran_away(const World& world, const Integrator& method, double h
     }
   }
   const auto [fastest, speed] = fastest_joint(world);
-  if (method.loops_open()) return "the loops can't be closed" + (method.adaptive() ? " after any step" : within);
+  if (method.loops_open()) return open_loops(world) + " can't be closed" + (method.adaptive() ? " after any step" : within);
   const std::string what = method.adaptive() ? "no step is short enough" : "a step of " + text(h) + " s could not be solved";
   if (fastest < 0 || speed == 0) return what;
   return what + "; " + joint_text(world, fastest) + " is the fastest, at " + text(speed) + " rad/s or m/s";
@@ -52,6 +113,8 @@ std::string divergence_text(const World& world, const Integrator& method, const 
     return when + stiff->what(world.joint_name({stiff->joint}), h) + "; " + stiff->cure();
   if (const auto stiff = too_stiff_spring(world.tree(), world.state().q(), integration.method, h))
     return when + stiff->what(world.spring({stiff->spring}).name, h) + "; " + stiff->cure();
+  if (method.loops_open())
+    if (const std::string what = out_of_reach(world, h, std::max(h, 10 * integration.step)); !what.empty()) return when + what;
   return when + what_ran_away(world, method, h) + "; use " +
          (method.adaptive() ? "larger tolerances rtol and atol"
                             : "a smaller step, such as " + text(integration.step / 4) + " s") +

@@ -373,6 +373,35 @@ TEST_CASE("a warning says if closing the loops changes the energy, unless the ba
   CHECK(balance.advice({.method = "rk4"}).find("the energy balance is off") != std::string::npos);
 }
 
+// A piston that is pulled beyond r + l, which it reaches at a known instant.
+TEST_CASE("a motion that leads out of the reach of a loop is named, with the loop") {
+  const double r = 0.1, l = 0.25, start = 0.3, rate = 0.05;
+  const double x = r * std::cos(start) + std::sqrt(l * l - r * r * std::sin(start) * std::sin(start));
+  Model model;
+  BodySpec crank = bar("crank", ground, 0, r, start);
+  const BodyId turns = model.add(crank);
+  const BodyId rod = model.add(bar("rod", turns, r, l, -start - std::asin(r * std::sin(start) / l)));
+  BodySpec piston = bar("piston", ground, 0, 0.1, x);
+  piston.joint.kind = Kind::prismatic, piston.joint.axis = x_axis;
+  piston.joint.parameters.drive = motion_drive(Signal::ramp(rate, x));
+  const BodyId slides = model.add(piston);
+  LoopSpec wrist;
+  wrist.name = "wrist", wrist.body = rod, wrist.to = slides, wrist.joint = revolute();
+  wrist.child_at.position = {l, 0, 0};
+  model.add_loop(wrist);
+  for (const char* method : {"rk4", "dop853"}) {
+    CAPTURE(method);
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    const RunResult ended = sim.run_until(1);
+    CHECK(ended.status == Status::diverged);
+    CHECK(sim.time() == doctest::Approx((r + l - x) / rate).epsilon(0.01));
+    CHECK_MESSAGE(ended.reason.find("loop 'wrist' can't be closed any more: the prescribed motion of joint 'piston' leads out "
+                                    "of the reach of the mechanism") != std::string::npos,
+                  ended.reason);
+    CHECK(ended.reason.find("rtol") == std::string::npos);
+  }
+}
+
 // A cylinder of length l(t) from the ground at a to the tip of a boom: the law of cosines.
 TEST_CASE("a cylinder that closes a loop lifts a boom by its prescribed length") {
   const double foot = 0.8, tip = 1.0;
