@@ -23,6 +23,11 @@ std::string_view shortened(std::string_view text, std::size_t most) {
 
 constexpr std::size_t source_width = 120;
 
+// In the order of the file, options last.
+bool before(const Place& a, const Place& b) {
+  return std::tuple(a.option, a.line, a.column) < std::tuple(b.option, b.line, b.column);
+}
+
 }  // namespace
 
 Error Diagnostic::error() const {
@@ -121,12 +126,25 @@ std::string_view Diagnostics::line_text(int line) {
 }
 
 void Diagnostics::add(Severity severity, Place place, std::string what, std::string hint) {
-  // The same problem found by several readers of one value is reported once.
-  for (std::size_t i = diagnostics_.size(), remaining = 8; i-- > 0 && remaining-- > 0;)
-    if (places_[i] == place && diagnostics_[i].severity == severity && diagnostics_[i].what == what && place != Place{}) return;
-  if (severity == Severity::error && errors_++ >= most) return;
-  if (severity == Severity::warning && warnings_++ >= most) return;
-  if (severity == Severity::note && notes_++ >= most) return;
+  std::size_t first = diagnostics_.size();
+  for (std::size_t i = diagnostics_.size(); i-- > 0;) {
+    const Diagnostic& d = diagnostics_[i];
+    if (d.severity != severity || d.what != what) continue;
+    if (places_[i] == place && place != Place{}) return;  // found by several readers of one value
+    if (d.hint == hint && d.line > 0 && place.line > 0) first = i;
+  }
+  if (severity == Severity::error) ++errors_;
+  if (first < diagnostics_.size()) {
+    Equal& equal = equal_[first];
+    if (before(place, equal.first)) equal.first = place;
+    if (before(equal.last, place)) equal.last = place;
+    if (++equal.count > most_equal) return;
+  }
+  const auto kind = static_cast<std::size_t>(severity);
+  if (kept_[kind]++ >= most) {
+    ++dropped_[kind];
+    return;
+  }
   Diagnostic d{severity, file_, place.line, place.column, std::move(what), std::move(hint), {}};
   if (place.option > 0) {
     d.file = name_of(place);
@@ -136,6 +154,7 @@ void Diagnostics::add(Severity severity, Place place, std::string what, std::str
   }
   diagnostics_.push_back(std::move(d));
   places_.push_back(place);
+  equal_.push_back({1, place, place});
 }
 
 std::string Diagnostics::name_of(Place place) const {
@@ -150,21 +169,46 @@ void Diagnostics::throw_first() {
     if (each.severity == Severity::error) throw_error(each.error());
 }
 
+// More than a few equal ones become one, at the first place.
+void Diagnostics::unite_equal() {
+  std::vector<char> gone(diagnostics_.size(), 0);
+  for (std::size_t i = 0; i < diagnostics_.size(); ++i) {
+    const Equal& equal = equal_[i];
+    if (equal.count <= most_equal) continue;
+    Diagnostic& d = diagnostics_[i];
+    for (std::size_t k = i + 1; k < diagnostics_.size(); ++k) {
+      const Diagnostic& other = diagnostics_[k];
+      if (other.line > 0 && other.severity == d.severity && other.what == d.what && other.hint == d.hint) gone[k] = 1;
+    }
+    places_[i] = equal.first;
+    d.line = equal.first.line, d.column = equal.first.column;
+    d.source = line_text(d.line).substr(0, 4 * source_width + 4);
+    d.what += " (and " + std::to_string(equal.count - 1) + " times more, up to line " + std::to_string(equal.last.line) + ")";
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < gone.size(); ++i) {
+    if (gone[i] != 0) continue;
+    if (kept != i) diagnostics_[kept] = std::move(diagnostics_[i]), places_[kept] = places_[i];
+    ++kept;
+  }
+  diagnostics_.resize(kept);
+  places_.resize(kept);
+}
+
 std::vector<Diagnostic> Diagnostics::take() {
+  unite_equal();
   std::vector<std::size_t> order(diagnostics_.size());
   std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](std::size_t i) { return std::tuple(places_[i].option, places_[i].line, places_[i].column); };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return before(places_[a], places_[b]); });
   std::vector<Diagnostic> sorted;
   for (const std::size_t i : order) sorted.push_back(std::move(diagnostics_[i]));
-  if (errors_ > most)
-    sorted.push_back({Severity::error, file_, 0, 0, "and " + std::to_string(errors_ - most) + " or more further errors", "", ""});
-  if (warnings_ > most)
-    sorted.push_back({Severity::warning, file_, 0, 0, "and " + std::to_string(warnings_ - most) + " more warnings", "", ""});
-  if (notes_ > most)
-    sorted.push_back({Severity::note, file_, 0, 0, "and " + std::to_string(notes_ - most) + " more notes", "", ""});
+  const char* const further[] = {" or more further errors", " more warnings", " more notes"};
+  for (const Severity severity : {Severity::error, Severity::warning, Severity::note})
+    if (const auto kind = static_cast<std::size_t>(severity); dropped_[kind] > 0)
+      sorted.push_back({severity, file_, 0, 0, "and " + std::to_string(dropped_[kind]) + further[kind], "", ""});
   diagnostics_.clear();
   places_.clear();
+  equal_.clear();
   return sorted;
 }
 

@@ -47,7 +47,8 @@ class InputError : public Error {
   InputError(Error first, std::vector<Diagnostic>&& all);
 };
 
-/// Collects the problems of one file. Places are resolved to lines, and the number of diagnostics of each severity is bounded.
+/// Collects the problems of one file. Places are resolved to lines. The number of diagnostics of each severity is bounded, and
+/// more than three that differ only in their place are one with their count.
 class Diagnostics {
  public:
   /// `options`: the overrides from the command line, for places that refer to them. `text` must outlive this object; if it is
@@ -67,14 +68,14 @@ class Diagnostics {
   /// Throws the first error as an Error if there is any.
   void throw_first();
   /// The limit on errors is reached: a reader may stop.
-  bool full() const { return errors_ >= most; }
+  bool full() const { return kept_[0] >= most; }
   /// `line 12`, or the option, to name a second place in a message.
   std::string name_of(Place place) const;
   /// The diagnostics in the order of the file.
   std::vector<Diagnostic> take();
 
  private:
-  static constexpr std::size_t most = 100;
+  static constexpr std::size_t most = 100, most_equal = 3;
   void add(Severity severity, Place place, std::string what, std::string hint);
   std::string_view line_text(int line);
 
@@ -84,7 +85,14 @@ class Diagnostics {
   std::vector<std::size_t> line_starts_;
   std::vector<Diagnostic> diagnostics_;
   std::vector<Place> places_;
-  std::size_t errors_ = 0, warnings_ = 0, notes_ = 0;
+  /// Of those that are equal but for their place: how many there are, and the first and the last place.
+  struct Equal {
+    std::size_t count = 1;
+    Place first{}, last{};
+  };
+  void unite_equal();
+  std::vector<Equal> equal_;
+  std::size_t errors_ = 0, kept_[3] = {}, dropped_[3] = {};  ///< by severity
 };
 
 /// `name` in quotes, shortened if it is long and made printable with printable(), for use in a message.

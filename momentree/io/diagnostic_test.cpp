@@ -42,13 +42,31 @@ TEST_CASE("lines far down in a file are found, whatever their number") {
 TEST_CASE("problems are in the order of the file, options last, at most a hundred of each kind") {
   Diagnostics out("s.toml", "", {"a=1"});
   out.error({0, 0, 1}, "option");
-  for (int line = 150; line > 0; --line) out.error({line, 1, 0}, "e");
+  for (int line = 150; line > 0; --line) out.error({line, 1, 0}, "e" + std::to_string(line));
   const auto all = out.take();
   REQUIRE(all.size() == 101);
   CHECK(all[0].line == 52);
   CHECK(all[98].line == 150);
   CHECK(all[99].message() == "--set a=1: error: option");
   CHECK(all[100].message() == "s.toml: error: and 51 or more further errors");
+}
+
+TEST_CASE("more than three equal problems are one, at the first place and with their count") {
+  for (const bool downwards : {false, true}) {
+    Diagnostics out("s.toml", "a\nb\nc\nd\n");
+    out.error({2, 5, 0}, "other");
+    for (int i = 0; i < 1000; ++i) out.error({downwards ? 1003 - i : 4 + i, 1, 0}, "it is wrong", "mend it");
+    for (int line = 1; line <= 3; ++line) out.error({line, 2, 0}, "it is odd");
+    for (int line = 1; line <= 4; ++line) out.warning({line, 3, 0}, "it is wrong", "mend it");
+    CHECK(out.errors() == 1004);
+    CHECK(!out.full());
+    const auto all = out.take();
+    REQUIRE(all.size() == 6);
+    CHECK(all[1].message() == "s.toml:1:3: warning: it is wrong (and 3 times more, up to line 4); mend it");
+    CHECK(all[4].message() == "s.toml:3:2: error: it is odd");
+    CHECK(all[5].message() == "s.toml:4:1: error: it is wrong (and 999 times more, up to line 1003); mend it");
+    CHECK(all[5].source == "d");
+  }
 }
 
 TEST_CASE("a terminal gets no control characters, and no endless lines") {

@@ -52,7 +52,7 @@ TEST_CASE("MJCF: invalid numbers are refused") {
        "m.xml:4:17: error: damping: '1.0kg' is not a number; units are not written here: values are in m, kg, s and units "
        "derived from them"},
       {joint("damping='${d}'"),
-       "m.xml:4:17: error: damping: '${d}' is not a number; is this a template? expand it first (xacro)"},
+       "m.xml:4:17: error: damping: '${d}' is not a number; expand the file first: xacro robot.urdf.xacro > robot.urdf"},
       {joint("damping=''"), "m.xml:4:17: error: damping: expected 1 number, found none; separate numbers by blanks"},
       {joint("damping='1 2'"), "m.xml:4:17: error: damping: expected 1 number, found 2"},
       {joint("damping='0x10'"),
@@ -220,7 +220,7 @@ TEST_CASE("MJCF: files that are not MJCF, or leave their folder, are refused") {
 
 TEST_CASE("MJCF: all problems of a file are reported at once, up to a readable number") {
   std::string bodies;
-  for (int i = 0; i < 1000; ++i) bodies += "<body><geom size='x'/></body>\n";
+  for (int i = 0; i < 1000; ++i) bodies += "<body><geom size='x" + std::to_string(i) + "'/></body>\n";
   const ReadResult result = read_scenario_text(mjcf(bodies), "m.xml");
   CHECK(!result.scenario);
   CHECK(result.diagnostics.size() == 101);

@@ -58,7 +58,7 @@ TEST_CASE("SDF: invalid numbers are refused") {
        "m.sdf:4:17: error: mass: '1.0kg' is not a number; units are not written here: values are in m, kg, s and units derived "
        "from them"},
       {inertial("<mass>${m}</mass>" + inertia),
-       "m.sdf:4:17: error: mass: '${m}' is not a number; is this a template? expand it first (xacro)"},
+       "m.sdf:4:17: error: mass: '${m}' is not a number; expand the file first: xacro robot.urdf.xacro > robot.urdf"},
       {inertial("<mass></mass>" + inertia), "m.sdf:4:11: error: mass: expected 1 number, found none; separate numbers by blanks"},
       {inertial("<mass>1 2</mass>" + inertia), "m.sdf:4:17: error: mass: expected 1 number, found 2"},
       {inertial("<mass>0x10</mass>" + inertia),
@@ -271,7 +271,7 @@ TEST_CASE("SDF: meshes elsewhere are not opened, with a note") {
 
 TEST_CASE("SDF: all problems of a file are reported at once, up to a readable number") {
   std::string text = head;
-  for (int i = 0; i < 1000; ++i) text += "<link name='a'><inertial><mass>x</mass></inertial></link>\n";
+  for (int i = 0; i < 1000; ++i) text += "<link name='a'><inertial><mass>x" + std::to_string(i) + "</mass></inertial></link>\n";
   const ReadResult result = read_scenario_text(text + end, "m.sdf");
   CHECK(!result.scenario);
   CHECK(result.diagnostics.size() == 102);  // one of them a warning
