@@ -1,5 +1,6 @@
 #pragma once
 // Reads the keys of one scenario table with their types and units. Keys that no reader requests are unknown.
+#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -20,6 +21,9 @@ namespace momentree::io {
 std::optional<double> read_number(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out);
 /// Like read_number, but without that warning, for angles that may exceed one turn.
 std::optional<double> read_plain_number(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out);
+/// Nothing, with a report, for anything but a whole number from `least` to `most`.
+std::optional<std::int64_t> read_whole(const Value& value, std::string_view label, std::int64_t least, std::int64_t most,
+                                       Diagnostics& out);
 std::optional<std::string> read_string(const Value& value, std::string_view label, Diagnostics& out);
 std::optional<Vec3> read_vec3(const Value& value, const Dimension& expected, std::string_view label, Diagnostics& out);
 /// A table of xyz (m) with rpy (fixed axes) or quat (w, x, y, z; normalised, an error if its length is off by more than 1e-6).

@@ -1,6 +1,7 @@
 #include <momentree/io/override.hpp>
 
 #include <charconv>
+#include <cstdlib>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -47,6 +48,12 @@ std::optional<Assignment> parsed(std::string_view text) {
     }
   }
   return {};
+}
+
+// Digits that are no value of TOML because the number is beyond 64 bits.
+bool is_large_number(std::string_view text) {
+  if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.remove_prefix(1);
+  return text.size() > 18 && text[0] != '0' && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
 std::string name_in(const Value& table) {
@@ -97,8 +104,15 @@ void apply(Value& document, const Assignment& assignment, Place place, Diagnosti
       return;
     }
   }
-  std::optional<Value> value = parse_toml_value(assignment.value, place);
-  *at = value ? std::move(*value) : Value(std::string(assignment.value), place);
+  SyntaxError error;
+  if (std::optional<Value> value = parse_toml_value(assignment.value, place, &error))
+    *at = std::move(*value);
+  else if (is_large_number(assignment.value))
+    *at = Value(std::strtod(std::string(assignment.value).c_str(), nullptr), place);
+  else if (!assignment.value.empty() && (assignment.value[0] == '[' || assignment.value[0] == '{'))
+    out.error(place, error.what.empty() ? "the value can't be read" : error.what, error.hint);
+  else  // a string needs no quotes
+    *at = Value(std::string(assignment.value), place);
 }
 
 }  // namespace

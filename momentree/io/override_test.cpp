@@ -47,6 +47,11 @@ TEST_CASE("errors in an override point to it") {
   CHECK(refusal("mechanism.m.body.b.mass=1") == "--set mechanism.m.body.b.mass=1: error: no entry of the list is named 'b'");
   CHECK(refusal("mechanism.7.name=x") == "--set mechanism.7.name=x: error: there is no entry '7' in a list of 1; the first is 0");
   CHECK(refusal("event.#2.at=1") == "--set event.#2.at=1: error: there is no entry '#2' in a list of 1; the first is #1");
+  CHECK(refusal("world.gravity=[0,0,-1e300]") ==
+        "--set world.gravity=[0,0,-1e300]: error: gravity: its magnitude is beyond the range of numbers");
+  CHECK(refusal("world.gravity=[0, 0, -9.81").find("error: cannot read this") != std::string::npos);
+  CHECK(refusal("mechanism.m.roots=999999999999999999999") ==
+        "--set mechanism.m.roots=999999999999999999999: error: roots: expected a whole number from 1 to 1000000, found 1e+21");
   CHECK(refusal("format.x=1") == "--set format.x=1: error: 'format' is a number: it has no 'x'");
   const std::string usage = ": error: expected KEY=VALUE; for example integrate.step=1e-4 or mechanism.tug.pose.xyz=[0,0,1]";
   for (const char* text : {"", "=", "a", "a.=1", ".a=1", "a..b=1"}) CHECK(refusal(text) == "--set " + std::string(text) + usage);

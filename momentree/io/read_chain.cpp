@@ -67,16 +67,10 @@ Chain read_fields(Fields& fields, Reading& reading) {
   const int most = reading.bodies_left;
   Chain chain;
   if (const Value* links = fields.require("links")) {
-    const std::int64_t* n = links->integer();
-    if (!n)
-      out.error(links->place,
-                std::string("links: expected a whole number, found ") + (links->real() ? "a fraction" : links->type_name()),
-                "write links = 10");
-    else if (*n < 1 || *n > most)
-      out.error(links->place, "links: must be from 1 to " + std::to_string(most) +
-                                  (most < 1'000'000 ? ": a scenario has at most 1000000 bodies" : ""));
+    if (most < 1 || (most < 1'000'000 && links->integer() && *links->integer() > most))
+      out.error(links->place, "links: a scenario has at most 1000000 bodies, and here " + std::to_string(most) + " are left");
     else
-      chain.links = static_cast<int>(*n);
+      chain.links = static_cast<int>(read_whole(*links, "links", 1, most, out).value_or(chain.links));
   }
   fields.require("length");
   chain.length = fields.number("length").value_or(1);

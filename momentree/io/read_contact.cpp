@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include <momentree/io/read_action.hpp>
+#include <momentree/math/unit.hpp>
 #include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/contact_bodies.hpp>
 #include <momentree/simulate/overlap.hpp>
@@ -140,8 +141,8 @@ void read_floor(const Value& value, Reading& reading) {
   const std::size_t errors = reading.out.errors();
   Fields fields(value, floor_table, reading.out, "floor");
   if (const auto normal = fields.vec3("normal")) {
-    if (norm(*normal) > 0)
-      floor.normal = normalized(*normal);
+    if (normal->x != 0 || normal->y != 0 || normal->z != 0)
+      floor.normal = unit(*normal);
     else
       reading.out.error(fields.place_of("normal"), "normal: must not be zero");
   }

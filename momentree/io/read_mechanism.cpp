@@ -88,13 +88,10 @@ Held read_root(Fields& fields, Diagnostics& out) {
 std::size_t read_roots(Fields& fields, Diagnostics& out) {
   const Value* roots = fields.find("roots");
   if (!roots) return 1;
-  const std::int64_t* n = roots->integer();
-  if (n && *n >= 1 && *n <= 1'000'000 && fields.has("body")) return static_cast<std::size_t>(*n);
-  if (n && *n >= 1)
+  const auto count = read_whole(*roots, "roots", 1, 1'000'000, out);
+  if (count && !fields.has("body"))
     out.error(roots->place, "roots: this key is for a mechanism with [[mechanism.body]] tables", "");
-  else
-    out.error(roots->place, "roots: expected a number of bodies, 1 or more");
-  return 1;
+  return static_cast<std::size_t>(count.value_or(1));
 }
 
 // Sets the joint of a root body to the ground.

@@ -48,7 +48,12 @@ constinit const KeyTable output_table{"[output]", "", "Output", output_entries};
 
 void read_world(const Value& table, Reading& reading) {
   Fields fields(table, world_table, reading.out);
-  if (const auto gravity = fields.vec3("gravity")) reading.scenario.model.set_gravity(*gravity);
+  if (const auto gravity = fields.vec3("gravity")) {
+    if (std::isfinite(norm(*gravity)))
+      reading.scenario.model.set_gravity(*gravity);
+    else
+      reading.out.error(fields.place_of("gravity"), "gravity: its magnitude is beyond the range of numbers");
+  }
   if (const Value* floor = fields.find("floor")) read_floor(*floor, reading);
   fields.finish();
 }

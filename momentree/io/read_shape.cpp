@@ -136,7 +136,9 @@ Shape read_one(const Value& value, bool drawn, Reading& reading) {
     else
       out.error(scale->place, "scale: only a mesh is scaled", "give the shape its size");
   }
-  if (kinds > 1) out.error(fields.place(), "a shape is one of box, sphere, cylinder, capsule and mesh", "");
+  if (kinds != 1 && value.table())
+    out.error(fields.place(), "a shape is one of box, sphere, cylinder, capsule and mesh",
+              kinds > 1 ? "make the others further entries of a list" : "for example { sphere = 0.1 }");
   shape.at = fields.pose("at").value_or(Pose{});
   read_colour(fields, "colour", shape.colour, out);
   read_colour(fields, "color", shape.colour, out);

@@ -1,6 +1,7 @@
 // Numbers with units, vectors, placements and inertias.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <momentree/io/fields.hpp>
@@ -75,6 +76,23 @@ std::optional<double> read_plain_number(const Value& value, const Dimension& exp
   }
   out.error(value.place, labelled(label, "expected ") + name_of(expected) + ", found " + value.type_name(),
             "for example " + example_of(expected));
+  return {};
+}
+
+std::optional<std::int64_t> read_whole(const Value& value, std::string_view label, std::int64_t least, std::int64_t most,
+                                       Diagnostics& out) {
+  const std::int64_t* const whole = value.integer();
+  if (whole != nullptr && *whole >= least && *whole <= most) return *whole;
+  const bool bounded = most < std::numeric_limits<std::int64_t>::max();
+  const double x = value.number().value_or(std::nan(""));
+  const bool decimal = whole == nullptr && x == std::floor(x) && x >= static_cast<double>(least) &&
+                       x <= static_cast<double>(most) && std::fabs(x) < 1e15;
+  const std::string range =
+      bounded ? " from " + std::to_string(least) + " to " + std::to_string(most) : " of at least " + std::to_string(least);
+  const std::string found = value.number() || value.string() ? as_written(value) : "";
+  out.error(value.place,
+            labelled(label, "expected a whole number") + range + ", found " + (found.empty() ? value.type_name() : found),
+            decimal ? "write " + std::to_string(static_cast<std::int64_t>(x)) : "");
   return {};
 }
 

@@ -75,10 +75,11 @@ std::optional<Value> parse_toml(std::string_view text, SyntaxError& error) {
   return converted(result.table(), nullptr);
 }
 
-std::optional<Value> parse_toml_value(std::string_view text, Place place) {
+std::optional<Value> parse_toml_value(std::string_view text, Place place, SyntaxError* error) {
   const std::string line = "value = " + std::string(text);
   if (text.find('\n') != std::string_view::npos || check_toml_text(line)) return {};
   const toml::parse_result result = toml::parse(escape_unsupported(line));
+  if (!result && error != nullptr) *error = syntax_error(result.error(), line);
   if (!result || result.table().size() != 1) return {};
   const toml::node* value = result.table().get("value");
   if (!value) return {};

@@ -13,7 +13,8 @@ namespace momentree::io {
 /// to invalid TOML, nesting deeper than any scenario needs is refused, so that no text can exhaust the stack.
 std::optional<Value> parse_toml(std::string_view text, SyntaxError& error);
 
-/// One value as it would be written after `key = `, with every place in it set to `place`; nothing if it is not a value.
-std::optional<Value> parse_toml_value(std::string_view text, Place place);
+/// One value as it would be written after `key = `, with every place in it set to `place`; nothing if it is not a value: `error`
+/// then says why, if the parser does.
+std::optional<Value> parse_toml_value(std::string_view text, Place place, SyntaxError* error = nullptr);
 
 }  // namespace momentree::io

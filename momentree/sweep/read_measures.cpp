@@ -1,6 +1,7 @@
 // [measure] and [stop].
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_set>
 
 #include <momentree/base/characters.hpp>
@@ -248,10 +249,8 @@ void read_stop(const Value& table, const Simulation& simulation, SweepReading& r
       take(*after);
   }
   if (const Value* steps = fields.find("steps")) {
-    if (const std::int64_t* number = steps->integer(); number != nullptr && *number > 0)
+    if (const auto number = io::read_whole(*steps, "steps", 1, std::numeric_limits<std::int64_t>::max(), out))
       reading.sweep.stop.steps = static_cast<long>(*number);
-    else
-      out.error(steps->place, "steps: expected a whole number of at least 1");
   }
   fields.finish();
 }

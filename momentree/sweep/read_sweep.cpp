@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <utility>
 
 #include <momentree/base/characters.hpp>
@@ -29,12 +30,7 @@ constexpr std::uintmax_t largest_sweep = 64u << 20;
 std::optional<std::int64_t> whole_number(Fields& fields, const char* key, std::int64_t least, io::Diagnostics& out) {
   const Value* value = fields.find(key);
   if (value == nullptr) return std::nullopt;
-  const std::int64_t* number = value->integer();
-  if (number == nullptr || *number < least) {
-    out.error(value->place, std::string(key) + ": expected a whole number of at least " + std::to_string(least));
-    return std::nullopt;
-  }
-  return *number;
+  return io::read_whole(*value, key, least, std::numeric_limits<std::int64_t>::max(), out);
 }
 
 void read_format(Fields& fields, io::Diagnostics& out) {

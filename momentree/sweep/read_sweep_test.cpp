@@ -295,7 +295,7 @@ TEST_CASE("mistakes in a sweep name their line and how to mend them") {
   check(sweep_text("\"event.kick.at\" = []", measure),
         "s.toml:6:19: error: event.kick.at: the list is empty; give at least one value");
   check(sweep_text("\"event.kick.at\" = { range = [0, 1, 0] }", measure),
-        "s.toml:6:36: error: range: the count of values must be a whole number of at least 1; range = [from, to, count]");
+        "s.toml:6:36: error: range: the count of values: expected a whole number of at least 1, found 0");
   check(sweep_text("\"event.kick.at\" = { uniform = [0.1, 0.2, 0.3] }", measure),
         "s.toml:6:31: error: uniform: expected a list of 2 entries; for example uniform = [0.2, 0.4]");
   check(sweep_text("\"mechanism.m.body.ball.mass\" = { uniform = [-0.5, 1.5] }", measure),

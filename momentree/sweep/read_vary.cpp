@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <momentree/base/error.hpp>
@@ -299,10 +300,9 @@ class Vary {
     const std::vector<std::vector<double>> x = arguments.read(ends, "range", "uu", "range = [0.0, 0.4, 5]");
     if (x.empty()) return;
     if (parameter_.vector) return out_.error(value.place, "range: expected numbers", "vary one component, as in \"….angular.0\"");
-    const std::int64_t* count = (*entries)[2].integer();
-    if (count == nullptr || *count < 1)
-      return out_.error((*entries)[2].place, "range: the count of values must be a whole number of at least 1",
-                        "range = [from, to, count]");
+    const auto count =
+        io::read_whole((*entries)[2], "range: the count of values", 1, std::numeric_limits<std::int64_t>::max(), out_);
+    if (!count) return;
     parameter_.about =
         "from " + io::number_text(x[0][0]) + " to " + io::number_text(x[1][0]) + ", " + std::to_string(*count) + " values";
     add(RangeValues{x[0][0], x[1][0], static_cast<std::size_t>(*count)});

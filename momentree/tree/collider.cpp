@@ -6,6 +6,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/base/wildcard.hpp>
+#include <momentree/math/unit.hpp>
 #include <momentree/tree/contact_rules.hpp>
 #include <momentree/tree/model.hpp>
 
@@ -14,8 +15,6 @@ namespace momentree {
 namespace {
 
 constexpr BodyId nobody{-2};  // alone in a set: there is none yet, which is not the same as all
-
-bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 bool are_neighbours(const Model& model, BodyId one, BodyId other) {
   return one != ground && other != ground && (model[one].parent == other || model[other].parent == one);
@@ -32,9 +31,9 @@ ColliderId Model::add_collider(Collider collider) {
     throw_error({"a collider belongs to a body of the model, or to the ground", "collision", ""});
   if (collider.plane) {
     if (collider.body != ground) throw_error({"only the ground can have a plane", "collision", "give the body a box"});
-    if (!is_finite(collider.point) || !is_finite(collider.normal) || !(norm(collider.normal) > 0))
+    if (!is_finite(collider.point) || !is_finite(collider.normal) || collider.normal == Vec3{})
       throw_error({"a plane has a finite point and a normal that is not zero", "normal", ""});
-    collider.normal = normalized(collider.normal);
+    collider.normal = unit(collider.normal);
   } else {
     if (collider.solid.vertices.empty())
       throw_error({"a collider has no volume", "collision", "its points must not lie in one plane"});

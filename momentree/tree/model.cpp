@@ -98,7 +98,7 @@ BodyId Model::add_unjudged(BodySpec spec) {
 }
 
 void Model::set_gravity(Vec3 gravity) {
-  if (!is_finite(gravity)) throw_error({"gravity must be finite numbers", "", "m/s², world axes"});
+  if (!std::isfinite(norm(gravity))) throw_error({"gravity must be finite numbers", "", "m/s², world axes"});
   gravity_ = gravity;
 }
 

@@ -123,7 +123,11 @@ TEST_CASE("values of the wrong shape are reported with the right one") {
       {in_joint("friction = 0.1"), "write friction = { coulomb = 0.1, speed = 0.01 }"},
       {in_joint("drive = 5"), "write drive = { effort = 5 }"},
       {in_joint("position = [0, 0, 1]"), "a joint is placed by its `at`; write at = { xyz = [0, 0, 1] }"},
-      {in_body("inertia = [[1, 0, 0], [0, 2, 0], [0, 0, 3]]"), "write inertia = [1, 2, 3]: xx, yy, zz"},
+      {in_body("inertia = [[1, 0, 0], [0, 2, 0], [0, 0, 3]]"),
+       "write inertia = [1, 2, 3]: xx, yy, zz; with products of inertia 6 numbers, xx, yy, zz, xy, xz, yz"},
+      {in_body("inertia = [[0.123456789012345, 0.0123456789012345, 0], [0.0123456789012345, 0.123456789012345, "
+               "0.00123456789012345], [0, 0.00123456789012345, 0.123456789012345]]"),
+       "write its 6 numbers xx, yy, zz, xy, xz, yz in one list"},
       {in_body("inertia = [[1, 0.1, 0], [0.1, 2, 0], [0, 0, 3]]"),
        "write inertia = [1, 2, 3, 0.1, 0, 0]: xx, yy, zz, xy, xz, yz"},
       {in_body("inertia = [[1, 0.1, 0], [0.2, 2, 0], [0, 0, 3]]"), "an inertia is symmetric: 6 numbers, xx, yy, zz, xy, xz, yz"},

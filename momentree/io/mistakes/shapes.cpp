@@ -84,6 +84,14 @@ std::string downwards(const Value& value) {
          "\"]";
 }
 
+std::string of_moments(std::vector<std::string> six, bool diagonal) {
+  const char* const order = "xx, yy, zz, xy, xz, yz";
+  if (diagonal) six.resize(3);
+  const std::string cure = write("inertia", list(six));
+  if (cure.empty()) return "write its 6 numbers " + std::string(order) + " in one list";
+  return cure + ": " + (diagonal ? "xx, yy, zz; with products of inertia 6 numbers, " : "") + order;
+}
+
 // xx, yy, zz, xy, xz, yz of a matrix given by rows.
 std::string of_matrix(const std::array<const Value*, 9>& m) {
   static constexpr std::size_t entries[] = {0, 4, 8, 1, 2, 5}, mirrored[] = {0, 4, 8, 3, 6, 7};
@@ -94,8 +102,7 @@ std::string of_matrix(const std::array<const Value*, 9>& m) {
     if (six.back() != as_written(*m[mirrored[i]])) return "an inertia is symmetric: 6 numbers, xx, yy, zz, xy, xz, yz";
     diagonal = diagonal && (i < 3 || (is_number(*m[entries[i]]) && number(*m[entries[i]]) == 0));
   }
-  if (diagonal) six.resize(3);
-  return write("inertia", list(six)) + (diagonal ? ": xx, yy, zz" : ": xx, yy, zz, xy, xz, yz");
+  return of_moments(std::move(six), diagonal);
 }
 
 std::string of_pairs(const Value::Array& entries) {
@@ -201,8 +208,7 @@ std::string cure_of_inertia(const Value& value) {
   }
   const bool diagonal = std::all_of(six.begin() + 3, six.end(), [](const std::string& s) { return s == "0" || s == "0.0"; });
   if (std::all_of(six.begin(), six.end(), [](const std::string& s) { return s == "0"; })) return usual;
-  if (diagonal) six.resize(3);
-  return write("inertia", list(six)) + (diagonal ? ": xx, yy, zz" : ": xx, yy, zz, xy, xz, yz");
+  return of_moments(std::move(six), diagonal);
 }
 
 std::string cure_of_table(std::string_view where, const Value& value) {
