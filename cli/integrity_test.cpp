@@ -133,7 +133,7 @@ TEST_CASE("on a full disk a run fails, reports it everywhere, and keeps whole ro
   CHECK(said.says("Results: s.partial\n"));
   const Outcome small = here.call("run s.toml --out t", "ulimit -f 1");
   CHECK(small.code == 2);
-  CHECK(small.errors.find("cannot write this file") != std::string::npos);
+  CHECK(small.errors.find("t: error: the results could not be begun: cannot write this file") != std::string::npos);
   CHECK_FALSE(here.has("t.partial"));
   for (const char* command :
        {"convert s.toml -o o.toml", "compile s.toml -o o.cpp", "view s.toml --svg o.svg", "view s.toml --export o.glb"}) {

@@ -94,6 +94,9 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_v
     if (contacts_) contact_header(contacts_->text());
     each_table([](TextFile& table, std::size_t&) { table.flush(); });
     directory_->keep();
+  } catch (const Error& error) {  // the file that it names is removed with the folder
+    status_ = "not begun";
+    throw_error({"the results could not be begun: " + error.problem, options_.directory, error.hint});
   } catch (...) {
     status_ = "not begun";
     throw;
