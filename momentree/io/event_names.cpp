@@ -202,6 +202,13 @@ void report_unknown(const Reading::JointUse& use, Reading& reading) {
                     std::move(hint));
 }
 
+// The joint or spring of an action is in a mechanism that could not be read: what kind it has is unknown.
+bool is_unread(const Value& action, const Reading& reading) {
+  const Value::Entry* const entry = action.find("joint");
+  const std::string* const joint = entry != nullptr ? entry->value.string() : nullptr;
+  return joint != nullptr && reading.opaque.contains(mechanism_of(*joint)) && !reading.joints.contains(*joint);
+}
+
 }  // namespace
 
 void finish_events(Reading& reading) {
@@ -210,7 +217,7 @@ void finish_events(Reading& reading) {
   WildSets wild(names, reading);
   const Value* wrong = nullptr;  // an error in one table concerns every match of its wildcard
   for (const Reading::LateEntry& late : reading.late) {
-    if (late.value == wrong || wild.fill(late)) continue;
+    if (late.value == wrong || is_unread(*late.value, reading) || wild.fill(late)) continue;
     ActionReader reader(*late.value, *late.action, late.match, late.time, reading);
     reader.kinds_of = [&](const std::string& joint) { return names.kinds_of(joint, late.time); };
     if (!reader.read()) wrong = late.value;

@@ -90,7 +90,8 @@ TEST_CASE("joints that cannot follow are reported where mimic is requested") {
   const std::string a = joint("a", "continuous", "");
   refused(a + joint("b", "fixed", follows("a")), "'b' does not have one degree of freedom");
   refused(a + joint("b", "floating", follows("a")), "'b' does not have one degree of freedom");
-  refused(joint("b", "fixed", "") + joint("a", "continuous", follows("b")), "'b' does not have one degree of freedom");
+  refused(joint("b", "fixed", "") + joint("a", "continuous", follows("b")),
+          "'b' does not have one degree of freedom, but joint 'a' follows it (");
 }
 
 TEST_CASE("URDF: joints that follow each other in a cycle are refused, with the cycle") {

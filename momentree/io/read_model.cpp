@@ -115,12 +115,15 @@ void check_state(const Import& import, const MechanismState& state, Reading& rea
 void warn_of_followers(const Import& import) {
   for (const Follower& each : import.model.followers) {
     if (each.exact) continue;
-    each.file->warning({each.element},
-                       "joint " + in_quotes(import.model.bodies[static_cast<std::size_t>(each.body)].spec.joint_name) +
-                           " should follow " +
-                           in_quotes(import.model.bodies[static_cast<std::size_t>(each.leader)].spec.joint_name) +
-                           ", but moves independently here",
-                       "mimic = \"exact\" in the mechanism couples them; mimic = { stiffness = … } does so by a spring");
+    const BodySpec &own = import.model.bodies[static_cast<std::size_t>(each.body)].spec,
+                   &leader = import.model.bodies[static_cast<std::size_t>(each.leader)].spec;
+    const std::string follows = "joint " + in_quotes(own.joint_name) + " should follow " + in_quotes(leader.joint_name);
+    if (info(own.joint.kind).nv != 1 || info(leader.joint.kind).nv != 1)
+      each.file->warning({each.element}, follows + ", but joints without one degree of freedom can't be coupled",
+                         "let it follow a joint that moves, or leave out the <mimic>");
+    else
+      each.file->warning({each.element}, follows + ", but moves independently here",
+                         "mimic = \"exact\" in the mechanism couples them; mimic = { stiffness = … } does so by a spring");
   }
 }
 
@@ -142,8 +145,12 @@ bool check_followers(const Import& import, const ModelChoice& choice, Reading& r
     for (const int end : {each.body, each.leader})
       if (end >= 0 && (by_spring(each, choice) || is_exact(each, choice)) &&
           info(bodies[static_cast<std::size_t>(end)].spec.joint.kind).nv != 1)
-        reading.out.error(choice.mimic_place, "mimic: joint " + name(end) + " does not have one degree of freedom",
-                          "couple the others with [[coupling]] tables");
+        reading.out.error(
+            choice.mimic_place,
+            "mimic: joint " + name(end) + " does not have one degree of freedom, but joint " + name(each.body) +
+                (end == each.body ? " follows " + (each.leader < 0 ? "nothing" : name(each.leader)) : " follows it") + " (" +
+                each.file->path() + ", " + each.file->line_of(each.element) + ")",
+            "couple the others with [[coupling]] tables");
   return errors == reading.out.errors();
 }
 
@@ -349,6 +356,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   read_model_loops(*import, mechanism, choice, joints, first, errors, reading);
   if (coupled && errors == reading.out.errors()) couple_followers(*import, choice, first, reading);
   if (errors == reading.out.errors()) add_springs(*import, choice, mechanism, first, reading);
+  if (errors != reading.out.errors()) reading.opaque.insert(mechanism);  // its springs are missing, at least
 }
 
 bool take_limits(const JointLimits& limits, const ModelChoice& choice, const std::string& joint, JointParameters& parameters,

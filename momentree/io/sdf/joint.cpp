@@ -45,6 +45,7 @@ std::string read_end(Texts& texts, const char* end, XmlLocation& location, XmlFi
 void read_limit(XmlElement element, const Type& type, AxisPart& axis, XmlFile& file) {
   Texts texts(element, file);
   constexpr double inf = std::numeric_limits<double>::infinity();
+  const std::size_t errors = file.out().errors();
   const double lower = texts.bound("lower").value_or(-inf);
   const XmlLocation at = texts.fields.child("lower") ? texts.location() : XmlLocation{element};
   const double upper = texts.bound("upper").value_or(inf);
@@ -56,7 +57,7 @@ void read_limit(XmlElement element, const Type& type, AxisPart& axis, XmlFile& f
   texts.bound("stiffness");
   texts.bound("dissipation");
   texts.fields.finish();
-  if (!type.limited) return;
+  if (!type.limited || errors != file.out().errors()) return;
   if (lower > upper) {
     file.error(at, "limit: 'lower' is greater than 'upper'", "swap them");
   } else if (lower == upper) {

@@ -53,7 +53,8 @@ TEST_CASE("URDF: invalid numbers are refused") {
       {of_mass("1.0kg"),
        "r.urdf:3:24: error: value: '1.0kg' is not a number; units are not written here: values are in m, kg, s and units derived "
        "from them"},
-      {of_mass("${m}"), "r.urdf:3:24: error: value: '${m}' is not a number; is this a template? expand it first (xacro)"},
+      {of_mass("${m}"),
+       "r.urdf:3:24: error: value: '${m}' is not a number; expand the file first: xacro robot.urdf.xacro > robot.urdf"},
       {of_mass(""), "r.urdf:3:24: error: value: expected 1 number, found none; separate numbers by blanks"},
       {of_mass("1 2"), "r.urdf:3:24: error: value: expected 1 number, found 2"},
       {of_mass("0x10"),
@@ -64,6 +65,20 @@ TEST_CASE("URDF: invalid numbers are refused") {
        "r.urdf:7:14: error: xyz: expected 3 numbers, found 4\n"
        "r.urdf:7:28: error: rpy: '0,0,0' is not a number; use a point as the decimal sign, and separate numbers by blanks"},
   });
+}
+
+TEST_CASE("URDF: what xacro has not expanded is refused, and makes no second complaint") {
+  const std::string cure = "; expand the file first: xacro robot.urdf.xacro > robot.urdf";
+  check({
+      {head + "<xacro:include filename='arm.xacro'/>\n<xacro:arm name='left'/>\n" + a_link("a") + "</robot>",
+       "r.urdf:2:1: error: <xacro:include> is not expanded: what it stands for is missing" + cure +
+           "\nr.urdf:3:1: error: <xacro:arm> is not expanded: what it stands for is missing" + cure},
+      {joined("<limit lower='-${pi}' upper='${pi}' effort='1' velocity='1'/>"),
+       "r.urdf:7:15: error: lower: '-${pi}' is not a number" + cure + "\nr.urdf:7:30: error: upper: '${pi}' is not a number" +
+           cure},
+  });
+  const ReadResult result = read_scenario_text(joined("<limit lower='-${pi}' upper='${pi}' effort='1' velocity='1'/>"), "r.urdf");
+  CHECK(said(result, Severity::warning).empty());
 }
 
 TEST_CASE("URDF: impossible masses and inertias are refused") {
@@ -194,7 +209,8 @@ TEST_CASE("files that are not URDF are refused") {
 
 TEST_CASE("URDF: all problems of a file are reported at once, up to a readable number") {
   std::string text = head;
-  for (int i = 0; i < 1000; ++i) text += "<link name='a'><inertial><mass value='x'/></inertial></link>\n";
+  for (int i = 0; i < 1000; ++i)
+    text += "<link name='a'><inertial><mass value='x" + std::to_string(i) + "'/></inertial></link>\n";
   const ReadResult result = read_scenario_text(text + "</robot>", "r.urdf");
   CHECK(!result.scenario);
   CHECK(result.diagnostics.size() == 101);

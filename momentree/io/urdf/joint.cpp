@@ -65,6 +65,7 @@ Vec3 read_axis(XmlFields& fields, XmlFile& file) {
 
 void read_limit(XmlElement limit, const Type& type, Joint& joint, XmlFile& file) {
   XmlFields fields(limit, file);
+  const std::size_t errors = file.out().errors();
   const double lower = fields.number("lower").value_or(0), upper = fields.number("upper").value_or(0);
   const auto effort = fields.not_negative("effort");
   fields.not_negative("velocity");
@@ -72,7 +73,16 @@ void read_limit(XmlElement limit, const Type& type, Joint& joint, XmlFile& file)
     file.once(Severity::note, "an effort limit of 0: nothing could drive this joint", "efforts are not limited here",
               fields.location("effort"));
   fields.finish();
-  if (!type.limited || (!fields.has("lower") && !fields.has("upper"))) return;
+  if (errors != file.out().errors()) return;
+  const bool given = fields.has("lower") || fields.has("upper");
+  if (given && type.kind == Kind::revolute && !type.limited)
+    file.once(Severity::note, "the limits of a continuous joint are not used: it turns without end",
+              "use type=\"revolute\" for a joint with limits", {limit});
+  if (!given && type.limited)
+    file.once(Severity::warning,
+              std::string("a ") + type.name + " joint whose <limit> has neither 'lower' nor 'upper': it is not limited",
+              type.kind == Kind::revolute ? "use type=\"continuous\" for that" : "", {limit});
+  if (!type.limited || !given) return;
   if (lower > upper) {
     file.error(fields.location("lower"), "limit: 'lower' is greater than 'upper'", "swap them");
   } else if (lower == upper) {

@@ -203,6 +203,32 @@ TEST_CASE("URDF: names that paths cannot contain are changed everywhere, with a 
         "name in scenarios");
 }
 
+TEST_CASE("URDF: limits that have no effect are reported") {
+  const std::string moving = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial>";
+  const ReadResult result =
+      read_scenario_text(robot(a_link("a") + a_link("b", moving) + a_link("c", moving) +
+                               joint("ab", "revolute", "a", "b", "<limit effort='1' velocity='1'/>") +
+                               joint("bc", "continuous", "b", "c", "<limit lower='-1' upper='1' effort='1' velocity='1'/>")),
+                         "r.urdf");
+  REQUIRE(result.scenario);
+  CHECK(said(result, Severity::warning)
+            .find("a revolute joint whose <limit> has neither 'lower' nor 'upper': it is not limited; "
+                  "use type=\"continuous\" for that") != std::string::npos);
+  CHECK(said(result, Severity::note)
+            .find("the limits of a continuous joint are not used: it turns without end; use "
+                  "type=\"revolute\" for a joint with limits") != std::string::npos);
+}
+
+TEST_CASE("URDF: a joint that should follow one that cannot be coupled says so") {
+  const ReadResult result =
+      read_scenario_text(robot(a_link("a") + a_link("b") + a_link("c") +
+                               joint("knee", "continuous", "a", "b", "<mimic joint='hip'/>") + joint("hip", "fixed", "a", "c")),
+                         "r.urdf");
+  CHECK(said(result, Severity::warning)
+            .find("joint 'knee' should follow 'hip', but joints without one degree of freedom can't be "
+                  "coupled; let it follow a joint that moves, or leave out the <mimic>") != std::string::npos);
+}
+
 TEST_CASE("URDF: a joint that should follow one that does not exist moves independently") {
   const ReadResult result = read_scenario_text(
       robot(a_link("a") + a_link("b") + joint("knee", "continuous", "a", "b", "<mimic joint='kne'/>")), "r.urdf");

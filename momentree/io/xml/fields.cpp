@@ -28,6 +28,13 @@ struct Issue {
   std::string what, hint;
 };
 
+constexpr const char* expand = "expand the file first: xacro robot.urdf.xacro > robot.urdf";
+
+// A part that xacro would replace. Definitions alone leave nothing out.
+bool is_macro(std::string_view name) {
+  return name.starts_with("xacro:") && name != "xacro:macro" && name != "xacro:property" && name != "xacro:arg";
+}
+
 // A finite number that is the whole word, in any locale.
 std::optional<double> number_of(std::string_view word, Issue& issue) {
   std::string_view digits = word;
@@ -47,7 +54,7 @@ std::optional<double> number_of(std::string_view word, Issue& issue) {
   }
   issue.what = in_quotes(word) + " is not a number";
   if (word.find("${") != std::string_view::npos || word.find("$(") != std::string_view::npos)
-    issue.hint = "is this a template? expand it first (xacro)";
+    issue.hint = expand;
   else if (!rest.empty() && rest[0] == ',')
     issue.hint = "use a point as the decimal sign, and separate numbers by blanks";
   else if (code == std::errc{} && !rest.empty() && is_letter(rest[0]))
@@ -249,6 +256,10 @@ void XmlFields::finish_children() {
   for (const XmlElement each : element_.children()) {
     const std::string_view name = each.name();
     if (std::find(children_.begin(), children_.end(), name) != children_.end()) continue;
+    if (is_macro(name)) {
+      file_.error({each}, each.tag() + " is not expanded: what it stands for is missing", expand);
+      continue;
+    }
     std::string hint;
     if (name.find(':') != std::string_view::npos) {
       hint = "it belongs to another namespace";
