@@ -11,16 +11,32 @@ namespace {
 
 std::ptrdiff_t signed_of(std::size_t i) { return static_cast<std::ptrdiff_t>(i); }
 
-// Rows of very different sizes are of the same importance.
-void scale_rows(std::vector<double>& M, std::vector<double>& right) {
+// Rows and columns of very different sizes are of the same importance: scales them, row by row and column by column, until the
+// largest element of each is near 1 (Ruiz). Returns the factors of the columns.
+std::vector<double> equilibrate(std::vector<double>& M, std::vector<double>& right) {
+  constexpr int most_passes = 20;
   const std::size_t n = right.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    double most = 0;
-    for (std::size_t j = 0; j < n; ++j) most = std::max(most, std::fabs(M[i * n + j]));
-    if (!(most > 0)) continue;
-    for (std::size_t j = 0; j < n; ++j) M[i * n + j] /= most;
-    right[i] /= most;
+  std::vector<double> factors(n, 1.0), of_row(n), of_column(n);
+  for (int pass = 0; pass < most_passes; ++pass) {
+    std::fill(of_row.begin(), of_row.end(), 0.0), std::fill(of_column.begin(), of_column.end(), 0.0);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) {
+        const double size = std::fabs(M[i * n + j]);
+        of_row[i] = std::max(of_row[i], size), of_column[j] = std::max(of_column[j], size);
+      }
+    bool even = true;
+    for (std::vector<double>* most : {&of_row, &of_column})
+      for (double& x : *most) {
+        even = even && (!(x > 0) || (x > 0.25 && x < 4));
+        x = x > 0 ? 1 / std::sqrt(x) : 1;
+      }
+    if (even) break;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) M[i * n + j] *= of_row[i] * of_column[j];
+      right[i] *= of_row[i], factors[i] *= of_column[i];
+    }
   }
+  return factors;
 }
 
 // Brings M into upper trapezoidal form; returns its rank.
@@ -61,14 +77,20 @@ void back_substitute(const std::vector<double>& M, std::size_t n, std::size_t ra
   }
 }
 
-// Takes away what lies in the null space of [U F], whose vectors are (−U⁻¹ F e, e): by Gram and Schmidt, twice.
-void shorten(const std::vector<double>& M, std::size_t n, std::size_t rank, std::vector<double>& x) {
+// Takes away what lies in the null space of [U F], whose vectors are (−U⁻¹ F e, e), times the factors of the columns: by Gram and
+// Schmidt, twice.
+void shorten(const std::vector<double>& M, std::size_t n, std::size_t rank, const std::vector<double>& factors,
+             std::vector<double>& x) {
   std::vector<double> null((n - rank) * n, 0.0);
   for (std::size_t k = 0; k + rank < n; ++k) {
     double* const own = null.data() + k * n;
     for (std::size_t i = 0; i < rank; ++i) own[i] = -M[i * n + rank + k];
     back_substitute(M, n, rank, own);
     own[rank + k] = 1;
+    for (std::size_t i = 0; i < n; ++i) own[i] *= factors[i];
+    const double most =
+        std::fabs(*std::max_element(own, own + n, [](double a, double b) { return std::fabs(a) < std::fabs(b); }));
+    for (std::size_t i = 0; i < n; ++i) own[i] /= most;
     for (int pass = 0; pass < 2; ++pass)
       for (std::size_t l = 0; l < k; ++l) {
         const double* const other = null.data() + l * n;
@@ -111,11 +133,14 @@ bool solve_whole(std::vector<double>& M, std::vector<double>& right, std::vector
   const std::size_t n = right.size();
   column_of.resize(n);
   for (std::size_t i = 0; i < n; ++i) column_of[i] = i;
-  scale_rows(M, right);
+  const std::vector<double> by_column = equilibrate(M, right);
   const std::size_t rank = eliminate(M, right, column_of, zero);
   back_substitute(M, n, rank, right.data());
   for (std::size_t i = rank; i < n; ++i) right[i] = 0;
-  if (which == Solution::least && rank < n) shorten(M, n, rank, right);
+  std::vector<double> factors(n);
+  for (std::size_t i = 0; i < n; ++i) factors[i] = by_column[column_of[i]];
+  for (std::size_t i = 0; i < rank; ++i) right[i] *= factors[i];
+  if (which == Solution::least && rank < n) shorten(M, n, rank, factors, right);
   for (const double x : right)
     if (!std::isfinite(x)) return false;
   for (std::size_t i = 0; i < n; ++i)  // back to the order of the unknowns

@@ -126,7 +126,7 @@ void ContactParts::add_points(const Tree& tree, const double* q, Workspace<doubl
         for (std::size_t row = part.at + k * index_of(part.count), end = row + index_of(part.count); row < end; ++row)
           mobility += many.J[row] * many.Y[row];
       const double v = rows.velocity[3 * i + k];
-      const RowOfRigid left = rigid_row(tree, workspace, c, rows.touches[i], k, mobility, v);
+      const RowOfRigid left = rigid_row(tree, q, workspace, c, rows.touches[i], k, mobility, v);
       many.b.push_back(left.rests ? 0 : v);
       if (!left.rigid) continue;
       for (const contact::ManyPoints::Part& part : point.parts)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <momentree/contact/linear.hpp>
 #include <momentree/dynamics/loop_system.hpp>
@@ -143,9 +144,57 @@ void find_mechanisms(const Tree& tree, ContactWorkspace& all) {
 
 }  // namespace
 
-RowOfRigid rigid_row(const Tree& tree, const Workspace<double>& workspace, const Contact& contact, const contact::Touch& touch,
-                     std::size_t k, double mobility, double velocity) {
-  constexpr double rounding = 1e-13, rounding_of_speeds = 1e-9;
+namespace {
+
+constexpr double rounding_of_mobility = 1e-13;
+
+// True if no DoF moves the two bodies along the row, apart from rounding: the joint forces of a unit force along it are compared
+// with those of unit forces in all directions, and of the moments that coordinates of this size give them.
+bool no_dof_moves(const Tree& tree, const double* q, Workspace<double>& workspace, const Contact& contact,
+                  const contact::Touch& touch, std::size_t k) {
+  constexpr Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  ContactWorkspace& all = memory_of(workspace);
+  const std::size_t nv = at(tree.nv());
+  all.row.assign(nv, 0.0), all.row_size.assign(nv, 0.0);
+  for (const auto& [body, sign] : {std::pair{contact.a, 1.0}, {contact.b, -1.0}}) {
+    if (body < 0) continue;
+    add_contact_row(tree, q, workspace, body, direction(touch, k), touch.point, sign, all.row.data());
+    const Kinematics<double>& kernel = workspace.bodies[at(body)];
+    const double length = norm(touch.point) + norm(kernel.r);
+    for (const Vec3& axis : axes)
+      for (const Force<double>& wrench :
+           {contact_wrench(workspace, body, axis, touch.point), Force<double>{{}, length * transpose_times(kernel.R, axis)}}) {
+        all.unit_row.assign(nv, 0.0);
+        add_wrench_row(tree, q, workspace, body, wrench, all.unit_row.data());
+        for (std::size_t i = 0; i < nv; ++i) all.row_size[i] += std::fabs(all.unit_row[i]);
+      }
+  }
+  for (const int body : {contact.a, contact.b})
+    for (int b = body; b >= 0; b = tree.parent(b))
+      for (int i = 0; i < info(tree.kind(b)).nv; ++i) {
+        const std::size_t place = at(tree.first_p(b) + i);
+        const bool moves = std::fabs(all.row[place]) > rounding_of_mobility * all.row_size[place];
+        if (moves && (tree.link(b).locked >> i & 1u) == 0) return false;
+      }
+  return true;
+}
+
+// True if the loops let nothing move the two bodies along the row, apart from rounding. After no_dof_moves of the same row.
+bool no_loop_lets_move(const Tree& tree, const double* q, Workspace<double>& workspace, double mobility) {
+  if (!tree.has_loops()) return false;
+  ContactWorkspace& all = memory_of(workspace);
+  all.unit_row = all.row;
+  solve_with_factors<double>(tree, q, workspace, all.unit_row.data());
+  double open = 0;  // the mobility if the loops were open
+  for (std::size_t i = 0; i < all.row.size(); ++i) open += all.row[i] * all.unit_row[i];
+  return mobility < rounding_of_mobility * open;
+}
+
+}  // namespace
+
+RowOfRigid rigid_row(const Tree& tree, const double* q, Workspace<double>& workspace, const Contact& contact,
+                     const contact::Touch& touch, std::size_t k, double mobility, double velocity) {
+  constexpr double rounding_of_speeds = 1e-9;
   double alone = 0, speeds = 0;
   for (int body : {contact.a, contact.b}) {
     if (body < 0) continue;
@@ -156,11 +205,13 @@ RowOfRigid rigid_row(const Tree& tree, const Workspace<double>& workspace, const
     const RigidMass& mass = tree.link(body).body;
     const Kinematics<double>& kernel = workspace.bodies[at(body)];
     const Vec3 centre = (1 / mass.m) * mass.mc, arm = cross(touch.point - kernel.r - kernel.R * centre, direction(touch, k));
-    const double inertia =
-        mass.J.xx + mass.J.yy + mass.J.zz - 2 * mass.m * dot(centre, centre);  // above the largest principal one
-    alone += 1 / mass.m + (inertia > 0 ? dot(arm, arm) / inertia : 0);
+    const double about_origin = mass.J.xx + mass.J.yy + mass.J.zz;
+    const double inertia = about_origin - 2 * mass.m * dot(centre, centre);  // above the largest principal one
+    alone += 1 / mass.m + (inertia > 1e-14 * about_origin ? dot(arm, arm) / inertia : 0);
   }
-  const bool rigid = mobility < rounding * alone;
+  // The bodies alone are a rough scale: parts with hardly any inertia would move much more easily than they can.
+  const bool rigid = mobility < rounding_of_mobility * alone &&
+                     (no_dof_moves(tree, q, workspace, contact, touch, k) || no_loop_lets_move(tree, q, workspace, mobility));
   return {rigid, rigid && std::fabs(velocity) <= rounding_of_speeds * speeds};
 }
 
@@ -217,8 +268,8 @@ void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>&
     }
   }
   for (std::size_t row = 0; row < n; ++row) {
-    const RowOfRigid left =
-        rigid_row(tree, workspace, contacts[row / 3], rows.touches[row / 3], row % 3, rows.A[row * n + row], rows.velocity[row]);
+    const RowOfRigid left = rigid_row(tree, q, workspace, contacts[row / 3], rows.touches[row / 3], row % 3,
+                                      rows.A[row * n + row], rows.velocity[row]);
     if (!left.rigid) continue;
     for (std::size_t k = 0; k < n; ++k) rows.A[row * n + k] = rows.A[k * n + row] = 0;
     for (std::size_t k = 0; k < nv; ++k) rows.J[row * nv + k] = rows.Y[row * nv + k] = 0;

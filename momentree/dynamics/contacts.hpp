@@ -49,6 +49,7 @@ struct ContactWorkspace {
   std::vector<HeldForce> held;  ///< in evaluations of states, but not in stages: the forces of contacts that are stepped through
   bool solved = true;           ///< the forces are finite
   std::vector<double> matrix, right, change, move, missing;  ///< scratch
+  std::vector<double> row, row_size, unit_row;               ///< scratch
   std::vector<std::size_t> columns, unknowns;
   std::vector<int> root_of;            ///< by body: the root of its mechanism
   std::vector<int> begin_of, end_of;   ///< by root: its bodies in the tree's order
@@ -67,10 +68,10 @@ struct RowOfRigid {
   bool rigid = false;
   bool rests = false;  ///< its velocity is zero, too, apart from rounding: no prescribed motion moves them
 };
-/// `k`: 0 is the normal, 1 and 2 are the tangents. The mobility is compared with that of the bodies alone, the velocity with
-/// theirs.
-RowOfRigid rigid_row(const Tree& tree, const Workspace<double>& workspace, const Contact& contact, const contact::Touch& touch,
-                     std::size_t k, double mobility, double velocity);
+/// `k`: 0 is the normal, 1 and 2 are the tangents. Its velocity is compared with those of the bodies. Requires the factors of an
+/// evaluation at q.
+RowOfRigid rigid_row(const Tree& tree, const double* q, Workspace<double>& workspace, const Contact& contact,
+                     const contact::Touch& touch, std::size_t k, double mobility, double velocity);
 
 /// J, Y and A of contacts that are placed. Requires the factors of an evaluation at q. With loops the workspace then holds no
 /// evaluation. Rows of rigid pairs become zero; of those at rest, their velocities and accelerations, too.

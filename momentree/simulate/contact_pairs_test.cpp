@@ -99,6 +99,38 @@ TEST_CASE("contact: fingers that touch and then grasp, by a lock or a weld, are 
         }
 }
 
+TEST_CASE("contact: bodies with hardly any inertia, or none, are stopped by floors and cables like all others") {
+  for (const double inertia : {0.0, 1e-22, 1e-18, 1e-16, 1e-12})
+    for (const bool cable : {false, true})
+      for (const char* method : {"rk4", "dop853", "stepping"}) {
+        Model model;
+        const BodyId body = model.add({.name = "b",
+                                       .mass = 0.6,
+                                       .com = {inertia == 1e-16 && !cable ? 0 : 0.1, 0, 0},
+                                       .inertia = diagonal(inertia),
+                                       .joint = Cylindrical{.axis = {0, 0, 1}}});
+        if (cable) {
+          model.add_spring({.name = "rope",
+                            .from = {ground, {0.1, 0, 1}},
+                            .to = {body, {0.15, 0.02, 0}},
+                            .rest = std::sqrt(1.25 * 1.25 + 0.05 * 0.05 + 0.02 * 0.02),
+                            .inextensible = true});
+        } else {
+          model.add_collider({.body = body, .solid = contact::sphere(0.05, {{0.15, 0.02, 0}})});
+          model.add_collider({.plane = true, .point = {0, 0, -0.3}});
+        }
+        Simulation sim(model, {.method = method, .step = 1e-3});
+        CAPTURE(inertia);
+        CAPTURE(cable);
+        CAPTURE(std::string(method));
+        REQUIRE(sim.run_until(0.5));
+        const double height = sim.world().motions()[0].pose.position.z;
+        if (!cable) CHECK(height == doctest::Approx(-0.25).epsilon(method == std::string("stepping") ? 1e-3 : 1e-9));
+        // On the cable it may turn about its axis until its end is nearest to the line below the anchor.
+        if (cable) CHECK(height > -0.2502 - (method == std::string("stepping") ? 1e-3 : 0));
+      }
+}
+
 TEST_CASE("contact: a ball that friction on the floor presses against a wall comes to rest on the wall") {
   for (const char* method : {"rk4", "dop853"}) {
     Model model;
