@@ -413,10 +413,11 @@ void add_contact_loads(const Tree& tree, Workspace<double>& workspace) noexcept 
 namespace {
 
 // Evaluates without the contacts and places them.
-void place_at(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace, ContactRows& rows) {
+void place_at(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
+              std::span<const Contact> contacts, ContactRows& rows) {
   evaluate_velocities_without_contacts(tree, t, q, u, workspace, LoopRows::kept);
   locate_stage(tree, q, workspace);
-  place_contacts(tree, workspace, tree.contacts(), rows);
+  place_contacts(tree, workspace, contacts, rows);
 }
 
 // Y x for numbers by row.
@@ -445,16 +446,15 @@ bool close_gaps(const Tree& tree, double t, double* q, const double* u, Workspac
     if (!solve_rows(all, all.unknowns, all.missing, all.change.data())) return false;
     moved_by(tree, rows, all.change, all.move);
     detail::displace(tree, all.move.data(), 1, q);
-    place_at(tree, t, q, u, workspace, rows);
+    place_at(tree, t, q, u, workspace, tree.contacts(), rows);
   }
   return true;
 }
 
-// Of contacts that are placed.
-bool stop_placed(const Tree& tree, const double* q, double* u, Workspace<double>& workspace) {
+// Of contacts that are placed: the impulses along their rows, in all.change.
+bool find_stopping_impulses(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts) {
   ContactWorkspace& all = *workspace.contacts;
   ContactRows& rows = all.rows;
-  const std::span<const Contact> contacts = tree.contacts();
   all.unknowns.clear(), all.missing.resize(3 * contacts.size()), all.change.resize(3 * contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     all.unknowns.push_back(3 * i);
@@ -462,27 +462,27 @@ bool stop_placed(const Tree& tree, const double* q, double* u, Workspace<double>
   }
   find_contact_mobility(tree, q, workspace, contacts, rows);
   for (std::size_t row = 0; row < all.missing.size(); ++row) all.missing[row] = -rows.velocity[row];
-  if (!solve_rows(all, all.unknowns, all.missing, all.change.data())) return false;
-  moved_by(tree, rows, all.change, all.move);
-  for (std::size_t k = 0; k < all.move.size(); ++k) u[k] += all.move[k];
-  return true;
+  return solve_rows(all, all.unknowns, all.missing, all.change.data());
 }
 
 }  // namespace
 
 bool close_contacts(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double& energy) {
-  ContactRows& rows = memory_of(workspace).rows;
-  place_at(tree, t, q, u, workspace, rows);
+  ContactWorkspace& all = memory_of(workspace);
+  place_at(tree, t, q, u, workspace, tree.contacts(), all.rows);
   energy -= energy_of(tree, workspace);
-  if (!close_gaps(tree, t, q, u, workspace) || !stop_placed(tree, q, u, workspace)) return false;
-  place_at(tree, t, q, u, workspace, rows);
+  if (!close_gaps(tree, t, q, u, workspace) || !find_stopping_impulses(tree, q, workspace, tree.contacts())) return false;
+  moved_by(tree, all.rows, all.change, all.move);
+  for (std::size_t k = 0; k < all.move.size(); ++k) u[k] += all.move[k];
+  place_at(tree, t, q, u, workspace, tree.contacts(), all.rows);
   energy += energy_of(tree, workspace);
   return true;
 }
 
-bool stop_contacts(const Tree& tree, double t, const double* q, double* u, Workspace<double>& workspace) {
-  place_at(tree, t, q, u, workspace, memory_of(workspace).rows);
-  return stop_placed(tree, q, u, workspace);
+bool find_stopping_impulses(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
+                            std::span<const Contact> contacts) {
+  place_at(tree, t, q, u, workspace, contacts, memory_of(workspace).rows);
+  return find_stopping_impulses(tree, q, workspace, contacts);
 }
 
 }  // namespace momentree

@@ -107,8 +107,10 @@ void add_contact_loads(const Tree& tree, Workspace<double>& workspace) noexcept;
 /// least change in the metric of the mass matrix. The workspace then belongs to no state. `energy`: what this added (J).
 [[nodiscard]] bool close_contacts(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double& energy);
 
-/// The second part alone: removes the velocities that contacts do not allow.
-[[nodiscard]] bool stop_contacts(const Tree& tree, double t, const double* q, double* u, Workspace<double>& workspace);
+/// The impulses that remove the velocities that these contacts do not allow, in workspace.contacts->change, along the rows in
+/// workspace.contacts->rows. The workspace then belongs to no state.
+[[nodiscard]] bool find_stopping_impulses(const Tree& tree, double t, const double* q, const double* u,
+                                          Workspace<double>& workspace, std::span<const Contact> contacts);
 
 /// A force at a point of the world as a wrench on a body, in its kernel frame.
 Force<double> contact_wrench(const Workspace<double>& workspace, int body, const Vec3& force, const Vec3& point);

@@ -107,18 +107,45 @@ void TopologyEditor::certify(Event& event) {
     const bool exists = is_loop({joint}) ? tree().find_loop({joint}) != nullptr : tree().carrier(joint) >= 0;
     if (exists) event.topology.joints.push_back(joint_record(world_, {joint}));
   }
-  const auto add = [&event](const std::string& name, const Force<double>& S) {
-    const double linear = norm(S.l), angular = norm(S.h);
-    if (linear == 0 && angular == 0) return;
-    event.impulse.push_back({name, {S.l.x, S.l.y, S.l.z, S.h.x, S.h.y, S.h.z}});
+  add_impulses(event, event);
+}
+
+void TopologyEditor::certify_part(const Event& part, Event& event) {
+  event.lost += part.lost, event.work += part.work, event.duration_ns += part.duration_ns;
+  for (std::size_t k = 0; k < 6; ++k) event.ground_impulse[k] += part.ground_impulse[k];
+  event.coupling_impulse.insert(event.coupling_impulse.end(), part.coupling_impulse.begin(), part.coupling_impulse.end());
+  add_impulses(part, event);
+}
+
+// Adds the impulses of the joints at a part of an event, and finds the hardest one.
+void TopologyEditor::add_impulses(const Event& part, Event& event) {
+  const auto known = event.impulse.size();
+  const auto add = [&](const std::string& name, const Force<double>& S) {
+    if (norm(S.l) == 0 && norm(S.h) == 0) return;
+    const std::array<double, 6> more{S.l.x, S.l.y, S.l.z, S.h.x, S.h.y, S.h.z};
+    for (std::size_t i = 0; i < known; ++i)
+      if (event.impulse[i].first == name) {
+        for (std::size_t k = 0; k < 6; ++k) event.impulse[i].second[k] += more[k];
+        return;
+      }
+    event.impulse.push_back({name, more});
+  };
+  if (const auto found = impulses_.find(&part); found != impulses_.end())
+    for (std::size_t j = 0; j < found->second.size(); ++j) add(joint_name(static_cast<int>(j)), found->second[j]);
+  if (const auto found = loop_impulses_.find(&part); found != loop_impulses_.end())
+    for (const auto& [name, S] : found->second) add(name, S);
+  event.hardest_joint.clear(), event.hardest_linear = event.hardest_angular = 0;
+  for (const auto& [name, S] : event.impulse) {
+    const double linear = norm(Vec3{S[0], S[1], S[2]}), angular = norm(Vec3{S[3], S[4], S[5]});
     if (event.hardest_joint.empty() || linear > event.hardest_linear ||
         (linear == event.hardest_linear && angular > event.hardest_angular))
       event.hardest_joint = name, event.hardest_linear = linear, event.hardest_angular = angular;
-  };
-  if (const auto found = impulses_.find(&event); found != impulses_.end())
-    for (std::size_t j = 0; j < found->second.size(); ++j) add(joint_name(static_cast<int>(j)), found->second[j]);
-  if (const auto found = loop_impulses_.find(&event); found != loop_impulses_.end())
-    for (const auto& [name, S] : found->second) add(name, S);
+  }
+  // An event that loses nothing shows no loss of the size of rounding errors.
+  double energies = 0;
+  for (const Totals* totals : {&event.before, &event.after})
+    energies += std::fabs(totals->kinetic) + std::fabs(totals->potential);
+  if (event.lost < 0 && event.lost >= -noise * energies) event.lost = 0;
 }
 
 }  // namespace momentree

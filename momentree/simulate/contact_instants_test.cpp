@@ -257,3 +257,42 @@ TEST_CASE("contact instants: conditions that can never be met are refused, with 
   CHECK(refusal(beginning_to_slip("other", "floor")).find("'other' and the ground have no friction") != std::string::npos);
   CHECK(refusal(touching("bel", "floor")) == "error: touch: there is no body or mechanism 'bel'; did you mean 'bell'?");
 }
+
+TEST_CASE("contact: certificates of all events of an instant add up, also with prescribed motions, and so does their sum") {
+  Model model({.gravity = {0, 0, -10}});
+  const BodyId base = model.add(
+      {.name = "base", .mass = 1, .inertia = diagonal(0.004, 0.004, 0.007), .joint = Free{}, .q = {0.01, 0.09, 0.4, 1, 0, 0, 0}});
+  const BodyId middle = model.add({.name = "middle", .mass = 0.4, .inertia = diagonal(0.001), .parent = base, .joint = Ball{}});
+  const BodyId tip = model.add({.name = "tip",
+                                .mass = 0.3,
+                                .inertia = {.xx = 0.0002, .yy = 0.0003, .zz = 0.0003, .xy = -8e-6, .xz = 2e-5, .yz = 6e-6},
+                                .parent = middle,
+                                .joint = Revolute{.drive = motion_drive(Signal::sine(0.17, 4, 0.5, 0.3))},
+                                .child_at = {-0.06, 0.06, 0.07}});
+  constexpr double a = 0.0336;
+  model.add_collider({.body = tip, .solid = contact::hull(std::vector<Vec3>{{a, a, a}, {a, -a, -a}, {-a, a, -a}, {-a, -a, a}})});
+  model.add_collider({.plane = true});
+  for (const char* method : {"dop853", "rk4"}) {
+    CAPTURE(std::string(method));
+    Simulation sim(model, {.method = method, .step = 1e-4});
+    REQUIRE(sim.run_until(1));
+    double lost = 0;
+    const Event* last = nullptr;
+    for (const Event& event : sim.events()) {
+      CAPTURE(event.name);
+      CAPTURE(event.time);
+      CHECK(event.lost >= 0);
+      const double before = event.before.kinetic + event.before.potential, after = event.after.kinetic + event.after.potential;
+      CHECK(std::fabs(before - event.lost - event.released + event.work - after) < 1e-13);
+      const auto& S = event.ground_impulse;
+      CHECK(norm(event.before.linear + Vec3{S[0], S[1], S[2]} - event.after.linear) < 1e-13);
+      CHECK(norm(event.before.angular + Vec3{S[3], S[4], S[5]} - event.after.angular) < 1e-13);
+      if (last != nullptr && last->time == event.time)
+        CHECK(std::fabs(last->after.kinetic + last->after.potential - before) < 1e-13);
+      lost += event.lost, last = &event;
+    }
+    CHECK(sim.events().size() > 20);
+    CHECK(std::fabs(lost - sim.energy().lost_in_impacts) < 1e-12);
+    CHECK(std::fabs(sim.energy().error) < 1e-6);
+  }
+}

@@ -16,6 +16,20 @@ constexpr int most_impacts = 200;  // at one instant
 
 }  // namespace
 
+struct Contacts::Impulses {
+  std::vector<double> generalised;  // packed as p
+  std::vector<AppliedImpulse> on_bodies, on_ground;
+  std::map<int, Vec3> by_pair;  // on its first body
+};
+
+// What happens to bodies that need no event of their own, such as the end of slow slip: part of another event of the instant.
+struct Contacts::Settled {
+  explicit Settled(World& world) : editor(world) {}
+  TopologyEditor editor;
+  Event event{};
+  bool any = false;
+};
+
 Event Contacts::begin_event(const char* what, int number) {
   Event event;
   event.time = world_->time(), event.name = event_name(what, number);
@@ -107,31 +121,12 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
     failure = "no impulses were found that obey the law of impact";
     return false;
   }
-  const auto nv = static_cast<std::size_t>(tree.nv());
-  std::vector<double> generalised(nv, 0.0), weights(contacts.size());
-  std::vector<AppliedImpulse> on_bodies, on_ground;
-  std::map<int, Vec3> by_pair;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    Vec3 impulse{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      impulse += system_.r[3 * i + k] * along(rows_.touches[i], k);
-      for (std::size_t j = 0; j < nv; ++j) generalised[j] += system_.r[3 * i + k] * rows_.J[(3 * i + k) * nv + j];
-    }
-    weights[i] = system_.r[3 * i];
-    if (impulse == Vec3{}) continue;
-    const Vec3 point = rows_.touches[i].point;
-    for (const auto& [body, sign] : {std::pair{contacts[i].a, 1.0}, {contacts[i].b, -1.0}}) {
-      if (body >= 0)
-        on_bodies.push_back({body, sign * impulse, {}, point});
-      else
-        on_ground.push_back({-1, -sign * impulse, {}, point});
-    }
-    const bool first = contacts[i].a == pairs_[static_cast<std::size_t>(contacts[i].pair)].a;
-    by_pair[contacts[i].pair] += (first ? 1.0 : -1.0) * impulse;
-  }
+  const Impulses impulses = impulses_of(contacts, system_.r);
+  std::vector<double> weights(contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i) weights[i] = system_.r[3 * i];
   // One event for each pair of solids; the first one has the certificate of all.
   bool booked = false;
-  for (const auto& [number, impulse] : by_pair) {
+  for (const auto& [number, impulse] : impulses.by_pair) {
     Event event = begin_event("impact", number);
     locate_event(event, contacts, weights, number);
     event.contact.impulse = impulse, event.contact.scaled = result.scale;
@@ -139,19 +134,53 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
     if (!booked) {
       TopologyEditor editor(*world_);
       editor.begin(event, "");
-      editor.apply_contact_impulses(generalised, on_bodies, on_ground);
-      event.after = world_->totals();
-      if (!tree.driven_joints().empty()) {
-        // What the contacts did not take, prescribed motions brought in.
-        const double taken = -system_.energy_change();
-        event.work += taken - event.lost, event.lost = taken;
-      }
+      apply(impulses, system_.r, editor, event);
       editor.certify(event);
       booked = true;
     }
     events.push_back(std::move(event));
   }
   return booked;
+}
+
+// Of impulses r along the rows of contacts that are placed.
+Contacts::Impulses Contacts::impulses_of(const std::vector<Contact>& contacts, const std::vector<double>& r) const {
+  const auto nv = static_cast<std::size_t>(world_->tree_.nv());
+  Impulses all;
+  all.generalised.assign(nv, 0.0);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    Vec3 impulse{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      impulse += r[3 * i + k] * along(rows_.touches[i], k);
+      for (std::size_t j = 0; j < nv; ++j) all.generalised[j] += r[3 * i + k] * rows_.J[(3 * i + k) * nv + j];
+    }
+    if (impulse == Vec3{}) continue;
+    const Vec3 point = rows_.touches[i].point;
+    for (const auto& [body, sign] : {std::pair{contacts[i].a, 1.0}, {contacts[i].b, -1.0}}) {
+      if (body >= 0)
+        all.on_bodies.push_back({body, sign * impulse, {}, point});
+      else
+        all.on_ground.push_back({-1, -sign * impulse, {}, point});
+    }
+    const bool first = contacts[i].a == pairs_[static_cast<std::size_t>(contacts[i].pair)].a;
+    all.by_pair[contacts[i].pair] += (first ? 1.0 : -1.0) * impulse;
+  }
+  return all;
+}
+
+// Applies impulses r along the rows of contacts that are placed, as part of an event.
+void Contacts::apply(const Impulses& impulses, const std::vector<double>& r, TopologyEditor& editor, Event& event) {
+  const double lost = event.lost;
+  editor.apply_contact_impulses(impulses.generalised, impulses.on_bodies, impulses.on_ground);
+  event.after = world_->totals();
+  if (world_->tree_.driven_joints().empty() && world_->tree_.loop_motions() == 0) return;
+  // What the contacts did not take, prescribed motions brought in.
+  double taken = 0;
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    taken -= r[i] * rows_.velocity[i];
+    for (std::size_t j = 0; j < r.size(); ++j) taken -= 0.5 * r[i] * rows_.A[i * r.size() + j] * r[j];
+  }
+  event.work += taken - (event.lost - lost), event.lost = lost + taken;
 }
 
 void Contacts::set(std::vector<Contact> contacts) {
@@ -174,9 +203,8 @@ std::vector<std::vector<Contact>> Contacts::by_island(const std::vector<Contact>
   return all;
 }
 
-// Impacts of an island, and which of its contacts are closed from now on, which are appended. `before`: those that were closed.
-std::optional<Contacts::Unresolved> Contacts::resolve_island(std::vector<Contact>& touching, const std::vector<Contact>& before,
-                                                             std::vector<Contact>& closed, std::vector<Event>& events) {
+// Impacts of an island.
+std::optional<Contacts::Unresolved> Contacts::strike_island(const std::vector<Contact>& touching, std::vector<Event>& events) {
   const std::vector<int> here{touching.front().a, touching.front().b};
   if (touching.size() > most_points) return Unresolved{std::to_string(touching.size()) + " points touch at once", true, here};
   std::string failure;
@@ -185,7 +213,13 @@ std::optional<Contacts::Unresolved> Contacts::resolve_island(std::vector<Contact
     (*evaluate_)(world_->state_);
   }
   if (!failure.empty()) return Unresolved{failure, true, here};
-  if (slowest_ > slowest_slip) lost_ += stop_creeping(touching);
+  return std::nullopt;
+}
+
+// Which contacts of an island are closed from now on, which are appended. `before`: those that were closed.
+std::optional<Contacts::Unresolved> Contacts::close_island(std::vector<Contact>& touching, const std::vector<Contact>& before,
+                                                           std::vector<Contact>& closed, Settled& settled) {
+  if (slowest_ > slowest_slip) stop_creeping(touching, settled);
   for (Contact& c : touching) {
     const auto same = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return same_contact(b, c); });
     if (same == before.end() || !(same->keeps_direction > 0)) continue;
@@ -193,7 +227,9 @@ std::optional<Contacts::Unresolved> Contacts::resolve_island(std::vector<Contact
   }
   std::vector<Contact> chosen;
   if (!choose(touching, chosen))
-    return Unresolved{"no forces were found for " + std::to_string(touching.size()) + " points of contact at once", true, here};
+    return Unresolved{"no forces were found for " + std::to_string(touching.size()) + " points of contact at once",
+                      true,
+                      {touching.front().a, touching.front().b}};
   closed.insert(closed.end(), chosen.begin(), chosen.end());
   return std::nullopt;
 }
@@ -208,11 +244,16 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   (*evaluate_)(world_->state_);
   if (const std::optional<Overlap> worst = overlap())
     return Unresolved{worst->text(), worst->depth <= left_by_steps, {worst->a, worst->b}};
+  std::vector<std::vector<Contact>> islands = by_island(this->touching());
+  for (const std::vector<Contact>& touching : islands)
+    if (std::optional<Unresolved> failed = strike_island(touching, events)) return failed;
   std::vector<Contact> closed;
-  for (std::vector<Contact>& touching : by_island(this->touching())) {
-    std::optional<Unresolved> failed = resolve_island(touching, before, closed, events);
-    if (failed) return failed;
-  }
+  Settled settled(*world_);
+  for (std::vector<Contact>& touching : islands)
+    if (std::optional<Unresolved> failed = close_island(touching, before, closed, settled)) {
+      lost_ += settled.event.lost - settled.event.work;
+      return failed;
+    }
   for (Contact& c : closed) {
     const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
     const auto then = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return b.pair == c.pair; });
@@ -221,29 +262,58 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
     else if (then != before.end() && then->settles > world_->time())
       c.settles = then->settles;
   }
+  const std::map<int, Vec3> impulses = stop(closed, settled);
   set(closed);
-  const std::size_t reported = events.size();
-  const double lost = stop(closed);
   (*evaluate_)(world_->state_);
-  report_changes(before, first, events);
-  if (lost != 0) (events.size() > reported ? events[reported].lost : lost_) += lost;
+  const std::size_t reported = events.size();
+  report_changes(before, first, impulses, events);
+  if (!settled.any) return std::nullopt;
+  if (events.size() == first) {
+    lost_ += settled.event.lost - settled.event.work;
+    return std::nullopt;
+  }
+  // Part of the first of these changes, or else of the last impact.
+  const bool changes = reported < events.size();
+  Event& whole = events[changes ? reported : reported - 1];
+  if (changes)
+    whole.before = settled.event.before;
+  else
+    whole.after = settled.event.after;
+  settled.editor.certify_part(settled.event, whole);
   return std::nullopt;
 }
 
-// Removes what is left of the velocities that closed contacts do not allow; returns the energy lost (J).
-double Contacts::stop(const std::vector<Contact>& closed) {
-  if (closed.empty()) return 0;
-  const Tree& tree = world_->tree_;
-  const double before = world_->totals().kinetic;
+// Removes what is left of the velocities that closed contacts do not allow; returns the impulses of pairs.
+std::map<int, Vec3> Contacts::stop(const std::vector<Contact>& closed, Settled& settled) {
+  if (closed.empty()) return {};
+  const double slow = slow_approach();
+  const Totals before = world_->totals();
+  std::vector<double> r;
+  bool felt = false;
   {
     const State::Edit edit = world_->state_.edit();
-    if (!stop_contacts(tree, edit.time, edit.q.data(), edit.u.data(), world_->workspace_)) return 0;
+    if (!find_stopping_impulses(world_->tree_, edit.time, edit.q.data(), edit.u.data(), world_->workspace_, closed)) return {};
+    rows_ = world_->workspace_.contacts->rows, r = world_->workspace_.contacts->change;
+    for (std::size_t i = 0; i < r.size(); ++i) felt = felt || (r[i] != 0 && std::fabs(rows_.velocity[i]) > slow);
+    const std::size_t nv = edit.u.size();
+    for (std::size_t i = 0; i < r.size() && !felt; ++i)
+      for (std::size_t k = 0; k < nv; ++k) edit.u[k] += rows_.Y[i * nv + k] * r[i];
   }
-  return before - world_->totals().kinetic;
+  if (!felt) {
+    lost_ += before.kinetic - world_->totals().kinetic;
+    return {};
+  }
+  if (!settled.any) {
+    settled.any = true, settled.event.before = before;
+    settled.editor.begin(settled.event, "");
+  }
+  const Impulses impulses = impulses_of(closed, r);
+  apply(impulses, r, settled.editor, settled.event);
+  return impulses.by_pair;
 }
 
-// Stops the slip of contacts that creep, as if they stuck; returns the energy lost (J).
-double Contacts::stop_creeping(std::vector<Contact> contacts) {
+// Stops the slip of contacts that creep, as if they stuck.
+void Contacts::stop_creeping(std::vector<Contact> contacts, Settled& settled) {
   locate_bodies(world_->tree_, world_->state_, world_->workspace_);
   place_contacts(world_->tree_, world_->workspace_, contacts, rows_);
   std::vector<Contact> staying;
@@ -257,16 +327,14 @@ double Contacts::stop_creeping(std::vector<Contact> contacts) {
     const bool creeps = std::hypot(rows_.velocity[3 * i + 1], rows_.velocity[3 * i + 2]) < slowest_;
     contacts[i].mode = creeps ? Contact::Mode::stick : Contact::Mode::smooth;
   }
-  set(contacts);
-  const double lost = stop(contacts);
-  set({});
+  stop(contacts, settled);
   (*evaluate_)(world_->state_);
-  return lost;
 }
 
 // Events of pairs whose contacts closed, opened, began to slip or to stick. A contact that bounces too low to be followed closes
-// when these bounces end. `first`: of the events of this instant.
-void Contacts::report_changes(const std::vector<Contact>& before, std::size_t first, std::vector<Event>& events) {
+// when these bounces end. `first`: of the events of this instant. `impulses`: with which pairs came to rest.
+void Contacts::report_changes(const std::vector<Contact>& before, std::size_t first, const std::map<int, Vec3>& impulses,
+                              std::vector<Event>& events) {
   enum class Now : unsigned char { open, still, slips };
   struct Change {
     Now from = Now::open, to = Now::open;
@@ -295,8 +363,10 @@ void Contacts::report_changes(const std::vector<Contact>& before, std::size_t fi
     Event event = begin_event(what, pair);
     place_contacts(world_->tree_, world_->workspace_, of, rows_);
     locate_event(event, of, std::vector<double>(of.size(), 1.0), pair);
-    if (change.to == Now::still && std::find(jammed_.begin(), jammed_.end(), pair) != jammed_.end())
+    if (change.to == Now::still && std::find(jammed_.begin(), jammed_.end(), pair) != jammed_.end()) {
       event.reason = "no finite force lets it slip on (Painlevé's paradox)";
+      if (const auto found = impulses.find(pair); found != impulses.end()) event.contact.impulse = found->second;
+    }
     events.push_back(std::move(event));
   }
 }

@@ -126,6 +126,11 @@ TEST_CASE("contact: slip that no finite force allows ends at once, by an impact"
   CHECK(sim.energy().lost_in_impacts / impact == doctest::Approx(1).epsilon(1e-5));
   const auto named = [](const Event& event) { return event.reason.find("Painlevé") != std::string::npos; };
   CHECK(std::count_if(sim.events().begin(), sim.events().end(), named) == 1);
+  const Event& jam = *std::find_if(sim.events().begin(), sim.events().end(), named);
+  CHECK(jam.lost / impact == doctest::Approx(1).epsilon(1e-5));
+  CHECK(jam.before.kinetic - jam.lost == doctest::Approx(jam.after.kinetic).epsilon(1e-12));
+  CHECK(norm(jam.after.linear - jam.before.linear - jam.contact.impulse) < 1e-12 * mass * v);
+  CHECK(norm(jam.contact.impulse) > 0.1 * mass * v);
   for (const ContactPoint& contact : sim.world().contacts()) CHECK(contact.force.z > 0);
   CHECK(sim.world().contacts().size() == 1);
   CHECK(std::fabs(sim.energy().error) < 1e-9);

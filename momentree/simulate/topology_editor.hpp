@@ -45,6 +45,8 @@ class TopologyEditor {
   /// Writes the impulses transmitted by the joints at the event, and the joints that the event made and changed, into its
   /// certificate.
   void certify(Event& event);
+  /// Adds what happened in `part`, which is no event of its own, to the certificate of an event that has one.
+  void certify_part(const Event& part, Event& event);
 
   const World& world() const { return world_; }
   const Tree& tree() const { return world_.tree_; }
@@ -133,6 +135,7 @@ class TopologyEditor {
   void carry_out(const Change& change, Nature nature);
   void remember_momenta();
   void book_impulses(std::span<const AppliedImpulse> applied);
+  void add_impulses(const Event& part, Event& event);
   void evaluate() { world_.evaluate(); }
   /// Call before the current event makes or changes that joint.
   void touch(int joint);
