@@ -241,9 +241,8 @@ std::vector<std::string> run_warnings(const RunOrigin& origin, const Simulation&
     warnings.push_back(
         "event '" + idle.event + "': " + idle.first +
         (idle.count > 1 ? "; it is the first of " + std::to_string(idle.count) + " such actions of the event" : ""));
-  const std::string advice = simulation.energy().advice(origin.integration);
-  if (simulation.result().reason.empty() && !advice.empty())
-    warnings.push_back(advice);  // the last energies of a diverged run are meaningless
+  if (simulation.result().reason.empty())  // the last energies of a diverged run are meaningless
+    for (std::string& warning : simulation.warnings()) warnings.push_back(std::move(warning));
   return warnings;
 }
 

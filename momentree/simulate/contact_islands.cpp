@@ -93,7 +93,28 @@ void Simulation::Impl::step_islands(double h) {
   if (some_step()) join_touched_islands();
 }
 
+// Bodies that passed through each other in the step: an event of each pair, at the first time.
+void Simulation::Impl::report_passes() {
+  const auto name = [this](int body) { return body < 0 ? std::string("ground") : world.model_.body_name({body}); };
+  for (const Contacts::Passed& pair : contacts.passed()) {
+    Event event;
+    event.time = world.time(), event.name = passed_through;
+    event.contact.one = name(pair.a), event.contact.other = name(pair.b);
+    event.contact.point = pair.point, event.contact.normal = pair.side;
+    const auto same = [&](const Event& e) {
+      return e.name == event.name && e.contact.one == event.contact.one && e.contact.other == event.contact.other;
+    };
+    if (std::any_of(events.begin(), events.end(), same)) continue;
+    event.reason = "within one step through contacts; use steps of at most " + detail::text(pair.step) + " s" +
+                   (method_steps ? ", or dop853, which locates contacts" : "");
+    event.mechanisms_before = event.mechanisms_after = world.mechanism_names();
+    event.before = event.after = world.totals();
+    events.push_back(std::move(event));
+  }
+}
+
 void Simulation::Impl::after_contact_step() {
+  report_passes();
   if (!stepping.on) return;  // the method itself steps
   const auto of = [&](int body) -> SteppedBody& { return stepping.bodies[static_cast<std::size_t>(body)]; };
   for (const int body : contact_steps.hits()) of(body).since_impact = world.time();
@@ -155,7 +176,7 @@ void Simulation::Impl::try_to_locate(const Islands& islands, int number) {
     add_to_balance(change);
     events.push_back(std::move(change));
   }
-  balance.lost_in_impacts += contacts.take_lost();
+  ledger.projection -= contacts.take_lost();
   queue.forget_looks();
   // The attempt opened the other contacts that are located.
   if (failed && some_step()) static_cast<void>(resolve_contacts(true));

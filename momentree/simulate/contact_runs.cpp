@@ -3,6 +3,8 @@
 // Contacts are located one by one as long as that goes on: time stepping begins where no forces are found, or where these grow
 // without bounds, where too many points touch, and where contacts change too often. It ends when no bodies have hit each other
 // for a while.
+#include <algorithm>
+#include <iterator>
 #include <map>
 
 #include <momentree/simulate/separate.hpp>
@@ -65,7 +67,9 @@ std::optional<Contacts::Unresolved> Simulation::Impl::resolve_stops_and_contacts
     if (before && !world.tree_.contacts().empty() && stops.strike(events)) start_again();
     const std::optional<Contacts::Unresolved> failed = contacts.resolve(events);
     if (!before || events.size() == first) return failed;
-    const std::vector<Event> happened(events.begin() + static_cast<std::ptrdiff_t>(first), events.end());
+    std::vector<Event> happened;  // stops need not pull when slow contacts come to rest
+    std::copy_if(events.begin() + static_cast<std::ptrdiff_t>(first), events.end(), std::back_inserter(happened),
+                 [](const Event& event) { return event.contact.one.empty() || !(event.contact.impulse == Vec3{}); });
     const WorldSnapshot after = world.snapshot();
     world.restore(*before);
     if (failed || !stops.release_pulled(happened)) {
@@ -122,7 +126,7 @@ bool Simulation::Impl::resolve_contacts(bool after_step) {
     const std::optional<Contacts::Unresolved> failed = resolve_stops_and_contacts();
     for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
     const double lost = contacts.take_lost();
-    balance.lost_in_impacts += lost;
+    ledger.projection -= lost;
     const bool changed =
         failed || lost != 0 || events.size() > first || !std::ranges::equal(closed, world.tree_.contacts(), same);
     if (!changed && !after_step) return true;  // a run that continues another one has the memory of that one
@@ -218,9 +222,9 @@ bool Simulation::Impl::contacts_gained_energy() {
   const double gained = total_energy() - before_step.energy - (brought_in(ledger) - brought_in(before_step.ledger));
   const Totals now = world.totals();
   const double all = std::fabs(now.kinetic) + std::fabs(now.potential) + std::fabs(balance.initial) + std::fabs(ledger.work);
-  if (gained <= rounding * all || gained <= rounding * contacts.energy_of_heights()) return false;
+  if (gained <= rounding * all || gained <= rounding * energy_of_heights(world)) return false;
   if (!(gained <= most * std::max(balance.largest_kinetic, now.kinetic))) return true;
-  if (!(gained > least_height * contacts.energy_of_heights())) return false;
+  if (!(gained > least_height * energy_of_heights(world))) return false;
   const std::vector<double> kinetic = contacts.kinetic_by_island();
   for (std::size_t i = 0; i < kinetic.size(); ++i)
     if (gained > most_of_island * kinetic[i] && kinetic[i] - before_step.kinetic[i] > 0.5 * gained) return true;

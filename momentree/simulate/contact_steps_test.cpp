@@ -337,3 +337,29 @@ TEST_CASE("stepping: max_step limits the motion between impulses, not these") {
   CHECK(std::fabs(pile.energy().error) < 1e-3);
   CHECK(pile.world().totals().kinetic < 1e-3);
 }
+
+TEST_CASE("stepping: a body that passes through another one within a step is named with a remedy that helps") {
+  for (const double aside : {0.0, 0.7})
+    for (const double speed : {3e5, 300.0}) {
+      const auto run = [&](const char* method, double step) {
+        Model model({.gravity = {}});
+        BodySpec bullet = free_body("bullet", {-5, aside, 0});
+        bullet.v = {speed, 0, 0, 0, 0, 0};
+        model.add_collider({.body = model.add(bullet), .solid = contact::sphere(0.005)});
+        model.add_collider({.body = model.add(free_body("plate", {})), .solid = contact::box({0.001, 1, 1})});
+        Simulation sim(model, {.method = method, .step = step});
+        REQUIRE(sim.run_until(speed > 1e3 ? 2e-3 : 0.03));
+        return sim.warnings();
+      };
+      CAPTURE(aside);
+      CAPTURE(speed);
+      const std::vector<std::string> warnings = run("stepping", 1e-3);
+      REQUIRE(warnings.size() == (aside == 0 && speed == 3e5 ? 1 : 0));
+      if (warnings.empty()) continue;
+      CHECK(warnings[0].find("'bullet' passed through 'plate' at t = ") == 0);
+      const std::string before = "use steps of at most ";
+      const double step = std::stod(warnings[0].substr(warnings[0].find(before) + before.size()));
+      CHECK(run("stepping", step).empty());
+      CHECK(run("dop853", 1e-3).empty());
+    }
+}

@@ -310,14 +310,6 @@ std::vector<double> Contacts::kinetic_by_island() const {
   return energies;
 }
 
-double Contacts::energy_of_heights() const {
-  double sum = 0;
-  for (const Collider& collider : world_->model_.colliders())
-    if (!collider.plane && collider.body != ground && world_->alive(collider.body))
-      sum += world_->tree_.link(collider.body.index).body.m * collider.solid.reach;
-  return norm(world_->model_.gravity()) * sum;
-}
-
 // A time (s) within which a pair does not come near and leave again unseen.
 double Contacts::longest_step(const Pair& pair, double distance, double speed, double acceleration) const {
   const double until_near = 2 * std::max(distance, 0.0) / speed;

@@ -5,6 +5,7 @@
 // it begins to slip or to stick. There all contacts that touch take part in one impact, if they approach; then a complementarity
 // problem in the accelerations tells which of them stay closed, and how.
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,8 +34,6 @@ class Contacts {
   Contacts(const Contacts&) = delete;
   Contacts& operator=(const Contacts&) = delete;
 
-  /// The energy that gravity gives to solids which fall by their own size (J): the scale of energies where all of them are zero.
-  double energy_of_heights() const;
   /// Kinetic energies (J) of the islands of closed contacts, by their numbers, without those of armatures.
   std::vector<double> kinetic_by_island() const;
 
@@ -102,8 +101,16 @@ class Contacts {
   void forget_slow_slip() { slowest_ = slowest_slip; }
   int short_steps() const { return short_steps_; }
   void set_short_steps(int count) { short_steps_ = count; }
-  /// A step of at most h seconds in which no body passes through another.
-  double limit_step(double h) const;
+  /// A step of at most h seconds in which no body passes through another, but not much shorter: pairs that are faster are noted.
+  double limit_step(double h);
+  /// Bodies of pairs that were noted which did pass through each other in the step, on a straight path: where (m), on which side
+  /// the first one was before, and the length of steps (s) in which they would not have done so.
+  struct Passed {
+    int a, b;
+    Vec3 point, side;
+    double step;
+  };
+  std::vector<Passed> passed();
   /// The fastest point of any solid (m/s).
   double fastest() const;
   /// Appends the points at which solids overlap at present, or are nearer than `within` (m).
@@ -124,7 +131,7 @@ class Contacts {
   std::optional<Overlap> overlap_with(BodyId body);
   static std::optional<Overlap> overlap_of(World& world);
 
-  /// Energy (J) that velocities below the resolution of coordinates lost since the last call, at instants without an event.
+  /// Energy (J) that contacts took since the last call, at instants without an event, from velocities too slow to be followed.
   double take_lost() { return std::exchange(lost_, 0.0); }
 
  private:
@@ -173,6 +180,7 @@ class Contacts {
   contact::Features cable_features(const Pair& cable) const;
   void candidates(const Pair& pair, double within, std::vector<contact::Candidate>& out) const;
   double apart(const Pair& pair) const;
+  Vec3 centre_in_other(const Pair& pair) const;
   double speed_bound(const Pair& pair) const;
   double margin_within(const Pair& pair) const;
   static double looked_within(const Pair& pair);
@@ -203,12 +211,18 @@ class Contacts {
   bool moves_along(const std::vector<Contact>& contacts, std::size_t i) const;
   void note_ended_slip();
   void set(std::vector<Contact> contacts);
-  double stop(const std::vector<Contact>& closed);
-  double stop_creeping(std::vector<Contact> contacts);
+  struct Impulses;
+  Impulses impulses_of(const std::vector<Contact>& contacts, const std::vector<double>& r) const;
+  void apply(const Impulses& impulses, const std::vector<double>& r, TopologyEditor& editor, Event& event);
+  struct Settled;
+  std::map<int, Vec3> stop(const std::vector<Contact>& closed, Settled& settled);
+  void stop_creeping(std::vector<Contact> contacts, Settled& settled);
   std::vector<std::vector<Contact>> by_island(const std::vector<Contact>& contacts) const;
-  std::optional<Unresolved> resolve_island(std::vector<Contact>& touching, const std::vector<Contact>& before,
-                                           std::vector<Contact>& closed, std::vector<Event>& events);
-  void report_changes(const std::vector<Contact>& before, std::size_t first, std::vector<Event>& events);
+  std::optional<Unresolved> strike_island(const std::vector<Contact>& touching, std::vector<Event>& events);
+  std::optional<Unresolved> close_island(std::vector<Contact>& touching, const std::vector<Contact>& before,
+                                         std::vector<Contact>& closed, Settled& settled);
+  void report_changes(const std::vector<Contact>& before, std::size_t first, const std::map<int, Vec3>& impulses,
+                      std::vector<Event>& events);
   Event begin_event(const char* what, int pair);
   void locate_event(Event& event, const std::vector<Contact>& contacts, const std::vector<double>& weights, int pair) const;
   std::string name_of(int body) const;
@@ -239,6 +253,11 @@ class Contacts {
   mutable std::vector<int> welded_;               // by body: the first one of those that it is welded to; -1: the ground
   mutable std::uint64_t welded_of_ = 0;           // the revision of the tree when these were found
   std::vector<std::pair<int, double>> settling_;  // at this instant: pairs whose bounces end later, and when
+  struct Fast {
+    int pair;
+    Vec3 from;  // the centre of its first solid at the start of the step, in the frame of the second one's body (m)
+  };
+  std::vector<Fast> fast_;
   std::vector<Watch> watches_;
   std::vector<Condition> conditions_;
   std::vector<double> noise_;  // of those that are gaps, which come first

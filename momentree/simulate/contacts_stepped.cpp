@@ -1,10 +1,18 @@
 // Contacts that are stepped through: of which bodies, and the points that they have reached.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include <momentree/contact/distance.hpp>
 #include <momentree/simulate/contacts.hpp>
 
 namespace momentree {
+
+namespace {
+
+constexpr double shortest_of_fast = 1e-3;  // of the given step: steps that fast bodies shorten
+
+}  // namespace
 
 Contacts::Handling Contacts::handling(const Pair& pair) const {
   const bool a = is_stepped(pair.a), b = is_stepped(pair.b);
@@ -67,16 +75,56 @@ std::vector<int> Contacts::most_loaded() const {
   return {closed[worst].a, closed[worst].b};
 }
 
-double Contacts::limit_step(double h) const {
+double Contacts::limit_step(double h) {
   const double accelerated = norm(world_->model_.gravity()) * h;
+  fast_.clear();
   for (const int i : near_pairs(h, 0)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     if (pair.cable >= 0 || pair.other->plane || (!stepped_.empty() && handling(pair) != Handling::stepped)) continue;
     const double speed = 2 * speed_bound(pair) + 2 * accelerated, distance = apart(pair);
     if (distance > speed * h) continue;
-    h = std::min(h, std::max((2 * std::max(distance, 0.0) + margin_within(pair)) / speed, 1e-3 * h));
+    const double safe = (2 * std::max(distance, 0.0) + margin_within(pair)) / speed;
+    if (safe < shortest_of_fast * h) fast_.push_back({i, centre_in_other(pair)});
+    h = std::min(h, std::max(safe, shortest_of_fast * h));
   }
   return h;
+}
+
+// The centre of the first solid of a pair in the frame of the body of the second one.
+Vec3 Contacts::centre_in_other(const Pair& pair) const {
+  const contact::Place a = place(pair.a), b = place(pair.b);
+  return transpose_times(b.R, a.r + a.R * pair.one->solid.centre - b.r);
+}
+
+std::vector<Contacts::Passed> Contacts::passed() {
+  constexpr int most_places = 60;
+  std::vector<Passed> all;
+  for (const Fast& fast : std::exchange(fast_, {})) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(fast.pair)];
+    if (is_gone(pair.a) || is_gone(pair.b)) continue;
+    const contact::Place a = place(pair.a), b = place(pair.b);
+    const Vec3 back = b.R * (fast.from - centre_in_other(pair));
+    if (norm(back) <= margin_within(pair)) continue;
+    // At a part of the path, from its end to its start; the distance of convex solids is a convex function of it.
+    const auto distance = [&](double part) {
+      contact::Place there = a;
+      there.r += part * back;
+      return contact::distance(pair.one->solid, there, pair.other->solid, b).distance;
+    };
+    if (!(distance(0) > 0) || !(distance(1) > 0)) continue;
+    constexpr double golden = 0.6180339887498949;
+    double low = 0, high = 1, one = 1 - golden, other = golden, at_one = distance(one), at_other = distance(other);
+    for (int k = 0; k < most_places && at_one > 0 && at_other > 0; ++k) {
+      if (at_one < at_other)
+        high = other, other = one, at_other = at_one, one = high - golden * (high - low), at_one = distance(one);
+      else
+        low = one, one = other, at_one = at_other, other = low + golden * (high - low), at_other = distance(other);
+    }
+    if (std::min(at_one, at_other) <= 0)
+      all.push_back({pair.a, pair.b, a.r + a.R * pair.one->solid.centre + (at_one <= 0 ? one : other) * back, normalized(back),
+                     margin_within(pair) / (2 * speed_bound(pair) * shortest_of_fast)});
+  }
+  return all;
 }
 
 double Contacts::fastest() const {

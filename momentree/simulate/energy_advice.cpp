@@ -2,9 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/simulate/simulation.hpp>
+#include <momentree/simulate/simulation_impl.hpp>
 
 namespace momentree {
 
@@ -12,8 +13,11 @@ namespace {
 
 // Beyond this fraction of the largest kinetic energy the computed motion is not trusted.
 constexpr double tolerated = 1e-3;
-constexpr double tolerated_of_steps = 5e-2;  // where contacts were stepped through, which is of order 1
-constexpr double rounding = 1e-12;
+constexpr double tolerated_overlaps = 5e-2;  // what removing them adds where contacts were stepped through
+constexpr double rounding = 1e-12;           // of all energies that were turned over
+// Where hardly anything moves, errors are compared with the energies that bodies get by falling their own size: coordinates are
+// known to about the first fraction of it, and what rests on contacts that are stepped through falls a little in every step.
+constexpr double at_rest = 1e-10, at_rest_in_steps = 1e-4;
 
 std::string formatted(const char* pattern, double a) {
   char buffer[64];
@@ -21,22 +25,20 @@ std::string formatted(const char* pattern, double a) {
   return buffer;
 }
 
-// A fraction of the kinetic energy: "11 % of", "12 times".
+// A fraction of an energy: "11 % of", "12 times".
 std::string share_text(double share) {
   return share < 10 ? formatted("%.2g %% of", 100 * share) : formatted("%.0f times", share);
 }
 
-// What closing loops and contacts after the steps added or took, if that is a large part.
-std::string advice_on_closing(double projection, double largest, double turned_over, const Integration& how) {
-  if (!(std::fabs(projection) > std::max(tolerated * largest, rounding * turned_over))) return {};
-  const bool adaptive = is_adaptive(how.method);
-  return "closing loops and contacts after steps changed the energy by " + formatted("%.3g J", projection) + ", " +
-         (largest > 0 ? share_text(std::fabs(projection) / largest) + " the largest kinetic energy"
-                      : std::string("although nothing moves")) +
-         ": steps are too long, or loops pass a position in which they are singular, such as a four-bar with all bars in line; "
-         "use " +
-         (adaptive ? "smaller tolerances, such as " + formatted("rtol = %.0e", how.rtol / 100)
-                   : "a smaller step, such as " + formatted("%.3g s", how.step / 4) + ", or an adaptive method: dop853");
+// How large an error of the balance is.
+std::string size_of(double error, const EnergyBalance& balance) {
+  std::string text = formatted("%.3g J", error) + ", ";
+  if (std::fabs(error) < 1e3 * balance.largest_kinetic)
+    return text + share_text(std::fabs(error) / balance.largest_kinetic) + " the largest kinetic energy";
+  if (balance.of_heights > 0)
+    return text + share_text(std::fabs(error) / balance.of_heights) +
+           " the energy that the bodies would get by falling their own size";
+  return text + "although nothing moves";
 }
 
 }  // namespace
@@ -46,24 +48,55 @@ std::string EnergyBalance::advice(const Integration& how) const {
     return "the energies overflow: masses, lengths or speeds are too large";
   double turned_over = 0;  // its rounding is not an integration error
   for (const double part : {initial, final, work, dissipated, lost_in_impacts, released}) turned_over += std::fabs(part);
-  const bool stepped = lost_in_steps != 0;
-  const double most = (stepped ? tolerated_of_steps : tolerated) * largest_kinetic;
-  if (stepped && !(std::fabs(projection) <= most))
-    return "removing overlaps changed the energy by " + formatted("%.3g J", projection) + ", " +
-           share_text(std::fabs(projection) / largest_kinetic) +
-           " the largest kinetic energy: contacts were stepped through with too long steps; use a smaller step, such as " +
-           formatted("%.3g s", how.step / 4);
-  if (!(std::fabs(error) > std::max(most, rounding * turned_over)))
-    return stepped ? std::string() : advice_on_closing(projection, largest_kinetic, turned_over, how);
-  std::string what = "the energy balance is off by " + formatted("%.3g J", error) + ", " +
-                     (largest_kinetic > 0 ? share_text(std::fabs(error) / largest_kinetic) + " the largest kinetic energy"
-                                          : std::string("although nothing moves")) +
-                     ": the motion is not computed accurately";
-  if (stepped)
-    return what + ", because contacts were stepped through; use a smaller step, such as " + formatted("%.3g s", how.step / 4);
-  if (is_adaptive(how.method)) return what + "; use smaller tolerances, such as " + formatted("rtol = %.0e", how.rtol / 100);
-  what += "; use a smaller step, such as " + formatted("%.3g s", how.step / 4);
-  return how.method == "damped" ? what : what + ", or an adaptive method: dop853";
+  const bool stepped = std::fabs(lost_in_steps) > rounding * turned_over;
+  const double least = std::max(rounding * turned_over, (stepped ? at_rest_in_steps : at_rest) * of_heights);
+  const auto too_much = [&](double energy, double part) {
+    return !(std::fabs(energy) <= std::max(part * largest_kinetic, least));
+  };
+  const std::string step = "use a smaller step, such as " + formatted("%.3g s", how.step / 4),
+                    tolerances = "use smaller tolerances, such as " + formatted("rtol = %.0e", how.rtol / 100);
+  const bool adaptive = is_adaptive(how.method);
+  if (stepped && too_much(projection, tolerated_overlaps))
+    return "removing overlaps changed the energy by " + size_of(projection, *this) +
+           ": contacts were stepped through with too long steps; " + step;
+  if (too_much(error, tolerated)) {
+    const std::string what = "the energy balance is off by " + size_of(error, *this) + ": the motion is not computed accurately";
+    if (stepped) return what + ", because contacts were stepped through; " + step;
+    if (adaptive) return what + "; " + tolerances;
+    return what + "; " + step + (how.method == "damped" ? "" : ", or an adaptive method: dop853");
+  }
+  if (stepped || !too_much(projection, tolerated)) return {};
+  return "closing loops and contacts after steps changed the energy by " + size_of(projection, *this) +
+         ": steps are too long, or loops pass a position in which they are singular, such as a four-bar with all bars in line; " +
+         (adaptive ? tolerances : step + ", or an adaptive method: dop853");
+}
+
+std::vector<std::string> Simulation::warnings() const {
+  std::vector<std::string> all;
+  if (std::string advice = energy().advice(integration()); !advice.empty()) all.push_back(std::move(advice));
+  for (const Event& event : events())
+    if (event.name == passed_through)
+      all.push_back("'" + event.contact.one + "' passed through '" + event.contact.other + "' at " +
+                    formatted("t = %.9g s", event.time) + ": " + event.reason);
+  return all;
+}
+
+double energy_of_heights(const World& world) {
+  const Tree& tree = world.tree();
+  std::vector<double> size(static_cast<std::size_t>(tree.bodies()), 0.0);
+  for (const Collider& collider : world.model().colliders())
+    if (!collider.plane && collider.body != ground && world.alive(collider.body)) {
+      double& own = size[static_cast<std::size_t>(collider.body.index)];
+      own = std::max(own, collider.solid.reach);
+    }
+  double sum = 0;
+  for (const int b : tree.order()) {
+    const RigidMass& mass = tree.link(b).body;
+    if (!(mass.m > 0)) continue;
+    const double gyration = std::sqrt(std::max(0.0, mass.J.xx + mass.J.yy + mass.J.zz) / (2 * mass.m));
+    sum += mass.m * std::max(size[static_cast<std::size_t>(b)], gyration);
+  }
+  return norm(world.model().gravity()) * sum;
 }
 
 }  // namespace momentree

@@ -393,6 +393,7 @@ EnergyBalance Simulation::energy() const {
   b.work += impl_->ledger.work;
   b.projection = impl_->ledger.projection;
   b.lost_in_steps = impl_->ledger.impacts;
+  b.of_heights = energy_of_heights(impl_->world);
   b.lost_in_impacts += b.lost_in_steps;
   b.error = b.final + b.dissipated + b.lost_in_impacts + b.released - b.initial - b.work - b.projection;
   return b;

@@ -41,6 +41,12 @@ inline constexpr std::size_t most_events_at_once = 10'000;
 
 }  // namespace detail
 
+/// The name of events at which bodies pass through each other within a step.
+inline constexpr const char* passed_through = "pass";
+
+/// The energy (J) that gravity gives to bodies which fall by their own size: the scale of energies where all of them are zero.
+double energy_of_heights(const World& world);
+
 struct Simulation::Impl {
   using Clock = detail::Clock;
   Impl(const Model& model, const Integration& how)
@@ -200,6 +206,7 @@ struct Simulation::Impl {
   // Contacts that are stepped through instead of being located: of all bodies, or of some islands.
   bool steps_through() const { return stepping.all || method_steps; }
   bool some_step() const { return stepping.on && !stepping.all; }
+  void report_passes();
   void begin_stepping(const std::string& why, const std::vector<int>& at);
   std::vector<bool> stepped_bodies() const;
   void update_islands();

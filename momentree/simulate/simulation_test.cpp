@@ -339,6 +339,49 @@ TEST_CASE("a world in equilibrium closes its energy balance to rounding, without
   CHECK(sim.energy().advice({}) == "");
 }
 
+TEST_CASE("what lies still is no reason for a warning, and slow motion that is computed badly is one") {
+  Model model({.gravity = {0, 0, -9.81}});
+  const BodyId box = model.add({.name = "box",
+                                .mass = 40,
+                                .com = {0.03, 0.01, -0.02},
+                                .inertia = diagonal(1.2, 1.0, 1.4),
+                                .joint = Free{},
+                                .q = {0.3, 0.2, 0.25, std::cos(0.2), 0, 0, std::sin(0.2)}});
+  model.add_collider({.body = box, .solid = contact::box({0.6, 0.4, 0.5})});
+  model.add_collider({.plane = true});
+  for (const char* method : {"rk4", "dop853", "stepping"}) {
+    CAPTURE(method);
+    Simulation sim(model, {.method = method});
+    REQUIRE(sim.run_until(2));
+    CHECK(sim.warnings().empty());
+  }
+  // A pendulum that swings by 0.01 rad, with a step of a quarter of its period.
+  Model slow({.gravity = {0, 0, -9.81}});
+  slow.add({.name = "bob", .mass = 1, .com = {0, 0, -1}, .joint = Revolute{.axis = {0, 1, 0}}, .q = 0.01});
+  Simulation swings(slow, {.step = 0.5});
+  REQUIRE(swings.run_until(20));
+  REQUIRE(swings.warnings().size() == 1);
+  CHECK(swings.warnings()[0].find("the largest kinetic energy") != std::string::npos);
+}
+
+TEST_CASE("the energy balance of steps through contacts is off from a thousandth of the kinetic energy on") {
+  EnergyBalance balance{.initial = 1, .final = 0.5, .lost_in_impacts = 0.5, .lost_in_steps = 0.5, .largest_kinetic = 1};
+  const Integration how{.method = "stepping"};
+  balance.error = 0.9e-3;
+  CHECK(balance.advice(how).empty());
+  balance.error = -1.1e-3;
+  CHECK(balance.advice(how).find("contacts were stepped through") != std::string::npos);
+  balance.error = 0;
+  balance.projection = 0.04;
+  CHECK(balance.advice(how).empty());
+  balance.projection = 0.06;
+  CHECK(balance.advice(how).find("removing overlaps") == 0);
+  balance.of_heights = 1e4;  // a resting building beside it
+  CHECK(balance.advice(how).empty());
+  balance.projection = 1.1;
+  CHECK(balance.advice(how).find("removing overlaps") == 0);
+}
+
 TEST_CASE("axes that are nearly parallel or nearly at right angles are not treated as exactly so") {
   for (const double angle : {0.0, 1.5707963267948966}) {
     for (const double off : {1e-14, 1e-11, 6e-9, 1e-8, 4e-8, 1e-7}) {

@@ -27,7 +27,7 @@ void add_contact_names(const Model& model, std::vector<std::string>& names) {
     for (const std::string& end : ends) names.push_back(what + end);
   for (const Spring& spring : model.springs())
     if (spring.inextensible) names.push_back("taut " + spring.name), names.push_back("slack " + spring.name);
-  names.insert(names.end(), {"stepping", "resume"});
+  names.insert(names.end(), {"stepping", "resume", "pass"});
 }
 
 // The names of events that can happen. Joints may get a strength from an event.
