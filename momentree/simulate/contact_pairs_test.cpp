@@ -1,6 +1,7 @@
 // Contacts of bodies that are welded or driven, and bounces on what other contacts press against.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -129,6 +130,35 @@ TEST_CASE("contact: bodies with hardly any inertia, or none, are stopped by floo
         // On the cable it may turn about its axis until its end is nearest to the line below the anchor.
         if (cable) CHECK(height > -0.2502 - (method == std::string("stepping") ? 1e-3 : 0));
       }
+}
+
+TEST_CASE("contact: a chain comes to rest on a floor, or the run ends with the links that lack an inertia") {
+  for (const double inertia : {1e-6, 0.0}) {
+    Model model;
+    BodyId last{};
+    for (int i = 1; i <= 4; ++i) {
+      BodySpec link{.name = "c/" + std::to_string(i), .mass = 0.1, .com = {0.1, 0, 0}, .inertia = diagonal(inertia)};
+      if (i == 1)
+        link.joint = Free{}, link.q = {0, 0, 0.5, 1, 0, 0, 0};
+      else
+        link.parent = last, link.at = {0.2, 0, 0}, link.joint = Revolute{.axis = {0, 1, 0}}, link.q = 0.1;
+      last = model.add(link);
+      model.add_collider(
+          {.body = last, .solid = contact::capsule(0.02, 0.2, {{0.1, 0, 0}, from_rpy(0, std::numbers::pi / 2, 0)})});
+    }
+    add_floor(model, 0.5, 0);
+    Simulation sim(model, {.method = "dop853"});
+    const RunResult run = sim.run_until(1);
+    CAPTURE(inertia);
+    INFO(run.reason);
+    if (inertia == 0 && !run) {
+      CHECK(run.reason.find("an inertia for bodies that have none, such as 'c/1'") != std::string::npos);
+      continue;
+    }
+    REQUIRE(run);
+    CHECK(sim.world().totals().kinetic < 1e-9);
+    CHECK(sim.world().totals().potential == doctest::Approx(4 * 0.1 * 9.81 * 0.02).epsilon(1e-6));
+  }
 }
 
 TEST_CASE("contact: a ball that friction on the floor presses against a wall comes to rest on the wall") {

@@ -105,6 +105,18 @@ std::string what_ran_away(const World& world, const Integrator& method, double h
   return what + "; " + joint_text(world, fastest) + " is the fastest, at " + text(speed) + " rad/s or m/s";
 }
 
+// Bodies without inertia move next to no mass when they are in line, such as the links of a stretched chain.
+std::string cure_of_point_masses(const World& world) {
+  if (!world.model().has_contact()) return {};  // which stretches and folds them
+  for (const int b : world.tree().order()) {
+    const BodySpec& body = world.model()[BodyId{b}];
+    const Sym3& J = body.inertia;
+    if (body.mass > 0 && J.xx + J.yy + J.zz == 0 && info(world.tree().kind(b)).nv > 0)
+      return ", or an inertia for bodies that have none, such as '" + body.name + "': point masses in line turn without any";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string divergence_text(const World& world, const Integrator& method, const Integration& integration, double h) {
@@ -118,7 +130,7 @@ std::string divergence_text(const World& world, const Integrator& method, const 
   return when + what_ran_away(world, method, h) + "; use " +
          (method.adaptive() ? "larger tolerances rtol and atol"
                             : "a smaller step, such as " + text(integration.step / 4) + " s") +
-         ", or more damping or inertia at that joint";
+         ", or more damping or inertia at that joint" + cure_of_point_masses(world);
 }
 
 std::string no_progress_at(double time) { return "no progress at t = " + text(time) + " s: "; }
