@@ -120,8 +120,14 @@ Trace traced_run(const io::Scenario& scenario, const RunPlan& plan) {
       if (!trace.times.empty() && trace.times.back() == world.time()) trace.times.pop_back(), trace.rows.pop_back();
       trace.times.push_back(world.time());
       trace.rows.push_back(row_text(simulation));
+      if (plan.at_rows) plan.at_rows(simulation);
       return true;
     });
+    if (plan.after_steps)
+      simulation.sample([&](const World&) {
+        plan.after_steps(simulation);
+        return true;
+      });
     simulation.watch([&](double) {
       ++trace.steps;
       if (next < plan.saved_after.size() && trace.steps == plan.saved_after[next]) {

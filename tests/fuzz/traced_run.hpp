@@ -17,6 +17,8 @@ struct RunPlan {
   long most_steps = 1L << 40;  ///< it is interrupted after this many steps
   /// After each of these numbers of steps, in ascending order, the run is saved as a checkpoint and continued in a new session.
   std::vector<long> saved_after{};
+  std::function<void(const Simulation&)> at_rows{};      ///< called at each row
+  std::function<void(const Simulation&)> after_steps{};  ///< called at the end of each step, before and after its events
 };
 
 struct Trace {
