@@ -128,6 +128,14 @@ Momentum momentum_of(const BodySpec& body, const BodyMotion& m, const BodyAccele
   return all;
 }
 
+// Forces, torques and momenta whose rounding may be all that is there.
+double small(const World& world) {
+  double size = 0;
+  for (const BodySpec& body : world.model().bodies())
+    size += 1e-5 * (body.mass + body.inertia.xx + body.inertia.yy + body.inertia.zz);
+  return size;
+}
+
 // A known defect (docs/limits.md): where a body touches another at several points, and joints hold it, the reported forces of the
 // contacts are shared anew, but not those of the joints.
 bool shared_anew(const World& world) {
@@ -185,10 +193,7 @@ void InstantLaws::require_equations_of_motion(const World& world, bool stepped) 
       return;
     }
   const Loads loads(world);
-  double heaviness = 0;  // rounding where nothing acts
-  for (const BodySpec& body : world.model().bodies())
-    heaviness += 1e-5 * (body.mass + body.inertia.xx + body.inertia.yy + body.inertia.zz);
-  const double forces = loads.force_size() + heaviness, torques = loads.torque_size() + heaviness;
+  const double forces = loads.force_size() + small(world), torques = loads.torque_size() + small(world);
   if (shared_anew(world)) {
     ++found_.counts["left out: reactions beside contacts that are shared anew"];
     return;
@@ -312,7 +317,7 @@ void InstantLaws::require_cables(const World& world) {
 void InstantLaws::require_totals(const World& world) {
   const Totals totals = world.totals();
   Vec3 linear{}, angular{};
-  double linear_size = 1e-12, angular_size = 1e-12, kinetic = 0;
+  double linear_size = small(world), angular_size = small(world), kinetic = 0;
   bool armatures = false;
   for (const JointId id : present_joints(world))
     if (const JointParameters* p = world.joint(id).parameters) armatures = armatures || p->armature.any();
