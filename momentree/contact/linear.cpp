@@ -11,12 +11,26 @@ namespace {
 
 std::ptrdiff_t signed_of(std::size_t i) { return static_cast<std::ptrdiff_t>(i); }
 
-// Rows and columns of very different sizes are of the same importance: scales them, row by row and column by column, until the
-// largest element of each is near 1 (Ruiz). Returns the factors of the columns.
+// Rows are of the same importance.
+void scale_rows(std::vector<double>& M, std::vector<double>& right) {
+  const std::size_t n = right.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    double most = 0;
+    for (std::size_t j = 0; j < n; ++j) most = std::max(most, std::fabs(M[i * n + j]));
+    if (!(most > 0)) continue;
+    for (std::size_t j = 0; j < n; ++j) M[i * n + j] /= most;
+    right[i] /= most;
+  }
+}
+
+// So are columns of very different sizes: scales both, row by row and column by column, until the largest element of each is near
+// 1 (Ruiz). Returns the factors of the columns.
 std::vector<double> equilibrate(std::vector<double>& M, std::vector<double>& right) {
   constexpr int most_passes = 20;
+  constexpr double uneven = 1e4;  // columns of bodies of ordinary masses stay as they are
   const std::size_t n = right.size();
   std::vector<double> factors(n, 1.0), of_row(n), of_column(n);
+  scale_rows(M, right);
   for (int pass = 0; pass < most_passes; ++pass) {
     std::fill(of_row.begin(), of_row.end(), 0.0), std::fill(of_column.begin(), of_column.end(), 0.0);
     for (std::size_t i = 0; i < n; ++i)
@@ -24,10 +38,11 @@ std::vector<double> equilibrate(std::vector<double>& M, std::vector<double>& rig
         const double size = std::fabs(M[i * n + j]);
         of_row[i] = std::max(of_row[i], size), of_column[j] = std::max(of_column[j], size);
       }
+    const double bound = pass == 0 ? uneven : 4;
     bool even = true;
     for (std::vector<double>* most : {&of_row, &of_column})
       for (double& x : *most) {
-        even = even && (!(x > 0) || (x > 0.25 && x < 4));
+        even = even && (!(x > 0) || (x > 1 / bound && x < bound));
         x = x > 0 ? 1 / std::sqrt(x) : 1;
       }
     if (even) break;
@@ -36,6 +51,7 @@ std::vector<double> equilibrate(std::vector<double>& M, std::vector<double>& rig
       right[i] *= of_row[i], factors[i] *= of_column[i];
     }
   }
+  scale_rows(M, right);
   return factors;
 }
 
@@ -88,9 +104,6 @@ void shorten(const std::vector<double>& M, std::size_t n, std::size_t rank, cons
     back_substitute(M, n, rank, own);
     own[rank + k] = 1;
     for (std::size_t i = 0; i < n; ++i) own[i] *= factors[i];
-    const double most =
-        std::fabs(*std::max_element(own, own + n, [](double a, double b) { return std::fabs(a) < std::fabs(b); }));
-    for (std::size_t i = 0; i < n; ++i) own[i] /= most;
     for (int pass = 0; pass < 2; ++pass)
       for (std::size_t l = 0; l < k; ++l) {
         const double* const other = null.data() + l * n;
