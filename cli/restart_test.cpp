@@ -1,5 +1,6 @@
 // A run that ends and one that starts from its final state are together identical to one continuous run, to the last bit.
 #include <cmath>
+#include <filesystem>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -434,6 +435,19 @@ every = 0.06
 )"),
                    0.5, {0.12, 0.18, 0.3});
   }
+}
+
+TEST_CASE("every file in scenarios/ continues with the same bits") {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(MOMENTREE_SOURCE_DIR "/scenarios")) {
+    if (entry.path().extension() != ".toml") continue;
+    CAPTURE(entry.path());
+    io::ReadResult result = io::read_scenario(entry.path().string(), {"output.every=0.1"});
+    REQUIRE(result.scenario);
+    check_restarts(*result.scenario, 0.6, {0.3});
+    ++files;
+  }
+  CHECK(files > 40);
 }
 
 TEST_CASE("the events of a document must fit the scenario") {
