@@ -164,6 +164,10 @@ void MomentumKeepingDisplacement::apply(const Tree& tree, double t, const double
   };
   const auto centre = [&](int b) { return (1 / tree.link(b).body.m) * tree.link(b).body.mc; };
   place();
+  if (tree.has_loops()) {
+    detail::place_loops(tree, q, workspace, true);
+    carry_armatures(tree, workspace);
+  }
   for (const int b : tree.order()) {
     const Kinematics<double>& k = workspace.bodies[index_of(b)];
     const RigidMass& mass = tree.link(b).body;
