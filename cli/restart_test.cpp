@@ -442,10 +442,9 @@ TEST_CASE("every file in scenarios/ continues with the same bits") {
   for (const auto& entry : std::filesystem::directory_iterator(MOMENTREE_SOURCE_DIR "/scenarios")) {
     if (entry.path().extension() != ".toml") continue;
     CAPTURE(entry.path());
-    io::ReadResult result = io::read_scenario(entry.path().string(), {"output.every=0.1"});
+    const io::ReadResult result = io::read_scenario(entry.path().string(), {"output.every=0.1"});
     REQUIRE(result.scenario);
-    check_restarts(*result.scenario, 0.6, {0.3});
-    ++files;
+    check_restarts(*result.scenario, 0.6, {0.3}), ++files;
   }
   CHECK(files > 40);
 }
@@ -468,8 +467,7 @@ TEST_CASE("the events of a document must fit the scenario") {
 
 namespace {
 
-// A box on a slope, a cylinder that rolls, a ball that bounces until it rests, a bob on a cable, and boxes that land on each
-// other.
+// Bodies that slide, roll, bounce until they rest, hang on a cable, and land on each other.
 std::string touching(const std::string& method) {
   const auto body = [](const std::string& name, const std::string& place, const std::string& velocity, const std::string& shape) {
     return "[[mechanism]]\nname = \"" + name + "\"\nroot = \"free\"\npose = { " + place + " }\nstate = { velocity = { " +

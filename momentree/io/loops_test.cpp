@@ -1,4 +1,5 @@
 // Scenarios with closed loops: mistakes, conversion, state documents.
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -266,6 +267,36 @@ TEST_CASE("documents of loop joints that rest on a stop, or follow a motion from
   CHECK(world.joint(world.loops()[0]).q[0] == doctest::Approx(1.25).epsilon(1e-12));
   CHECK(world.loop_status().rank == 3);
   check_document(moved, other.simulation(), 0.3);
+}
+
+TEST_CASE("stepping keeps the motion of a loop joint's armature, although the file locks the joint later") {
+  // A motor of 0.1 N m turns a wheel against a hub with inertia 0.01 and armature 0.06 kg m².
+  Session session = session_of(
+      "format = 1\n[world]\nfloor = { friction = 0 }\n[[mechanism]]\nname = \"m\"\nroot = \"free\"\npose = { xyz = [0, 0, 0.05] "
+      "}\n"
+      "[[mechanism.body]]\nname = \"hub\"\nmass = 1\ninertia = 0.01\ncollision = { sphere = 0.05 }\n"
+      "[[mechanism.body]]\nname = \"wheel\"\nmass = 1\ninertia = 0.01\n"
+      "joint = { kind = \"revolute\", parent = \"hub\", drive = { effort = 0.1 } }\n"
+      "[[loop]]\nname = \"bearing\"\nkind = \"cylindrical\"\nbody = \"m/hub\"\narmature = 0.06\n"
+      "[[event]]\nat = 0.9\nlock = \"bearing\"\n[integrate]\nmethod = \"stepping\"\n");
+  Simulation& sim = session.simulation();
+  REQUIRE(sim.run_until(0.5) == Status::ok);
+  CHECK(sim.world().motions()[0].angular.z == doctest::Approx(-0.1 * 0.5 / 0.07).epsilon(1e-9));
+  CHECK(std::fabs(sim.energy().error) < 1e-9);
+}
+
+TEST_CASE("a loop that leaves no mobility stands still beside hard stops") {
+  const std::string place = "at = { xyz = [-0.3, 0.1, 0], rpy = [1.1, -1.4, 3] }, child_at = { xyz = [0.1, 0, 0.1] }";
+  Session session = session_of(
+      "format = 1\n[world]\ngravity = [0, 0, 0]\n[[mechanism]]\nname = \"m\"\n[[mechanism.body]]\nname = \"a\"\nmass = 4\n"
+      "joint = { kind = \"planar\", limits = { upper = [0.09, 0.2, inf] } }\n"
+      "[[mechanism.body]]\nname = \"b\"\nmass = 2\ninertia = 0.01\njoint = { kind = \"revolute\", parent = \"a\", " +
+      place + ", v = [2.8] }\n[[loop]]\nname = \"L\"\nkind = \"weld\"\nbody = \"m/b\"\n" +
+      "at = { xyz = [-0.3, 0.1, 0], rpy = [1.1, -1.4, 3] }\nchild_at = { xyz = [0.1, 0, 0.1] }\n");
+  Simulation& sim = session.simulation();
+  REQUIRE(sim.run_until(0.2) == Status::ok);
+  for (const BodyMotion& motion : sim.world().motions())
+    CHECK(dot(motion.linear, motion.linear) + dot(motion.angular, motion.angular) < 1e-18);
 }
 
 TEST_CASE("bad loop joints in documents are refused") {

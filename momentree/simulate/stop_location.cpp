@@ -220,7 +220,8 @@ std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end
   double outside = end, beyond = w.last;
   if (!(beyond > 0)) {  // beyond and back within the step?
     const std::optional<double> highest = peak(trial, w, end);
-    if (!highest || *highest < 0) return highest;
+    if (!highest) return std::nullopt;
+    if (!(*highest > 0)) return -1;  // no crossing; also where rates of rounding size give no time
     if (!trial.go(*highest)) return std::nullopt;
     outside = *highest, beyond = excess(w);
   }
