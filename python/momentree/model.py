@@ -71,8 +71,9 @@ def checked(model: Any) -> Any:
     """The model, if it is one."""
     if isinstance(model, _core.ModelBase):
         return model
+    found = type(model).__name__
     hint = "a file is read by momentree.load(…)" if isinstance(model, (str, os.PathLike)) else "make a momentree.Model"
-    raise Error(f"model: expected a model, found {type(model).__name__}", hint=hint)
+    raise Error(f"model: expected a model, found {found}", hint=hint)
 
 
 class Model(_core.ModelBase):
