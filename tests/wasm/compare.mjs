@@ -14,7 +14,8 @@ let failures = 0;
 /** As the command steps: onto every row of its tables, and onto the end. */
 function runAs(world, every, until) {
   while (world.time < until) {
-    const row = every > 0 ? (Math.floor((world.time / every) * (1 + 1e-12)) + 1) * every : until;
+    const next = (Math.floor((world.time / every) * (1 + 1e-12)) + 1) * every;
+    const row = every > 0 ? Number(next.toPrecision(15)) : until;  // rows are at decimal instants
     const { status, message } = world.run(Math.min(row, until));
     if (status !== 0) throw new Error(message);
   }
