@@ -77,8 +77,8 @@ const double* mt_motions_at(MtWorld* world, const double* q);
 const double* mt_posed(const MtWorld* world);
 enum { mt_motion_size = 13, mt_joint_size = 29, mt_totals_size = 17, mt_contact_size = 15 };
 /* Per joint 29 numbers: nq, nv, q (7), v (6), p (6), the reaction on the declared child about the joint's frame there, in the
- * child's axes (force and torque, 6), the load: the largest ratio of a reaction to the value at which the joint breaks (its strength, or an event's
- * threshold), NaN if there is none; 0 if closed loops leave the reaction open (it is then the least of those possible), else 1.
+ * child's axes (force and torque, 6), the load: the largest ratio of a reaction to the value at which the joint breaks (its
+ * strength, or an event's threshold), NaN if there is none; 0 if closed loops leave the reaction open (it is then the least of those possible), else 1.
  * First the joints of the tree in the order of their numbers, then those that close loops: a joint keeps its row for as long as it
  * has its number. nq is -1 where there is no joint (any more); p of a joint that closes a loop is zero; reactions are zero unless
  * requested. */

@@ -163,8 +163,8 @@ export class World {
   /** Number of rows of joints(). */
   readonly jointRows: number;
   /** 29 numbers per row: nq, nv, q (7), v (6), p (6), the reaction on the child about the joint's frame there, in the child's axes
-   * (force and torque, 6; zero unless requested), the load, and 0 if closed loops leave the reaction open, else 1. nq is -1 where there is no
-   * joint any more. The load is the largest ratio of a reaction to the value at which the joint breaks; NaN if there is none. */
+   * (force and torque, 6; zero unless requested), the load, and 0 if closed loops leave the reaction open, else 1. nq is -1 where
+   * there is no joint any more. The load is the largest ratio of a reaction to the value at which the joint breaks; NaN if there is none. */
   joints(withReactions?: boolean): Float64Array;
   /** Energies (J), momenta about the origin of the world, and the energy balance since the start. */
   totals(): WorldTotals;

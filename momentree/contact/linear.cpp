@@ -11,7 +11,7 @@ namespace {
 
 std::ptrdiff_t signed_of(std::size_t i) { return static_cast<std::ptrdiff_t>(i); }
 
-// Rows are of the same importance.
+// Makes the largest element of each row 1.
 void scale_rows(std::vector<double>& M, std::vector<double>& right) {
   const std::size_t n = right.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -23,14 +23,25 @@ void scale_rows(std::vector<double>& M, std::vector<double>& right) {
   }
 }
 
-// So are columns of very different sizes: scales both, row by row and column by column, until the largest element of each is near
-// 1 (Ruiz). Returns the factors of the columns.
+// Of rows that are scaled.
+bool has_uneven_columns(const std::vector<double>& M, std::size_t n, double bound) {
+  for (std::size_t j = 0; j < n; ++j) {
+    double most = 0;
+    for (std::size_t i = 0; i < n; ++i) most = std::max(most, std::fabs(M[i * n + j]));
+    if (most > 0 && most <= 1 / bound) return true;
+  }
+  return false;
+}
+
+// Scales rows, and columns as well if their sizes are very different, until the largest element of each is near 1 (Ruiz). Returns
+// the factors of the columns; none if they stay as they are.
 std::vector<double> equilibrate(std::vector<double>& M, std::vector<double>& right) {
   constexpr int most_passes = 20;
-  constexpr double uneven = 1e4;  // columns of bodies of ordinary masses stay as they are
+  constexpr double uneven = 1e4;  // scaling changes which of two contradictory rows gives way: ordinary masses don't need it
   const std::size_t n = right.size();
-  std::vector<double> factors(n, 1.0), of_row(n), of_column(n);
   scale_rows(M, right);
+  if (!has_uneven_columns(M, n, uneven)) return {};
+  std::vector<double> factors(n, 1.0), of_row(n), of_column(n);
   for (int pass = 0; pass < most_passes; ++pass) {
     std::fill(of_row.begin(), of_row.end(), 0.0), std::fill(of_column.begin(), of_column.end(), 0.0);
     for (std::size_t i = 0; i < n; ++i)
@@ -38,7 +49,7 @@ std::vector<double> equilibrate(std::vector<double>& M, std::vector<double>& rig
         const double size = std::fabs(M[i * n + j]);
         of_row[i] = std::max(of_row[i], size), of_column[j] = std::max(of_column[j], size);
       }
-    const double bound = pass == 0 ? uneven : 4;
+    constexpr double bound = 4;
     bool even = true;
     for (std::vector<double>* most : {&of_row, &of_column})
       for (double& x : *most) {
@@ -93,8 +104,8 @@ void back_substitute(const std::vector<double>& M, std::size_t n, std::size_t ra
   }
 }
 
-// Takes away what lies in the null space of [U F], whose vectors are (−U⁻¹ F e, e), times the factors of the columns: by Gram and
-// Schmidt, twice.
+// Removes the part in the null space of [U F], whose vectors are (−U⁻¹ F e, e), times the factors of the columns, if there are
+// any: by Gram and Schmidt, twice.
 void shorten(const std::vector<double>& M, std::size_t n, std::size_t rank, const std::vector<double>& factors,
              std::vector<double>& x) {
   std::vector<double> null((n - rank) * n, 0.0);
@@ -103,7 +114,7 @@ void shorten(const std::vector<double>& M, std::size_t n, std::size_t rank, cons
     for (std::size_t i = 0; i < rank; ++i) own[i] = -M[i * n + rank + k];
     back_substitute(M, n, rank, own);
     own[rank + k] = 1;
-    for (std::size_t i = 0; i < n; ++i) own[i] *= factors[i];
+    for (std::size_t i = 0; i < factors.size(); ++i) own[i] *= factors[i];
     for (int pass = 0; pass < 2; ++pass)
       for (std::size_t l = 0; l < k; ++l) {
         const double* const other = null.data() + l * n;
@@ -150,9 +161,9 @@ bool solve_whole(std::vector<double>& M, std::vector<double>& right, std::vector
   const std::size_t rank = eliminate(M, right, column_of, zero);
   back_substitute(M, n, rank, right.data());
   for (std::size_t i = rank; i < n; ++i) right[i] = 0;
-  std::vector<double> factors(n);
-  for (std::size_t i = 0; i < n; ++i) factors[i] = by_column[column_of[i]];
-  for (std::size_t i = 0; i < rank; ++i) right[i] *= factors[i];
+  std::vector<double> factors(by_column.size());
+  for (std::size_t i = 0; i < factors.size(); ++i) factors[i] = by_column[column_of[i]];
+  for (std::size_t i = 0; i < std::min(rank, factors.size()); ++i) right[i] *= factors[i];
   if (which == Solution::least && rank < n) shorten(M, n, rank, factors, right);
   for (const double x : right)
     if (!std::isfinite(x)) return false;

@@ -11,9 +11,9 @@ enum class Solution : unsigned char {
   least   ///< the one of least norm
 };
 
-/// Solves M x = right in place (x in `right`) by elimination with complete pivoting; M is overwritten. Pivots below `zero`
-/// count as zero, once rows and columns are scaled so that their largest elements are 1. Unknowns that no equation connects are
-/// solved for one after the other. Returns false if a number is not finite.
+/// Solves M x = right in place (x in `right`) by elimination with complete pivoting; M is overwritten. Rows are scaled
+/// so that their largest elements are 1, columns too if their sizes are very different; pivots below `zero` then count as zero.
+/// Unknowns that no equation connects are solved for one after the other. Returns false if a number is not finite.
 [[nodiscard]] bool solve_linear(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of,
                                 Solution which = Solution::basic, double zero = 1e-12);
 

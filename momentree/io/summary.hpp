@@ -30,8 +30,8 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
 /// Like the above, without results: for a run in progress, or one that stopped with an invalid simulation.
 std::string summary_json(const RunOrigin& origin, const std::string& status);
 
-/// What a user should know about a run that ended: actions that did nothing, one warning for each event that has some, and a
-/// poor energy balance.
+/// What a user should know about a run that ended: actions that did nothing, one warning for each event that has some, and
+/// Simulation::warnings().
 std::vector<std::string> run_warnings(const RunOrigin& origin, const Simulation& simulation);
 
 /// Events that did not happen: of the matches of a wildcard the one that came nearest, and none of them if one happened.

@@ -120,16 +120,17 @@ bool Simulation::Impl::resolve_contacts(bool after_step) {
     return same_contact(x, y) && x.mode == y.mode && x.direction == y.direction && x.keeps_direction == y.keeps_direction &&
            x.settles == y.settles;
   };
-  const std::vector<Contact> closed(world.tree_.contacts().begin(), world.tree_.contacts().end());
+  std::vector<Contact> closed;  // before, to see what changes
+  if (!after_step) closed.assign(world.tree_.contacts().begin(), world.tree_.contacts().end());
   for (;;) {
     const std::size_t before = events.size();
     const std::optional<Contacts::Unresolved> failed = resolve_stops_and_contacts();
     for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
     const double lost = contacts.take_lost();
     ledger.projection -= lost;
-    const bool changed =
-        failed || lost != 0 || events.size() > first || !std::ranges::equal(closed, world.tree_.contacts(), same);
-    if (!changed && !after_step) return true;  // a run that continues another one has the memory of that one
+    // A run that continues another one, and in which nothing changes, has the memory of that one.
+    if (!after_step && !failed && lost == 0 && events.size() == first && std::ranges::equal(closed, world.tree_.contacts(), same))
+      return true;
     queue.forget_looks();
     if (!failed) break;
     if (!failed->can_be_stepped && !after_step) {
@@ -316,5 +317,4 @@ bool Simulation::Impl::overlaps_at_start() {
   return true;
 }
 
-// Whether a run may begin with the closed contacts, as after one of its steps.
 }  // namespace momentree

@@ -105,14 +105,15 @@ std::string what_ran_away(const World& world, const Integrator& method, double h
   return what + "; " + joint_text(world, fastest) + " is the fastest, at " + text(speed) + " rad/s or m/s";
 }
 
-// Bodies without inertia move next to no mass when they are in line, such as the links of a stretched chain.
+// Point masses in a straight line, such as the links of a stretched chain, turn about it without moving any mass.
 std::string cure_of_point_masses(const World& world) {
   if (!world.model().has_contact()) return {};  // which stretches and folds them
   for (const int b : world.tree().order()) {
     const BodySpec& body = world.model()[BodyId{b}];
     const Sym3& J = body.inertia;
     if (body.mass > 0 && J.xx + J.yy + J.zz == 0 && info(world.tree().kind(b)).nv > 0)
-      return ", or an inertia for bodies that have none, such as '" + body.name + "': point masses in line turn without any";
+      return ", or an inertia for bodies that have none, such as '" + body.name +
+             "': point masses in a straight line turn about it without moving any mass";
   }
   return {};
 }

@@ -148,7 +148,8 @@ class Run:
         self.summary: dict[str, Any] = json.loads(record.summary)
         """What ``summary.json`` of the command contains."""
         self.warnings: list[str] = self.summary["warnings"]
-        """What to look at: events whose actions did nothing, and a poor energy balance."""
+        """What to know before using the results: actions that did nothing, an energy balance that does not close, bodies that passed
+        through each other within a step."""
         self.final_state: str = record.final_state
         """The state document (JSON) at the end."""
         self.has_reactions: bool = record.has_reactions
