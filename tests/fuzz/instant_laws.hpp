@@ -32,16 +32,13 @@ class InstantLaws {
   void require_cables(const World& world);
   void require_totals(const World& world);
   void require_motion_follows_accelerations(const std::string& at);
-  bool stepped(const Simulation& simulation);
 
   const io::Scenario& scenario_;
   Findings& found_;
   std::string at_;
   std::vector<Instant> last_;             // the last three without an event between them
   std::map<std::string, double> beyond_;  // by joint and DoF: how far it is beyond a stop that it was given there
-  std::size_t events_ = 0;                // of which it is known whether they begin or end time stepping
-  int stepping_ = 0;
-  std::size_t followed_ = 0;  // events until the last step
+  std::size_t followed_ = 0;              // events until the last step
 };
 
 }  // namespace momentree::fuzz
