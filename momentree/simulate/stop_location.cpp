@@ -270,9 +270,7 @@ void Stops::put_on_stop(const Watched& w) {
 }
 
 // A joint that is at the stop, not moving away: rounding must not make this an impact.
-bool Stops::touches(const Side& s) const {
-  return s.sign * (coordinate(s) - s.limit) >= -rounding(s) && speed(s) >= -no_speed * s.rest_speed;
-}
+bool Stops::touches(const Side& s) const { return at_stop(s) && speed(s) >= -no_speed * s.rest_speed; }
 
 // Joints that stand on stops, pressed by other forces than those of contacts, which act at the end of the step only: they would
 // pass their stops before contacts can keep them off. Loop joints are located all the same.
@@ -298,12 +296,13 @@ std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, doub
   watched_.clear(), pressed_.clear();
   if (through != nullptr) find_pressed(*through);
   bool holding = false;
-  for (const Side& s : sides_) {
+  for (Side& s : sides_) {
     if (locked(s) && !holds(s)) continue;
     if (std::ranges::any_of(pressed_, [&](const Watched& w) { return w.side == &s; })) continue;
     // A joint that is at the stop or beyond it at the start moves away from there: only its return counts.
-    const double q = s.sign * coordinate(s), stop = s.sign * s.limit;
-    const double limit = std::max(stop, q) + (touches(s) ? rounding(s) + 1e-13 * (1 + std::fabs(s.limit)) : 0.0);
+    const double q = s.sign * coordinate(s);
+    if (q < s.sign * s.limit) s.edge = -HUGE_VAL;
+    const double limit = std::max(edge(s), q) + (touches(s) ? rounding(s) + 1e-13 * (1 + std::fabs(s.limit)) : 0.0);
     watched_.push_back({&s, nullptr, limit, q, speed(s), holds(s)});
     holding = holding || holds(s);
   }

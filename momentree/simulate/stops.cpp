@@ -156,7 +156,7 @@ bool Stops::release_pulled(const std::vector<Event>& events) {
   return found;
 }
 
-bool Stops::at_stop(const Side& s) const { return s.sign * (coordinate(s) - s.limit) >= -rounding(s); }
+bool Stops::at_stop(const Side& s) const { return s.sign * coordinate(s) - edge(s) >= -rounding(s); }
 
 // The fastest impact faster than its rest speed, or null.
 const Stops::Side* Stops::fastest_hit() {
@@ -182,6 +182,17 @@ bool Stops::strike(std::vector<Event>& events) {
     if (side.restitution == 0) act(events, side, LimitEvent::rest, 0);
   }
   return events.size() != count;
+}
+
+// Releases a joint that its stop would have to pull. If it is then pressed on the stop, rounding decides: the force is close to
+// zero, or the joint is at a turning point of what loops let it do, where a stop hardly holds them and would for ever release the
+// joint and stop it again. The stop then acts a little deeper, where it can hold.
+void Stops::leave(std::vector<Event>& events, Side& s) {
+  constexpr double deeper = 1e-8;  // of 1 + |limit|: in rad or m
+  act(events, s, LimitEvent::leave, 0);
+  (*evaluate_)(world_->state_);
+  accelerate(world_->tree_, world_->state_, world_->workspace_);
+  if (acceleration(s) > 0) s.edge = s.sign * coordinate(s) + deeper * (1 + std::fabs(s.limit));
 }
 
 // Handles the most urgent impact, rest or release; false if there is none.
@@ -215,16 +226,12 @@ bool Stops::one_thing(std::vector<Event>& events) {
   accelerate(world_->tree_, world_->state_, world_->workspace_);
   for (Side& s : sides_) {
     if (!holds(s) || pull(s) <= 0) continue;
-    s.left = true;
-    const Side side = s;
-    act(events, side, LimitEvent::leave, 0);
+    leave(events, s);
     return true;
   }
   for (const Side& s : sides_) {
     if (locked(s) || !at_stop(s) || speed(s) < -1e-3 * s.rest_speed) continue;
-    // If the force is close to zero, rounding may indicate a pull with the stop and a push without it: the joint then takes off,
-    // and returns if it is pushed.
-    const bool pressed = !s.left && acceleration(s) > 0;
+    const bool pressed = acceleration(s) > 0;
     if (!pressed && speed(s) <= no_speed * s.rest_speed) continue;  // pulled off, or touching at zero speed
     const Side side = s;
     act(events, side, pressed ? LimitEvent::rest : LimitEvent::hit, 0);
@@ -235,7 +242,6 @@ bool Stops::one_thing(std::vector<Event>& events) {
 
 void Stops::resolve_limits(std::vector<Event>& events) {
   if (!any()) return;
-  for (Side& s : sides_) s.left = false;
   for (int k = 0; k < most_impacts && one_thing(events); ++k) {
   }
 }

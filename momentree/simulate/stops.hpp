@@ -3,6 +3,8 @@
 //
 // A stop pushes and never pulls. If a joint hits it faster than its rest speed, the DoF rebounds with its restitution; if it hits
 // more slowly, it rests: the DoF is locked until the stop would have to pull to hold it.
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <string>
@@ -66,7 +68,7 @@ class Stops {
   struct Side {
     int joint, dof, sign;  // +1: the upper stop
     double limit, restitution, rest_speed;
-    bool left = false;  // within settle()
+    double edge = -HUGE_VAL;  // sign times the coordinate at which it acts, if that is beyond its limit: leave()
   };
   struct Trial;
   struct Watched {
@@ -99,7 +101,9 @@ class Stops {
   bool holds(const Side& side) const;
   bool locked(const Side& side) const;
   bool touches(const Side& side) const;
+  double edge(const Side& side) const { return std::max(side.sign * side.limit, side.edge); }
   bool at_stop(const Side& side) const;
+  void leave(std::vector<Event>& events, Side& side);
   const Side* fastest_hit();
   bool one_thing(std::vector<Event>& events);
   enum class LimitEvent { hit, rest, leave };
