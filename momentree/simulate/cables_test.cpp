@@ -232,3 +232,29 @@ TEST_CASE("cable: mistakes") {
   CHECK(!run);
   CHECK(run.reason.find("cable 'tether' are farther apart than its length by 0.3 m") != std::string::npos);
 }
+
+// Each flight takes 2 v/g. Those that steps can't follow end at once, where the cable would become taut for ever.
+TEST_CASE("cables: elastic bounces go on for as long as steps can follow them") {
+  for (const char* method : {"rk4", "dop853"})
+    for (const double restitution : {1.0, 0.9999})
+      for (const double flight : {1e-3, 1e-4, 4e-6}) {
+        CAPTURE(method);
+        CAPTURE(restitution);
+        CAPTURE(flight);
+        const double v = 0.5 * g * flight;
+        Simulation sim(hanging(0, {.name = "tether", .restitution = restitution}, {0, 0, -v, 0, 0, 0}), precise(method));
+        REQUIRE(sim.run_until(0.0205) == Status::ok);
+        const auto hits = std::count_if(sim.events().begin(), sim.events().end(),
+                                        [](const Event& e) { return e.name.find("taut") == 0 && norm(e.contact.impulse) > 0; });
+        const double lost = sim.energy().lost_in_impacts, brought = 0.5 * mass * v * v;
+        if (flight > 1e-5 && restitution == 1) {
+          CHECK(hits == static_cast<long>(0.0205 / flight) + 1);
+          CHECK(std::fabs(lost) < 1e-9 * brought);
+        }
+        if (flight < 1e-5) {
+          CHECK(hits <= 2);
+          CHECK(lost == doctest::Approx(brought).epsilon(1e-6));
+        }
+        CHECK(std::fabs(place(sim).z + length) < 0.25 * v * flight + 1e-9);
+      }
+}

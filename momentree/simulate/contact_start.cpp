@@ -15,7 +15,6 @@ constexpr std::size_t most_pending = 64;  // points of an island: its dense equa
 constexpr double left_open = 1e-6;      // m
 constexpr double left_moving = 1e-5;    // m/s
 constexpr double left_slipping = 1e-6;  // m/s
-constexpr double usual_step = 1e-3;     // s, of stepping next to methods that adapt theirs
 
 }  // namespace
 
@@ -67,7 +66,7 @@ bool Contacts::stay_together(const std::vector<Contact>& contacts) {
 // All contacts that touch at present, with those of bodies that are stepped through, which leave small gaps and overlaps.
 std::vector<Contact> Contacts::touching_in_steps(bool method_steps) {
   std::vector<Contact> all;
-  const double step = step_ > 0 ? step_ : usual_step;
+  const double step = usual_step();
   const double open = std::max(left_open, norm(world_->model_.gravity()) * step * step);
   for (const int i : near_pairs(0, open)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
@@ -87,7 +86,7 @@ bool Contacts::choose_pending(const std::vector<Contact>& touching, bool method_
   const bool steps = method_steps || std::any_of(touching.begin(), touching.end(), [this](const Contact& c) {
                        return handling(pairs_[static_cast<std::size_t>(c.pair)]) != Handling::located;
                      });
-  const double step = step_ > 0 ? step_ : usual_step;
+  const double step = usual_step();
   if (steps) slowest_approach_ = std::max(left_moving, norm(world_->model_.gravity()) * step), slowest_ = left_slipping;
   const bool found = !approach_each_other(touching) && choose(touching, chosen);
   slowest_approach_ = 0, slowest_ = slowest_slip;

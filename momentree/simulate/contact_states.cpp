@@ -102,12 +102,14 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
     system_.laws[i].friction = pair.law.friction;
     const double e = pair.law.restitution, v = -e * rows_.velocity[3 * i], a = -approach[i];
     restitution_[i] = e;
-    if (!(v > 0) || !(a > 0) || e == 1) continue;
-    // All further bounces of this contact, in closed form.
-    const double height = v * v / (2 * a), last = 2 * v / (a * (1 - e));
-    if (height > resolved_flight * pair.size(*this) && last > 8 * tolerance_) continue;
+    if (!(v > 0) || !(a > 0)) continue;
+    // Flights that are too low or too short to be followed: all further bounces of this contact, in closed form. Where next to
+    // nothing is lost they would be countless; without losses they would never end, and the contact closes at once.
+    const double height = v * v / (2 * a), flight = 2 * v / a;
+    const double shortest = e > nearly_elastic ? shortest_flight * usual_step() : 8 * tolerance_ * (1 - e);
+    if (height > resolved_flight * pair.size(*this) && flight > shortest) continue;
     restitution_[i] = 0;
-    const double ends = world_->time() + last;
+    const double ends = e < 1 ? world_->time() + flight / (1 - e) : 0;
     if (!(ends > world_->time() + tolerance_)) continue;
     const auto known =
         std::find_if(settling_.begin(), settling_.end(), [pair = contacts[i].pair](const auto& s) { return s.first == pair; });

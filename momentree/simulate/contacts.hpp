@@ -228,6 +228,7 @@ class Contacts {
   std::string name_of(int body) const;
   std::string event_name(const char* what, int pair) const;
   double slow_approach() const;
+  double usual_step() const { return step_ > 0 ? step_ : 1e-3; }  ///< also of stepping next to methods that adapt theirs (s)
   std::vector<Contact> touching_in_steps(bool method_steps);
   bool choose_pending(const std::vector<Contact>& touching, bool method_steps, std::vector<Contact>& chosen);
   std::vector<Contact> placed_again(const std::vector<Contact>& described);

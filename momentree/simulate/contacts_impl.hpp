@@ -5,6 +5,8 @@
 
 namespace momentree {
 
+inline constexpr double nearly_elastic = 0.99;    // restitution
+inline constexpr double shortest_flight = 1e-2;   // of the usual step, after impacts that are nearly elastic
 inline constexpr double resolved_flight = 1e-12;  // lower flights, relative to coordinates, count as rest (m)
 // m/s: slip as slow as that for a step has no direction that steps could follow
 inline constexpr double creeping = 1e-7;
