@@ -60,6 +60,9 @@ class EventQueue {
   /// Places past `entries` are the entries of joint strengths, valid until the world next changes.
   Entry& at(std::size_t place) { return place < entries.size() ? entries[place] : strengths_[place - entries.size()].entry; }
 
+  /// The number of entries, with those of joint strengths.
+  std::size_t count() const { return entries.size() + strengths_.size(); }
+
   /// Adds an entry, updates the next instant and returns the entry's place.
   std::size_t add(Entry entry);
   /// The next instant at which something may be due (s).
@@ -103,7 +106,6 @@ class EventQueue {
   };
   static Borne borne(const Strength& strength, const std::string& event, const std::string& joint);
   void renew_strengths(const World& world);
-  std::size_t count() const { return entries.size() + strengths_.size(); }
 
   double next_ = HUGE_VAL;
   std::vector<Watch> watches_;

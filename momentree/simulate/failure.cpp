@@ -20,6 +20,25 @@ std::string joint_text(const World& world, int carrier) {
   return "joint '" + std::string(world.joint_name({world.tree().joint_of(carrier)})) + "'";
 }
 
+// Events within this time, or within a step if that is shorter, are counted (s).
+constexpr double flood_time = 1e-3;
+constexpr std::size_t most_events = 10'000, most_events_of_source = 100;
+
+// The time that the last `count` events took.
+double time_of_last(std::span<const Event> events, std::size_t count, double now) {
+  return events.size() < count ? HUGE_VAL : now - events[events.size() - count].time;
+}
+
+// What to do about events like these.
+const char* cure(const Event& last) {
+  const bool at_stop = !last.actions.empty() && (last.actions.front().kind == "hit" || last.actions.front().kind == "rest" ||
+                                                 last.actions.front().kind == "leave");
+  if (at_stop) return "give the joint's limits less restitution or a larger rest_speed, or move the stop";
+  if (!last.contact.cable.empty()) return "give the cable less restitution, or replace it by a stiff spring";
+  if (!last.contact.one.empty()) return "give the contacts less restitution, or use the method stepping";
+  return "do they trigger each other? Give those that follow others a delay";
+}
+
 // The child body of the joint with the largest velocity, and that velocity.
 std::pair<int, double> fastest_joint(const World& world) {
   int fastest = -1;
@@ -137,9 +156,27 @@ std::string divergence_text(const World& world, const Integrator& method, const 
 std::string no_progress_at(double time) { return "no progress at t = " + text(time) + " s: "; }
 
 std::string last_events(std::span<const Event> events) {
-  const auto one = [](const Event& e) { return "'" + e.name + (e.actions.empty() ? "" : ": " + e.actions.front().text()) + "'"; };
+  const auto one = [](const Event& e) {
+    const bool of_bodies = !e.contact.one.empty() && e.contact.cable.empty();
+    return "'" + e.name + (e.actions.empty() ? "" : ": " + e.actions.front().text()) +
+           (of_bodies ? " " + e.contact.one + ", " + e.contact.other : "") + "'";
+  };
   if (events.empty()) return "none";
   return one(events.back()) + (events.size() > 1 ? " and " + one(events[events.size() - 2]) : "");
+}
+
+bool may_be_flood(std::span<const Event> events, double now, double step) {
+  return time_of_last(events, most_events, now) < std::min(step, flood_time);
+}
+
+std::optional<std::string> flood_text(std::span<const Event> events, double now, double step, const EventSources& from) {
+  const double within = std::min(step, flood_time);
+  const std::size_t most =
+      most_events + most_events_of_source * from.sources + static_cast<std::size_t>(std::min(1e15, from.repeated * within));
+  const double took = time_of_last(events, most, now);
+  if (!(took < within)) return std::nullopt;
+  return no_progress_at(now) + "events follow each other endlessly: " + std::to_string(most) + " of them took " + text(took) +
+         " s, the last ones " + last_events(events) + "; " + cure(events.back());
 }
 
 std::optional<std::string> ProgressMonitor::look(const World& world, const Integrator& method, const Integration& integration,
@@ -152,12 +189,14 @@ std::optional<std::string> ProgressMonitor::look(const World& world, const Integ
   const double moved = fastest_joint(world).second * gone / steps;
   // A run to infinity is judged by its observers.
   const bool lost = std::isfinite(until) && (method.adaptive() ? left > 1e9 && moved < 1e-5 : left > 2e11);
-  const bool busy = happened > static_cast<std::size_t>(steps) / 4 && (std::isfinite(until) ? left > 1e9 : gone / steps < 1e-9);
+  constexpr double most_to_come = 1e8;
+  const bool busy = std::isfinite(until) && happened > static_cast<std::size_t>(steps) / 4 &&
+                    left / steps * static_cast<double>(happened) > most_to_come;
   if (gone > 0 && !lost && !busy) return std::nullopt;
   const std::string what = no_progress_at(world.time()) + "the last " + std::to_string(steps_between_looks) +
-                           " steps advanced the clock by no more than " + text(gone) + "s;  ";
+                           " steps advanced the clock by no more than " + text(gone) + " s; ";
   if (happened > static_cast<std::size_t>(steps) / 4)
-    return what + "events follow each other endlessly, the last of them " + last_events(events) + "; do they trigger each other?";
+    return what + "events follow each other endlessly, the last ones " + last_events(events) + "; " + cure(events.back());
   if (method.adaptive())
     return what + "the tolerances are below the rounding errors of the motion: use larger rtol and atol, or a fixed step";
   return what + "the step of " + text(integration.step) + " s is too short for a run of " + text(until) + " s";

@@ -21,6 +21,18 @@ std::string no_progress_at(double time);
 /// The last two events: "'stop: hit m/a lower' and 'grasp: weld …'".
 std::string last_events(std::span<const Event> events);
 
+/// What can cause events.
+struct EventSources {
+  std::size_t sources = 0;  ///< bodies and planes that can touch, cables, joints with hard stops, and scheduled events
+  double repeated = 0;      ///< the rate of those that repeat (1/s)
+};
+
+/// True if the last 10,000 events took less time than the run's `step` (s), or a millisecond if that is less: more than
+/// `flood_text` permits may have happened.
+bool may_be_flood(std::span<const Event> events, double now, double step);
+/// A message if more than 10,000 events, and 100 for each source, happened in that time.
+std::optional<std::string> flood_text(std::span<const Event> events, double now, double step, const EventSources& from);
+
 /// Detects runs that make no progress, by their advance over many steps.
 class ProgressMonitor {
  public:

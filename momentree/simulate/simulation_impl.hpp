@@ -338,9 +338,17 @@ struct Simulation::Impl {
     Status status = Status::ok;
     return happen_between_samples(status) && !look(!observed) ? Status::interrupted : status;
   }
+  EventSources event_sources() {
+    EventSources from{world.model_.colliders().size() + world.model_.springs().size() + stops.count() + queue.count()};
+    for (const EventQueue::Entry& entry : queue.entries)
+      if (entry.period > 0) from.repeated += 1 / entry.period;
+    return from;
+  }
   // After each step.
   Status note_progress(double until) {
-    const auto why = progress.step(world, present_method(), integration, events, until);
+    auto why = progress.step(world, present_method(), integration, events, until);
+    if (!why && may_be_flood(events, world.time(), integration.step))
+      why = flood_text(events, world.time(), integration.step, event_sources());
     if (why) message = *why;
     return why ? Status::stalled : Status::ok;
   }

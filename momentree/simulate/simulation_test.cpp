@@ -313,6 +313,36 @@ TEST_CASE("a warning about the energy balance has advice") {
   CHECK(still.energy().advice({}).empty());
 }
 
+// It flies to and fro between elastic stops, in 1e-7 s from one to the other: 10,000 impacts a millisecond. A hundredth more for
+// each stop is permitted. Twice as fast, the run ends at the impact after that, and keeps them all.
+TEST_CASE("a flood of events ends a run within its bound, and keeps what was computed") {
+  for (const double speed : {1.0, 2.0}) {
+    CAPTURE(speed);
+    Model model({.gravity = {}});
+    model.add({.name = "pin",
+               .mass = 1,
+               .inertia = diagonal(0.1),
+               .joint = Prismatic{.limits = {.lower = 0, .upper = 1e-7, .restitution = 1}},
+               .q = 0.5e-7,
+               .v = speed});
+    Simulation sim(model, {.step = 1e-3});
+    const RunResult result = sim.run_until(1.005e-3);
+    const double rate = speed / 1e-7;
+    CHECK(sim.world().joint({0}).v[0] * sim.world().joint({0}).v[0] == doctest::Approx(speed * speed).epsilon(1e-12));
+    if (speed == 1) {
+      CHECK(result == Status::ok);
+      CHECK(std::fabs(static_cast<double>(sim.events().size()) - 1.005e-3 * rate) < 2);
+      continue;
+    }
+    CHECK(result == Status::stalled);
+    CHECK(std::fabs(static_cast<double>(sim.events().size()) - 10'200) <= 1);
+    CHECK(std::fabs(sim.time() * rate - 10'200) < 2);
+    CHECK(sim.result().reason.find("events follow each other endlessly: 10200 of them took ") != std::string::npos);
+    CHECK(sim.result().reason.find("'stop: hit pin lower'") != std::string::npos);
+    CHECK(sim.result().reason.find("give the joint's limits less restitution or a larger rest_speed") != std::string::npos);
+  }
+}
+
 TEST_CASE("a run without end is not mistaken for one that makes no progress") {
   Model model({.gravity = {}});
   model.add({.name = "calm", .mass = 1, .inertia = diagonal(1), .joint = Revolute{}});

@@ -44,6 +44,8 @@ class Stops {
 
   /// False if no joint has limits: no other function of this class needs to be called then.
   bool any();
+  /// The number of stops.
+  std::size_t count() { return any() ? sides_.size() : 0; }
 
   /// Resolves the present contacts with stops: impacts, rests, releases, one event for each.
   void resolve_limits(std::vector<Event>& events);
