@@ -96,6 +96,7 @@ void detail::displace(const Tree& tree, const double* delta, double scale, doubl
       if constexpr (K::info.nv > 0) {
         double rate[7] = {}, part[6] = {};
         for (int i = 0; i < K::info.nv; ++i) part[i] = scale * delta[tree.first_p(b) + i];
+        if (std::all_of(part, part + K::info.nv, [](double x) { return x == 0; })) return;  // it keeps its bits
         double* const own = q + tree.first_q(b);
         K::Kernels::template coordinate_rate<double>(own, part, rate);
         for (int i = 0; i < K::info.nq; ++i) own[i] += rate[i];
@@ -115,6 +116,23 @@ bool close_loops(const Tree& tree, double t, double* q, double* u, Workspace<dou
   energy += energy_at(tree, q, workspace);
   detail::note_turns(tree, workspace);
   return true;
+}
+
+void close_loop_velocities(const Tree& tree, double t, const double* q, double* u, Workspace<double>& workspace,
+                           double* open) noexcept {
+  detail::loop_memory(tree, workspace);
+  detail::set_loop_motions(tree, t, workspace);
+  LoopCorrection correction{tree, workspace};
+  correction.evaluate(q, u, 0);
+  close_velocities(correction, q, u);
+  sweep_velocities<double, true>(tree, q, u, workspace);
+  detail::place_loops(tree, q, workspace, true);
+  for (std::size_t i = 0; i < tree.loop_links().size(); ++i) {
+    const LoopLink& link = tree.loop_links()[i];
+    open[i] = 0;
+    for (int row = 0; row < link.rows; ++row)
+      open[i] = std::max(open[i], std::fabs(workspace.loops->rows[at(link.first_row + row)].velocity));
+  }
 }
 
 bool close_loops_in_momenta(const Tree& tree, double t, double* q, double* p, Workspace<double>& workspace,

@@ -31,6 +31,11 @@ Force<double> loop_joint_wrench(const Tree& tree, double t, const Workspace<doub
 double loop_holding_force(const Tree& tree, double t, const Workspace<double>& workspace, int place, int dof,
                           double& size) noexcept;
 
+/// Corrects only the velocities, at coordinates at which the loops are closed; those of locked DoFs stay. Writes the largest
+/// velocity that is left open (m/s, rad/s) by link.
+void close_loop_velocities(const Tree& tree, double t, const double* q, double* u, Workspace<double>& workspace,
+                           double* open) noexcept;
+
 }  // namespace momentree
 
 namespace momentree::detail {

@@ -93,7 +93,8 @@ class IntegrationChecker {
     const Tree tree(model);
     if (tree.nv() == 0) return;
     State state = start_state(model, tree, tree.has_loops() ? how_.loop_variables() : Variables::momenta);
-    if (tree.has_loops() && assemble(tree, model, Names(model), state)) return;  // a mistake that check_loops reports
+    if (tree.has_loops() && assemble(tree, model, Names(model), state, given_start(model, tree)))
+      return;  // a mistake that check_loops reports
     const double step = std::min(how_.step, scenario_.until);
     if (const auto stiff = too_stiff(tree, state.q(), how_.method, step)) {
       const bool closes = is_loop({stiff->joint});

@@ -53,9 +53,10 @@ BodySpec make_link(const Chain& chain, int k, const std::string& mechanism, bool
   link.joint.axis = chain.axis;
   link.joint.parameters = chain.parameters;
   link.at = k == 1 ? pose : Pose{chain.length, 0, 0};
-  link.q = {chain.angle_growth ? k * chain.angle : chain.angle};
+  const double angle = chain.angle_growth ? k * chain.angle : chain.angle;
+  if (angle != 0) link.q = {angle};
   if (auto& drive = link.joint.parameters.drive; drive && drive->moves()) {
-    begin_motion(drive, link.q[0], 0);
+    begin_motion(drive, angle, 0);
     const Curve::Point start = drive->motion[0].at(0);
     link.q = start.value, link.v = start.rate;
   }

@@ -95,8 +95,8 @@ CouplingSpring read_coupling_spring(Fields& fields, bool along_axis) {
 void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) {
   const Model& model = reading.scenario.model;
   const BodySpec &joint = model[coupling.joint], &leader = model[coupling.leader];
-  const double apart = joint.q[0] - coupling.multiplier * leader.q[0] - coupling.offset;
-  const double size = std::abs(joint.q[0]) + std::abs(coupling.multiplier * leader.q[0]) + std::abs(coupling.offset);
+  const double own = joint.q.of(0), led = coupling.multiplier * leader.q.of(0), apart = own - led - coupling.offset;
+  const double size = std::abs(own) + std::abs(led) + std::abs(coupling.offset);
   if (std::abs(apart) > 1e-9 * size + 1e-12) {
     const char* const unit = is_length(joint.joint) ? "m" : "rad";
     reading.out.warning(place,
@@ -110,26 +110,15 @@ void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) 
 
 void add_exact_coupling(const Coupling& coupling, const CouplingPlace& place, Reading& reading) {
   Model& model = reading.scenario.model;
-  const auto report = [&](Severity severity, std::string what, std::string hint) {
-    if (place.file != nullptr)
-      severity == Severity::error ? place.file->error({place.element}, std::move(what), std::move(hint))
-                                  : place.file->warning({place.element}, std::move(what), std::move(hint));
-    else
-      severity == Severity::error ? reading.out.error(place.place, std::move(what), std::move(hint))
-                                  : reading.out.warning(place.place, std::move(what), std::move(hint));
-  };
   const std::vector<CouplingProblem> problems = check_coupling(coupling, model);
-  for (const CouplingProblem& problem : problems)
-    report(Severity::error, "coupling: " + problem.field + ": " + problem.what, problem.hint);
+  for (const CouplingProblem& problem : problems) {
+    const std::string what = "coupling: " + problem.field + ": " + problem.what;
+    if (place.file != nullptr)
+      place.file->error({place.element}, what, problem.hint);
+    else
+      reading.out.error(place.place, what, problem.hint);
+  }
   if (!problems.empty()) return;
-  const BodySpec& joint = model[coupling.joint];
-  const double x = coupling.leads() ? model[coupling.follows].q[0] : 0, apart = joint.q[0] - coupling.value(x);
-  if (joint.q[0] != 0 && std::abs(apart) > 1e-9 * (std::abs(joint.q[0]) + coupling.size(x)) + 1e-12)
-    report(Severity::warning,
-           "joint " + in_quotes(joint.joint_name) + " does not start at " + rounded_text(joint.q[0], 6) + " but " +
-               (coupling.leads() ? "where it follows " + in_quotes(model[coupling.follows].joint_name) : "where it is held") +
-               ", at " + rounded_text(coupling.value(x), 6),
-           "leave its start value out, and give one to the joint that leads");
   model.add_coupling(coupling);
   reading.exact_places.push_back(place);
 }

@@ -175,7 +175,8 @@ void start_followers(const Import& import, const ModelChoice& choice, const Join
     for (; !path.empty(); path.pop_back()) {
       const Follower& each = *path.back();
       const double start = each.leader < 0 ? 0 : start_of(each.leader);
-      specs[static_cast<std::size_t>(each.body)].q = {each.coupling(0).value(start)};
+      const double own = each.coupling(0).value(start);
+      if (own != 0) specs[static_cast<std::size_t>(each.body)].q = {own};
     }
   }
 }

@@ -165,7 +165,7 @@ TEST_CASE("every kind of joint, with its parameters") {
   CHECK(
       joint("kind = \"planar\"\nq = [1, 2, \"3 rad\"]\ndrive = { effort = [\"1 N\", 2, \"3 N m\"] }\n").joint.parameters.effort ==
       Values{1, 2, 3});
-  CHECK(joint("kind = \"free\"\n").q == Values{0, 0, 0, 1, 0, 0, 0});
+  CHECK(joint("kind = \"free\"\n").q.empty());
   CHECK(joint("kind = \"weld\"\ndamping = 0.0\n").q.empty());
   CHECK(joint("kind = \"revolute\"\narmature = \"1 g cm^2\"\ndrive = { effort = \"2 N m\" }\n").joint.parameters.armature ==
         Values{1e-7});

@@ -6,16 +6,25 @@
 #include <vector>
 
 #include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/loop_system.hpp>
 #include <momentree/dynamics/loop_workspace.hpp>
 #include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/simulate/islands.hpp>
 
 namespace momentree {
 
 namespace {
 
-constexpr double closed_at_start = 1e-9;  // of loops that must not be assembled
+constexpr double closed_at_start = 1e-9;  // of loops that must not be assembled, and of the velocities of others
 constexpr double left_as_given = 2e-11;   // what the first step closes: a state that is restored keeps its bits
+constexpr double rounded_start = 0.02;    // what start values of a few digits leave open
+
+double largest(std::span<const double> u) {  // 1 or more
+  double speed = 1;
+  for (const double each : u) speed = std::max(speed, std::fabs(each));
+  return speed;
+}
 
 std::string short_text(double x) {
   char buffer[32];
@@ -48,15 +57,138 @@ void follow_leaders(const Tree& tree, std::size_t first, double* q, double* u) {
   }
 }
 
+// A body of the island that a loop or coupling belongs to.
+int end_of_link(const Tree& tree, std::size_t link) {
+  if (link >= tree.loops().size()) return tree.loop_links()[link].ends.joint;
+  const Loop& loop = tree.loops()[link];
+  return loop.body >= 0 ? loop.body : loop.to;
+}
+
+// Copies the coordinates, or velocities, of an island.
+void copy_island(const Tree& tree, const Islands& islands, int island, std::span<const double> from, bool coordinates,
+                 std::vector<double>& to) {
+  for (const int b : tree.order()) {
+    if (islands.of(b) != island) continue;
+    const int first = coordinates ? tree.first_q(b) : tree.first_p(b);
+    std::copy_n(from.begin() + first, coordinates ? info(tree.kind(b)).nq : info(tree.kind(b)).nv, to.begin() + first);
+  }
+}
+
+// Given start values that are held while the others close the loops.
+class HeldStart {
+ public:
+  HeldStart(const Tree& tree, const Islands& islands, std::span<const char> given)
+      : tree_(tree), islands_(islands), held_(given.begin(), given.end()) {
+    held_.resize(static_cast<std::size_t>(tree.nv()));
+  }
+
+  bool any() const { return std::ranges::find(held_, 1) != held_.end(); }
+
+  // The tree with these DoFs locked.
+  Tree tree() const {
+    Tree locked = tree_;
+    for (const int b : tree_.order()) {
+      Joint joint = tree_.joint(b);
+      for (int i = 0; i < info(joint.kind).nv; ++i)
+        if (held_[at(tree_.first_p(b) + i)] != 0) joint.locked |= 1u << i;
+      if (joint.locked != tree_.joint(b).locked) locked.set_joint(b, joint);
+    }
+    return locked;
+  }
+
+  bool holds(int island) const {
+    return any_dof(island, [this](int b, int i) { return held_[at(tree_.first_p(b) + i)] != 0; });
+  }
+
+  // Whether nothing else in an island can change.
+  bool holds_all(int island) const {
+    return !any_dof(
+        island, [this](int b, int i) { return held_[at(tree_.first_p(b) + i)] == 0 && (tree_.link(b).locked >> i & 1u) == 0; });
+  }
+
+  // Those of an island, or only those whose velocity u is not above `most`. Returns whether any was held.
+  bool release(int island, const double* u = nullptr, double most = 0) {
+    bool any = false;
+    any_dof(island, [&](int b, int i) {
+      const int k = tree_.first_p(b) + i;
+      if (held_[at(k)] != 0 && (u == nullptr || std::fabs(u[k]) <= most)) held_[at(k)] = 0, any = true;
+      return false;
+    });
+    return any;
+  }
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+  template <class F>
+  bool any_dof(int island, F f) const {
+    for (const int b : tree_.order())
+      for (int i = 0; islands_.of(b) == island && i < info(tree_.kind(b)).nv; ++i)
+        if (f(b, i)) return true;
+    return false;
+  }
+
+  const Tree& tree_;
+  const Islands& islands_;
+  std::vector<char> held_;
+};
+
+// The velocities at coordinates q, at which the loops are closed.
+std::vector<double> assemble_velocities(const Tree& tree, const Islands& islands, std::span<const char> given, const State& state,
+                                        const std::vector<double>& q) {
+  std::vector<double> u(state.u().begin(), state.u().end()), open(tree.loop_links().size());
+  HeldStart held(tree, islands, given);
+  for (bool again = true; again;) {
+    const bool holds = held.any();
+    const Tree used = holds ? held.tree() : tree;
+    Workspace<double> workspace(used);
+    load_turns(used, state, workspace);
+    std::vector<double> followed = q;
+    follow_leaders(used, tree.loops().size(), followed.data(), u.data());
+    close_loop_velocities(used, state.time(), q.data(), u.data(), workspace, open.data());
+    again = false;
+    const double fast = largest(u);
+    std::vector<int> seen;  // islands
+    for (std::size_t i = 0; holds && i < open.size(); ++i) {
+      const int island = islands.of(end_of_link(tree, i));
+      if (open[i] <= left_as_given * fast || std::ranges::find(seen, island) != seen.end()) continue;
+      seen.push_back(island);
+      const bool zeros = held.release(island, state.u().data(), left_as_given * largest(state.u()));  // momenta have round-off
+      if (zeros) copy_island(tree, islands, island, state.u(), false, u);
+      again = zeros || held.release(island) || again;
+    }
+  }
+  return u;
+}
+
+// The mistake if the assembly moved a joint beyond its hard stop.
+std::optional<Error> moved_beyond_stops(const Tree& tree, const Names& names, std::span<const double> from,
+                                        const std::vector<double>& to) {
+  for (const int b : tree.order()) {
+    const JointParameters* const p = tree.parameters(b);
+    if (p == nullptr || !p->limits.hard() || tree.link(b).driven != 0) continue;
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i) {
+      const auto k = static_cast<std::size_t>(tree.first_q(b) + i);
+      const double low = p->limits.lower_of(i), high = p->limits.upper_of(i);
+      if (to[k] == from[k] || (to[k] >= low - closed_at_start && to[k] <= high + closed_at_start)) continue;
+      return Error("it starts beyond its limits, at " + short_text(to[k]) + ", where loops or couplings put it",
+                   "joint '" + names.joint(tree.joint_of(b)) + "'",
+                   "give start values of the joints that it moves with, or limits, so that it starts within them");
+    }
+  }
+  return std::nullopt;
+}
+
 // Of a state in momenta: by its velocities. It keeps its momenta if nothing had to be closed.
-std::optional<Error> assemble_momenta(const Tree& tree, const Model& model, const Names& names, State& state) {
+std::optional<Error> assemble_momenta(const Tree& tree, const Model& model, const Names& names, State& state,
+                                      const GivenStart& given) {
   Workspace<double> workspace(tree);
   evaluate_rates<double>(tree, state.q().data(), state.p().data(), workspace);
   const std::span<const double> v(workspace.v.get(), state.p().size());
   State closed(tree, Variables::velocities);
   closed.assign(state.time(), state.q(), v, tree);
   closed.set_turns(state.turns());
-  std::optional<Error> error = assemble(tree, model, names, closed);
+  std::optional<Error> error = assemble(tree, model, names, closed, given);
   if (error) return error;
   state.set_turns(closed.turns());
   if (std::ranges::equal(closed.q(), state.q()) && std::ranges::equal(closed.u(), v)) return std::nullopt;
@@ -72,8 +204,20 @@ std::optional<Error> assemble_momenta(const Tree& tree, const Model& model, cons
 
 }  // namespace
 
-std::optional<Error> assemble(const Tree& tree, const Model& model, const Names& names, State& state) {
-  if (state.variables() == Variables::momenta) return assemble_momenta(tree, model, names, state);
+GivenStart given_start(const Model& model, const Tree& tree) {
+  GivenStart given{std::vector<char>(static_cast<std::size_t>(tree.nv())),
+                   std::vector<char>(static_cast<std::size_t>(tree.nv()))};
+  for (const int b : tree.order()) {
+    const int joint = tree.joint_of(b), first = tree.first_p(b), count = info(tree.kind(b)).nv;
+    if (joint >= model.size() || model[BodyId{joint}].joint.kind != tree.kind(b)) continue;  // not as declared
+    std::fill_n(given.q.begin() + first, count, !model[BodyId{joint}].q.empty());
+    std::fill_n(given.v.begin() + first, count, !model[BodyId{joint}].v.empty());
+  }
+  return given;
+}
+
+std::optional<Error> assemble(const Tree& tree, const Model& model, const Names& names, State& state, const GivenStart& given) {
+  if (state.variables() == Variables::momenta) return assemble_momenta(tree, model, names, state, given);
   Workspace<double> workspace(tree);
   std::vector<double> residuals(tree.loop_links().size());
   load_turns(tree, state, workspace);
@@ -93,12 +237,43 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
                    "give start values at which it is closed, or leave out 'assemble = false'");
   }
   const double worst = residuals.empty() ? 0 : *std::max_element(residuals.begin(), residuals.end());
-  double speed = 1;
-  for (const double u : state.u()) speed = std::max(speed, std::fabs(u));
-  if (worst <= left_as_given && loop_velocities_open(tree, workspace) <= left_as_given * speed) return std::nullopt;
-  std::vector<double> q(state.q().begin(), state.q().end()), u(state.u().begin(), state.u().end());
-  follow_leaders(tree, loops, q.data(), u.data());
-  if (!assemble_loops(tree, state.time(), q.data(), u.data(), workspace, residuals.data())) {
+  if (worst <= left_as_given && loop_velocities_open(tree, workspace) <= left_as_given * largest(state.u())) return std::nullopt;
+  const Islands islands(tree);
+  const auto island = [&](std::size_t link) { return islands.of(end_of_link(tree, link)); };
+  HeldStart held(tree, islands, given.q);
+  for (std::size_t i = 0; i < residuals.size(); ++i)
+    if (!(residuals[i] <= left_as_given) && held.holds_all(island(i))) held.release(island(i));
+  std::vector<double> q(state.q().begin(), state.q().end()), u;
+  std::vector<Turns> turns;
+  for (;;) {
+    const bool holds = held.any();
+    const Tree used = holds ? held.tree() : tree;
+    workspace = Workspace<double>(used);
+    load_turns(used, state, workspace);
+    u.assign(state.u().begin(), state.u().end());
+    follow_leaders(used, loops, q.data(), u.data());
+    const bool closed = assemble_loops(used, state.time(), q.data(), u.data(), workspace, residuals.data());
+    turns = workspace.loops->turns;
+    if (closed && holds) loop_residuals(used, state.time(), q.data(), u.data(), workspace, residuals.data());
+    bool released = false;
+    std::optional<std::size_t> flipped;
+    double most = 0;  // of islands that hold values
+    for (std::size_t i = 0; i < residuals.size(); ++i)
+      if (held.holds(island(i))) most = std::max(most, residuals[i]);
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      const bool flips = closed && i < loops && loop_flipped(used, workspace, static_cast<int>(i));
+      if (flips && !flipped) flipped = i;
+      // What keeps one island open may have kept others from closing.
+      if (!flips && residuals[i] < (closed ? left_as_given : std::max(most, detail::nearly_closed))) continue;
+      released = held.release(island(i)) || released;
+      // The others stay near to what is meant if what is given contradicts itself by little.
+      if (flips || !(residuals[i] <= rounded_start)) copy_island(tree, islands, island(i), state.q(), true, q);
+    }
+    if (released) continue;
+    if (flipped)
+      return Error("it closes only with its axes in opposite directions", where(*flipped),
+                   "turn one of its frames by half a turn, or give start values nearer to the intended position");
+    if (closed) break;
     if (std::optional<Error> error = conflicting_motions(tree, names, state)) return error;
     const auto i = static_cast<std::size_t>(std::max_element(residuals.begin(), residuals.end()) - residuals.begin());
     if (i >= loops)
@@ -108,11 +283,9 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
     return Error("it can't be closed from these start values: it stays open by " + apart(i), where(i),
                  "check its bodies, 'at', 'child_at' and axes, or give start values nearer to a closed position");
   }
-  for (std::size_t i = 0; i < loops; ++i)
-    if (loop_flipped(tree, workspace, static_cast<int>(i)))
-      return Error("it closes only with its axes in opposite directions", where(i),
-                   "turn one of its frames by half a turn, or give start values nearer to the intended position");
-  state.set_turns(workspace.loops->turns);
+  if (std::optional<Error> error = moved_beyond_stops(tree, names, state.q(), q)) return error;
+  state.set_turns(turns);
+  u = assemble_velocities(tree, islands, given.v, state, q);
   const State::Edit edit = state.edit();
   std::copy(q.begin(), q.end(), edit.q.begin());
   std::copy(u.begin(), u.end(), edit.u.begin());
@@ -141,7 +314,7 @@ std::optional<Error> check_assembly(const Model& model) {
   const Tree tree(model);
   State state = start_state(model, tree, Variables::velocities);
   const Names names(model);
-  if (std::optional<Error> error = assemble(tree, model, names, state)) return error;
+  if (std::optional<Error> error = assemble(tree, model, names, state, given_start(model, tree))) return error;
   if (std::optional<Error> error = conflicting_motions(tree, names, state)) return error;
   return beyond_stops(tree, names, state);
 }

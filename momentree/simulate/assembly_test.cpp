@@ -53,11 +53,11 @@ Model windows(int count, double off, const JointSpec& joint) {
   return model;
 }
 
-Model four_bar(double crank, double coupler, double rocker, const JointSpec& joint) {
+Model four_bar(Values crank, Values coupler, Values rocker, const JointSpec& joint) {
   Model model;
-  const BodyId a = model.add(bar("crank", 0.12, pin, ground, 0, {crank}));
-  const BodyId b = model.add(bar("coupler", 0.38, pin, a, 0.12, {coupler}));
-  const BodyId c = model.add(bar("rocker", 0.25, pin, ground, 0.4, {rocker}));
+  const BodyId a = model.add(bar("crank", 0.12, pin, ground, 0, crank));
+  const BodyId b = model.add(bar("coupler", 0.38, pin, a, 0.12, coupler));
+  const BodyId c = model.add(bar("rocker", 0.25, pin, ground, 0.4, rocker));
   model.add_loop({.name = "eye", .body = b, .to = c, .joint = joint, .at = {0.25, 0, 0}, .child_at = {0.38, 0, 0}});
   return model;
 }
@@ -116,6 +116,99 @@ TEST_CASE("lengths whose squares overflow are open, not closed") {
   far.name = "far", far.at.position = {1e300, 0, 0};
   model.add_loop(far);
   CHECK_THROWS_AS(World{model}, Error);
+}
+
+// A crank of length r, a rod of length l and a piston on the x-axis, of which only some start values are given.
+TEST_CASE("given start values are kept, and the others close the loop") {
+  constexpr double r = 0.1, l = 0.25, angle = 0.7, speed = 40;
+  struct Given {
+    Values crank_v, rod_v, piston_v;
+    double crank_speed;
+  };
+  const double x = r * std::cos(angle) + std::sqrt(l * l - r * r * std::sin(angle) * std::sin(angle));
+  const double slope = -r * std::sin(angle) * (1 + r * std::cos(angle) / (x - r * std::cos(angle)));  // dx/d(angle)
+  for (const Given& given : {Given{speed, {}, {}, speed}, Given{speed, 0, {}, speed}, Given{speed, 0, 0, speed},
+                             Given{{}, {}, 2, 2 / slope}, Given{0, {}, 2, 2 / slope}}) {
+    Model model;
+    BodySpec crank = bar("crank", r, pin, ground, 0, angle), rod = bar("rod", l, pin, {0}, r, {});
+    BodySpec piston = bar("piston", 0.1, Prismatic{.axis = x_axis}, ground, 0, {});
+    crank.v = given.crank_v, rod.v = given.rod_v, piston.v = given.piston_v;
+    for (const BodySpec& each : {crank, rod, piston}) model.add(each);
+    model.add_loop({.name = "wrist", .body = {1}, .to = {2}, .joint = pin, .child_at = {l, 0, 0}});
+    for (const Variables variables : {Variables::velocities, Variables::momenta}) {
+      const World world(model, variables, variables);
+      CHECK(world.loop_status().residual < 1e-13);
+      CHECK(world.joint({0}).q[0] == angle);
+      CHECK(world.joint({2}).q[0] == doctest::Approx(x).epsilon(1e-12));
+      CHECK(world.joint({0}).v[0] == doctest::Approx(given.crank_speed).epsilon(1e-12));
+      CHECK(world.joint({2}).v[0] == doctest::Approx(slope * given.crank_speed).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("rounded start values that contradict each other change by little, whatever follows from them") {
+  const World exact(four_bar(-1.05, {}, {}, pin));
+  const double rocker = exact.joint({2}).q[0];
+  CHECK(exact.joint({0}).q[0] == -1.05);
+  const World world(four_bar(-1.05, {}, std::round(rocker * 100) / 100, pin));
+  CHECK(world.loop_status().residual < 1e-13);
+  CHECK(world.joint({0}).q[0] == doctest::Approx(-1.05).epsilon(0.01));
+  CHECK(world.joint({1}).q[0] == doctest::Approx(exact.joint({1}).q[0]).epsilon(0.01));
+  CHECK(world.joint({2}).q[0] == doctest::Approx(rocker).epsilon(0.01));
+}
+
+TEST_CASE("the given pose and velocity of a floating mechanism are kept") {
+  Model model;
+  BodySpec hull = bar("hull", 1, Free{}, ground, 0, {1, 2, 3, 0.8, 0, 0.6, 0});
+  hull.v = {0.1, 0.2, 0.3, 1, 2, 3};
+  const BodyId base = model.add(hull);
+  BodySpec crank = bar("crank", 0.12, pin, base, 0, -1.05);
+  crank.v = 5;
+  const BodyId a = model.add(crank), b = model.add(bar("coupler", 0.38, pin, a, 0.12, {}));
+  const BodyId c = model.add(bar("rocker", 0.25, pin, base, 0.4, {}));
+  model.add_loop({.name = "eye", .body = b, .to = c, .joint = pin, .at = {0.25, 0, 0}, .child_at = {0.38, 0, 0}});
+  const World world(model);
+  CHECK(world.loop_status().residual < 1e-13);
+  const JointView root = world.joint({base.index});
+  for (int i = 0; i < 7; ++i) CHECK(root.q[static_cast<std::size_t>(i)] == doctest::Approx(hull.q[i]).epsilon(1e-14));
+  for (int i = 0; i < 6; ++i) CHECK(root.v[static_cast<std::size_t>(i)] == doctest::Approx(hull.v[i]).epsilon(1e-13));
+  CHECK(world.joint({a.index}).q[0] == -1.05);
+  CHECK(world.joint({a.index}).v[0] == doctest::Approx(5).epsilon(1e-13));
+}
+
+TEST_CASE("given start values of one mechanism are kept although those of another contradict each other") {
+  Model model = four_bar(-1.05, 0.7, -1.5, pin);  // open by some hundredths
+  const BodyId crank = model.add(bar("other", 0.1, pin, ground, 0, 0.7));
+  const BodyId rod = model.add(bar("rod", 0.25, pin, crank, 0.1, {}));
+  const BodyId piston = model.add(bar("piston", 0.1, Prismatic{.axis = x_axis}, ground, 0, {}));
+  model.add_loop({.name = "wrist", .body = rod, .to = piston, .joint = pin, .child_at = {0.25, 0, 0}});
+  const World world(model);
+  CHECK(world.loop_status().residual < 1e-13);
+  CHECK(world.joint({crank.index}).q[0] == 0.7);
+  CHECK(world.joint({0}).q[0] != -1.05);
+}
+
+TEST_CASE("a coupling moves the joint whose start is not given, but not beyond its stop") {
+  const auto coupled = [](Values leader, Values follower, double stop) {
+    Model model;
+    model.add(bar("leader", 1, pin, ground, 0, leader));
+    BodySpec follows = bar("follower", 1, pin, ground, 1, follower);
+    follows.joint.parameters.limits = {.lower = -stop, .upper = stop};
+    model.add(follows);
+    model.add_coupling({.joint = {1}, .follows = {0}, .multiplier = 2});
+    return model;
+  };
+  const auto leader = [&](Values one, Values other) { return World(coupled(one, other, 2)).joint({0}).q[0]; };
+  CHECK(leader({}, 0.5) == doctest::Approx(0.25).epsilon(1e-12));
+  CHECK(leader(0.4, {}) == 0.4);
+  CHECK(leader(0.4, 0.5) == 0.4);  // they contradict each other: the joint that follows gives way
+  try {
+    const World world(coupled(0.4, {}, 0.3));
+    FAIL("it starts beyond its stop");
+  } catch (const Error& error) {
+    CHECK(error.where == "joint 'm/follower'");
+    CHECK(error.problem == "it starts beyond its limits, at 0.8, where loops or couplings put it");
+  }
 }
 
 TEST_CASE("loops that are too short to close are refused by name, with what remains open") {

@@ -103,7 +103,14 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
     state.set_turns(turns);
   }
   if (tree_.has_loops()) {
-    std::optional<Error> error = assemble(tree_, model_, names_, state);
+    GivenStart given = given_start(model_, tree_);
+    for (const JointStart& j : joints) {
+      const int first = tree_.first_p(tree_.carrier(j.joint.index)),
+                count = info(tree_.joint(tree_.carrier(j.joint.index)).kind).nv;
+      if (!j.q.empty()) std::fill_n(given.q.begin() + first, count, 1);
+      if (!j.v.empty() || !j.p.empty()) std::fill_n(given.v.begin() + first, count, 1);
+    }
+    std::optional<Error> error = assemble(tree_, model_, names_, state, given);
     if (!error) error = conflicting_motions(tree_, names_, state);
     if (!error) error = beyond_stops(tree_, names_, state);
     if (error) throw_error(std::move(*error));

@@ -42,8 +42,10 @@ BodyId apply(const Add& change, Tree& tree, State& state, const Workspace<double
   MT_REQUIRE(change.spec != nullptr, "a body to add");
   const BodySpec& spec = *change.spec;
   const KindInfo& kind = info(spec.joint.kind);
-  MT_REQUIRE(spec.q.size() == kind.nq && spec.v.size() == kind.nv, "complete coordinates and velocities");
   MT_REQUIRE(check_body(spec).empty(), "a valid body, according to check_body()");
+  const Values q = spec.q.empty() ? joint_zero(spec.joint.kind) : spec.q;
+  double v[6] = {};
+  std::copy_n(spec.v.begin(), spec.v.size(), v);
   const int outer = spec.parent.index;
   Motion<double> motion{};
   MT_REQUIRE(outer == ground.index || tree.alive(outer), "the parent is the ground or in the tree");
@@ -56,8 +58,7 @@ BodyId apply(const Add& change, Tree& tree, State& state, const Workspace<double
   const int nq = tree.nq(), nv = tree.nv();
   const int b = tree.add(spec);
   const double none[6] = {};
-  state.replace(nq, 0, {spec.q.begin(), static_cast<std::size_t>(kind.nq)}, nv, 0, {none, static_cast<std::size_t>(kind.nv)},
-                tree);
+  state.replace(nq, 0, {q.begin(), static_cast<std::size_t>(kind.nq)}, nv, 0, {none, static_cast<std::size_t>(kind.nv)}, tree);
   if (outer >= 0) {  // as its parent's first child, b may have rotated the parent's kernel frame about its joint and shifted it
                      // along the axis
     const KernelFrame& frame = tree.frame(outer);
@@ -65,10 +66,10 @@ BodyId apply(const Add& change, Tree& tree, State& state, const Workspace<double
   }
   const State::Edit edit = state.edit();
   if (state.variables() == Variables::velocities) {
-    for (int i = 0; i < kind.nv; ++i) edit.u[static_cast<std::size_t>(nv + i)] = spec.v[i];
+    for (int i = 0; i < kind.nv; ++i) edit.u[static_cast<std::size_t>(nv + i)] = v[i];
     return {b};
   }
-  add_momentum(tree, edit.q.data(), b, motion, spec.v.begin(), edit.p.data());
+  add_momentum(tree, edit.q.data(), b, motion, v, edit.p.data());
   return {b};
 }
 

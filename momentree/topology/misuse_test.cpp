@@ -132,9 +132,9 @@ TEST_CASE("misuse: changes with invalid joints, impulses and bodies") {
       of_change("SetParameters, negative", "valid parameters for this joint", SetParameters{{1}, negative}),
       of_change("SetParameters, too many", "valid parameters for this joint", SetParameters{{1}, too_many}),
       of_change("Add of nothing", "a body to add", Add{nullptr}),
-      of_scene("Add of a body that is not complete", "complete coordinates and velocities",
+      of_scene("Add of a body with too many coordinates", "a valid body",
                [](Scene& s) {
-                 const BodySpec spec{.name = "x", .mass = 1, .joint = Revolute{}};
+                 const BodySpec spec{.name = "x", .mass = 1, .joint = Revolute{}, .q = {0, 0}};
                  apply(Add{&spec}, s.tree, s.state, s.workspace);
                }),
       of_scene("Add to no body", "the ground or in the tree",

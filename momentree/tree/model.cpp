@@ -21,18 +21,6 @@ void normalise_quaternion(Values& q, const char* units) {
     }
 }
 
-// Zero displacements and the identity rotation.
-Values zero_coordinates(const KindInfo& kind) {
-  Values q;
-  bool scalar_part = true;
-  for (int i = 0; i < kind.nq; ++i) {
-    const bool quaternion = kind.q_units[i] == 'n';
-    q.push_back(quaternion && scalar_part ? 1 : 0);
-    if (quaternion) scalar_part = false;
-  }
-  return q;
-}
-
 void complete(BodySpec& spec) {
   const KindInfo& kind = info(spec.joint.kind);
   if (spec.joint_name.empty()) spec.joint_name = spec.name;
@@ -40,8 +28,6 @@ void complete(BodySpec& spec) {
   if (kind.axis2) spec.joint.axis2 = unit(spec.joint.axis2);
   spec.at.rotation = unit(spec.at.rotation);
   spec.child_at.rotation = unit(spec.child_at.rotation);
-  if (spec.q.empty()) spec.q = zero_coordinates(kind);
-  while (spec.v.size() < kind.nv) spec.v.push_back(0);
   normalise_quaternion(spec.q, kind.q_units);
   normalise_quaternion(spec.joint.parameters.rest, kind.q_units);
 }
@@ -77,7 +63,7 @@ BodyId Model::add_unjudged(BodySpec spec) {
     throw_error(
         {"the parent is not a body of this model", spec.name, "add the parent first, and give what add() returned for it"});
   complete(spec);
-  if (spec.q.size() == 1) begin_motion(spec.joint.parameters.drive, spec.q[0], 0);
+  if (info(spec.joint.kind).nq == 1) begin_motion(spec.joint.parameters.drive, spec.q.empty() ? 0 : spec.q[0], 0);
   if (by_body_->contains(spec.name))
     throw_error({"there is already a body with that name", spec.name, "body names must be unique in a model"});
   if (by_joint_->contains(spec.joint_name) || has_spring(spec.joint_name))

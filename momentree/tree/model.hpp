@@ -31,8 +31,8 @@ struct BodySpec {
   BodyId parent = ground;
   Pose at{};
   JointSpec joint{};  ///< Revolute{…}, Ball{…}, …; default: a weld
-  Values q{};         ///< start coordinates in the order of the kind; empty: zero (identity); overridden by a prescribed motion
-  Values v{};         ///< start velocities; empty: zero; overridden by a prescribed motion
+  Values q{};         ///< start coordinates; empty: zero (identity), or what closes loops; overridden by a prescribed motion
+  Values v{};         ///< start velocities; empty: zero, or what loops allow; overridden by a prescribed motion
   Pose child_at{};
   std::string joint_name{};  ///< "mechanism/joint"; empty: the body's name
 };
@@ -131,7 +131,7 @@ class Model {
   int size() const { return static_cast<int>(bodies_->size()); }
   /// The name of a body, or "ground".
   std::string body_name(BodyId body) const { return body == ground ? "ground" : (*this)[body].name; }
-  /// The body as added, but with unit axes, full q and v (never empty), a joint name, and unit quaternions.
+  /// The body as added, but with unit axes, a joint name, and unit quaternions.
   const BodySpec& operator[](BodyId body) const {
     MT_REQUIRE(body.index >= 0 && body.index < size(), "a body of this model, as add() returned it");
     return (*bodies_)[static_cast<std::size_t>(body.index)];

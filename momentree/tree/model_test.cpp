@@ -63,9 +63,8 @@ TEST_CASE("a model completes omitted values and normalises axes") {
   const BodyId b = model.add(spec);
   CHECK(model[a].joint.axis == Vec3{0, 0, 1});
   CHECK(model[a].joint_name == "arm/1");
-  CHECK(model[a].q == Values{0});
-  CHECK(model[b].q == Values{0, 0, 0, 1, 0, 0, 0});
-  CHECK(model[b].v == Values{0, 0, 0, 0, 0, 0});
+  CHECK(model[a].q.empty());  // whether a start value was given matters where loops are closed
+  CHECK(model[b].v.empty());
   CHECK(model[b].at.rotation.w == 1);
   CHECK(model.joint("arm/wrist") == model.inboard_joint(b));
   CHECK(model.body("arm/2") == b);

@@ -37,7 +37,8 @@ std::vector<SingularJoint> singular_joints(const Model& model) {
   std::vector<double> q(static_cast<std::size_t>(tree.nq()));
   for (const int b : tree.order()) {
     const Values& start = model.bodies()[static_cast<std::size_t>(b)].q;
-    std::copy(start.begin(), start.begin() + info(tree.kind(b)).nq, q.begin() + tree.first_q(b));
+    const Values own = start.empty() ? joint_zero(tree.kind(b)) : start;
+    std::copy(own.begin(), own.begin() + own.size(), q.begin() + tree.first_q(b));
   }
   return singular_joints(tree, q);
 }

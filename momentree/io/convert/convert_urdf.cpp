@@ -262,9 +262,7 @@ class UrdfWriter {
     if (p.limits.soft()) lose("stiffness and damping of stops", "limits");
     if (p.limits.hard() && p.limits.restitution.any()) lose("restitution of stops", "limits");
     const bool driven = p.drive && p.drive->moves();
-    const Values zero = joint_zero(spec.joint.kind);
-    bool starts = spec.v.any();
-    for (int i = 0; i < kind.nq; ++i) starts = starts || spec.q[i] != zero[i];
+    const bool starts = spec.v.any() || !(spec.q.empty() || spec.q == joint_zero(spec.joint.kind));
     if (starts && !driven) lose("starts", "q");
   }
 

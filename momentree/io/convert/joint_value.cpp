@@ -138,12 +138,12 @@ void add_start(Value::Table& table, const BodySpec& spec, const KindInfo& kind) 
   const auto& drive = spec.joint.parameters.drive;
   if (drive && drive->moves() && !drive->motion[0].signal().from_here()) return;  // the motion gives the initial values
   const bool one = kind.nq == 1 && kind.nv == 1;
-  if (!(spec.q == joint_zero(kind.kind))) {
+  if (!spec.q.empty()) {
     const char* const key = !one ? "q" : kind.q_units[0] == 'r' ? "angle" : "position";
     add(table, key, coordinates(spec.q, kind.q_units));
   }
   if (drive && drive->moves()) return;
-  if (spec.v.any()) add(table, one ? "speed" : "v", one ? number(spec.v[0]) : list_of(spec.v));
+  if (!spec.v.empty()) add(table, one ? "speed" : "v", one ? number(spec.v[0]) : list_of(spec.v));
 }
 
 }  // namespace
