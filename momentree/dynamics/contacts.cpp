@@ -56,22 +56,32 @@ Vec3 acceleration_at(const Tree& tree, const double* q, const Workspace<double>&
   return k.R * a.v + cross(k.R * a.w, point - k.r) + cross(w, rate);
 }
 
-ContactWorkspace& memory_of(Workspace<double>& workspace) {
-  if (workspace.contacts == nullptr) workspace.contacts = {new ContactWorkspace, [](ContactWorkspace* all) { delete all; }};
-  return *workspace.contacts;
+// The rows of a group along which contacts hold: all three if they stick and `tangents` is true, the normal one otherwise.
+void note_held_rows(ContactWorkspace& all, const ContactRows::Group& group, std::span<const Contact> contacts, bool tangents) {
+  all.unknowns.clear();
+  for (const std::size_t i : all.rows.of_group(group)) {
+    all.unknowns.push_back(3 * i);
+    if (tangents && contacts[i].mode == Contact::Mode::stick)
+      all.unknowns.push_back(3 * i + 1), all.unknowns.push_back(3 * i + 2);
+  }
 }
 
-// Solves A x = right for rows that are closed, and leaves zero elsewhere.
-bool solve_rows(ContactWorkspace& all, const std::vector<std::size_t>& rows, const std::vector<double>& right, double* x) {
-  const std::size_t n = rows.size(), total = all.rows.velocity.size();
-  all.matrix.resize(n * n), all.right.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) all.matrix[i * n + j] = all.rows.A[rows[i] * total + rows[j]];
-    all.right[i] = right[rows[i]];
+// Solves A x = right for the rows that hold, group by group, and leaves zero elsewhere.
+bool solve_rows(ContactWorkspace& all, std::span<const Contact> contacts, bool tangents, const std::vector<double>& right,
+                std::vector<double>& x) {
+  x.assign(right.size(), 0.0);
+  for (const ContactRows::Group& group : all.rows.groups) {
+    note_held_rows(all, group, contacts, tangents);
+    const std::vector<std::size_t>& rows = all.unknowns;
+    const std::size_t n = rows.size();
+    all.matrix.resize(n * n), all.right.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) all.matrix[i * n + j] = all.rows.mobility(rows[i], rows[j]);
+      all.right[i] = right[rows[i]];
+    }
+    if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant)) return false;
+    for (std::size_t i = 0; i < n; ++i) x[rows[i]] = all.right[i];
   }
-  if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant)) return false;
-  std::fill_n(x, total, 0.0);
-  for (std::size_t i = 0; i < n; ++i) x[rows[i]] = all.right[i];
   return true;
 }
 
@@ -111,7 +121,12 @@ bool keeps_direction(const Contact& contact, const Vec3& v) {
   return speed <= slowest_slip + 1e-3 * keeps || (speed < 2 * keeps && along > 0 && along >= 0.5 * (speed - 0.1 * keeps));
 }
 
-std::vector<HeldForce>& held_forces(Workspace<double>& workspace) { return memory_of(workspace).held; }
+ContactWorkspace& contact_memory(Workspace<double>& workspace) {
+  if (workspace.contacts == nullptr) workspace.contacts = {new ContactWorkspace, [](ContactWorkspace* all) { delete all; }};
+  return *workspace.contacts;
+}
+
+std::vector<HeldForce>& held_forces(Workspace<double>& workspace) { return contact_memory(workspace).held; }
 
 void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::span<const Contact> contacts, ContactRows& rows) {
   rows.touches.resize(contacts.size()), rows.velocity.resize(3 * contacts.size());
@@ -126,26 +141,6 @@ void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::s
 
 namespace {
 
-// The mechanism of each body, and its part of the tree's order.
-void find_mechanisms(const Tree& tree, ContactWorkspace& all) {
-  const std::span<const int> order = tree.order();
-  const std::size_t bodies = at(tree.bodies());
-  all.root_of.assign(bodies, -1), all.begin_of.assign(bodies, 0), all.end_of.assign(bodies, 0);
-  all.first_of.assign(bodies, tree.nv()), all.last_of.assign(bodies, 0);
-  for (std::size_t place = 0; place < order.size(); ++place) {
-    const int b = order[place], parent = tree.parent(b);
-    const int root = parent < 0 ? b : all.root_of[at(parent)];
-    if (parent < 0) all.begin_of[at(b)] = static_cast<int>(place);
-    all.root_of[at(b)] = root, all.end_of[at(root)] = static_cast<int>(place) + 1;
-    all.first_of[at(root)] = std::min(all.first_of[at(root)], tree.first_p(b));
-    all.last_of[at(root)] = std::max(all.last_of[at(root)], tree.first_p(b) + info(tree.kind(b)).nv);
-  }
-}
-
-}  // namespace
-
-namespace {
-
 constexpr double rounding_of_mobility = 1e-13;
 
 // True if no DoF moves the two bodies along the row, apart from rounding: the joint forces of a unit force along it are compared
@@ -153,7 +148,7 @@ constexpr double rounding_of_mobility = 1e-13;
 bool no_dof_moves(const Tree& tree, const double* q, Workspace<double>& workspace, const Contact& contact,
                   const contact::Touch& touch, std::size_t k) {
   constexpr Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  ContactWorkspace& all = memory_of(workspace);
+  ContactWorkspace& all = contact_memory(workspace);
   const std::size_t nv = at(tree.nv());
   all.row.assign(nv, 0.0), all.row_size.assign(nv, 0.0);
   for (const auto& [body, sign] : {std::pair{contact.a, 1.0}, {contact.b, -1.0}}) {
@@ -182,7 +177,7 @@ bool no_dof_moves(const Tree& tree, const double* q, Workspace<double>& workspac
 // True if the loops let nothing move the two bodies along the row, apart from rounding. After no_dof_moves of the same row.
 bool no_loop_lets_move(const Tree& tree, const double* q, Workspace<double>& workspace, double mobility) {
   if (!tree.has_loops()) return false;
-  ContactWorkspace& all = memory_of(workspace);
+  ContactWorkspace& all = contact_memory(workspace);
   all.unit_row = all.row;
   solve_with_factors<double>(tree, q, workspace, all.unit_row.data());
   double open = 0;  // the mobility if the loops were open
@@ -215,112 +210,6 @@ RowOfRigid rigid_row(const Tree& tree, const double* q, Workspace<double>& works
   return {rigid, rigid && std::fabs(velocity) <= rounding_of_speeds * speeds};
 }
 
-void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
-                           ContactRows& rows) {
-  const std::size_t n = 3 * contacts.size(), nv = at(tree.nv());
-  ContactWorkspace& all = memory_of(workspace);
-  find_mechanisms(tree, all);
-  const auto root = [&](int body) { return body < 0 ? -1 : all.root_of[at(body)]; };
-  rows.J.assign(n * nv, 0.0);
-  for (std::size_t i = 0; i < contacts.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) {
-      double* const J = rows.J.data() + (3 * i + k) * nv;
-      const contact::Touch& touch = rows.touches[i];
-      const Vec3& along = direction(touch, k);
-      const auto add = [&](int body, double sign) {
-        if (body >= 0) add_contact_row(tree, q, workspace, body, along, touch.point, sign, J);
-      };
-      add(contacts[i].a, 1), add(contacts[i].b, -1);
-    }
-  rows.Y = rows.J;
-  for (std::size_t row = 0; row < n; ++row) {
-    double* const y = rows.Y.data() + row * nv;
-    if (tree.has_loops()) {
-      solve_with_loops(tree, q, workspace, y);
-      continue;
-    }
-    const int a = root(contacts[row / 3].a), b = root(contacts[row / 3].b);
-    for (const int mechanism : {a, b == a ? -1 : b})
-      if (mechanism >= 0) solve_mechanism<double>(tree, q, workspace, y, all.begin_of[at(mechanism)], all.end_of[at(mechanism)]);
-  }
-  rows.A.assign(n * n, 0.0);
-  const auto apart = [&](std::size_t i, std::size_t j) {
-    const int a = root(contacts[i].a), b = root(contacts[i].b), c = root(contacts[j].a), d = root(contacts[j].b);
-    return !tree.has_loops() && (a < 0 || (a != c && a != d)) && (b < 0 || (b != c && b != d));
-  };
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    // J of a contact is zero beyond the numbers of its mechanisms.
-    std::size_t first = 0, last = nv;
-    if (!tree.has_loops()) {
-      const int a = root(contacts[i].a), b = root(contacts[i].b), one = std::max(a, b),
-                other = std::min(a, b) < 0 ? one : std::min(a, b);
-      first = at(std::min(all.first_of[at(one)], all.first_of[at(other)]));
-      last = at(std::max(all.last_of[at(one)], all.last_of[at(other)]));
-    }
-    for (std::size_t j = 0; j <= i; ++j) {
-      if (apart(i, j)) continue;
-      for (std::size_t r = 3 * i; r < 3 * i + 3; ++r)
-        for (std::size_t c = 3 * j; c < 3 * j + 3; ++c) {
-          double sum = 0;
-          for (std::size_t k = first; k < last; ++k) sum += rows.J[r * nv + k] * rows.Y[c * nv + k];
-          rows.A[r * n + c] = rows.A[c * n + r] = sum;
-        }
-    }
-  }
-  for (std::size_t row = 0; row < n; ++row) {
-    const RowOfRigid left = rigid_row(tree, q, workspace, contacts[row / 3], rows.touches[row / 3], row % 3,
-                                      rows.A[row * n + row], rows.velocity[row]);
-    if (!left.rigid) continue;
-    for (std::size_t k = 0; k < n; ++k) rows.A[row * n + k] = rows.A[k * n + row] = 0;
-    for (std::size_t k = 0; k < nv; ++k) rows.J[row * nv + k] = rows.Y[row * nv + k] = 0;
-    if (!left.rests) continue;
-    rows.velocity[row] = 0;
-    if (rows.acceleration.size() == n) rows.acceleration[row] = 0;
-  }
-}
-
-ContactRows ContactRows::of(const std::vector<std::size_t>& numbers) const {
-  ContactRows some;
-  const std::size_t n = 3 * touches.size();
-  const auto copy = [&](const std::vector<double>& all, std::vector<double>& to) {
-    if (all.size() != n) return;
-    for (const std::size_t i : numbers)
-      for (std::size_t k = 0; k < 3; ++k) to.push_back(all[3 * i + k]);
-  };
-  copy(velocity, some.velocity), copy(acceleration, some.acceleration), copy(forces, some.forces);
-  for (const std::size_t i : numbers) {
-    some.touches.push_back(touches[i]);
-    if (slip.size() == touches.size()) some.slip.push_back(slip[i]);
-  }
-  for (const std::size_t i : numbers)
-    for (std::size_t k = 0; k < 3; ++k)
-      for (const std::size_t j : numbers)
-        for (std::size_t l = 0; l < 3; ++l) some.A.push_back(A[(3 * i + k) * n + 3 * j + l]);
-  return some;
-}
-
-std::vector<std::vector<std::size_t>> ContactRows::islands() const {
-  std::vector<std::vector<std::size_t>> all;
-  const std::size_t count = touches.size(), n = 3 * count;
-  std::vector<bool> taken(count, false);
-  const auto connected = [&](std::size_t i, std::size_t j) {
-    for (std::size_t k = 0; k < 9; ++k)
-      if (A[(3 * i + k / 3) * n + 3 * j + k % 3] != 0) return true;
-    return false;
-  };
-  for (std::size_t first = 0; first < count; ++first) {
-    if (taken[first]) continue;
-    std::vector<std::size_t> island{first};
-    taken[first] = true;
-    for (std::size_t next = 0; next < island.size(); ++next)
-      for (std::size_t j = 0; j < count; ++j)
-        if (!taken[j] && connected(island[next], j)) taken[j] = true, island.push_back(j);
-    std::sort(island.begin(), island.end());
-    all.push_back(std::move(island));
-  }
-  return all;
-}
-
 void find_contact_accelerations(const Tree& tree, const double* q, const Workspace<double>& workspace,
                                 std::span<const Contact> contacts, ContactRows& rows) {
   rows.acceleration.resize(3 * contacts.size());
@@ -338,8 +227,40 @@ void find_contact_accelerations(const Tree& tree, const double* q, const Workspa
   }
 }
 
+namespace {
+
+// Unknowns: all three forces of contacts that stick, the normal force of the others.
+void find_forces_of_group(std::span<const Contact> contacts, const ContactRows::Group& group, ContactWorkspace& all) {
+  ContactRows& rows = all.rows;
+  note_held_rows(all, group, contacts, true);
+  const std::vector<std::size_t>& of = all.unknowns;
+  const std::size_t n = of.size();
+  all.matrix.resize(n * n), all.right.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) {
+      const std::size_t c = of[j] / 3;
+      double element = rows.mobility(of[i], of[j]);
+      if (contacts[c].mode == Contact::Mode::slip)
+        for (std::size_t k = 0; k < 2; ++k)
+          element -= contacts[c].friction * dot(rows.slip[c], rows.touches[c].tangent[k]) * rows.mobility(of[i], 3 * c + k + 1);
+      all.matrix[i * n + j] = element;
+    }
+    all.right[i] = -rows.acceleration[of[i]];
+  }
+  if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant))
+    std::fill(all.right.begin(), all.right.end(), NAN);  // the step then says that the motion diverged
+  for (std::size_t j = 0; j < n; ++j) rows.forces[of[j]] = all.right[j];
+  for (const std::size_t i : rows.of_group(group)) {
+    if (contacts[i].mode != Contact::Mode::slip) continue;
+    for (std::size_t k = 0; k < 2; ++k)
+      rows.forces[3 * i + k + 1] = -contacts[i].friction * rows.forces[3 * i] * dot(rows.slip[i], rows.touches[i].tangent[k]);
+  }
+}
+
+}  // namespace
+
 void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& workspace, bool at_state) {
-  ContactWorkspace& all = memory_of(workspace);
+  ContactWorkspace& all = contact_memory(workspace);
   ContactRows& rows = all.rows;
   const std::span<const Contact> contacts = tree.contacts();
   place_contacts(tree, workspace, contacts, rows);
@@ -352,12 +273,7 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
     for (std::size_t i = 0; i < contacts.size(); ++i) all.chosen_slip[i] = contacts[i].direction;
   }
   rows.slip.resize(contacts.size());
-  // Unknowns: all three forces of contacts that stick, the normal force of the others.
-  std::vector<std::size_t>& of = all.unknowns;
-  of.clear();
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    of.push_back(3 * i);
-    if (contacts[i].mode == Contact::Mode::stick) of.push_back(3 * i + 1), of.push_back(3 * i + 2);
     if (contacts[i].mode != Contact::Mode::slip) continue;
     const contact::Touch& touch = rows.touches[i];
     const Vec3 v = rows.velocity[3 * i + 1] * touch.tangent[0] + rows.velocity[3 * i + 2] * touch.tangent[1];
@@ -371,29 +287,8 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
     rows.slip[i] = norm(s) > 0 ? normalized(s) : touch.tangent[0];
     if (at_state) all.chosen_slip[i] = rows.slip[i];
   }
-  const std::size_t n = of.size(), total = 3 * contacts.size();
-  all.matrix.resize(n * n), all.right.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double* const A = rows.A.data() + of[i] * total;
-    for (std::size_t j = 0; j < n; ++j) {
-      const std::size_t c = of[j] / 3;
-      double element = A[of[j]];
-      if (contacts[c].mode == Contact::Mode::slip)
-        for (std::size_t k = 0; k < 2; ++k)
-          element -= contacts[c].friction * dot(rows.slip[c], rows.touches[c].tangent[k]) * A[3 * c + k + 1];
-      all.matrix[i * n + j] = element;
-    }
-    all.right[i] = -rows.acceleration[of[i]];
-  }
-  rows.forces.assign(total, 0.0);
-  if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant))
-    std::fill(all.right.begin(), all.right.end(), NAN);  // the step then says that the motion diverged
-  for (std::size_t j = 0; j < n; ++j) rows.forces[of[j]] = all.right[j];
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (contacts[i].mode != Contact::Mode::slip) continue;
-    for (std::size_t k = 0; k < 2; ++k)
-      rows.forces[3 * i + k + 1] = -contacts[i].friction * rows.forces[3 * i] * dot(rows.slip[i], rows.touches[i].tangent[k]);
-  }
+  rows.forces.assign(3 * contacts.size(), 0.0);
+  for (const ContactRows::Group& group : rows.groups) find_forces_of_group(contacts, group, all);
 }
 
 void add_contact_loads(const Tree& tree, Workspace<double>& workspace) noexcept {
@@ -422,10 +317,8 @@ void place_at(const Tree& tree, double t, const double* q, const double* u, Work
 
 // Y x for numbers by row.
 void moved_by(const Tree& tree, const ContactRows& rows, const std::vector<double>& x, std::vector<double>& move) {
-  const std::size_t nv = at(tree.nv());
-  move.assign(nv, 0.0);
-  for (std::size_t row = 0; row < x.size(); ++row)
-    for (std::size_t k = 0; k < nv; ++k) move[k] += rows.Y[row * nv + k] * x[row];
+  move.assign(at(tree.nv()), 0.0);
+  for (std::size_t row = 0; row < x.size(); ++row) rows.add_row(rows.Y, row, x[row], move.data());
 }
 
 // Sets the gaps to zero by small motions.
@@ -434,16 +327,16 @@ bool close_gaps(const Tree& tree, double t, double* q, const double* u, Workspac
   ContactRows& rows = all.rows;
   const std::size_t contacts = tree.contacts().size();
   for (int k = 0; k < 4; ++k) {
-    all.unknowns.clear(), all.missing.assign(3 * contacts, 0.0), all.change.resize(3 * contacts);
+    all.missing.assign(3 * contacts, 0.0);
     double most = 0, size = 1;
     for (std::size_t i = 0; i < contacts; ++i) {
-      all.unknowns.push_back(3 * i), all.missing[3 * i] = -rows.touches[i].gap;
+      all.missing[3 * i] = -rows.touches[i].gap;
       most = std::max(most, std::fabs(rows.touches[i].gap)), size = std::max(size, norm(rows.touches[i].point));
     }
     if (!std::isfinite(most)) return false;
     if (most < 1e-15 * size) break;
     find_contact_mobility(tree, q, workspace, tree.contacts(), rows);
-    if (!solve_rows(all, all.unknowns, all.missing, all.change.data())) return false;
+    if (!solve_rows(all, tree.contacts(), false, all.missing, all.change)) return false;
     moved_by(tree, rows, all.change, all.move);
     detail::displace(tree, all.move.data(), 1, q);
     place_at(tree, t, q, u, workspace, tree.contacts(), rows);
@@ -455,20 +348,16 @@ bool close_gaps(const Tree& tree, double t, double* q, const double* u, Workspac
 bool find_stopping_impulses(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts) {
   ContactWorkspace& all = *workspace.contacts;
   ContactRows& rows = all.rows;
-  all.unknowns.clear(), all.missing.resize(3 * contacts.size()), all.change.resize(3 * contacts.size());
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    all.unknowns.push_back(3 * i);
-    if (contacts[i].mode == Contact::Mode::stick) all.unknowns.push_back(3 * i + 1), all.unknowns.push_back(3 * i + 2);
-  }
+  all.missing.resize(3 * contacts.size());
   find_contact_mobility(tree, q, workspace, contacts, rows);
   for (std::size_t row = 0; row < all.missing.size(); ++row) all.missing[row] = -rows.velocity[row];
-  return solve_rows(all, all.unknowns, all.missing, all.change.data());
+  return solve_rows(all, contacts, true, all.missing, all.change);
 }
 
 }  // namespace
 
 bool close_contacts(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace, double& energy) {
-  ContactWorkspace& all = memory_of(workspace);
+  ContactWorkspace& all = contact_memory(workspace);
   place_at(tree, t, q, u, workspace, tree.contacts(), all.rows);
   energy -= energy_of(tree, workspace);
   if (!close_gaps(tree, t, q, u, workspace) || !find_stopping_impulses(tree, q, workspace, tree.contacts())) return false;
@@ -481,7 +370,7 @@ bool close_contacts(const Tree& tree, double t, double* q, double* u, Workspace<
 
 bool find_stopping_impulses(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                             std::span<const Contact> contacts) {
-  place_at(tree, t, q, u, workspace, contacts, memory_of(workspace).rows);
+  place_at(tree, t, q, u, workspace, contacts, contact_memory(workspace).rows);
   return find_stopping_impulses(tree, q, workspace, contacts);
 }
 

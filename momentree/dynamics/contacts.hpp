@@ -21,16 +21,33 @@ bool keeps_direction(const Contact& contact, const Vec3& v);
 
 /// Three rows of each contact: along the normal and the tangents of contact::Touch.
 struct ContactRows {
+  /// Contacts of one island, whose impulses act on the degrees of freedom of the island alone: A is zero between groups.
+  struct Group {
+    std::size_t first = 0, count = 0;     ///< its contacts, in `members`
+    std::size_t first_dof = 0, dofs = 0;  ///< the degrees of freedom of its mechanisms, in `dof`
+    std::size_t at = 0;                   ///< where its rows begin in J and Y, each with `dofs` numbers
+    std::size_t at_A = 0;                 ///< where its matrix begins in A: 3 count rows and columns
+  };
   std::vector<contact::Touch> touches;
-  std::vector<double> J, Y;          ///< by row nv numbers
-  std::vector<double> A;             ///< J Y: rows × rows
-  std::vector<double> velocity;      ///< J u
-  std::vector<double> acceleration;  ///< its time derivative without forces of contacts
-  std::vector<double> forces;        ///< along the rows, on body a
-  std::vector<Vec3> slip;            ///< by contact: direction of slip
+  std::vector<Group> groups;                 ///< in the order of their first contacts
+  std::vector<std::size_t> members;          ///< numbers of contacts, group by group, in ascending order
+  std::vector<std::size_t> group_of, place;  ///< by contact: its group, and its place among the members of that
+  std::vector<int> dof;                      ///< places in arrays packed as p, group by group, in ascending order
+  std::vector<double> J, Y, A;               ///< A = J Y, by group
+  std::vector<double> velocity;              ///< J u
+  std::vector<double> acceleration;          ///< its time derivative without forces of contacts
+  std::vector<double> forces;                ///< along the rows, on body a
+  std::vector<Vec3> slip;                    ///< by contact: direction of slip
   std::size_t contacts() const { return touches.size(); }
-  /// The rows of some contacts, by their numbers, without J and Y.
-  ContactRows of(const std::vector<std::size_t>& numbers) const;
+  std::span<const std::size_t> of_group(const Group& group) const { return {members.data() + group.first, group.count}; }
+  /// The element of A for two rows.
+  double mobility(std::size_t row, std::size_t column) const;
+  /// A of all rows, with zeros between groups.
+  std::vector<double> matrix() const;
+  /// Adds a row of J or Y, times a factor, to an array packed as p.
+  void add_row(const std::vector<double>& of, std::size_t row, double factor, double* packed) const;
+  /// The rows of some contacts, by their numbers, as one group without J and Y.
+  ContactRows some(const std::vector<std::size_t>& numbers) const;
   /// Numbers of contacts that move each other, according to A: the islands.
   std::vector<std::vector<std::size_t>> islands() const;
 };
@@ -50,10 +67,17 @@ struct ContactWorkspace {
   bool solved = true;           ///< the forces are finite
   std::vector<double> matrix, right, change, move, missing;  ///< scratch
   std::vector<double> row, row_size, unit_row;               ///< scratch
+  std::vector<double> packed;                                ///< scratch, packed as p; zero between calls
   std::vector<std::size_t> columns, unknowns;
+  std::uint64_t mechanisms_of = 0;     ///< Tree::revision() for which the following were found
   std::vector<int> root_of;            ///< by body: the root of its mechanism
   std::vector<int> begin_of, end_of;   ///< by root: its bodies in the tree's order
   std::vector<int> first_of, last_of;  ///< by root: between which numbers of p those of its joints are
+  std::vector<int> island_of;          ///< by body: the number of its island without contacts
+  std::vector<std::size_t> dofs_of;    ///< by that number: where its degrees of freedom begin in `dof`
+  std::vector<int> dof;                ///< places in arrays packed as p, island by island
+  std::vector<int> joined, touched;    ///< islands that contacts join; scratch of find_contact_mobility
+  std::vector<std::size_t> group_of;   ///< by number of an island: its group; scratch
   std::vector<Vec3> chosen_slip;       ///< by contact: direction of slip at the last state
   std::vector<bool> keeps;             ///< by contact: it keeps to its direction until the next state
   std::uint64_t topology = 0;          ///< Tree::revision() for which it was chosen
@@ -90,6 +114,8 @@ void add_contact_row(const Tree& tree, const double* q, const Workspace<double>&
 void add_wrench_row(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, const Force<double>& wrench,
                     double* row);
 
+/// The workspace's memory of contacts, which it then has.
+ContactWorkspace& contact_memory(Workspace<double>& workspace);
 /// The workspace's held forces, which it then has memory for.
 std::vector<HeldForce>& held_forces(Workspace<double>& workspace);
 /// Calls add(body, wrench in its kernel frame) for each of them. Requires workspace.bodies of this configuration.

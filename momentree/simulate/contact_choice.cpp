@@ -49,7 +49,7 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   place_contacts(tree, workspace, staying, rows_);
   find_contact_accelerations(tree, q, workspace, staying, rows_);
   find_contact_mobility(tree, q, workspace, staying, rows_);
-  static_cast<void>(world_->state_.edit());
+  forget_evaluation_with_loops();
   if (!solve_states(staying)) return false;
   system_.velocities(after_);
   weakened_ = false;
@@ -184,7 +184,7 @@ bool Contacts::solve_weakened(double part, std::vector<double>& all) {
 // The forces of contacts that are placed, with their accelerations and mobility.
 bool Contacts::solve_states(const std::vector<Contact>& contacts) {
   system_.resize(contacts.size());
-  system_.A = rows_.A, system_.b = rows_.acceleration;
+  system_.A = rows_.matrix(), system_.b = rows_.acceleration;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const ContactLaw& own = pairs_[static_cast<std::size_t>(contacts[i].pair)].law;
     contact::PointLaw& law = system_.laws[i];
@@ -267,7 +267,7 @@ double Contacts::excess_of_island(const std::vector<std::size_t>& island) {
   if (worst <= rounding || island.size() < 2) return worst;
   std::vector<Contact> contacts;
   for (const std::size_t i : island) contacts.push_back(closed[i]);
-  rows_ = rows.of(island);
+  rows_ = rows.some(island);
   return excess_of_shared_forces(contacts, worst);
 }
 

@@ -30,6 +30,29 @@ struct Contacts::Settled {
   bool any = false;
 };
 
+ContactsByPair::ContactsByPair(std::span<const Contact> all) {
+  for (std::size_t i = 0; i < all.size(); ++i) sorted_.emplace_back(all[i].pair, i);
+  std::sort(sorted_.begin(), sorted_.end());
+}
+
+std::span<const ContactsByPair::Entry> ContactsByPair::of(int pair) const {
+  const auto first = std::lower_bound(sorted_.begin(), sorted_.end(), Entry{pair, 0});
+  return {first, std::partition_point(first, sorted_.end(), [&](const Entry& entry) { return entry.first == pair; })};
+}
+
+std::span<const ContactsByPair::Entry> Contacts::closed_of(int pair) const {
+  const Tree& tree = world_->tree_;
+  if (closed_by_pair_of_ != tree.revision())
+    closed_by_pair_of_ = tree.revision(), closed_by_pair_ = ContactsByPair(tree.contacts());
+  return closed_by_pair_.of(pair);
+}
+
+bool Contacts::is_closed(int pair, std::uint64_t id) const {
+  const std::span<const ContactsByPair::Entry> closed = closed_of(pair);
+  return std::any_of(closed.begin(), closed.end(),
+                     [&](const auto& entry) { return world_->tree_.contacts()[entry.second].id == id; });
+}
+
 Event Contacts::begin_event(const char* what, int number) {
   Event event;
   event.time = world_->time(), event.name = event_name(what, number);
@@ -68,13 +91,13 @@ std::vector<double> Contacts::accelerations_on_others(const std::vector<Contact>
     if (std::fabs(rows_.velocity[3 * i]) <= slow) others.push_back(i), resting.push_back(contacts[i]);
   if (others.empty() || others.size() == contacts.size()) return all;
   ContactRows rows = std::move(rows_);
-  rows_ = rows.of(others);
+  rows_ = rows.some(others);
   const bool solved = solve_states(resting);
   rows_ = std::move(rows);
   if (!solved) return all;
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t j = 0; j < others.size(); ++j)
-      for (std::size_t k = 0; k < 3; ++k) all[i] += rows_.A[9 * contacts.size() * i + 3 * others[j] + k] * system_.r[3 * j + k];
+      for (std::size_t k = 0; k < 3; ++k) all[i] += rows_.mobility(3 * i, 3 * others[j] + k) * system_.r[3 * j + k];
   return all;
 }
 
@@ -92,10 +115,10 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
   if (!approaching) return false;
   find_contact_accelerations(tree, q, workspace, contacts, rows_);
   find_contact_mobility(tree, q, workspace, contacts, rows_);
-  static_cast<void>(world_->state_.edit());  // the workspace no longer holds its evaluation if there are loops
+  forget_evaluation_with_loops();
   const std::vector<double> approach = accelerations_on_others(contacts, slow);
   system_.resize(contacts.size());
-  system_.A = rows_.A, system_.b = rows_.velocity;
+  system_.A = rows_.matrix(), system_.b = rows_.velocity;
   restitution_.assign(contacts.size(), 0.0);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Pair& pair = pairs_[static_cast<std::size_t>(contacts[i].pair)];
@@ -147,14 +170,13 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
 
 // Of impulses r along the rows of contacts that are placed.
 Contacts::Impulses Contacts::impulses_of(const std::vector<Contact>& contacts, const std::vector<double>& r) const {
-  const auto nv = static_cast<std::size_t>(world_->tree_.nv());
   Impulses all;
-  all.generalised.assign(nv, 0.0);
+  all.generalised.assign(static_cast<std::size_t>(world_->tree_.nv()), 0.0);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     Vec3 impulse{};
     for (std::size_t k = 0; k < 3; ++k) {
       impulse += r[3 * i + k] * along(rows_.touches[i], k);
-      for (std::size_t j = 0; j < nv; ++j) all.generalised[j] += r[3 * i + k] * rows_.J[(3 * i + k) * nv + j];
+      rows_.add_row(rows_.J, 3 * i + k, r[3 * i + k], all.generalised.data());
     }
     if (impulse == Vec3{}) continue;
     const Vec3 point = rows_.touches[i].point;
@@ -180,7 +202,7 @@ void Contacts::apply(const Impulses& impulses, const std::vector<double>& r, Top
   double taken = 0;
   for (std::size_t i = 0; i < r.size(); ++i) {
     taken -= r[i] * rows_.velocity[i];
-    for (std::size_t j = 0; j < r.size(); ++j) taken -= 0.5 * r[i] * rows_.A[i * r.size() + j] * r[j];
+    for (std::size_t j = 0; j < r.size(); ++j) taken -= 0.5 * r[i] * rows_.mobility(i, j) * r[j];
   }
   event.work += taken - (event.lost - lost), event.lost = lost + taken;
 }
@@ -189,6 +211,11 @@ void Contacts::set(std::vector<Contact> contacts) {
   if (contacts.empty() && world_->tree_.contacts().empty()) return;
   world_->tree_.set_contacts(std::move(contacts));
   world_->state_.replace(0, 0, {}, 0, 0, {}, world_->tree_);
+}
+
+// After find_contact_mobility.
+void Contacts::forget_evaluation_with_loops() {
+  if (world_->tree_.has_loops()) static_cast<void>(world_->state_.edit());
 }
 
 // Contacts of each island, in their order.
@@ -220,11 +247,16 @@ std::optional<Contacts::Unresolved> Contacts::strike_island(const std::vector<Co
 
 // Which contacts of an island are closed from now on, which are appended. `before`: those that were closed.
 std::optional<Contacts::Unresolved> Contacts::close_island(std::vector<Contact>& touching, const std::vector<Contact>& before,
-                                                           std::vector<Contact>& closed, Settled& settled) {
+                                                           const ContactsByPair& before_by_pair, std::vector<Contact>& closed,
+                                                           Settled& settled) {
   if (slowest_ > slowest_slip) stop_creeping(touching, settled);
   for (Contact& c : touching) {
-    const auto same = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return same_contact(b, c); });
-    if (same == before.end() || !(same->keeps_direction > 0)) continue;
+    const auto of_pair = before_by_pair.of(c.pair);
+    const auto found =
+        std::find_if(of_pair.begin(), of_pair.end(), [&](const auto& b) { return same_contact(before[b.second], c); });
+    if (found == of_pair.end()) continue;
+    const Contact* const same = &before[found->second];
+    if (!(same->keeps_direction > 0)) continue;
     c.direction = same->direction, c.keeps_direction = same->keeps_direction;  // it still begins to slip, or is at the limit
   }
   std::vector<Contact> chosen;
@@ -251,18 +283,19 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
     if (std::optional<Unresolved> failed = strike_island(touching, events)) return failed;
   std::vector<Contact> closed;
   Settled settled(*world_);
+  const ContactsByPair before_by_pair(before);
   for (std::vector<Contact>& touching : islands)
-    if (std::optional<Unresolved> failed = close_island(touching, before, closed, settled)) {
+    if (std::optional<Unresolved> failed = close_island(touching, before, before_by_pair, closed, settled)) {
       lost_ += settled.event.lost - settled.event.work;
       return failed;
     }
   for (Contact& c : closed) {
     const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
-    const auto then = std::find_if(before.begin(), before.end(), [&](const Contact& b) { return b.pair == c.pair; });
+    const auto then = before_by_pair.of(c.pair);
     if (now != settling_.end())
       c.settles = now->second;
-    else if (then != before.end() && then->settles > world_->time())
-      c.settles = then->settles;
+    else if (!then.empty() && before[then.front().second].settles > world_->time())
+      c.settles = before[then.front().second].settles;
   }
   const std::map<int, Vec3> impulses = stop(closed, settled);
   set(closed);
@@ -297,9 +330,7 @@ std::map<int, Vec3> Contacts::stop(const std::vector<Contact>& closed, Settled& 
     if (!find_stopping_impulses(world_->tree_, edit.time, edit.q.data(), edit.u.data(), world_->workspace_, closed)) return {};
     rows_ = world_->workspace_.contacts->rows, r = world_->workspace_.contacts->change;
     for (std::size_t i = 0; i < r.size(); ++i) felt = felt || (r[i] != 0 && std::fabs(rows_.velocity[i]) > slow);
-    const std::size_t nv = edit.u.size();
-    for (std::size_t i = 0; i < r.size() && !felt; ++i)
-      for (std::size_t k = 0; k < nv; ++k) edit.u[k] += rows_.Y[i * nv + k] * r[i];
+    for (std::size_t i = 0; i < r.size() && !felt; ++i) rows_.add_row(rows_.Y, i, r[i], edit.u.data());
   }
   if (!felt) {
     lost_ += before.kinetic - world_->totals().kinetic;
@@ -348,6 +379,7 @@ void Contacts::report_changes(const std::vector<Contact>& before, std::size_t fi
   for (const Contact& c : before) note(pairs[c.pair].from, c, c.settles < 0);
   const std::vector<Contact> closed(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
   for (const Contact& c : closed) note(pairs[c.pair].to, c, c.settles < 0);
+  const ContactsByPair before_by_pair(before), closed_by_pair(closed);
   locate_bodies(world_->tree_, world_->state_, world_->workspace_);
   for (const auto& [pair, change] : pairs) {
     if (change.from == change.to) continue;
@@ -361,7 +393,10 @@ void Contacts::report_changes(const std::vector<Contact>& before, std::size_t fi
     if (changed.cable >= 0 && change.to != Now::open &&
         std::any_of(events.begin() + static_cast<std::ptrdiff_t>(first), events.end(), is_known))
       continue;  // the impact by which it became taut
-    const std::vector<Contact>& of = change.to == Now::open ? before : closed;
+    const bool opened = change.to == Now::open;
+    std::vector<Contact> of;
+    for (const auto& entry : (opened ? before_by_pair : closed_by_pair).of(pair))
+      of.push_back((opened ? before : closed)[entry.second]);
     Event event = begin_event(what, pair);
     place_contacts(world_->tree_, world_->workspace_, of, rows_);
     locate_event(event, of, std::vector<double>(of.size(), 1.0), pair);

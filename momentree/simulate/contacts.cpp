@@ -166,11 +166,6 @@ void Contacts::candidates(const Pair& pair, double within, std::vector<contact::
     contact::face_each_other(one.solid, a, other.solid, b, within, out);
 }
 
-bool Contacts::is_closed(int pair, std::uint64_t id) const {
-  const std::span<const Contact> closed = world_->tree_.contacts();
-  return std::any_of(closed.begin(), closed.end(), [&](const Contact& c) { return c.pair == pair && c.id == id; });
-}
-
 Contact Contacts::contact_of(const Pair& pair, int number, const contact::Candidate& candidate) const {
   Contact c;
   c.features = candidate.features, c.id = candidate.id, c.pair = number;
@@ -267,9 +262,9 @@ bool Contacts::face_each_other(int number) const {
   const Pair& pair = pairs_[static_cast<std::size_t>(number)];
   found_candidates_.clear();
   candidates(pair, 1e-6 * pair.size(*this), found_candidates_);
-  for (const Contact& c : world_->tree_.contacts()) {
-    if (c.pair != number) continue;
-    const auto same = [&](const contact::Candidate& found) { return found.id == c.id; };
+  for (const ContactsByPair::Entry& entry : closed_of(number)) {
+    const std::uint64_t id = world_->tree_.contacts()[entry.second].id;
+    const auto same = [&](const contact::Candidate& found) { return found.id == id; };
     if (std::none_of(found_candidates_.begin(), found_candidates_.end(), same)) return false;
   }
   return true;
@@ -472,14 +467,14 @@ double Contacts::slip_time(std::size_t contact) const {
   world_->evaluate();
   const ContactRows& rows = world_->workspace_.contacts->rows;
   const std::span<const Contact> closed = world_->tree_.contacts();
-  const std::size_t n = 3 * closed.size();
   double rate = 0;
-  for (std::size_t j = 0; j < closed.size(); ++j) {
+  for (const std::size_t j : rows.of_group(rows.groups[rows.group_of[contact]])) {
     if (closed[j].mode != Contact::Mode::slip) continue;
-    const double* const A = rows.A.data() + (3 * contact + 1) * n + 3 * j + 1;
     const double f1 = rows.forces[3 * j + 1], f2 = rows.forces[3 * j + 2];
-    rate += std::hypot(A[0] * f1 + A[1] * f2, A[n] * f1 + A[n + 1] * f2) /
-            std::hypot(rows.velocity[3 * j + 1], rows.velocity[3 * j + 2]);
+    const auto change = [&](std::size_t k) {
+      return rows.mobility(3 * contact + k, 3 * j + 1) * f1 + rows.mobility(3 * contact + k, 3 * j + 2) * f2;
+    };
+    rate += std::hypot(change(1), change(2)) / std::hypot(rows.velocity[3 * j + 1], rows.velocity[3 * j + 2]);
   }
   return 1 / rate;
 }

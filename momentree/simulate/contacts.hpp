@@ -18,12 +18,24 @@
 #include <momentree/contact/impact.hpp>
 #include <momentree/contact/overlap_points.hpp>
 #include <momentree/dynamics/contacts.hpp>
-#include <momentree/simulate/islands.hpp>
+#include <momentree/dynamics/islands.hpp>
 #include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/stops.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
+
+/// The numbers of contacts in a list, by their pair and in the order of the list.
+class ContactsByPair {
+ public:
+  using Entry = std::pair<int, std::size_t>;  // pair, number
+  ContactsByPair() = default;
+  explicit ContactsByPair(std::span<const Contact> all);
+  std::span<const Entry> of(int pair) const;
+
+ private:
+  std::vector<Entry> sorted_;
+};
 
 class Contacts {
  public:
@@ -211,6 +223,8 @@ class Contacts {
   bool moves_along(const std::vector<Contact>& contacts, std::size_t i) const;
   void note_ended_slip();
   void set(std::vector<Contact> contacts);
+  void forget_evaluation_with_loops();
+  std::span<const ContactsByPair::Entry> closed_of(int pair) const;
   struct Impulses;
   Impulses impulses_of(const std::vector<Contact>& contacts, const std::vector<double>& r) const;
   void apply(const Impulses& impulses, const std::vector<double>& r, TopologyEditor& editor, Event& event);
@@ -220,7 +234,7 @@ class Contacts {
   std::vector<std::vector<Contact>> by_island(const std::vector<Contact>& contacts) const;
   std::optional<Unresolved> strike_island(const std::vector<Contact>& touching, std::vector<Event>& events);
   std::optional<Unresolved> close_island(std::vector<Contact>& touching, const std::vector<Contact>& before,
-                                         std::vector<Contact>& closed, Settled& settled);
+                                         const ContactsByPair& before_by_pair, std::vector<Contact>& closed, Settled& settled);
   void report_changes(const std::vector<Contact>& before, std::size_t first, const std::map<int, Vec3>& impulses,
                       std::vector<Event>& events);
   Event begin_event(const char* what, int pair);
@@ -251,8 +265,10 @@ class Contacts {
   mutable contact::OverlapPoints overlap_;
   mutable std::vector<contact::Ball> balls_;
   mutable std::vector<int> near_, solids_;
-  mutable std::vector<int> welded_;               // by body: the first one of those that it is welded to; -1: the ground
-  mutable std::uint64_t welded_of_ = 0;           // the revision of the tree when these were found
+  mutable std::vector<int> welded_;      // by body: the first one of those that it is welded to; -1: the ground
+  mutable std::uint64_t welded_of_ = 0;  // the revision of the tree when these were found
+  mutable ContactsByPair closed_by_pair_;
+  mutable std::uint64_t closed_by_pair_of_ = 0;   // the revision of the tree of which these are
   std::vector<std::pair<int, double>> settling_;  // at this instant: pairs whose bounces end later, and when
   struct Fast {
     int pair;

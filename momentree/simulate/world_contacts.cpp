@@ -36,7 +36,7 @@ std::vector<double> forces_of_island(const Model& model, std::span<const Contact
   if (contacts.size() < 2 || are_possible(model, contacts, rows.forces)) return rows.forces;
   contact::System system;
   system.resize(contacts.size());
-  system.A = rows.A, system.b = rows.acceleration, system.r = rows.forces;
+  system.A = rows.matrix(), system.b = rows.acceleration, system.r = rows.forces;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const ContactLaw law = law_between(model, contacts[i]);
     contact::PointLaw& point = system.laws[i];
@@ -55,7 +55,7 @@ std::vector<double> possible_forces(const Model& model, std::span<const Contact>
   for (const std::vector<std::size_t>& island : rows.islands()) {
     std::vector<Contact> own;
     for (const std::size_t i : island) own.push_back(contacts[i]);
-    const std::vector<double> forces = forces_of_island(model, own, rows.of(island));
+    const std::vector<double> forces = forces_of_island(model, own, rows.some(island));
     for (std::size_t i = 0; i < island.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k) all[at_row(island[i], k)] = forces[at_row(i, k)];
   }

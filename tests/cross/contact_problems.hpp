@@ -99,9 +99,8 @@ inline ContactProblem random_problem(std::uint64_t seed) {
     if (a != b && contacts.size() <= 8) bodies.add(a, b, contacts);
   }
   const auto least_mobility = [&](const ContactRows& rows, std::size_t i) {
-    const std::size_t n = rows.velocity.size();
     double least = HUGE_VAL;
-    for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) least = std::min(least, rows.A[k * n + k]);
+    for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) least = std::min(least, rows.mobility(k, k));
     return least;
   };
   // Without points of which some direction cannot move: for Siconos, the block of a point must not be singular in that way.
@@ -112,7 +111,7 @@ inline ContactProblem random_problem(std::uint64_t seed) {
   problem.system.resize(moving.size());
   if (moving.empty()) return problem;
   const ContactRows rows = rows_of(world, moving);
-  problem.system.A = rows.A, problem.system.b = at_rest ? rows.acceleration : rows.velocity;
+  problem.system.A = rows.matrix(), problem.system.b = at_rest ? rows.acceleration : rows.velocity;
   for (contact::PointLaw& law : problem.system.laws)
     law.friction = problem.friction && random.chance(0.9) ? random.uniform(0.05, 1.2) : 0;
   return problem;

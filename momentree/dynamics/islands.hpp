@@ -16,7 +16,7 @@ class Islands {
   int of(int body) const;
 
  private:
-  std::vector<int> next_;  // by body: another one of its island; itself: its number
+  mutable std::vector<int> next_;  // by body: another one of its island; itself: its number
 };
 
 }  // namespace momentree

@@ -1,4 +1,4 @@
-#include <momentree/simulate/islands.hpp>
+#include <momentree/dynamics/islands.hpp>
 
 #include <algorithm>
 #include <numeric>
@@ -22,7 +22,11 @@ void Islands::join(int a, int b) {
 }
 
 int Islands::of(int body) const {
-  while (next_[static_cast<std::size_t>(body)] != body) body = next_[static_cast<std::size_t>(body)];
+  while (next_[static_cast<std::size_t>(body)] != body) {
+    int& next = next_[static_cast<std::size_t>(body)];
+    next = next_[static_cast<std::size_t>(next)];
+    body = next;
+  }
   return body;
 }
 
