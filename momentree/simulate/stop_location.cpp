@@ -25,6 +25,12 @@ Peak peak_between(double h, double q0, double v0, double q1, double v1) {
   return {x * h, q0 + x * (a + x * (b + x * c))};
 }
 
+// The cubic with these values and rates at 0 and h, at time s.
+double cubic_between(double h, double q0, double v0, double q1, double v1, double s) {
+  const double x = s / h, rise = q1 - q0;
+  return q0 + x * (v0 * h + x * (3 * rise - (2 * v0 + v1) * h + x * ((v0 + v1) * h - 2 * rise)));
+}
+
 // Two instants, before and beyond the crossing, and the excess there.
 struct Bracket {
   double inside, within, outside, beyond;
@@ -228,14 +234,17 @@ std::optional<double> Stops::crossing(Trial& trial, const Watched& w, double end
   if (!(beyond > 0)) return -1;
   // The bracket cannot be narrower than the resolution of the clock.
   const double tolerance = std::max(tolerance_, 4 * std::numeric_limits<double>::epsilon() * end);
-  const double within = w.watch != nullptr ? w.watch->start : w.held ? -beyond : w.q - w.limit;
+  const double within = w.held ? -beyond : w.start();
   Bracket between{0, within, outside, beyond};
   const auto value = [&](bool there) { return there ? std::optional(excess(w)) : std::nullopt; };
   std::optional<double> guess;
+  Bracket about = between;
   if (trial.method.dense()) {
-    Bracket about = between;
     if (!narrow(about, tolerance, {}, [&](double s) { return value(trial.see(s)); })) return std::nullopt;
     guess = about.outside;
+  } else if (const auto [rise, fall] = w.rates(); outside == end && std::isfinite(rise + fall)) {
+    const auto cubic = [&](double s) { return std::optional(cubic_between(end, within, rise, beyond, fall, s)); };
+    if (narrow(about, tolerance, {}, cubic)) guess = about.outside;  // saves half of the trial steps of a falling body
   }
   if (!narrow(between, tolerance, guess, [&](double s) { return value(trial.go(s)); })) return std::nullopt;
   const bool precise = w.side != nullptr ? !w.held : w.watch->precise;
@@ -320,6 +329,11 @@ std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, doub
   const Watched* first = nullptr;
   if (fine) look_at_end(0);
   slopes_of_ = 0;
+  // The step ends at the first crossing. The likely one is located first: hundreds may lie in a step.
+  const auto likely = std::ranges::max_element(watched_, {}, [](const Watched& w) {
+    return w.last > 0 ? w.last / (w.last - (w.held ? -w.last : w.start())) : 0;  // part of the step that is beyond the secant
+  });
+  if (likely != watched_.end()) std::iter_swap(watched_.begin(), likely);
   for (std::size_t i = 0; fine && i < watched_.size(); ++i) {
     const std::optional<double> found = crossing(trial, watched_[i], end);
     fine = found.has_value();

@@ -80,6 +80,13 @@ class Stops {
     bool held = false;
     double last = 0, last_rate = 0;  ///< excess at the end of the step, and its rate; NaN: unknown
     double rise = 0, fall = 0;       ///< slopes at both ends of a condition without rates: find_slopes
+    /// The excess at the start of the step.
+    double start() const { return watch != nullptr ? watch->start : q - limit; }
+    /// Its rates at both ends of the step; NaN: unknown.
+    std::pair<double, double> rates() const {
+      if (held) return {NAN, NAN};
+      return {watch == nullptr ? v : watch->start_rate.value_or(NAN), last_rate};
+    }
   };
   double excess(const Watched& watched) const;
   void look_at_end(std::size_t first);
