@@ -190,3 +190,28 @@ TEST_CASE("islands: a run that is restored, or continued from its state, goes on
   REQUIRE(continued.run_until(0.6));
   CHECK(same(continued, through));
 }
+
+TEST_CASE("islands: an impact takes no more evaluations if hundreds of others follow it in the step") {
+  const auto evaluations_of_each = [](int spheres) {
+    Model model;
+    for (int i = 0; i < spheres; ++i) {
+      const double last = i == 0 ? 0 : 1.0 * ((37 * i) % spheres) / spheres;  // in no order
+      const BodyId sphere = model.add(free_body("s" + std::to_string(i) + "/s", {0.25 * i, 0, 0.1002 + 1e-4 * last}));
+      model.add_collider({.body = sphere, .solid = contact::sphere(0.1)});
+    }
+    add_floor(model, 0.3);
+    Simulation sim(model, {.method = "rk4", .step = 1e-3});
+    REQUIRE(sim.run_until(0.0085));
+    const std::vector<const Event*> impacts = named(sim, "impact");
+    REQUIRE(static_cast<int>(impacts.size()) == spheres);
+    for (const Event* impact : impacts) {
+      const double height = 0.5 * g * impact->time * impact->time;  // of the fall
+      CHECK(height > 2e-4 - 1e-12);
+      CHECK(height < 3e-4 + 1e-12);
+      CHECK(&impact->mechanisms_after[0] == &impacts.front()->mechanisms_before[0]);  // one list for all
+    }
+    return static_cast<double>(sim.statistics().evaluations[0] + sim.statistics().evaluations[1]) / spheres;
+  };
+  const double few = evaluations_of_each(10), many = evaluations_of_each(150);
+  CHECK(many < 1.2 * few);
+}

@@ -8,6 +8,7 @@
 
 #include <momentree/dynamics/totals.hpp>
 #include <momentree/joint/joint.hpp>
+#include <momentree/simulate/names.hpp>
 
 namespace momentree {
 
@@ -63,7 +64,7 @@ struct Event {
   std::string name;  ///< the event's name, or #1, #2 … by its place
   std::vector<ActionRecord> actions;
   TopologyRecord topology;
-  std::vector<std::string> mechanisms_before, mechanisms_after;
+  MechanismNames mechanisms_before, mechanisms_after;
   /// "break chain/41", …: see ActionRecord::text().
   std::vector<std::string> action_texts() const {
     std::vector<std::string> all;

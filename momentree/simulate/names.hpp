@@ -2,6 +2,7 @@
 // Names of joints and mechanisms across changes of the topology.
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -11,6 +12,24 @@
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
+
+/// Names of all mechanisms of a world. Copies share them: most events change none.
+class MechanismNames {
+ public:
+  using Shared = std::shared_ptr<const std::vector<std::string>>;
+  MechanismNames(std::vector<std::string> all = {}) : all_(std::make_shared<const std::vector<std::string>>(std::move(all))) {}
+  explicit MechanismNames(Shared all) : all_(std::move(all)) {}
+  operator const std::vector<std::string>&() const { return *all_; }
+  auto begin() const { return all_->begin(); }
+  auto end() const { return all_->end(); }
+  std::size_t size() const { return all_->size(); }
+  const std::string& operator[](std::size_t i) const { return (*all_)[i]; }
+  friend bool operator==(const MechanismNames& a, const MechanismNames& b) { return a.all_ == b.all_ || *a.all_ == *b.all_; }
+  const Shared& shared() const { return all_; }
+
+ private:
+  Shared all_;
+};
 
 /// Names of joints by joint number, and of mechanisms by root body. The part that keeps the root keeps the mechanism's name. A
 /// part that breaks off is named after its root body, and so is the free joint that carries it (with the suffix "~free" if

@@ -424,10 +424,15 @@ std::vector<Mechanism> World::mechanisms() const {
   return all;
 }
 
-std::vector<std::string> World::mechanism_names() const {
+MechanismNames World::mechanism_names() const {
+  std::size_t known = 0;
+  int root = tree_.first_root();
+  while (root >= 0 && known < mechanism_names_.size() && mechanism_names_[known] == mechanism_name({root}))
+    root = tree_.next_sibling(root), ++known;
+  if (root < 0 && known == mechanism_names_.size()) return mechanism_names_;
   std::vector<std::string> names;
   for (int b = tree_.first_root(); b >= 0; b = tree_.next_sibling(b)) names.emplace_back(mechanism_name({b}));
-  return names;
+  return mechanism_names_ = std::move(names);
 }
 
 }  // namespace momentree

@@ -240,7 +240,7 @@ class World {
 
   /// Present mechanisms, in the order of their root's body number.
   std::vector<Mechanism> mechanisms() const;
-  std::vector<std::string> mechanism_names() const;
+  MechanismNames mechanism_names() const;
   /// Name of the joint with that number: as declared; after the joint broke, the name of the body that broke off.
   std::string_view joint_name(JointId joint) const { return names_.joint(joint.index); }
   std::string_view mechanism_name(BodyId root) const { return names_.mechanism(root.index); }
@@ -315,6 +315,7 @@ class World {
   mutable CheckedVector<BodyMotion> motions_;
   mutable std::vector<BodyAcceleration> accelerations_;  // empty until they are first requested
   mutable Stamp motions_of_, accelerations_of_;
+  mutable MechanismNames mechanism_names_;  // when they were last asked for
   struct LoopValues {
     double q[7], v[6];
   };

@@ -5,11 +5,13 @@
 #include <bit>
 #include <concepts>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <typeindex>
 #include <utility>
 #include <vector>
 
@@ -62,14 +64,19 @@ class ArchiveWriter {
     put(value.has_value());
     if (value) put(*value);
   }
+  // What is shared is written once, and then by its number.
   template <class T>
   void put(const std::shared_ptr<const T>& value) {
-    put(value != nullptr);
-    if (value) put(*value);
+    if (value == nullptr) return put(std::size_t{0});
+    const auto [known, first] = shared_.try_emplace(value.get(), shared_.size() + 1);
+    put(known->second);
+    if (first) put(*value);
   }
   template <class T>
   requires std::is_class_v<T>
   void put(const T& value) { fields(*this, value); }
+
+  std::map<const void*, std::size_t> shared_;
 };
 
 /// Throws Error for bytes that no writer has written. Allocates in proportion to the bytes.
@@ -141,11 +148,18 @@ class ArchiveReader {
   }
   template <class T>
   void get(std::shared_ptr<const T>& value) {
-    bool given = false;
-    get(given);
+    std::size_t number = 0;
+    get(number);
     value.reset();
-    if (!given) return;
+    if (number == 0) return;
+    require(number <= shared_.size() + 1);
+    if (number <= shared_.size()) {
+      require(shared_[number - 1].first == typeid(T));
+      value = std::static_pointer_cast<const T>(shared_[number - 1].second);
+      return;
+    }
     auto read = std::make_shared<T>();
+    shared_.emplace_back(typeid(T), read);
     get(*read);
     value = std::move(read);
   }
@@ -155,6 +169,7 @@ class ArchiveReader {
 
   std::string_view left_;
   const char* what_;
+  std::vector<std::pair<std::type_index, std::shared_ptr<const void>>> shared_;
 };
 
 }  // namespace momentree::io

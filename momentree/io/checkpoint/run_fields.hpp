@@ -75,6 +75,15 @@ void fields(Archive& archive, Part<Archive, Event::Contact>& c) {
   archive(c.one, c.other, c.point, c.normal, c.impulse, c.scaled, c.in_turn, c.cable);
 }
 template <class Archive>
+void fields(Archive& archive, Part<Archive, MechanismNames>& names) {
+  MechanismNames::Shared all = names.shared();
+  archive(all);
+  if constexpr (!Archive::writes) {
+    archive.require(all != nullptr);
+    names = MechanismNames(std::move(all));
+  }
+}
+template <class Archive>
 void fields(Archive& archive, Part<Archive, Event>& e) {
   archive(e.time, e.name, e.actions, e.topology, e.mechanisms_before, e.mechanisms_after, e.before, e.after, e.released, e.lost,
           e.work, e.impulse, e.ground_impulse, e.coupling_impulse, e.contact, e.hardest_joint, e.hardest_linear,
