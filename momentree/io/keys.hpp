@@ -59,7 +59,9 @@ inline constexpr Type moments = other(R"({"anyOf": [{"type": ["number", "string"
   {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 3, "maxItems": 3},
   {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 6, "maxItems": 6}]})");
 constexpr Type tables(const KeyTable& keys) { return other(R"({"type": "array", "items": @})", keys); }
-constexpr Type one_or_several(const KeyTable& keys) { return other(R"({"anyOf": [@, {"type": "array", "items": @}]})", keys); }
+constexpr Type one_or_several(const KeyTable& keys) {
+  return other(R"({"anyOf": [@, {"type": "array", "items": @, "minItems": 1}]})", keys);
+}
 }  // namespace type
 
 struct Key {

@@ -19,7 +19,8 @@ constexpr Key body_entries[] = {
      "0"},
     {"joint", table(joint_table), ""},
     {"shape", one_or_several(shape_table), "Shape for pictures: one, or a list of several"},
-    {"collision", other(R"({"anyOf": [{"enum": ["shape", "none"]}, @, {"type": "array", "items": @}]})", shape_table),
+    {"collision",
+     other(R"({"anyOf": [{"enum": ["shape", "none"]}, @, {"type": "array", "items": @, "minItems": 1}]})", shape_table),
      "What it touches other bodies with: shapes, \"shape\" (those drawn) or \"none\"", R"("none")"},
 };
 

@@ -149,11 +149,14 @@ Shape read_one(const Value& value, bool drawn, Reading& reading) {
 }  // namespace
 
 constinit const KeyTable shape_table{
-    "shape", "shape", "A shape, for pictures only", shape_entries, {{KeyRule::How::not_two, "box sphere cylinder capsule mesh"}}};
+    "shape", "shape", "A shape, for pictures only", shape_entries, {{KeyRule::How::one, "box sphere cylinder capsule mesh"}}};
 
 Shape read_shape(const Value& value, Reading& reading, bool drawn) {
   const Value::Array* several = value.array();
   if (!several) return read_one(value, drawn, reading);
+  if (several->empty())
+    reading.out.error(value.place, std::string(drawn ? "shape" : "collision") + ": the list has no shape",
+                      drawn ? "leave it out" : "leave it out, or write collision = \"none\"");
   Shape all;
   for (const Value& each : *several) {
     Shape one = read_one(each, drawn, reading);
