@@ -45,8 +45,10 @@ void add_rows(N n, const double* __restrict rows, double r0, double r1, double r
 
 }  // namespace
 
-void ManyPoints::clear(int dofs, int groups) {
+void ManyPoints::clear(int dofs, int groups, int bodies) {
   dofs_ = dofs;
+  links.clear(bodies, groups);
+  moved_.x.clear();
   blocks_.clear();
   points.clear(), J.clear(), Y.clear(), b.clear(), r.clear();
   parent_.resize(static_cast<std::size_t>(groups));
@@ -85,35 +87,61 @@ void ManyPoints::find_blocks() {
   blocks_.assign(points.size(), {});
   tangential_.resize(points.size()), inverses_.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    std::array<double, 9>& A = blocks_[i];
-    for (const Part& part : points[i].parts) {
-      const auto n = static_cast<std::size_t>(part.count);
-      for (std::size_t row = 0; row < 3; ++row)
-        for (std::size_t column = 0; column < 3; ++column)
-          A[3 * row + column] += std::inner_product(J.begin() + static_cast<std::ptrdiff_t>(part.at + row * n),
-                                                    J.begin() + static_cast<std::ptrdiff_t>(part.at + (row + 1) * n),
-                                                    Y.begin() + static_cast<std::ptrdiff_t>(part.at + column * n), 0.0);
-    }
+    const std::array<double, 9>& A = blocks_[i] = block(i);
     inverses_[i] = inverse_of(A);
     tangential_[i] = 0.5 * (A[4] + A[8] + std::hypot(A[4] - A[8], A[5] + A[7]));
   }
 }
 
-double ManyPoints::along(std::size_t point, std::size_t row, const std::vector<double>& x) const {
+std::array<double, 9> ManyPoints::block(std::size_t point) {
+  std::array<double, 9> A{};
+  const auto& parts = points[point].parts;
+  if (parts[0].link >= 0 && parts[0].group == parts[1].group) {  // two bodies of one mechanism
+    if (moved_.x.empty()) links.start(moved_, dofs_);
+    for (std::size_t column = 0; column < 3; ++column) {
+      double impulse[3] = {}, w[3];
+      impulse[column] = 1;
+      add(point, impulse, moved_);
+      all_along(point, moved_, w);
+      for (std::size_t row = 0; row < 3; ++row) A[3 * row + column] = w[row];
+      impulse[column] = -1;
+      add(point, impulse, moved_);
+    }
+    return A;
+  }
+  for (const Part& part : parts) {
+    const auto n = static_cast<std::size_t>(part.count);
+    for (std::size_t row = 0; row < 3; ++row)
+      for (std::size_t column = 0; column < 3; ++column)
+        A[3 * row + column] += std::inner_product(J.begin() + static_cast<std::ptrdiff_t>(part.at + row * n),
+                                                  J.begin() + static_cast<std::ptrdiff_t>(part.at + (row + 1) * n),
+                                                  Y.begin() + static_cast<std::ptrdiff_t>(part.at + column * n), 0.0);
+  }
+  return A;
+}
+
+void ManyPoints::forget(const Part& part, LinksMotion& motion) const {
+  if (part.link >= 0) return links.forget(part.group, motion);
+  std::fill_n(motion.x.begin() + part.first, part.count, 0.0);
+}
+
+double ManyPoints::along(std::size_t point, std::size_t row, LinksMotion& motion) {
   double sum = 0;
   for (const Part& part : points[point].parts) {
+    if (part.link >= 0) links.walk(motion, part.link);
     const double* const j = J.data() + part.at + row * static_cast<std::size_t>(part.count);
-    const double* const of = x.data() + part.first;
+    const double* const of = motion.x.data() + part.first;
     for (int k = 0; k < part.count; ++k) sum += j[k] * of[k];
   }
   return sum;
 }
 
 // All three rows in one pass: most of the time of the sweeps is spent here.
-void ManyPoints::all_along(std::size_t point, const std::vector<double>& all, double* w) const {
+void ManyPoints::all_along(std::size_t point, LinksMotion& motion, double* w) {
   double sum[3] = {};
   for (const Part& part : points[point].parts) {
-    const double *const j = J.data() + part.at, *const x = all.data() + part.first;
+    if (part.link >= 0) links.walk(motion, part.link);
+    const double *const j = J.data() + part.at, *const x = motion.x.data() + part.first;
     sized(part.count, [&](auto n) {
       double s0 = 0, s1 = 0, s2 = 0;
       for (std::size_t k = 0; k < n; ++k) s0 += j[k] * x[k], s1 += j[n + k] * x[k], s2 += j[2 * n + k] * x[k];
@@ -123,10 +151,15 @@ void ManyPoints::all_along(std::size_t point, const std::vector<double>& all, do
   w[0] = sum[0], w[1] = sum[1], w[2] = sum[2];
 }
 
-void ManyPoints::add(std::size_t point, const double* impulse, std::vector<double>& x) const {
+void ManyPoints::add(std::size_t point, const double* impulse, LinksMotion& motion) {
   for (const Part& part : points[point].parts) {
+    if (part.link >= 0) {
+      links.walk(motion, part.link);
+      add_rows(std::integral_constant<std::size_t, 6>{}, J.data() + part.at, impulse[0], impulse[1], impulse[2],
+               motion.sum.data() + 6 * static_cast<std::size_t>(part.link));
+    }
     const double* const y = Y.data() + part.at;
-    double* const of = x.data() + part.first;
+    double* const of = motion.x.data() + part.first;
     sized(part.count, [&](auto n) { add_rows(n, y, impulse[0], impulse[1], impulse[2], of); });
   }
 }
@@ -244,7 +277,7 @@ void ManyPoints::solve_pressing(const std::size_t* first, const std::size_t* las
   };
   for (int k = 0; k < most_gradients && worst > accuracy && square > 0; ++k) {
     each([&](std::size_t i) {
-      for (const Part& part : points[i].parts) std::fill_n(moved_.begin() + part.first, part.count, 0.0);
+      for (const Part& part : points[i].parts) forget(part, moved_);
     });
     each([&](std::size_t i) { add(i, direction_.data() + 3 * i, moved_); });
     double curvature = 0;
@@ -297,7 +330,7 @@ void ManyPoints::solve_pressing(const std::size_t* first, const std::size_t* las
 }
 
 double ManyPoints::energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                                 const std::vector<double>& impulses) const {
+                                 const std::vector<double>& impulses) {
   double sum = 0;
   for (const std::size_t* p = first; p != last; ++p)
     for (std::size_t k = 0; k < 3; ++k) sum += impulses[3 * *p + k] * (start[3 * *p + k] + 0.5 * along(*p, k, change_));
@@ -307,7 +340,7 @@ double ManyPoints::energy_change(const std::size_t* first, const std::size_t* la
 // change_ of the points of an island.
 void ManyPoints::restart(const std::size_t* first, const std::size_t* last, const std::vector<double>& impulses) {
   for (const std::size_t* p = first; p != last; ++p)
-    for (const Part& part : points[*p].parts) std::fill_n(change_.begin() + part.first, part.count, 0.0);
+    for (const Part& part : points[*p].parts) forget(part, change_);
   for (const std::size_t* p = first; p != last; ++p) add(*p, impulses.data() + 3 * *p, change_);
 }
 
@@ -325,14 +358,14 @@ void ManyPoints::lose_energy(const std::size_t* first, const std::size_t* last, 
   restart(first, last, impulses);
 }
 
-void ManyPoints::velocities(std::vector<double>& w) const {
+void ManyPoints::velocities(std::vector<double>& w) {
   w.resize(b.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) w[3 * i + k] = b[3 * i + k] + along(i, k, change_);
 }
 
-const std::vector<double>& ManyPoints::displacement(const std::vector<double>& factors) {
-  shift_.assign(static_cast<std::size_t>(dofs_), 0.0);
+LinksMotion& ManyPoints::displacement(const std::vector<double>& factors) {
+  links.start(shift_, dofs_);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double scaled[3] = {factors[i] * r[3 * i], factors[i] * r[3 * i + 1], factors[i] * r[3 * i + 2]};
     add(i, scaled, shift_);
@@ -390,10 +423,10 @@ void ManyPoints::solve() {
   r.resize(3 * points.size());
   find_islands();
   find_blocks();
-  change_.assign(static_cast<std::size_t>(dofs_), 0.0);
+  links.start(change_, dofs_);
   least_.assign(points.size(), 0.0);
   for (std::vector<double>* scratch : {&direction_, &missing_, &step_, &product_, &free_}) scratch->resize(b.size());
-  moved_.assign(static_cast<std::size_t>(dofs_), 0.0);
+  links.start(moved_, dofs_);
   after_.assign(b.size(), 0.0), rebound_.assign(b.size(), 0.0), best_.assign(b.size(), 0.0);
   std::size_t begin = 0;
   for (const std::size_t end : ends_) {
@@ -406,10 +439,9 @@ void ManyPoints::solve() {
   }
 }
 
-const std::vector<double>& ManyPoints::separate(const std::vector<double>& gaps, std::vector<double>& pushes, double accuracy,
-                                                int sweeps) {
+LinksMotion& ManyPoints::separate(const std::vector<double>& gaps, std::vector<double>& pushes, double accuracy, int sweeps) {
   if (blocks_.size() != points.size()) find_blocks();
-  moved_.assign(static_cast<std::size_t>(dofs_), 0.0);
+  links.start(moved_, dofs_);
   pushes.assign(points.size(), 0.0);
   const double deepest = -std::min(0.0, *std::min_element(gaps.begin(), gaps.end()));
   double push[3] = {};

@@ -1,21 +1,24 @@
 #pragma once
 // Impulses at many contact points at once, without the dense matrix of all of them: each point acts on the degrees of freedom of
-// two mechanisms only. The law is that of System and ImpactLaw; projected Gauss–Seidel sweeps and conjugate gradients solve it,
-// to the accuracy of a time step rather than to rounding. Whatever they reach, momentum is exact and the kinetic energy does not
-// grow.
+// two mechanisms only, or on two bodies of large trees, along which what impulses do is carried from point to point. The law is
+// that of System and ImpactLaw; projected Gauss–Seidel sweeps and conjugate gradients solve it, to the accuracy of a time step
+// rather than to rounding. Whatever they reach, momentum is exact and the kinetic energy does not grow.
 #include <array>
 #include <cstddef>
 #include <vector>
+
+#include <momentree/contact/links.hpp>
 
 namespace momentree::contact {
 
 class ManyPoints {
  public:
-  /// The degrees of freedom of one mechanism on which a point acts.
+  /// The degrees of freedom of one mechanism on which a point acts, or the six of one of its bodies.
   struct Part {
     int group = -1;            ///< number of the mechanism; −1: none, such as the ground
-    int first = 0, count = 0;  ///< its degrees of freedom
+    int first = 0, count = 0;  ///< its numbers in a LinksMotion
     std::size_t at = 0;        ///< where its three rows of `count` numbers begin in J and in Y
+    int link = -1;             ///< the body's, in `links`; −1: the rows are those of the whole mechanism
   };
   struct Point {
     std::array<Part, 2> parts{};
@@ -23,10 +26,11 @@ class ManyPoints {
     double slack = 0;  ///< the speed with which it may approach afterwards, because a gap is left (m/s)
   };
 
-  /// Forgets all points. `dofs` and `groups`: how many there are.
-  void clear(int dofs, int groups);
+  /// Forgets all points. How many degrees of freedom there are, without those of mechanisms that have links; mechanisms; links.
+  void clear(int dofs, int groups, int bodies = 0);
 
   std::vector<Point> points;
+  Links links;
   std::vector<double> J;  ///< the rows of each point, along its normal and two tangents
   std::vector<double> Y;  ///< M⁻¹ Jᵀ, by row
   std::vector<double> b;  ///< velocities before, three of each point
@@ -35,33 +39,35 @@ class ManyPoints {
   /// Finds the impulses of an impact, islands one by one.
   void solve();
   /// M⁻¹ Jᵀ r, the change of all velocities.
-  const std::vector<double>& change() const { return change_; }
+  LinksMotion& change() { return change_; }
   /// Velocities after the impact, three of each point.
-  void velocities(std::vector<double>& w) const;
+  void velocities(std::vector<double>& w);
   /// M⁻¹ Jᵀ of the impulses times a factor for each point.
-  const std::vector<double>& displacement(const std::vector<double>& factors);
-  /// The part of a motion x of all degrees of freedom along the normal of a point.
-  double along_normal(std::size_t point, const std::vector<double>& x) const { return along(point, 0, x); }
+  LinksMotion& displacement(const std::vector<double>& factors);
+  /// The part of a motion along the normal of a point.
+  double along_normal(std::size_t point, LinksMotion& motion) { return along(point, 0, motion); }
+  /// What a unit impulse along each row of a point does along each of them.
+  std::array<double, 9> block(std::size_t point);
 
   /// The smallest motion that removes negative gaps (m, one of each point), by displacements along the normals. `pushes`: its
   /// multipliers (kg m, rad in generalised terms), one of each point; returns the displacement of all degrees of freedom. It is
   /// solved in at most `sweeps` sweeps, until the last of them moves points by less than `accuracy` times the deepest gap.
-  const std::vector<double>& separate(const std::vector<double>& gaps, std::vector<double>& pushes, double accuracy = 1e-3,
-                                      int sweeps = 50);
+  LinksMotion& separate(const std::vector<double>& gaps, std::vector<double>& pushes, double accuracy = 1e-3, int sweeps = 50);
 
  private:
   void find_islands();
   void find_blocks();
   int root(int group);
-  double along(std::size_t point, std::size_t row, const std::vector<double>& x) const;
-  void all_along(std::size_t point, const std::vector<double>& x, double* w) const;
-  void add(std::size_t point, const double* r, std::vector<double>& x) const;
+  void forget(const Part& part, LinksMotion& motion) const;
+  double along(std::size_t point, std::size_t row, LinksMotion& motion);
+  void all_along(std::size_t point, LinksMotion& motion, double* w);
+  void add(std::size_t point, const double* r, LinksMotion& motion);
   double relax(std::size_t point, double least, const std::vector<double>& start, double* own);
   void sweep(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, std::vector<double>& impulses);
   void solve_pressing(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                       std::vector<double>& impulses, double accuracy);
   double energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                       const std::vector<double>& impulses) const;
+                       const std::vector<double>& impulses);
   void lose_energy(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                    std::vector<double>& impulses);
   void restart(const std::size_t* first, const std::size_t* last, const std::vector<double>& impulses);
@@ -73,7 +79,8 @@ class ManyPoints {
   std::vector<std::size_t> order_, ends_;                 // points island by island, and where each island ends
   std::vector<std::array<double, 9>> blocks_, inverses_;  // A of each point, and its inverse
   std::vector<double> tangential_;                        // the larger eigenvalue of its tangential part
-  std::vector<double> change_, least_, after_, rebound_, best_, moved_, shift_, direction_, missing_, step_, product_, free_;
+  LinksMotion change_, moved_, shift_;
+  std::vector<double> least_, after_, rebound_, best_, direction_, missing_, step_, product_, free_;
 };
 
 }  // namespace momentree::contact

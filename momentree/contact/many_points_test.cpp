@@ -145,7 +145,7 @@ TEST_CASE("many points: overlaps are removed, and nothing else is overlapped ins
     ManyPoints many = random_points(random, 1 + k % 4, 1 + k % 6, 0, 0);
     std::vector<double> gaps(many.points.size()), pushes;
     for (double& gap : gaps) gap = random.uniform(-1, 1);
-    const std::vector<double> moved = many.separate(gaps, pushes);
+    LinksMotion& moved = many.separate(gaps, pushes);
     const double deepest = -std::min(0.0, *std::min_element(gaps.begin(), gaps.end()));
     for (std::size_t i = 0; i < gaps.size(); ++i) {
       CHECK(pushes[i] >= 0);

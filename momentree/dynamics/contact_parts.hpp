@@ -6,17 +6,17 @@
 #include <vector>
 
 #include <momentree/contact/many_points.hpp>
+#include <momentree/dynamics/body_response.hpp>
 #include <momentree/dynamics/contacts.hpp>
 
 namespace momentree {
 
-/// Degrees of freedom numbered mechanism by mechanism. With closed loops all mechanisms count as one.
+/// Degrees of freedom numbered mechanism by mechanism, and the bodies of those that have so many that points act on bodies. With
+/// closed loops all mechanisms count as one.
 class ContactParts {
  public:
-  /// Numbers those of the tree's present topology.
-  void number(const Tree& tree);
-  int dofs() const { return static_cast<int>(dof_.size()); }
-  int mechanisms() const { return static_cast<int>(ranges_.size()); }
+  /// Begins with a problem without points, for the tree's present topology.
+  void begin(const Tree& tree, contact::ManyPoints& many);
 
   /// Adds the points of contacts that are placed: their rows J and Y = M⁻¹ Jᵀ. Requires the factors of an evaluation at q.
   void add_points(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
@@ -26,13 +26,16 @@ class ContactParts {
   void add_stop(const Tree& tree, const double* q, Workspace<double>& workspace, int body, int dof, double sign,
                 contact::ManyPoints& many);
 
-  /// Numbers by degree of freedom, in the order of this class, added to an array packed as p.
-  void add_to(const std::vector<double>& x, double* packed) const;
+  /// Adds what a motion of these points is to an array packed as p.
+  void add_to(const Tree& tree, const contact::ManyPoints& many, contact::LinksMotion& motion, double* packed) const;
 
  private:
   struct Range {
-    int begin, end;          ///< bodies in the tree's order
-    int first_dof, end_dof;  ///< in dof_
+    int begin, end;                  ///< bodies in the tree's order
+    int dofs = 0;                    ///< of its joints
+    int first_dof = 0, end_dof = 0;  ///< in dof_; none if it has links
+    int first_link = -1;             ///< −1: it has none
+    bool known = false;              ///< its links are
   };
   /// Of a body: the joint forces E of a unit wrench along each of its six axes, and M⁻¹ E, as six rows of each.
   struct Response {
@@ -42,13 +45,21 @@ class ContactParts {
   void count_points(const Tree& tree, std::span<const Contact> contacts);
   void solve(const Tree& tree, const double* q, Workspace<double>& workspace, const Range& range);
   const double* response(const Tree& tree, const double* q, Workspace<double>& workspace, int body);
+  void find_links(const Tree& tree, const double* q, const Workspace<double>& workspace, int mechanism, contact::Links& links);
+  void add_link_part(const Tree& tree, const double* q, const Workspace<double>& workspace, int body,
+                     std::span<const Force<double>> rows, contact::ManyPoints& many, contact::ManyPoints::Part& part);
+  /// Where the numbers of a mechanism without links begin in a motion.
+  int part_begin(const Range& range) const { return 6 * static_cast<int>(body_of_.size()) + range.first_dof; }
   void add_part(const Tree& tree, const double* q, Workspace<double>& workspace, int mechanism, const Contact& contact,
                 const contact::Touch& touch, contact::ManyPoints& many, contact::ManyPoints::Part& part);
 
   std::vector<Range> ranges_;
   std::vector<int> dof_;           // places in arrays packed as p
   std::vector<int> mechanism_of_;  // by body
-  std::vector<double> row_;        // packed as p; zero between calls
+  std::vector<int> link_of_;       // by body; −1: none
+  std::vector<int> body_of_;       // by link
+  std::vector<BodyResponse> link_responses_;
+  std::vector<double> row_;  // packed as p; zero between calls
   std::vector<Response> of_body_;
   std::vector<double> responses_;
 };

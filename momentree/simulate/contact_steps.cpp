@@ -32,8 +32,7 @@ void ContactSteps::find_points(double within) {
   place_contacts(tree, workspace, near_, rows_);
   const double* const q = world_->state_.q().data();
   find_contact_accelerations(tree, q, workspace, near_, rows_);
-  parts_.number(tree);
-  many_.clear(parts_.dofs(), parts_.mechanisms());
+  parts_.begin(tree, many_);
   parts_.add_points(tree, q, workspace, near_, rows_, many_);
   add_stops();
 }
@@ -117,7 +116,7 @@ void ContactSteps::move(State& state, EnergyLedger& ledger) {
   const double before = energy(), driven = tree.driven_joints().empty() ? 0.0 : world_->totals().kinetic;
   {
     const State::Edit edit = state.edit();
-    parts_.add_to(many_.change(), edit.u.data());
+    parts_.add_to(tree, many_, many_.change(), edit.u.data());
   }
   double by_drives = 0;
   if (!tree.driven_joints().empty()) {
@@ -125,7 +124,7 @@ void ContactSteps::move(State& state, EnergyLedger& ledger) {
     by_drives = world_->totals().kinetic - driven;
     for (std::size_t row = 0; row < many_.r.size(); ++row) by_drives -= 0.5 * many_.r[row] * (many_.b[row] + after_[row]);
   }
-  const std::vector<double>& moved = many_.displacement(reached_);
+  contact::LinksMotion& moved = many_.displacement(reached_);
   displace(state, moved);
   const double struck = energy();
   ledger.work += by_drives, ledger.impacts += before + by_drives - struck;
@@ -145,10 +144,10 @@ void ContactSteps::move(State& state, EnergyLedger& ledger) {
   ledger.projection += energy() - struck;
 }
 
-void ContactSteps::displace(State& state, const std::vector<double>& by) {
+void ContactSteps::displace(State& state, contact::LinksMotion& by) {
   const Tree& tree = world_->tree_;
   packed_.assign(static_cast<std::size_t>(tree.nv()), 0.0);
-  parts_.add_to(by, packed_.data());
+  parts_.add_to(tree, many_, by, packed_.data());
   const double t = state.time();
   const State::Edit edit = state.edit();
   displacement_.apply(tree, t, packed_.data(), edit.q.data(), edit.u.data(), world_->workspace_);

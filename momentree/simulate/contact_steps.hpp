@@ -61,7 +61,7 @@ class ContactSteps final : public StepContacts {
   void set_law(double h);
   double energy() const;
   void move(State& state, EnergyLedger& ledger);
-  void displace(State& state, const std::vector<double>& by);
+  void displace(State& state, contact::LinksMotion& by);
   bool lay_there(std::size_t point, double h) const;
   void remember(double h);
   void hold();

@@ -66,21 +66,28 @@ void Separator::add_stops() {
         const double stop = sign > 0 ? p->limits.lower_of(i) : p->limits.upper_of(i);
         if (!std::isfinite(stop)) continue;
         parts_.add_stop(tree, q.data(), world_->workspace_, b, i, sign, many_);
-        gaps_.push_back(std::max(0.0, sign * (q[static_cast<std::size_t>(tree.first_q(b) + i)] - stop)));
+        gaps_.push_back(std::max(0.0, sign * (q[static_cast<std::size_t>(tree.first_q(b) + i)] - stop)) -
+                        sign * moved_[static_cast<std::size_t>(tree.first_p(b) + i)]);
       }
   }
 }
 
 // Finds the next step; returns its size (rad, m). `from_start`: such that the whole motion is the least one.
 double Separator::find_step(bool from_start) {
-  many_.clear(parts_.dofs(), parts_.mechanisms());
-  parts_.add_points(world_->tree_, world_->state_.q().data(), world_->workspace_, near_, rows_, many_);
-  add_stops();
-  static_cast<void>(world_->state_.edit());  // with loops the workspace no longer holds its evaluation
+  const Tree& tree = world_->tree_;
+  const double* const q = world_->state_.q().data();
   if (!from_start) std::fill(moved_.begin(), moved_.end(), 0.0);
-  for (std::size_t i = 0; i < gaps_.size(); ++i) gaps_[i] -= many_.along_normal(i, moved_);
+  parts_.begin(tree, many_);
+  parts_.add_points(tree, q, world_->workspace_, near_, rows_, many_);
+  add_stops();
+  sweep_velocities<double, true>(tree, q, moved_.data(), world_->workspace_);
+  locate_stage(tree, q, world_->workspace_);
+  place_contacts(tree, world_->workspace_, near_, rows_);
+  for (std::size_t i = 0; i < near_.size(); ++i) gaps_[i] -= rows_.velocity[3 * i];  // the gaps at the start
+  static_cast<void>(world_->state_.edit());  // the workspace no longer holds its evaluation
   const double sweeps = std::clamp(most_work / static_cast<double>(near_.size()), 200.0, 20'000.0);
-  step_ = many_.separate(gaps_, pushes_, accuracy, static_cast<int>(sweeps));
+  step_.assign(moved_.size(), 0.0);
+  parts_.add_to(tree, many_, many_.separate(gaps_, pushes_, accuracy, static_cast<int>(sweeps)), step_.data());
   double largest = 0;
   for (std::size_t i = 0; i < step_.size(); ++i) {
     step_[i] -= moved_[i];
@@ -92,11 +99,9 @@ double Separator::find_step(bool from_start) {
 void Separator::take_step(double part) {
   const Tree& tree = world_->tree_;
   for (std::size_t i = 0; i < step_.size(); ++i) step_[i] *= part, moved_[i] += step_[i];
-  packed_.assign(static_cast<std::size_t>(tree.nv()), 0.0);
-  parts_.add_to(step_, packed_.data());
   const double t = world_->time();
   const State::Edit edit = world_->state_.edit();
-  displacement_.apply(tree, t, packed_.data(), edit.q.data(), edit.u.data(), world_->workspace_);
+  displacement_.apply(tree, t, step_.data(), edit.q.data(), edit.u.data(), world_->workspace_);
   double ignored = 0;
   if (tree.has_loops()) static_cast<void>(evaluate_->close(t, edit.q.data(), edit.u.data(), ignored));
 }
@@ -133,8 +138,7 @@ Separation Separator::run() {
       if (by > result.largest) result.largest = by, result.body = name_of(static_cast<int>(i));
     }
   };
-  parts_.number(world_->tree_);
-  moved_.assign(static_cast<std::size_t>(parts_.dofs()), 0.0);
+  moved_.assign(static_cast<std::size_t>(world_->tree_.nv()), 0.0);
   const double first = deepest;
   double last = HUGE_VAL, looked_at = HUGE_VAL;
   bool from_start = true;

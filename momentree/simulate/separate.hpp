@@ -35,9 +35,9 @@ class Separator {
   std::vector<Contact> near_;
   ContactRows rows_;
   contact::ManyPoints many_;
-  double size_ = 1;            // of coordinates (m)
-  std::vector<double> moved_;  // since the start, in the order of parts_
-  std::vector<double> gaps_, pushes_, step_, packed_;
+  double size_ = 1;                   // of coordinates (m)
+  std::vector<double> moved_, step_;  // since the start, and next, packed as p
+  std::vector<double> gaps_, pushes_;
 };
 
 }  // namespace momentree

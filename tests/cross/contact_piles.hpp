@@ -74,9 +74,8 @@ inline contact::ManyPoints points_of_step(const World& world, const std::vector<
   locate_bodies(tree, world.state(), workspace);
   place_contacts(tree, workspace, contacts, rows);
   ContactParts parts;
-  parts.number(tree);
   contact::ManyPoints many;
-  many.clear(parts.dofs(), parts.mechanisms());
+  parts.begin(tree, many);
   parts.add_points(tree, q, workspace, contacts, rows, many);
   for (contact::ManyPoints::Point& point : many.points) point.friction = friction;
   many.r.assign(many.b.size(), 0.0);
