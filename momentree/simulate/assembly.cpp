@@ -6,11 +6,11 @@
 #include <vector>
 
 #include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/islands.hpp>
 #include <momentree/dynamics/loop_system.hpp>
 #include <momentree/dynamics/loop_workspace.hpp>
 #include <momentree/dynamics/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
-#include <momentree/simulate/islands.hpp>
 
 namespace momentree {
 
