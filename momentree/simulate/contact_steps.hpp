@@ -61,6 +61,7 @@ class ContactSteps final : public StepContacts {
   void set_law(double h);
   double energy() const;
   void move(State& state, EnergyLedger& ledger);
+  void take_back_work(double t, EnergyLedger& ledger, double h);
   void displace(State& state, contact::LinksMotion& by);
   bool lay_there(std::size_t point, double h) const;
   void remember(double h);
@@ -77,6 +78,8 @@ class ContactSteps final : public StepContacts {
   std::vector<double> reached_;  // by point: the time since it was reached (s)
   std::vector<double> carried_;  // by point: three components of the force before (N)
   std::vector<double> after_, gaps_, pushes_, packed_;
+  std::vector<double> free_q_, free_u_;  // the motion at the end of the step without contacts
+  Power free_power_;                     // there
   double usual_step_ = 0;
   std::vector<Stop> stops_;
   std::vector<SteppedContact> points_;

@@ -363,3 +363,30 @@ TEST_CASE("stepping: a body that passes through another one within a step is nam
       CHECK(run("dop853", 1e-3).empty());
     }
 }
+
+// Nothing moves, so that no force does work and no damper dissipates.
+TEST_CASE("stepping: what presses a resting body does no work, and its damper dissipates nothing") {
+  for (const double effort : {0.0, -50.0})
+    for (const double stiffness : {0.0, 200.0}) {
+      CAPTURE(effort);
+      CAPTURE(stiffness);
+      Model model;
+      const BodyId box = model.add({.name = "box",
+                                    .mass = 1,
+                                    .inertia = diagonal(0.006),
+                                    .joint = Prismatic{.damping = 80, .stiffness = stiffness, .rest = -1},
+                                    .q = 0.1});
+      model.add_collider({.body = box, .solid = contact::box({0.2, 0.2, 0.2})});
+      add_floor(model, 0.5, 1);
+      Simulation sim(model, {.method = "stepping", .step = 1e-3});
+      sim.drive("box", [effort](const EvaluationContext&) { return effort; });
+      REQUIRE(sim.run_until(0.5) == Status::ok);
+      const EnergyBalance energy = sim.energy();
+      const double press = 9.81 - effort + stiffness * 1.1, fall = 0.5 * press * 1e-6;  // in a step
+      CHECK(std::fabs(sim.world().joint({0}).q[0] - 0.1) < 2 * fall);
+      CHECK(std::fabs(energy.work) < 0.02 * (500 * 50 * fall) + 1e-9);
+      CHECK(std::fabs(energy.dissipated) < 0.1 * press * fall * 500);
+      CHECK(std::fabs(energy.lost_in_impacts) < 0.1 * press * fall * 500);
+      CHECK(std::fabs(energy.error) < 1e-4 * press * fall * 500);
+    }
+}
