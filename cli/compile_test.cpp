@@ -173,13 +173,13 @@ name = "coupler"
 mass = 1
 com = [0.2, 0, 0]
 inertia = [1e-4, 0.015, 0.015]
-joint = { kind = "revolute", parent = "crank", axis = [0, 1, 0], at = { xyz = [0.12, 0, 0] }, angle = "40 deg" }
+joint = { kind = "revolute", parent = "crank", axis = [0, 1, 0], at = { xyz = [0.12, 0, 0] } }
 [[mechanism.body]]
 name = "rocker"
 mass = 1
 com = [0.125, 0, 0]
 inertia = [1e-4, 0.006, 0.006]
-joint = { kind = "revolute", axis = [0, 1, 0], at = { xyz = [0.4, 0, 0] }, angle = "-90 deg" }
+joint = { kind = "revolute", axis = [0, 1, 0], at = { xyz = [0.4, 0, 0] } }
 [[loop]]
 name = "pin"
 kind = "revolute"
