@@ -135,6 +135,32 @@ void close_loop_velocities(const Tree& tree, double t, const double* q, double* 
   }
 }
 
+void keep_loops_closed(const Tree& tree, double t, const double* q, const double* u, double* du,
+                       Workspace<double>& workspace) noexcept {
+  detail::set_loop_motions(tree, t, workspace);
+  LoopCorrection correction{tree, workspace};
+  for (int i = 0; i < tree.nv(); ++i) du[i] += u[i];
+  correction.evaluate_kept(q, du);
+  correction.solve(q, [&](std::size_t row) { return -workspace.loops->rows[row].velocity; });
+  for (int i = 0; i < tree.nv(); ++i) du[i] += workspace.a[at(i)] - u[i];
+}
+
+bool close_coordinates_further(const Tree& tree, double t, double* q, const double* u, Workspace<double>& workspace) noexcept {
+  constexpr double close = 300;
+  detail::set_loop_motions(tree, t, workspace);
+  LoopCorrection correction{tree, workspace};
+  double before = HUGE_VAL;
+  for (int k = 0;; ++k) {
+    correction.evaluate(q, u, 0);
+    const double open = detail::most_open(tree, *workspace.loops), clearance = loop_clearance(workspace);
+    if (open <= closed * std::min(1.0, close * clearance * clearance) || !(open < 0.5 * before) || k == most_corrections)
+      return k > 0;
+    before = open;
+    correction.solve(q, [&](std::size_t row) { return -workspace.loops->rows[row].residual; });
+    detail::displace(tree, workspace.a.get(), 1, q);
+  }
+}
+
 bool close_loops_in_momenta(const Tree& tree, double t, double* q, double* p, Workspace<double>& workspace,
                             double& energy) noexcept {
   detail::set_loop_motions(tree, t, workspace);

@@ -34,6 +34,10 @@ void accelerate_with_loops(const Tree& tree, const State& state, Workspace<doubl
 /// momenta of a floating or pivoted root are first expressed at its corrected place, so that the total momentum stays.
 [[nodiscard]] bool close_loops_in_momenta(const Tree& tree, double t, double* q, double* p, Workspace<double>& workspace,
                                           double& energy) noexcept;
+/// Corrects coordinates of closed loops for as long as that helps: close to a singular position they are off by |φ| / clearance.
+/// True if it changed them; the loops must then be closed again.
+[[nodiscard]] bool close_coordinates_further(const Tree& tree, double t, double* q, const double* u,
+                                             Workspace<double>& workspace) noexcept;
 /// Adds ṗ* − ṗ to `rates`, which hold ṗ at the state that the last closing led to: the rates of the step's own p* there.
 /// `impulses`: σ of that closing, by row. The workspace must be evaluated at this state.
 void add_gauge_rates(const Tree& tree, const double* q, Workspace<double>& workspace, const double* impulses,

@@ -56,6 +56,18 @@ void LoopCorrection::evaluate(const double* q, const double* u, double tolerance
   factorise_loops<double>(*workspace.loops);
 }
 
+void LoopCorrection::evaluate_kept(const double* q, const double* u) noexcept {
+  gather(q, u);
+  LoopWorkspace& loops = *workspace.loops;
+  scale_rows(tree, workspace, loops);
+  const std::size_t n = loops.kept.rows.size();
+  double *const least = loops.least_pivots.data(), *const scratch = loops.choice.mobility.data() + n;
+  std::copy_n(least, n, scratch);
+  std::fill_n(least, n, 0.0);
+  factorise_loops<double>(loops);
+  std::copy_n(scratch, n, least);
+}
+
 void LoopCorrection::evaluate_damped(const double* q, const double* u, double damping) noexcept {
   gather(q, u);
   LoopWorkspace& loops = *workspace.loops;
@@ -115,6 +127,21 @@ void solve_with_loops(const Tree& tree, const double* q, Workspace<double>& work
   solve_loops(tree, q, workspace, {}, LoopRows::choose, true);
   resolve_accelerations<double, true>(tree, q, workspace, {});
   std::copy_n(workspace.a.get(), tree.nv(), u);
+}
+
+double loop_clearance(const Workspace<double>& workspace) noexcept {
+  const LoopWorkspace& loops = *workspace.loops;
+  double least = 1;
+  for (std::size_t i = 0; i < loops.kept.rows.size(); ++i) {
+    const double root = loops.kept.element(loops.factor, i, i);
+    least = std::min(least, root < HUGE_VAL ? root * root / loops.rows[at(loops.kept.rows[i])].scale : 0.0);
+  }
+  return std::sqrt(least);
+}
+
+double loop_clearance(const Tree& tree, const double* q, const double* u, Workspace<double>& workspace) noexcept {
+  detail::LoopCorrection{tree, workspace}.evaluate_kept(q, u);
+  return loop_clearance(workspace);
 }
 
 std::span<const int> chosen_rows(const Tree& tree, const Workspace<double>& workspace) noexcept {

@@ -77,6 +77,7 @@ struct LoopCorrection {
   const Tree& tree;
   Workspace<double>& workspace;
   void evaluate(const double* q, const double* u, double tolerance) noexcept;
+  void evaluate_kept(const double* q, const double* u) noexcept;
   void evaluate_damped(const double* q, const double* u, double damping) noexcept;
   template <class Right>
   void solve(const double* q, Right right) noexcept {

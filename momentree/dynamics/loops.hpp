@@ -88,6 +88,16 @@ void copy_chosen_rows(const Tree& tree, const Workspace<double>& from, Workspace
 [[nodiscard]] bool close_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace,
                                double& energy) noexcept;
 
+/// How far the loops are from a singular position, in which fewer rows are independent: the root of the least pivot of the chosen
+/// rows, relative to their scales. Near such a position it is proportional to the distance. Of the last evaluation; at
+/// coordinates q with the rows that are kept.
+double loop_clearance(const Workspace<double>& workspace) noexcept;
+double loop_clearance(const Tree& tree, const double* q, const double* u, Workspace<double>& workspace) noexcept;
+/// Takes from small changes du of the velocities u at q and t (s) what the loops block, as closing them would, with the rows that
+/// are kept.
+void keep_loops_closed(const Tree& tree, double t, const double* q, const double* u, double* du,
+                       Workspace<double>& workspace) noexcept;
+
 /// Evaluates the state first if needed.
 LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 

@@ -12,9 +12,11 @@
 #include <cstdint>
 
 #include <momentree/dynamics/forces/motion.hpp>
+#include <momentree/dynamics/loop_momenta.hpp>
 #include <momentree/dynamics/loops.hpp>
 #include <momentree/integrate/floating_centres.hpp>
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/integrate/singular_position.hpp>
 
 namespace momentree {
 
@@ -51,8 +53,8 @@ class Embedded : public Integrator {
 
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept final {
     begin(evaluate, state, h);
-    stages(evaluate, state.time(), h);
-    if (!sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) || !close(evaluate, state.time() + h, q_.get(), y_.get()))
+    if (!stages(evaluate, state.time(), h) || !sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) ||
+        !close(evaluate, state.time() + h, q_.get(), y_.get()))
       return false;
     accept(evaluate, state, ledger, h);
     evaluate(state);
@@ -62,9 +64,12 @@ class Embedded : public Integrator {
 
   double advance(Evaluator& evaluate, State& state, EnergyLedger& ledger, double most) noexcept final {
     begin(evaluate, state, most);
+    singular_.begin(evaluate);
     const double start = state.time();
     constexpr double longest_growth = 5, longest_cut = 0.2, safety = 0.9;
-    double h = most <= control_.max_step * (1 + sliver) ? most : control_.max_step;  // as in next_step: avoids a sliver
+    const double longest =
+        most <= control_.max_step * (1 + sliver) ? most : control_.max_step;  // as in next_step: avoids a sliver
+    double h = longest, possible = longest;                                   // what the error allows
     bool rejected = false;
     const EnergyLedger before = ledger;
     for (;;) {
@@ -72,10 +77,9 @@ class Embedded : public Integrator {
       // A requested step is taken even if it is no more than the rounding between two instants; shorter steps of the method's own
       // choice would not advance the time.
       if (rejected && !(h > shortest * std::max(std::fabs(start), control_.step))) break;
-      stages(evaluate, state.time(), h);
       double error = HUGE_VAL;
-      const bool fine =
-          sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) && close(evaluate, state.time() + h, q_.get(), y_.get());
+      const bool fine = stages(evaluate, state.time(), h) && sound(evaluate.tree(), q0_.get(), q_.get(), y_.get()) &&
+                        close_well(evaluate, state.time() + h);
       if (fine) {
         accept(evaluate, state, ledger, h);
         evaluate(state);
@@ -84,7 +88,15 @@ class Embedded : public Integrator {
       }
       const double wanted = safety * std::pow(error, -1.0 / (Tableau::lower + 1));  // NaN if the error is NaN
       const double factor = wanted >= longest_cut ? std::min(wanted, longest_growth) : longest_cut;
-      if (error <= 1) {
+      bool repeat = false;  // with closed stages, or with a length that suits a singular position better
+      if (closed_stages_) {
+        if (error <= 1) possible = std::max(possible, std::min(longest, h * factor));
+        repeat = error <= 1 && misses_gap(evaluate, h, possible);
+      } else if (!(error <= 1) || singular_.met(evaluate.workspace())) {
+        repeat = closed_stages_ = comes_near(evaluate, longest);
+        if (repeat) rejected = false, possible = longest;
+      }
+      if (error <= 1 && !repeat) {
         const double next = h * (rejected ? std::min(factor, 1.0) : factor);
         // A step that was short only because of its end time is no reason against a longer one.
         const bool cut = h < 0.99 * proposal_ && !rejected && factor >= 1;
@@ -99,8 +111,8 @@ class Embedded : public Integrator {
         edit.time = start;
       }
       copy_chosen_rows(evaluate.tree(), solver_, evaluate.workspace());
-      rejected = true;
-      h *= factor;
+      if (!repeat) rejected = true, possible = h * factor;
+      h = closed_stages_ ? singular_.step(possible, widest_gap()) : possible;
     }
     last_ = 0;
     return 0;
@@ -161,6 +173,7 @@ class Embedded : public Integrator {
     std::copy_n(evaluate.workspace().v.get(), nv_, u0_.get());
     start_ = state.time();
     last_ = 0;
+    singular_ = {}, closed_stages_ = false;
     centres_.begin(evaluate.tree(), q0_.get());
     keep(0, evaluate, q0_.get());
     copy_chosen_rows(evaluate.tree(), evaluate.workspace(), solver_);  // for every attempt of this step, and its dense output
@@ -177,8 +190,58 @@ class Embedded : public Integrator {
     }
   }
 
-  // Evaluates all stages but the last; the result is in q_, y_.
-  void stages(Evaluator& evaluate, double t, double h) noexcept {
+  // Evaluates stage s, at the fraction c of a step, at q_, y_. False if it should be closed and cannot be, or if all should be.
+  bool stage(Evaluator& evaluate, int s, double c, double h) noexcept {
+    const double t = start_ + c * h;
+    if (closed_stages_ && !close_well(evaluate, t)) return false;
+    evaluate(t, q_.get(), y_.get());
+    keep(s, evaluate, q_.get());
+    if (closed_stages_) add_gauge(evaluate, q_.get(), ky(s));
+    return closed_stages_ || !singular_.possible() || !singular_.note(evaluate.workspace(), s == 1, c, h);
+  }
+
+  // Closes the loops at q_, y_, near singular positions to round-off if these are velocities.
+  bool close_well(Evaluator& evaluate, double t) noexcept {
+    if (!close(evaluate, t, q_.get(), y_.get())) return false;
+    double rest = 0;  // energy of round-off
+    return !closed_stages_ || evaluate.variables() == Variables::momenta ||
+           !close_coordinates_further(evaluate.tree(), t, q_.get(), y_.get(), evaluate.workspace()) ||
+           evaluate.close(t, q_.get(), y_.get(), rest);
+  }
+
+  // Locates the singular position; true if a step of length h comes near it.
+  bool comes_near(Evaluator& evaluate, double h) noexcept {
+    if (!singular_.possible() || !singular_.likely(h)) return false;
+    const double after = 1e-3 * h;
+    const double start = loop_clearance(evaluate.tree(), q0_.get(), u0_.get(), solver_);
+    constexpr double whole = 1;
+    combine(nq_, q0_.get(), &whole, 1, after, kq_.get(), nq_max_, q_.get());
+    centres_.place(q_.get());
+    evaluate.count += 2;
+    return singular_.locate(start, loop_clearance(evaluate.tree(), q_.get(), u0_.get(), solver_), after, h);
+  }
+
+  // After a good step of length h: true if one of quite another length, `possible` or less, would suit the position better.
+  bool misses_gap(Evaluator& evaluate, double h, double possible) noexcept {
+    constexpr double tolerated = 0.15;
+    ++evaluate.count;
+    return singular_.correct(loop_clearance(evaluate.tree(), q_.get(), evaluate.workspace().v.get(), solver_), h) &&
+           std::fabs(singular_.step(possible, widest_gap()) - h) > tolerated * h;
+  }
+
+  // The middle of the widest gap between stages, as a fraction of the step.
+  static constexpr double widest_gap() {
+    double widest = 0, middle = 0;
+    for (const double from : Tableau::c) {
+      double to = 1;
+      for (const double c : Tableau::c) to = c > from ? std::min(to, c) : to;
+      if (to - from > widest) widest = to - from, middle = 0.5 * (from + to);
+    }
+    return middle;
+  }
+
+  // Evaluates all stages but the last; the result is in q_, y_. False if there is none.
+  bool stages(Evaluator& evaluate, double t, double h) noexcept {
     constexpr int inner = Tableau::stages - 1;
     for (int s = 1; s <= inner; ++s) {
       const double* weights = s < inner ? Tableau::a[s] : Tableau::b;
@@ -186,11 +249,11 @@ class Embedded : public Integrator {
       combine(nv_, y0_.get(), weights, s, h, ky_.get(), nv_max_, y_.get());
       if (s == inner) break;
       centres_.place(q_.get());
-      evaluate(t + Tableau::c[s] * h, q_.get(), y_.get());
-      keep(s, evaluate, q_.get());
+      if (!stage(evaluate, s, Tableau::c[s], h)) return false;
     }
     end_step(evaluate.tree(), t + h, q_.get(), y_.get());
     centres_.place(q_.get());
+    return true;
   }
 
   void accept(const Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
@@ -219,8 +282,7 @@ class Embedded : public Integrator {
         combine(nq_, q0_.get(), weights, Tableau::stages + s, last_, kq_.get(), nq_max_, q_.get());
         combine(nv_, y0_.get(), weights, Tableau::stages + s, last_, ky_.get(), nv_max_, y_.get());
         centres_.place(q_.get());
-        other(start_ + Tableau::dense_c[s] * last_, q_.get(), y_.get());
-        keep(Tableau::stages + s, other, q_.get());
+        static_cast<void>(stage(other, Tableau::stages + s, Tableau::dense_c[s], last_));
       }
       evaluate.count += other.count;
       evaluate.seconds += other.seconds;
@@ -271,6 +333,8 @@ class Embedded : public Integrator {
       if (momenta) {
         evaluate.solve(q_.get(), dy, solver_);
         du = solver_.v.get();
+      } else if (closed_stages_) {
+        keep_loops_closed(evaluate.tree(), start_ + h, q_.get(), u1, dy, solver_);
       }
       for (int i = 0; i < nv_; ++i) measure(du[i], u0_[static_cast<std::size_t>(i)], u1[i], momenta ? noise_u_[i] : 0);
     }
@@ -319,6 +383,8 @@ class Embedded : public Integrator {
   Workspace<double> solver_;
   double start_ = 0, last_ = 0;  // start and length (s) of the step to which kq_, ky_ belong
   bool extended_ = false;        // including the stages of dense output
+  SingularPosition singular_;    // near which
+  bool closed_stages_ = false;   // loops are closed before each stage
 };
 
 }  // namespace momentree

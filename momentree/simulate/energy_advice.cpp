@@ -13,6 +13,7 @@ namespace {
 
 // Beyond this fraction of the largest kinetic energy the computed motion is not trusted.
 constexpr double tolerated = 1e-3;
+constexpr double tolerances_closed = 100;    // relative tolerances of an adaptive method: what closing loops may add
 constexpr double tolerated_overlaps = 5e-2;  // what removing them adds where contacts were stepped through
 constexpr double rounding = 1e-12;           // of all energies that were turned over
 // Where hardly anything moves, errors are compared with the energies that bodies get by falling their own size: coordinates are
@@ -65,7 +66,7 @@ std::string EnergyBalance::advice(const Integration& how) const {
     if (adaptive) return what + "; " + tolerances;
     return what + "; " + step + (how.method == "damped" ? "" : ", or an adaptive method: dop853");
   }
-  if (stepped || !too_much(projection, tolerated)) return {};
+  if (stepped || !too_much(projection, adaptive ? std::min(tolerated, tolerances_closed * how.rtol) : tolerated)) return {};
   return "closing loops and contacts after steps changed the energy by " + size_of(projection, *this) +
          ": steps are too long, or loops pass a position in which they are singular, such as a four-bar with all bars in line; " +
          (adaptive ? tolerances : step + ", or an adaptive method: dop853");

@@ -364,6 +364,9 @@ TEST_CASE("a warning says if closing the loops changes the energy, unless the ba
   EnergyBalance balance;
   balance.largest_kinetic = 2, balance.projection = -1e-3;
   CHECK(balance.advice({.method = "rk4"}).empty());
+  balance.projection = -1e-6;  // adaptive methods: 100 times the relative tolerance
+  CHECK(balance.advice({.method = "dop853", .rtol = 1e-8}).empty());
+  CHECK(balance.advice({.method = "dop853", .rtol = 1e-9}).find("changed the energy by -1e-06 J") != std::string::npos);
   balance.projection = -0.1;
   const std::string fixed = balance.advice({.method = "rk4", .step = 1e-3}), adaptive = balance.advice({.method = "dop853"});
   CHECK(fixed.find("changed the energy by -0.1 J, 5 % of the largest kinetic energy") != std::string::npos);

@@ -20,7 +20,7 @@ constexpr Vec3 y_direction{0, 1, 0};
 /// A uniform rod of 1 m and 1 kg from its joint along `along`.
 BodySpec rod(const std::string& name, Vec3 along, Vec3 axis) {
   BodySpec spec;
-  const auto across = [](double component) { return 1e-5 + (1 - component * component) / 12; };
+  const auto across = [](double component) { return std::max(1e-5, (1 - component * component) / 12); };
   spec.name = name, spec.mass = 1, spec.com = 0.5 * along;
   spec.inertia = diagonal(across(along.x), across(along.y), across(along.z));
   spec.joint.kind = Kind::revolute, spec.joint.axis = axis;
@@ -97,6 +97,95 @@ TEST_CASE("loops: windows of parallelograms keep their energy for 10 s, through 
     const Model model = windows(count);
     CHECK(drift(model, accurately(Variables::velocities)) < 1e-9);
     if (count < 40) CHECK(drift(model, accurately(Variables::momenta)) < 1e-9);
+  }
+}
+
+// The closed form of all posts as one pendulum, by elliptic functions: the tip of the first post.
+TEST_CASE("loops: windows of parallelograms are where the closed form says, through their singular positions") {
+  struct {
+    int count;
+    double x, z;
+  } const cases[] = {{2, 0.32845811154082, 0.9445185381786}, {40, 0.18051222668673, 0.98357274058231}};
+  for (const Variables variables : {Variables::velocities, Variables::momenta})
+    for (const auto& one : cases) {
+      const auto off = [&](double rtol) {
+        Simulation sim(windows(one.count), {.method = "dop853", .variables = variables, .rtol = rtol, .atol = 0.1 * rtol});
+        REQUIRE(sim.run_until(10) == Status::ok);
+        CHECK(std::fabs(sim.energy().projection) < 10 * rtol * sim.energy().largest_kinetic);
+        CHECK(sim.warnings().empty());
+        const double q = sim.world().joint(JointId{0}).q[0];
+        return std::hypot(std::cos(q) - one.x, -std::sin(q) - one.z);
+      };
+      CAPTURE(one.count);
+      CHECK(off(1e-12) < 2e-10);
+      CHECK(off(1e-10) < 2e-8);
+      CHECK(off(1e-8) < 2e-6);
+    }
+}
+
+// A kite, whose coupler and rocker are as long as its crank and its base: its two positions in line are singular, and the crank
+// turns through both. The way through is that on which the area keeps changing its sign; the speed follows from the energy.
+TEST_CASE("loops: kites that pass both of their singular positions keep to their branch, at the speed of their energy") {
+  struct {
+    double crank, base, angle, speed;
+  } const cases[] = {{0.5, 0.8, 1.2, 7}, {0.3, 1.1, 2.0, 9}, {0.9, 0.4, 0.7, 8}, {0.7, 1.0, 2.3, 6.5}, {0.6, 0.75, 1.7, 8}};
+  using Real = long double;
+  for (const auto& [crank, base, angle, speed] : cases) {
+    CAPTURE(crank);
+    const Real a = crank, d = base;
+    struct Angles {
+      Real coupler, rocker, rate_coupler, rate_rocker;  // angles, and their rates by that of the crank
+    };
+    // Coupler and rocker are the mirror images of crank and base in the diagonal between the crank's tip and the rocker's joint.
+    const auto angles = [&](Real q) {
+      const Real x = a * std::cos(q) - d, y = a * std::sin(q), square = x * x + y * y;
+      const Real along = std::atan2(y, x), turning = (x * a * std::cos(q) + y * a * std::sin(q)) / square;
+      return Angles{2 * along - q - std::numbers::pi_v<Real>, 2 * along - std::numbers::pi_v<Real>, 2 * turning - 1, 2 * turning};
+    };
+    const auto energies = [&](Real q, Real& inertia, Real& potential) {
+      const Angles p = angles(q);
+      // Uniform rods of 1 kg.
+      const Real vx = -a * std::sin(q) - 0.5L * a * std::sin(p.coupler) * p.rate_coupler;
+      const Real vy = a * std::cos(q) + 0.5L * a * std::cos(p.coupler) * p.rate_coupler;
+      inertia = a * a / 3 + vx * vx + vy * vy + a * a / 12 * p.rate_coupler * p.rate_coupler +
+                d * d / 3 * p.rate_rocker * p.rate_rocker;
+      potential =
+          9.81L * (0.5L * a * std::sin(q) + a * std::sin(q) + 0.5L * a * std::sin(p.coupler) + 0.5L * d * std::sin(p.rocker));
+    };
+    Real inertia = 0, potential = 0, q = angle;
+    energies(q, inertia, potential);
+    const Real energy = 0.5L * inertia * speed * speed + potential;
+    const auto rate = [&](Real at) {
+      energies(at, inertia, potential);
+      return std::sqrt(2 * (energy - potential) / inertia);
+    };
+    constexpr int steps = 20000;
+    const Real h = 3.0L / steps;
+    for (int i = 0; i < steps; ++i) {
+      const Real k1 = rate(q), k2 = rate(q + h / 2 * k1), k3 = rate(q + h / 2 * k2), k4 = rate(q + h * k3);
+      q += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    }
+    REQUIRE(q - angle > 4 * std::numbers::pi);
+    Model model({.gravity = {0, -9.81, 0}});
+    const Angles start = angles(angle);
+    const auto bar = [](const char* name, double length, double at, double turning) {
+      BodySpec spec;
+      spec.name = name, spec.mass = 1, spec.com = {0.5 * length, 0, 0};
+      spec.inertia = diagonal(1e-5, length * length / 12, length * length / 12);
+      spec.joint.kind = Kind::revolute, spec.joint.axis = {0, 0, 1}, spec.q = at, spec.v = turning;
+      return spec;
+    };
+    const auto number = [](Real x) { return static_cast<double>(x); };
+    const BodyId first = model.add(bar("crank", crank, angle, speed));
+    BodySpec coupler = bar("coupler", crank, number(start.coupler) - angle, speed * (number(start.rate_coupler) - 1));
+    coupler.parent = first, coupler.at.position = {crank, 0, 0};
+    BodySpec rocker = bar("rocker", base, number(start.rocker), speed * number(start.rate_rocker));
+    rocker.at.position = {base, 0, 0};
+    const BodyId second = model.add(coupler), third = model.add(rocker);
+    model.add_loop(pin("pin", second, third, {0, 0, 1}, {base, 0, 0}, {crank, 0, 0}));
+    Simulation sim(model, {.method = "dop853", .rtol = 1e-12, .atol = 1e-13});
+    REQUIRE(sim.run_until(3) == Status::ok);
+    CHECK(std::fabs(sim.world().joint(JointId{first.index}).q[0] - number(q)) < 3e-10);
   }
 }
 
