@@ -111,6 +111,7 @@ Vec3 times(const Sym3& inertia, const Vec3& w) {
 struct Momentum {
   Vec3 linear, angular;       // kg m/s; kg m²/s about the world's origin
   Vec3 rate, turning, about;  // N; N m about `about`
+  double gyroscopic = 0;      // N m, of which rounding remains where it cancels
 };
 Momentum momentum_of(const BodySpec& body, const BodyMotion& m, const BodyAcceleration& a) {
   const Mat3 axes = rotation_matrix(m.pose.rotation);
@@ -125,6 +126,7 @@ Momentum momentum_of(const BodySpec& body, const BodyMotion& m, const BodyAccele
   all.rate = body.mass * acceleration;
   all.turning = cross(arm, all.rate) + world_inertia(a.angular) + cross(m.angular, spin);
   all.about = m.pose.position;
+  all.gyroscopic = norm(m.angular) * norm(spin);
   return all;
 }
 
@@ -136,20 +138,48 @@ double small(const World& world) {
   return size;
 }
 
+// Whether joints connect a body to others.
+bool held(const World& world, BodyId body) {
+  if (body == ground) return false;
+  for (const Mechanism& mechanism : world.mechanisms())
+    if (std::find(mechanism.bodies.begin(), mechanism.bodies.end(), body) != mechanism.bodies.end())
+      return mechanism.bodies.size() > 1 || world.joint({body.index}).kind != Kind::free;
+  return false;
+}
+bool held(const World& world, const ContactPoint& point) { return held(world, point.one) || held(world, point.other); }
+
 // A known defect (docs/limits.md): where a body touches another at several points, and joints hold it, the reported forces of the
 // contacts are shared anew, but not those of the joints.
 bool shared_anew(const World& world) {
   const std::vector<ContactPoint> points = world.contacts();
-  const auto held = [&](BodyId body) {
-    if (body == ground) return false;
-    for (const Mechanism& mechanism : world.mechanisms())
-      if (std::find(mechanism.bodies.begin(), mechanism.bodies.end(), body) != mechanism.bodies.end())
-        return mechanism.bodies.size() > 1 || world.joint({body.index}).kind != Kind::free;
-    return false;
-  };
   for (std::size_t i = 0; i < points.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if ((held(points[i].one) || held(points[i].other)) && (held(points[j].one) || held(points[j].other))) return true;
+      if (held(world, points[i]) && held(world, points[j])) return true;
+  return false;
+}
+
+// Bodies that are welded to the ground do not touch it.
+bool welded_to_ground(const World& world, BodyId body) {
+  for (const JointId id : present_joints(world)) {
+    const JointView joint = world.joint(id);
+    if (joint.child == body && joint.kind == Kind::weld && (joint.parent == ground || welded_to_ground(world, joint.parent)))
+      return true;
+  }
+  return false;
+}
+
+// Equations of cables between the same two bodies may contradict each other by roundings.
+bool doubly_tied(const World& world) {
+  for (int s = 0; s < world.springs(); ++s)
+    for (int t = 0; t < s; ++t) {
+      const SpringView one = world.spring({s}), other = world.spring({t});
+      const auto taut = [](const SpringView& spring) {
+        return spring.inextensible && !spring.broken && spring.length > spring.law.rest * (1 - 1e-6);
+      };
+      if (taut(one) && taut(other) &&
+          std::minmax(one.from.body.index, one.to.body.index) == std::minmax(other.from.body.index, other.to.body.index))
+        return true;
+    }
   return false;
 }
 
@@ -189,13 +219,17 @@ void InstantLaws::require_equations_of_motion(const World& world, bool stepped) 
     ++found_.counts["left out: reactions beside contacts that are shared anew"];
     return;
   }
+  if (doubly_tied(world)) {
+    ++found_.counts["left out: two bodies between which several cables are at their length"];
+    return;
+  }
   for (int b = 0; b < world.model().size(); ++b) {
     const auto i = static_cast<std::size_t>(b);
     if (!world.alive({b})) continue;
     const Momentum m = momentum_of(world.model()[BodyId{b}], world.motions()[i], world.accelerations()[i]);
     const std::string where = world.model()[BodyId{b}].name + " " + at_;
     found_.within(norm(m.rate - loads[i].force), 1e-9 * (forces + norm(m.rate)), "forces explain m a of every body", where);
-    found_.within(norm(m.turning - loads[i].torque), 1e-9 * (torques + forces + norm(m.turning)),
+    found_.within(norm(m.turning - loads[i].torque), 1e-9 * (torques + forces + norm(m.turning)) + 1e-12 * m.gyroscopic,
                   "torques explain the spin of every body", where);
   }
 }
@@ -211,9 +245,10 @@ void InstantLaws::require_contact_law(const World& world) {
     const double normal = dot(point.force, point.normal);
     const Vec3 friction = point.force - normal * point.normal;
     const ContactLaw law = world.model().contact_law(point.one, point.other);
-    found_.within(-normal, 1e-9 * size, "no contact pulls", where);
+    const std::string which = !point.slips && held(world, point) ? std::string(known_defect) + "jointed, sticks: " : "";
+    found_.within(-normal, 1e-9 * size, which + "no contact pulls", where);
     const double limit = std::max(law.friction, law.static_friction) * std::max(normal, 0.0);
-    found_.within(norm(friction), limit * (1 + beyond_cone) + 1e-9 * size, "contact forces are in their cones", where);
+    found_.within(norm(friction), limit * (1 + beyond_cone) + 1e-9 * size, which + "contact forces are in their cones", where);
     const double speed = norm(point.slip);
     if (point.slips && speed > 1e-2)
       found_.within(dot(friction, point.slip), 1e-9 * size * speed, "friction opposes slip", where);
@@ -231,7 +266,7 @@ void InstantLaws::require_nothing_below_floor(const World& world) {
     for (const Collider& one : all) {
       if (one.plane || one.body == ground || one.solid.rim > 0 || !world.alive(one.body)) continue;
       if (world.model().contact_law(one.body, ground).off || !world.gap(one.body, ground)) continue;
-      if (world.gap(one.body, ground)->passes) continue;
+      if (world.gap(one.body, ground)->passes || welded_to_ground(world, one.body)) continue;
       const Pose& pose = world.motions()[static_cast<std::size_t>(one.body.index)].pose;
       double lowest = std::numeric_limits<double>::infinity(), size = norm(pose.position) + one.solid.reach;
       for (const Vec3& corner : one.solid.vertices)
@@ -332,7 +367,8 @@ void InstantLaws::require_totals(const World& world) {
 
 void InstantLaws::follow(const Simulation& simulation) {
   const World& world = simulation.world();
-  if (followed_ != simulation.events().size() || (!last_.empty() && last_.back().time == world.time())) last_.clear();
+  if (doubly_tied(world) || followed_ != simulation.events().size() || (!last_.empty() && last_.back().time == world.time()))
+    last_.clear();
   followed_ = simulation.events().size();
   if (last_.size() == 3) last_.erase(last_.begin());
   const auto& motions = world.motions();

@@ -171,7 +171,7 @@ std::string condition(Draft& draft) {
   const std::string wild = choose.chance(0.15) ? choose.pick(draft.mechanisms) + "/*" : joint.name;
   Entries all;
   std::string threshold;
-  int what = choose.integer(0, 8);
+  int what = choose.integer(0, draft.solids.empty() ? 8 : 10);
   if (what < 2 && joint.kind->nv != 1) what = 2 + choose.integer(0, 6);
   switch (what) {
     case 0: all = {{"position", quoted(joint.name)}}, threshold = choose.number(-1, 1); break;
@@ -190,6 +190,10 @@ std::string condition(Draft& draft) {
       break;
     }
     case 7: all = {{"height", point(draft)}}, threshold = choose.number(-1, 1); break;
+    case 9: all = {{choose.word({"gap", "slip"}), touching_pair(draft)}}, threshold = choose.number(0, 0.3); break;
+    case 10:
+      all = {{choose.word({"contact_force", "contact_impulse"}), touching_pair(draft)}}, threshold = choose.magnitude(-1, 1);
+      break;
     default: all = {{"kinetic_energy", quoted(choose.pick(draft.mechanisms))}}, threshold = choose.magnitude(-2, 1);
   }
   all.emplace_back(choose.word({"exceeds", "below"}), threshold);

@@ -44,7 +44,9 @@ const KindInfo& random_kind(Choices& choose) {
   return choose.pick(all_kinds());
 }
 
-std::string geometry(Choices& choose, const KindInfo& kind) {
+}  // namespace
+
+Entries random_geometry(Choices& choose, const KindInfo& kind) {
   Entries entries;
   if (kind.axis2) {
     entries.emplace_back("axis", "[1, 0, " + choose.number(-0.5, 0.5) + "]");
@@ -53,7 +55,17 @@ std::string geometry(Choices& choose, const KindInfo& kind) {
     entries.emplace_back("axis", choose.axis());
   }
   if (kind.pitch) entries.emplace_back("pitch", choose.number(-0.5, 0.5));
-  return lines(entries);
+  return entries;
+}
+
+namespace {
+
+// Where a mechanism starts: above the floor if there is one.
+std::string start_pose(Draft& draft) {
+  Choices& choose = draft.choose;
+  if (!draft.mixed) return placement(choose, 1);
+  const std::string x = choose.number(-1, 1), y = choose.number(-1, 1), z = choose.number(0, 0.5);
+  return "{ xyz = [" + x + ", " + y + ", " + z + "]" + (choose.chance(0.4) ? ", rpy = " + choose.vector(3) : "") + " }";
 }
 
 void add_joint(Draft& draft, const std::string& mechanism, const std::string& body, const std::string& parent) {
@@ -63,11 +75,11 @@ void add_joint(Draft& draft, const std::string& mechanism, const std::string& bo
   const std::string name = own_name ? "j" + body : body;
   draft.text += "[mechanism.body.joint]\n";
   if (own_name) draft.text += "name = " + quoted(name) + "\n";
-  draft.text += "kind = " + quoted(kind.name) + "\n" + geometry(choose, kind);
+  draft.text += "kind = " + quoted(kind.name) + "\n" + lines(random_geometry(choose, kind));
   if (!parent.empty()) draft.text += "parent = " + quoted(parent) + "\n";
   if (choose.chance(0.8)) draft.text += "at = " + placement(choose, 0.5) + "\n";
   if (choose.chance(0.25)) draft.text += "child_at = " + placement(choose, 0.3) + "\n";
-  const Entries parameters = random_parameters(draft, kind);
+  const Entries parameters = random_parameters(draft, kind, !draft.mixed);
   bool moves = false;
   for (const auto& [key, value] : parameters) moves = moves || value.starts_with("{ motion");
   if (kind.nv > 0 && !moves) {
@@ -85,7 +97,7 @@ int add_chain(Draft& draft, const std::string& name, int most) {
   const int links = choose.integer(2, std::min(most, 5));
   const bool free = choose.chance(0.3);
   if (free) draft.text += "root = \"free\"\n";
-  if (choose.chance(0.5)) draft.text += "pose = " + placement(choose, 1) + "\n";
+  if (draft.mixed || choose.chance(0.5)) draft.text += "pose = " + start_pose(draft) + "\n";
   if (choose.chance(0.5))
     draft.text += "state = { joints = { " + std::to_string(links) + " = { speed = " + choose.number(-3, 3) + " } } }\n";
   draft.text += "[mechanism.chain]\n";
@@ -94,6 +106,7 @@ int add_chain(Draft& draft, const std::string& name, int most) {
                        {"mass", choose.magnitude(-1, 0)},
                        {"inertia", choose.magnitude(-3, -1)},
                        {"axis", choose.axis()}});
+  if (draft.mixed && choose.chance(0.5)) draft.text += "radius = 0.05\n";
   const Entries parameters = random_parameters(draft, info(Kind::revolute), false);
   draft.text += lines(parameters);
   const bool limited = has(parameters, "limits");
@@ -117,20 +130,24 @@ int add_mechanism(Draft& draft, int most) {
   draft.mechanisms.push_back(name);
   draft.text += "\n[[mechanism]]\nname = " + quoted(name) + "\n";
   if (most > 1 && choose.chance(0.2)) return add_chain(draft, name, most);
-  const int count = choose.integer(1, most), held = choose.integer(0, 2);  // by a joint, fixed, free
+  const int count = choose.integer(1, most), held = choose.integer(0, draft.mixed ? 3 : 2);  // by a joint, fixed, else free
   const bool two = held == 0 && count > 1 && choose.chance(0.1);
-  if (choose.chance(0.6)) draft.text += "pose = " + placement(choose, 1) + "\n";
+  if (draft.mixed || choose.chance(0.6)) draft.text += "pose = " + start_pose(draft) + "\n";
   if (two) draft.text += "roots = 2\n";
   if (held == 1 && choose.chance(0.5)) draft.text += "root = \"fixed\"\n";
-  if (held == 2) {
+  if (held >= 2) {
     draft.text += "root = \"free\"\n";
     if (choose.chance(0.7))
       draft.text += "state = { velocity = { linear = " + choose.vector(1) + ", angular = " + choose.vector(2) + " } }\n";
   }
-  draft.floats.push_back(held == 2);
+  draft.floats.push_back(held >= 2);
   for (int k = 1; k <= count; ++k) {
     const std::string body = "b" + std::to_string(k);
-    draft.text += "[[mechanism.body]]\nname = " + quoted(body) + "\n" + masses(choose, k == 1 && held == 2);
+    draft.text += "[[mechanism.body]]\nname = " + quoted(body) + "\n" + masses(choose, k == 1 && held >= 2);
+    if (draft.mixed && choose.chance(0.6)) {
+      draft.text += random_collision(choose);
+      draft.solids.push_back(name + "/" + body);
+    }
     draft.bodies.push_back(name + "/" + body);
     if (k == 1 && held > 0) {
       draft.joints.push_back({name + "/" + body, name + "/" + body, &info(held == 1 ? Kind::weld : Kind::free), true});
@@ -154,8 +171,10 @@ void add_couplings(Draft& draft) {
     Entries entries{{"joint", quoted(draft.joints[a].name)}, {"follows", quoted(draft.joints[b].name)}};
     if (choose.chance(0.7)) entries.emplace_back("multiplier", choose.number(-2, 2));
     if (choose.chance(0.5)) entries.emplace_back("offset", choose.number(-1, 1));
-    entries.emplace_back("stiffness", choose.magnitude(-1, 1));
-    if (choose.chance(0.5)) entries.emplace_back("damping", choose.magnitude(-2, -1));
+    if (!draft.mixed || choose.chance(0.4)) {
+      entries.emplace_back("stiffness", choose.magnitude(-1, 1));
+      if (choose.chance(0.5)) entries.emplace_back("damping", choose.magnitude(-2, -1));
+    }
     draft.text += "\n[[coupling]]\n" + lines(entries);
   }
 }

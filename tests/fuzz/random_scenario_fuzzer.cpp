@@ -10,7 +10,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace momentree::fuzz;
   Choices choose(std::span(data, size));
-  const std::string text = random_scenario(choose);
+  const std::string text = random_scenario(choose, false);
   Findings found;
   check_scenario(text, choose, found);
   if (found.broken.empty()) return 0;

@@ -50,21 +50,24 @@ void require_same(std::string one, std::string other, const std::string& law, Fi
   one = without_signs_of_zeros(std::move(one)), other = without_signs_of_zeros(std::move(other));
   if (one != other) found.require(false, law, "\n" + difference(one, other));
 }
-/// Texts that differ at most by rounding errors of the numbers in them.
+/// Texts that differ at most by rounding errors of the numbers in them, of which those before in a line are of one size.
 bool same_but_for_rounding(const std::string& one, const std::string& other) {
+  double largest = 1;
   const char *a = one.c_str(), *b = other.c_str();
   const auto begins_number = [](const char* at) {
     return std::isdigit(static_cast<unsigned char>(*at)) != 0 ||
            (*at == '-' && std::isdigit(static_cast<unsigned char>(at[1])) != 0);
   };
   while (*a != 0 && *b != 0) {
+    if (*a == '\n') largest = 1;
     if (!begins_number(a) || !begins_number(b)) {
       if (*a++ != *b++) return false;
       continue;
     }
     char *after_a = nullptr, *after_b = nullptr;
     const double x = std::strtod(a, &after_a), y = std::strtod(b, &after_b);
-    if (!(std::fabs(x - y) <= 1e-9 * std::max({1.0, std::fabs(x), std::fabs(y)}))) return false;
+    largest = std::max({largest, std::fabs(x), std::fabs(y)});
+    if (!(std::fabs(x - y) <= std::max(1e-9 * std::max({1.0, std::fabs(x), std::fabs(y)}), 1e-13 * largest))) return false;
     a = after_a, b = after_b;
   }
   return *a == *b;
@@ -76,6 +79,11 @@ void require_same_document(const std::string& one, const std::string& other, con
   const std::string first = in_any_order(one), second = in_any_order(other);
   if (one.find("\"loop\": true") == std::string::npos || !same_but_for_rounding(first, second))
     require_same(first, second, law, found);
+}
+
+/// A text as if it were a file of this folder, where the mesh is that it may name.
+io::ReadResult read_text(const std::string& text) {
+  return io::read_scenario_from(text, MOMENTREE_MESHES "/random.toml", "random", MOMENTREE_MESHES);
 }
 
 /// A refusal has a location and a reason.
@@ -284,8 +292,11 @@ void Checker::check_certificates() {
     if (last != nullptr && last->time == e.time) {
       found_.within(std::fabs(last->after.kinetic + last->after.potential - e.before.kinetic - e.before.potential), rounding,
                     "certificates of one instant follow one another: energy", where);
+      // What the law of impact leaves of the velocities of closed contacts is removed between two certificates.
+      const bool contact = e.name == "lift" || e.name == "slip" || e.name == "stick";
       found_.within(norm(last->after.linear - e.before.linear), 1e-11 * speed + standstill,
-                    "certificates of one instant follow one another: momentum", where);
+                    (contact ? known_defect : "") + std::string("certificates of one instant follow one another: momentum"),
+                    where);
     }
     last = &e;
   }
@@ -343,9 +354,12 @@ void Checker::check_restart(const Trace& first, const std::string& law) {
   ++found_.counts["restarts"];
   const std::string at = law + " at " + std::to_string(first.time);
   if (!second.refused.empty()) return check_early_refusal(second.refused, at);
+  // Loops through which contacts are stepped are closed again from rounded frames.
+  const bool again = scenario_.integration.method == "stepping" && first.state.find("\"loop\": true") != std::string::npos;
+  const std::string of_loops = again ? std::string(known_defect) + "loops, stepping: " : "";
   std::vector<std::string> events = first.events;
   events.insert(events.end(), second.events.begin(), second.events.end());
-  require_same(rendered(whole_.events), rendered(events), at + ": events", found_);
+  require_same(rendered(whole_.events), rendered(events), of_loops + at + ": events", found_);
   require_same(whole_.message, second.message, at + ": message", found_);
   // Sums of work may differ by a rounding: steps are searched again for peaks of the loads of joints with strengths.
   const auto without_work = [](std::string text) {
@@ -364,7 +378,7 @@ void Checker::check_restart(const Trace& first, const std::string& law) {
   std::vector<std::string> later;
   for (std::size_t i = 0; i < second.rows.size(); ++i)
     if (second.times[i] > first.time) later.push_back(second.rows[i]);
-  found_.require(rows == later, at + ": rows");
+  found_.require(rows == later, of_loops + at + ": rows");
   if (whole_.status == Status::diverged) return;
   const double scale = kinetic_scale(whole_, scenario_);
   found_.within(std::fabs(first.energy.dissipated + second.energy.dissipated - whole_.energy.dissipated), 1e-10 * scale,
@@ -398,7 +412,7 @@ void Checker::check_documents() {
   try {
     io::Session session(scenario_, cli::documents_of(file, scenario_.model));
     static_cast<void>(session.schedule());  // warnings about events that are already past
-    const StepMemory memory = is_adaptive(scenario_.integration.method) ? session.simulation().step_memory() : StepMemory{};
+    const StepMemory memory = session.simulation().step_memory();
     require_same_document(whole_.state, io::state_json(session.simulation().world(), session.armed(), memory),
                           "a document read and written again", found_);
   } catch (const Error& error) {
@@ -409,11 +423,11 @@ void Checker::check_documents() {
 void Checker::check_conversion() {
   std::string text;
   try {
-    text = io::to_toml(scenario_, "").text;
+    text = io::to_toml(scenario_, MOMENTREE_MESHES).text;
   } catch (const Error& error) {
     return found_.require(false, "a scenario can be converted", error.message());
   }
-  const io::ReadResult again = io::read_scenario_text(text, "converted.toml");
+  const io::ReadResult again = read_text(text);
   if (!again.scenario) return found_.require(false, "a converted scenario can be read", io::rendered(again.diagnostics));
   require_same_run(traced_run(*again.scenario, {.until = scenario_.until, .most_steps = 2 * most_steps}), "converted");
 }
@@ -473,7 +487,7 @@ void check_file(const std::string& path, long steps, Choices& choose, Findings& 
 void check_scenario(const std::string& text, Choices& choose, Findings& found) {
   ++found.counts["scenarios"];
   try {
-    const io::ReadResult one = io::read_scenario_text(text, "random.toml"), other = io::read_scenario_text(text, "random.toml");
+    const io::ReadResult one = read_text(text), other = read_text(text);
     require_same(io::rendered(one.diagnostics), io::rendered(other.diagnostics), "reading it again", found);
     if (one.scenario) return Checker(*one.scenario, choose, found).check();
     ++found.counts["refused when read"];

@@ -150,8 +150,7 @@ Trace traced_run(const io::Scenario& scenario, const RunPlan& plan) {
   describe(simulation.world(), trace.joints_after, trace.mechanisms_after);
   trace.certificates = simulation.events();
   for (const Event& event : trace.certificates) trace.events.push_back(event_text(event));
-  const StepMemory memory = is_adaptive(scenario.integration.method) ? simulation.step_memory() : StepMemory{};
-  trace.state = io::state_json(simulation.world(), session->armed(), memory);
+  trace.state = io::state_json(simulation.world(), session->armed(), simulation.step_memory());
   trace.counts = counts_of(simulation);
   trace.energy = simulation.energy();
   trace.time = simulation.time();
