@@ -19,7 +19,7 @@ struct Link {
 struct LinksMotion {
   std::vector<double> x;          ///< six of each link, then others
   std::vector<double> sum, sent;  ///< by link: the wrench of impulses on it and outboard of it; what its parent has of that
-  std::vector<int> at;            ///< by tree: x is right from its root to this link; −1: nothing has moved it
+  std::vector<int> at;            ///< by tree: the link whose sum and x are right; −1: nothing has moved it
 };
 
 class Links {

@@ -279,10 +279,16 @@ class Embedded : public Integrator {
       Evaluator other = evaluate.in(solver_);
       for (int s = 0; s < dense_stages(); ++s) {
         const double* weights = Tableau::dense_a[s];
-        combine(nq_, q0_.get(), weights, Tableau::stages + s, last_, kq_.get(), nq_max_, q_.get());
-        combine(nv_, y0_.get(), weights, Tableau::stages + s, last_, ky_.get(), nv_max_, y_.get());
-        centres_.place(q_.get());
-        static_cast<void>(stage(other, Tableau::stages + s, Tableau::dense_c[s], last_));
+        const auto place = [&] {
+          combine(nq_, q0_.get(), weights, Tableau::stages + s, last_, kq_.get(), nq_max_, q_.get());
+          combine(nv_, y0_.get(), weights, Tableau::stages + s, last_, ky_.get(), nv_max_, y_.get());
+          centres_.place(q_.get());
+        };
+        place();
+        if (stage(other, Tableau::stages + s, Tableau::dense_c[s], last_)) continue;
+        place();  // it could not be closed
+        other(start_ + Tableau::dense_c[s] * last_, q_.get(), y_.get());
+        keep(Tableau::stages + s, other, q_.get());
       }
       evaluate.count += other.count;
       evaluate.seconds += other.seconds;

@@ -179,7 +179,9 @@ TEST_CASE("the first step is judged from where the loops are closed") {  // far 
   text +=
       "[[loop]]\nname = \"end\"\nkind = \"revolute\"\naxis = [0, 1, 0]\nbody = \"m/b99\"\nat = { xyz = [0.9, 0, 0.2] }\n"
       "child_at = { xyz = [0.1, 0, 0] }\n";
-  CHECK(said(read_scenario_text(text, "s.toml")).find("step") == std::string::npos);
+  const ReadResult read = read_scenario_text(text, "s.toml");
+  REQUIRE(read.scenario);
+  CHECK(said(read).find("step") == std::string::npos);
 }
 
 TEST_CASE("a scenario with a loop is assembled, and its loop joint is one of the joints") {

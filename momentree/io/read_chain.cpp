@@ -29,7 +29,7 @@ struct Chain {
   int links = 0;
   double length = 1, mass = 1, angle = 0;
   JointParameters parameters{};
-  bool angle_growth = false;
+  bool angle_growth = false, angle_given = false;
   std::optional<double> radius{};
   Sym3 inertia{};
   Vec3 axis{0, 0, 1};
@@ -54,7 +54,7 @@ BodySpec make_link(const Chain& chain, int k, const std::string& mechanism, bool
   link.joint.parameters = chain.parameters;
   link.at = k == 1 ? pose : Pose{chain.length, 0, 0};
   const double angle = chain.angle_growth ? k * chain.angle : chain.angle;
-  if (angle != 0) link.q = {angle};
+  if (chain.angle_given) link.q = {angle};
   if (auto& drive = link.joint.parameters.drive; drive && drive->moves()) {
     begin_motion(drive, angle, 0);
     const Curve::Point start = drive->motion[0].at(0);
@@ -82,6 +82,7 @@ Chain read_fields(Fields& fields, Reading& reading) {
   if (errors != out.errors()) chain.mass = 1, chain.inertia = {};
   chain.axis = fields.vec3("axis").value_or(chain.axis);
   read_parameters(fields, &info(Kind::revolute), chain.parameters, out);
+  chain.angle_given = fields.has("angle");
   chain.angle = fields.number("angle").value_or(0);
   chain.angle_growth = fields.boolean("angle_growth").value_or(false);
   chain.radius = fields.number("radius");

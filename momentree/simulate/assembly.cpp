@@ -154,8 +154,9 @@ std::vector<double> assemble_velocities(const Tree& tree, const Islands& islands
       if (open[i] <= left_as_given * fast || std::ranges::find(seen, island) != seen.end()) continue;
       seen.push_back(island);
       const bool zeros = held.release(island, state.u().data(), left_as_given * largest(state.u()));  // momenta have round-off
-      if (zeros) copy_island(tree, islands, island, state.u(), false, u);
-      again = zeros || held.release(island) || again;
+      if (!zeros && !held.release(island)) continue;
+      copy_island(tree, islands, island, state.u(), false, u);  // not what this attempt made of them
+      again = true;
     }
   }
   return u;
@@ -170,7 +171,8 @@ std::optional<Error> moved_beyond_stops(const Tree& tree, const Names& names, st
     for (int i = 0; i < info(tree.kind(b)).nv; ++i) {
       const auto k = static_cast<std::size_t>(tree.first_q(b) + i);
       const double low = p->limits.lower_of(i), high = p->limits.upper_of(i);
-      if (to[k] == from[k] || (to[k] >= low - closed_at_start && to[k] <= high + closed_at_start)) continue;
+      // It may have been beyond: an event can give it such a stop.
+      if (to[k] >= std::min(low, from[k]) - closed_at_start && to[k] <= std::max(high, from[k]) + closed_at_start) continue;
       return Error("it starts beyond its limits, at " + short_text(to[k]) + ", where loops or couplings put it",
                    "joint '" + names.joint(tree.joint_of(b)) + "'",
                    "give start values of the joints that it moves with, or limits, so that it starts within them");

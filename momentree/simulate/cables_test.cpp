@@ -258,3 +258,32 @@ TEST_CASE("cables: elastic bounces go on for as long as steps can follow them") 
         CHECK(std::fabs(place(sim).z + length) < 0.25 * v * flight + 1e-9);
       }
 }
+
+TEST_CASE("cables: one that a prescribed motion stretches is a warning, and asking for warnings changes nothing") {
+  const auto make = [] {
+    Model model({.gravity = {0, 0, -9.81}});
+    const BodyId slider = model.add({.name = "slider",
+                                     .mass = 1,
+                                     .inertia = diagonal(0.1),
+                                     .joint = Prismatic{.axis = {1, 0, 0}, .drive = motion_drive(Signal::ramp(1, 0))}});
+    model.add({.name = "bob",
+               .mass = 1,
+               .com = {0, 0, -0.3},
+               .inertia = diagonal(0.1),
+               .parent = slider,
+               .joint = Revolute{.axis = {0, 1, 0}},
+               .q = 0.4});
+    model.add_cable({.name = "tether", .from = {ground, {}}, .to = {slider, {}}, .length = 0.5});
+    return Simulation(model, {.method = "dopri5"});
+  };
+  Simulation asked = make(), left = make();
+  REQUIRE(asked.run_until(0.3));
+  CHECK(asked.warnings().empty());
+  REQUIRE(asked.run_until(0.8));
+  REQUIRE(left.run_until(0.3));
+  REQUIRE(left.run_until(0.8));
+  REQUIRE(asked.warnings().size() == 1);
+  CHECK(asked.warnings()[0].find("cable 'tether' are farther apart than its length by 0.3 m") != std::string::npos);
+  CHECK(std::equal(asked.world().state().q().begin(), asked.world().state().q().end(), left.world().state().q().begin()));
+  CHECK(std::equal(asked.world().state().u().begin(), asked.world().state().u().end(), left.world().state().u().begin()));
+}

@@ -145,11 +145,14 @@ void ContactSteps::move(State& state, EnergyLedger& ledger) {
 }
 
 // Bodies that lie on something fall with it in each step, and are moved back: dampers and efforts do nothing in that, as a whole.
-// Their power changes linearly with velocities, or as the square: along the velocity that a body gains from nothing within the
-// step, this is a half or a third of that at its end. What prescribed motions do is in move().
+// The velocity of such a body grows from zero in the step. The work of efforts is then half of the power at the end times h, and
+// what dampers take, which grows with its square, a third. Bodies that bounce do not rest. What prescribed motions do is in
+// move().
 void ContactSteps::take_back_work(double t, EnergyLedger& ledger, double h) {
   const Tree& tree = world_->tree_;
   if ((free_power_.dissipated == 0 && free_power_.work == 0) || !tree.driven_joints().empty() || tree.loop_motions() > 0) return;
+  for (std::size_t i = 0; i < near_.size(); ++i)
+    if (many_.points[i].restitution > 0) reached_[i] = 0;
   packed_.assign(static_cast<std::size_t>(tree.nv()), 0.0);
   parts_.add_to(tree, many_, many_.displacement(reached_), packed_.data());
   for (std::size_t i = 0; i < packed_.size(); ++i) packed_[i] = free_u_[i] + 2 / h * packed_[i];

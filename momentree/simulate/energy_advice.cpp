@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/simulation_impl.hpp>
 
 namespace momentree {
@@ -19,6 +21,7 @@ constexpr double rounding = 1e-12;           // of all energies that were turned
 // Where hardly anything moves, errors are compared with the energies that bodies get by falling their own size: coordinates are
 // known to about the first fraction of it, and what rests on contacts that are stepped through falls a little in every step.
 constexpr double at_rest = 1e-10, at_rest_in_steps = 1e-4;
+constexpr double nothing = 1e-40;  // J: energies below are round-off, whatever the scale of the model
 
 std::string formatted(const char* pattern, double a) {
   char buffer[64];
@@ -50,7 +53,7 @@ std::string EnergyBalance::advice(const Integration& how) const {
   double turned_over = 0;  // its rounding is not an integration error
   for (const double part : {initial, final, work, dissipated, lost_in_impacts, released}) turned_over += std::fabs(part);
   const bool stepped = std::fabs(lost_in_steps) > rounding * turned_over;
-  const double least = std::max(rounding * turned_over, (stepped ? at_rest_in_steps : at_rest) * of_heights);
+  const double least = std::max({nothing, rounding * turned_over, (stepped ? at_rest_in_steps : at_rest) * of_heights});
   const auto too_much = [&](double energy, double part) {
     return !(std::fabs(energy) <= std::max(part * largest_kinetic, least));
   };
@@ -79,6 +82,9 @@ std::vector<std::string> Simulation::warnings() const {
     if (event.name == passed_through)
       all.push_back("'" + event.contact.one + "' passed through '" + event.contact.other + "' at " +
                     formatted("t = %.9g s", event.time) + ": " + event.reason);
+  if (const std::optional<Overlap> left = overlap(); left && left->depth > left_by_steps)
+    all.push_back("at the end " + left->text() +
+                  ": a prescribed motion has forced this, or steps are too long; results since it began are not valid");
   return all;
 }
 

@@ -72,7 +72,8 @@ struct EnergyBalance {
   double largest_kinetic = 0;  ///< the largest kinetic energy at the beginning of a step or at an event
   double of_heights = 0;       ///< the energy that the bodies would get by falling their own size: the scale where nothing moves
 
-  /// A warning with a suggested remedy if the error or the projection exceeds a thousandth of `largest_kinetic`; empty otherwise.
+  /// A warning with a suggested remedy if the error or the projection exceeds a thousandth of `largest_kinetic`, the latter with
+  /// adaptive methods 100 relative tolerances; empty otherwise.
   /// Removing overlaps may add a twentieth where contacts are stepped through. Where hardly anything moves, errors below 1e-10 of
   /// `of_heights` are none, and below 1e-4 with steps through contacts.
   std::string advice(const Integration& integration) const;

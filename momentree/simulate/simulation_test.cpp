@@ -367,6 +367,9 @@ TEST_CASE("a world in equilibrium closes its energy balance to rounding, without
   REQUIRE(sim.run_until(2) == Status::ok);
   CHECK(sim.energy().largest_kinetic < 1e-20);
   CHECK(sim.energy().advice({}) == "");
+  EnergyBalance nothing;  // without a scale: the square of a speed of rounding size
+  nothing.error = -2.35e-68;
+  CHECK(nothing.advice({}) == "");
 }
 
 TEST_CASE("what lies still is no reason for a warning, and slow motion that is computed badly is one") {

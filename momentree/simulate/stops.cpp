@@ -28,7 +28,8 @@ bool Stops::any() {
 
 void Stops::find() {
   revision_ = world_->tree_.revision();
-  sides_.clear();
+  std::vector<Side> before = std::exchange(sides_, {});
+  std::erase_if(before, [](const Side& s) { return s.edge == -HUGE_VAL; });
   const Tree& tree = world_->tree_;
   for (const int b : tree.order()) {
     const JointParameters* p = tree.parameters(b);
@@ -49,6 +50,9 @@ void Stops::find() {
     }
   }
   std::stable_sort(sides_.begin(), sides_.end(), [](const Side& a, const Side& b) { return a.joint < b.joint; });
+  for (const Side& b : before)
+    for (Side& s : sides_)
+      if (s.joint == b.joint && s.dof == b.dof && s.sign == b.sign && s.limit == b.limit) s.edge = b.edge;
   world_->forget_active_limits();
 }
 

@@ -246,7 +246,7 @@ void InstantLaws::require_contact_law(const World& world) {
     const Vec3 friction = point.force - normal * point.normal;
     const ContactLaw law = world.model().contact_law(point.one, point.other);
     const std::string which = !point.slips && held(world, point) ? std::string(known_defect) + "jointed, sticks: " : "";
-    found_.within(-normal, 1e-9 * size, which + "no contact pulls", where);
+    found_.within(-normal, 1e-9 * size, "no contact pulls", where);
     const double limit = std::max(law.friction, law.static_friction) * std::max(normal, 0.0);
     found_.within(norm(friction), limit * (1 + beyond_cone) + 1e-9 * size, which + "contact forces are in their cones", where);
     const double speed = norm(point.slip);

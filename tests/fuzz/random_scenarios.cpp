@@ -32,7 +32,9 @@ int main(int argc, char** argv) {
     check_scenario(text, choose, all);
     std::erase_if(all.broken, [&](const std::string& law) {
       const bool known = law.starts_with(known_defect);
-      if (known) ++all.counts["left out: " + law.substr(14, law.find(": ", 24) - 14)];
+      if (known)
+        ++all.counts["left out: " + law.substr(std::strlen(known_defect),
+                                               law.find(": ", std::strlen(known_defect)) - std::strlen(known_defect))];
       return known;
     });
     broken += !all.broken.empty();
