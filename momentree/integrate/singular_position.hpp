@@ -19,11 +19,11 @@ class SingularPosition {
  public:
   /// A step begins at the state that was evaluated last.
   void begin(const Evaluator& evaluate) noexcept {
-    if (!evaluate.tree().has_loops() || !evaluate.tree().contacts().empty()) return;
+    if (!evaluate.tree().has_loops() || !evaluate.tree().contacts().empty() || evaluate.variables() == Variables::momenta) return;
     start_ = least_ = loop_clearance(evaluate.workspace());
     rank_ = evaluate.workspace().loops->rank;
   }
-  /// False for a tree without loops, and with contacts.
+  /// False for a tree without loops, with contacts, and for states in momenta, whose rates closed stages would change.
   bool possible() const noexcept { return start_ < HUGE_VAL; }
 
   /// Notes a stage. True if it is the first one of a step of length h, at its fraction c, and a singular position is in sight.

@@ -15,7 +15,9 @@ SimulationSnapshot Simulation::Impl::snapshot() {
   all.stepping = stepping_state();
   all.impulsive_work = balance.work;
   all.armed = queue.armed();
-  all.queue = std::make_shared<const QueueState>(queue.state(world));
+  QueueState remembered = queue.state(world);
+  remembered.deeper_stops = stops.deeper();
+  all.queue = std::make_shared<const QueueState>(std::move(remembered));
   return all;
 }
 
@@ -38,6 +40,7 @@ void Simulation::Impl::restore_run(const SimulationSnapshot& to) {
   balance.work = to.impulsive_work;
   queue.restore(to.armed, world.time());
   if (to.queue != nullptr) queue.restore_strengths(*to.queue, world);
+  stops.set_deeper(to.queue != nullptr ? to.queue->deeper_stops : std::vector<DeeperStop>());
   events.resize(std::min(events.size(), to.events));
   evaluate_state();
 }
@@ -56,6 +59,7 @@ RunState Simulation::Impl::run_state() {
   RunState all;
   all.world = world.snapshot();
   all.queue = queue.state(world);
+  all.queue.deeper_stops = stops.deeper();
   all.balance = balance;
   all.dissipated = ledger.dissipated, all.work = ledger.work;
   all.balance.projection = ledger.projection;
@@ -83,6 +87,7 @@ void Simulation::Impl::continue_from(const RunState& from) {
   method->set_proposal(from.proposal);
   continue_stepping(from.stepping);
   queue.continue_from(from.queue, world);
+  stops.set_deeper(from.queue.deeper_stops);
   balance = from.balance;
   ledger = {from.dissipated, from.work};
   ledger.projection = from.balance.projection;

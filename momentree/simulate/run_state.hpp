@@ -6,10 +6,11 @@
 #include <momentree/simulate/event_queue.hpp>
 #include <momentree/simulate/failure.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <momentree/simulate/stops.hpp>
 
 namespace momentree {
 
-/// The status of all events of a queue, scheduled ones and strengths of joints.
+/// The status of all events of a queue, scheduled ones and strengths of joints, and what stops remember.
 struct QueueState {
   struct Entry {
     EventStatus status;
@@ -24,7 +25,8 @@ struct QueueState {
   std::vector<Entry> entries;  ///< in the order of scheduling
   std::vector<Borne> strengths;
   bool strengths_known = false;  ///< `strengths` are those of the present topology
-  double next = HUGE_VAL;        ///< the next instant at which something may be due (s)
+  std::vector<DeeperStop> deeper_stops;
+  double next = HUGE_VAL;  ///< the next instant at which something may be due (s)
 };
 
 /// A run between two steps. A simulation of the same model with the same events, functions and gravity continues from it as the

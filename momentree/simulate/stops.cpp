@@ -28,8 +28,8 @@ bool Stops::any() {
 
 void Stops::find() {
   revision_ = world_->tree_.revision();
-  std::vector<Side> before = std::exchange(sides_, {});
-  std::erase_if(before, [](const Side& s) { return s.edge == -HUGE_VAL; });
+  const std::vector<DeeperStop> before = deeper();
+  sides_.clear();
   const Tree& tree = world_->tree_;
   for (const int b : tree.order()) {
     const JointParameters* p = tree.parameters(b);
@@ -50,10 +50,27 @@ void Stops::find() {
     }
   }
   std::stable_sort(sides_.begin(), sides_.end(), [](const Side& a, const Side& b) { return a.joint < b.joint; });
-  for (const Side& b : before)
-    for (Side& s : sides_)
-      if (s.joint == b.joint && s.dof == b.dof && s.sign == b.sign && s.limit == b.limit) s.edge = b.edge;
+  make_deeper(before);
   world_->forget_active_limits();
+}
+
+std::vector<DeeperStop> Stops::deeper() const {
+  std::vector<DeeperStop> all;
+  for (const Side& s : sides_)
+    if (s.edge > -HUGE_VAL) all.push_back({s.joint, s.dof, s.sign, s.edge});
+  return all;
+}
+
+void Stops::make_deeper(std::span<const DeeperStop> stops) {
+  for (const DeeperStop& deeper : stops)
+    for (Side& s : sides_)
+      if (s.joint == deeper.joint && s.dof == deeper.dof && s.sign == deeper.sign) s.edge = deeper.edge;
+}
+
+void Stops::set_deeper(std::span<const DeeperStop> stops) {
+  static_cast<void>(any());
+  for (Side& s : sides_) s.edge = -HUGE_VAL;
+  make_deeper(stops);
 }
 
 double Stops::coordinate(const Side& s) const {

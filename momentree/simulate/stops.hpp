@@ -37,6 +37,12 @@ struct Watch {
   }
 };
 
+/// A stop that acts beyond its limit: at a turning point of what closed loops let its joint do.
+struct DeeperStop {
+  int joint, dof, sign;
+  double edge;  ///< sign times the coordinate at which it acts
+};
+
 class Stops {
  public:
   /// Instants are located to `tolerance` seconds.
@@ -65,6 +71,10 @@ class Stops {
   /// Releases the joints resting on stops that transmitted impulses at `event` which a stop cannot exert (it would have pulled).
   /// False: there are none.
   bool release_pulled(const std::vector<Event>& events);
+
+  /// Those that act deeper, which belong to the state of a run.
+  std::vector<DeeperStop> deeper() const;
+  void set_deeper(std::span<const DeeperStop> stops);
 
  private:
   struct Side {
@@ -100,6 +110,7 @@ class Stops {
   std::optional<double> peak(Trial& trial, const Watched& watched, double end);
   void put_on_stop(const Watched& watched);
   void find_pressed(ContactSteps& through);
+  void make_deeper(std::span<const DeeperStop> stops);
   void find();
   double coordinate(const Side& side) const;
   static double rounding(const Side& side);     // of the coordinate at the stop

@@ -1,4 +1,6 @@
 // The oracle's input from a model: numbers and topology.
+#include <algorithm>
+
 #include <tests/oracle/kinematics.hpp>
 
 namespace momentree::oracle {
@@ -41,13 +43,23 @@ System broken(System system, int body) {
 
 std::vector<double> start_q(const Model& model) {
   std::vector<double> q;
-  for (const BodySpec& body : model.bodies()) q.insert(q.end(), body.q.begin(), body.q.end());
+  for (const BodySpec& body : model.bodies()) {
+    const Kind kind = body.joint.kind;
+    std::vector<double> own(static_cast<std::size_t>(coordinates(kind)), 0.0);
+    if (kind == Kind::ball || kind == Kind::free) own[kind == Kind::free ? 3 : 0] = 1;  // the quaternion's real part
+    std::copy(body.q.begin(), body.q.end(), own.begin());
+    q.insert(q.end(), own.begin(), own.end());
+  }
   return q;
 }
 
 std::vector<double> start_v(const Model& model) {
   std::vector<double> v;
-  for (const BodySpec& body : model.bodies()) v.insert(v.end(), body.v.begin(), body.v.end());
+  for (const BodySpec& body : model.bodies()) {
+    std::vector<double> own(static_cast<std::size_t>(dofs(body.joint.kind)), 0.0);
+    std::copy(body.v.begin(), body.v.end(), own.begin());
+    v.insert(v.end(), own.begin(), own.end());
+  }
   return v;
 }
 

@@ -26,8 +26,12 @@ void fields(Archive& archive, Part<Archive, QueueState::Borne>& b) {
   archive(b.strength, b.event, b.joint, b.entry);
 }
 template <class Archive>
+void fields(Archive& archive, Part<Archive, DeeperStop>& s) {
+  archive(s.joint, s.dof, s.sign, s.edge);
+}
+template <class Archive>
 void fields(Archive& archive, Part<Archive, QueueState>& q) {
-  archive(q.entries, q.strengths, q.strengths_known, q.next);
+  archive(q.entries, q.strengths, q.strengths_known, q.deeper_stops, q.next);
 }
 
 template <class Archive>
