@@ -145,7 +145,7 @@ std::string divergence_text(const World& world, const Integrator& method, const 
     return when + stiff->what(world.joint_name({stiff->joint}), h) + "; " + stiff->cure();
   if (const auto stiff = too_stiff_spring(world.tree(), world.state().q(), integration.method, h))
     return when + stiff->what(world.spring({stiff->spring}).name, h) + "; " + stiff->cure();
-  if (method.loops_open())
+  if (method.loops_open() || (method.adaptive() && world.tree().has_loops()))
     if (const std::string what = out_of_reach(world, h, std::max(h, 10 * integration.step)); !what.empty()) return when + what;
   return when + what_ran_away(world, method, h) + "; use " +
          (method.adaptive() ? "larger tolerances rtol and atol"
