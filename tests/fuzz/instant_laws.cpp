@@ -111,7 +111,8 @@ Vec3 times(const Sym3& inertia, const Vec3& w) {
 struct Momentum {
   Vec3 linear, angular;       // kg m/s; kg m²/s about the world's origin
   Vec3 rate, turning, about;  // N; N m about `about`
-  double gyroscopic = 0;      // N m, of which rounding remains where it cancels
+  // Sizes of the terms, of which rounding remains where they cancel.
+  double linear_terms = 0, rate_terms = 0, turning_terms = 0;
 };
 Momentum momentum_of(const BodySpec& body, const BodyMotion& m, const BodyAcceleration& a) {
   const Mat3 axes = rotation_matrix(m.pose.rotation);
@@ -126,7 +127,10 @@ Momentum momentum_of(const BodySpec& body, const BodyMotion& m, const BodyAccele
   all.rate = body.mass * acceleration;
   all.turning = cross(arm, all.rate) + world_inertia(a.angular) + cross(m.angular, spin);
   all.about = m.pose.position;
-  all.gyroscopic = norm(m.angular) * norm(spin);
+  const double reach = norm(arm), w = norm(m.angular);
+  all.linear_terms = body.mass * (norm(m.linear) + w * reach);
+  all.rate_terms = body.mass * (norm(a.linear) + (norm(a.angular) + w * w) * reach);
+  all.turning_terms = reach * all.rate_terms + norm(world_inertia(a.angular)) + w * norm(spin);
   return all;
 }
 
@@ -228,8 +232,9 @@ void InstantLaws::require_equations_of_motion(const World& world, bool stepped) 
     if (!world.alive({b})) continue;
     const Momentum m = momentum_of(world.model()[BodyId{b}], world.motions()[i], world.accelerations()[i]);
     const std::string where = world.model()[BodyId{b}].name + " " + at_;
-    found_.within(norm(m.rate - loads[i].force), 1e-9 * (forces + norm(m.rate)), "forces explain m a of every body", where);
-    found_.within(norm(m.turning - loads[i].torque), 1e-9 * (torques + forces + norm(m.turning)) + 1e-12 * m.gyroscopic,
+    found_.within(norm(m.rate - loads[i].force), 1e-9 * (forces + norm(m.rate)) + 1e-12 * m.rate_terms,
+                  "forces explain m a of every body", where);
+    found_.within(norm(m.turning - loads[i].torque), 1e-9 * (torques + forces + norm(m.turning)) + 1e-12 * m.turning_terms,
                   "torques explain the spin of every body", where);
   }
 }
@@ -344,7 +349,7 @@ void InstantLaws::require_cables(const World& world) {
 void InstantLaws::require_totals(const World& world) {
   const Totals totals = world.totals();
   Vec3 linear{}, angular{};
-  double linear_size = small(world), angular_size = small(world), kinetic = 0;
+  double linear_size = small(world), angular_size = small(world), kinetic = 0;  // sizes of the terms
   bool armatures = false;
   for (const JointId id : present_joints(world))
     if (const JointParameters* p = world.joint(id).parameters) armatures = armatures || p->armature.any();
@@ -354,7 +359,7 @@ void InstantLaws::require_totals(const World& world) {
     const BodyMotion& motion = world.motions()[static_cast<std::size_t>(b)];
     const Momentum m = momentum_of(body, motion, {});
     linear += m.linear, angular += m.angular;
-    linear_size += norm(m.linear), angular_size += norm(m.angular) + norm(m.linear) * norm(motion.pose.position);
+    linear_size += m.linear_terms, angular_size += norm(m.angular) + m.linear_terms * norm(motion.pose.position);
     const Vec3 centre = motion.linear + cross(motion.angular, rotation_matrix(motion.pose.rotation) * body.com);
     const Vec3 spin = transpose(rotation_matrix(motion.pose.rotation)) * motion.angular;
     kinetic += 0.5 * (body.mass * dot(centre, centre) + dot(spin, times(body.inertia, spin)));
