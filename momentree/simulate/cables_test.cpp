@@ -201,6 +201,35 @@ TEST_CASE("cable: stepped in time it ends near where the located one does") {
   CHECK(std::fabs(stepped.energy().error) < 1e-6);
 }
 
+TEST_CASE("cable: stepped in time, one that is cut, parts or becomes longer exerts no force from that instant on") {
+  const auto falls_freely = [](Simulation& sim, double tension) {
+    CHECK(sim.world().spring({0}).tension == 0);
+    const BodyAcceleration a = sim.world().accelerations()[0];
+    CHECK(norm(a.linear - Vec3{0, 0, -g}) < 1e-12);
+    CHECK(norm(a.angular) < 1e-12);
+    CHECK(sim.step_memory().stepping.points.empty());
+    CHECK(tension == doctest::Approx(mass * g).epsilon(1e-6));
+  };
+  const double cut = 0.0123;
+  for (const bool longer : {false, true}) {
+    Simulation sim(hanging(0, {.name = "tether"}), {.method = "stepping", .step = 1e-3});
+    REQUIRE(sim.run_until(0.01));
+    const double before = sim.world().spring({0}).tension;
+    sim.at(cut).then(longer ? set_parameters("tether", {.rest = 2}) : break_spring("tether"));
+    REQUIRE(sim.run_until(cut));
+    falls_freely(sim, before);
+    REQUIRE(sim.run_until(cut + 0.1));
+    CHECK(place(sim).z == doctest::Approx(-length - 0.5 * g * 0.01).epsilon(1e-9));
+  }
+  Simulation sim(hanging(0, {.name = "tether", .strength = 30}), {.method = "stepping", .step = 1e-3});
+  REQUIRE(sim.run_until(0.01));
+  const double before = sim.world().spring({0}).tension;
+  sim.at(cut).then(set_parameters("tether", {.strength = {.force = 10}}));
+  REQUIRE(sim.run_until(cut));
+  REQUIRE(first(sim, "strength of tether") != nullptr);
+  falls_freely(sim, before);
+}
+
 TEST_CASE("cable: a state of a run continues with the same bits") {
   Simulation sim(hanging(1.1, {.name = "tether"}), precise("rk4"));
   REQUIRE(sim.run_until(0.4));

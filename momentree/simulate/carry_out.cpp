@@ -82,6 +82,7 @@ bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
     return false;
   }
   world.take_variables(world.own_variables());
+  contact_steps.forget_parted();
   evaluate_state();
   for (Event& event : report.events) {
     add_to_balance(event);

@@ -230,12 +230,22 @@ double ContactSteps::reach(double h) const {
   return std::max({h * speed, gravity * usual_step_ * usual_step_, touch_distance});
 }
 
+// Among those that find_near() found.
+bool ContactSteps::is_near(const SteppedContact& point) const {
+  return std::ranges::any_of(near_, [&](const Contact& c) { return c.pair == point.pair; });
+}
+
 bool ContactSteps::still_near() {
-  near_.clear();
-  contacts_->add_near(reach(usual_step_), near_);
-  return std::ranges::all_of(points_, [this](const SteppedContact& point) {
-    return std::ranges::any_of(near_, [&](const Contact& c) { return c.pair == point.pair; });
-  });
+  find_near();
+  return std::ranges::all_of(points_, [this](const SteppedContact& point) { return is_near(point); });
+}
+
+void ContactSteps::forget_parted() {
+  if (points_.empty()) return;
+  find_near();
+  std::vector<SteppedContact> near = points_;
+  if (std::erase_if(near, [this](const SteppedContact& point) { return !is_near(point); }) > 0)
+    set_points(std::move(near), released_);
 }
 
 void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {

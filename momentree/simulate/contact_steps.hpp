@@ -48,6 +48,8 @@ class ContactSteps final : public StepContacts {
   bool released() const { return released_; }
   /// True if the bodies of all points are as near each other as in a step that finds them.
   bool still_near();
+  /// Forgets the points whose bodies are not: those of cables that broke or became longer.
+  void forget_parted();
 
  private:
   struct Stop {
@@ -55,6 +57,8 @@ class ContactSteps final : public StepContacts {
     double sign, limit;  ///< sign 1: the upper stop
   };
   double reach(double h) const;
+  void find_near() { near_.clear(), contacts_->add_near(reach(usual_step_), near_); }
+  bool is_near(const SteppedContact& point) const;
   void add_stops();
   void find_points(double within);
   void guess(double h);
