@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <momentree/dynamics/evaluate.hpp>
+#include <momentree/dynamics/springs.hpp>
 
 namespace momentree {
 
@@ -144,9 +145,20 @@ Force<double> contact_wrench(const Workspace<double>& workspace, int body, const
 template <class Add>
 void for_held_forces(const Tree& tree, const Workspace<double>& workspace, Add add) {
   if (workspace.contacts == nullptr) return;
+  const auto pull = [&](int body, const Vec3& force, const Vec3& point) {
+    if (body >= 0 && tree.alive(body)) add(body, contact_wrench(workspace, body, force, point));
+  };
   for (const HeldForce& held : workspace.contacts->held) {
-    if (held.a >= 0 && tree.alive(held.a)) add(held.a, contact_wrench(workspace, held.a, held.force, held.point));
-    if (held.b >= 0 && tree.alive(held.b)) add(held.b, contact_wrench(workspace, held.b, -held.force, held.point));
+    if (held.cable >= 0) {  // it has moved since: it pulls along itself
+      const SpringMotion motion = spring_motion(tree, workspace, held.cable);
+      const Spring& cable = tree.springs()[static_cast<std::size_t>(held.cable)];
+      const Vec3 force = dot(held.force, held.normal) * motion.direction;
+      pull(cable.from.body.index, force, motion.from);
+      pull(cable.to.body.index, -force, motion.to);
+      continue;
+    }
+    pull(held.a, held.force, held.point);
+    pull(held.b, -held.force, held.point);
   }
 }
 

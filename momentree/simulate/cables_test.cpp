@@ -201,6 +201,30 @@ TEST_CASE("cable: stepped in time it ends near where the located one does") {
   CHECK(std::fabs(stepped.energy().error) < 1e-6);
 }
 
+TEST_CASE("cable: stepped in time, a tension is along the cable, and causes the accelerations") {
+  Model model;
+  const BodyId load = model.add({.name = "load",
+                                 .mass = mass,
+                                 .inertia = diagonal(0.1),
+                                 .joint = Free{},
+                                 .q = {1, 0.2, -1, 1, 0, 0, 0},
+                                 .v = {0, 1, 0, 0, 0, 0}});
+  model.add_cable({.name = "tether", .to = {load, {0.1, 0.2, 0.3}}});
+  Simulation sim(model, {.method = "stepping", .step = 2e-3});
+  int taut = 0;
+  for (int k = 1; k <= 20; ++k) {
+    REQUIRE(sim.run_until(0.05 * k));
+    const SpringView tether = sim.world().spring({0});
+    taut += tether.tension > 0 ? 1 : 0;
+    const Vec3 pull = (tether.tension / tether.length) * (tether.place_of_from - tether.place_of_to);
+    const BodyAcceleration a = sim.world().accelerations()[0];
+    const BodyMotion& motion = sim.world().motions()[0];
+    CHECK(norm(mass * (a.linear - Vec3{0, 0, -g}) - pull) < 1e-12 * mass * g);
+    CHECK(norm(0.1 * a.angular - cross(tether.place_of_to - motion.pose.position, pull)) < 1e-12 * mass * g);
+  }
+  CHECK(taut > 15);
+}
+
 TEST_CASE("cable: stepped in time, one that is cut, parts or becomes longer exerts no force from that instant on") {
   const auto falls_freely = [](Simulation& sim, double tension) {
     CHECK(sim.world().spring({0}).tension == 0);

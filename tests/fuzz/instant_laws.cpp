@@ -198,9 +198,9 @@ void InstantLaws::look(const Simulation& simulation) {
   char text[40];
   std::snprintf(text, sizeof text, "at %.9g s", world.time());
   at_ = text;
-  const bool steps = simulation.integration().method == "stepping";
+  const bool steps = simulation.integration().method == "stepping" || simulation.step_memory().stepping.on;
   ++found_.counts["instants"];
-  require_equations_of_motion(world, steps);
+  require_equations_of_motion(world);
   require_contact_law(world);
   require_joints(world, steps);
   require_totals(world);
@@ -210,13 +210,7 @@ void InstantLaws::look(const Simulation& simulation) {
 }
 
 // Newton's and Euler's equations of every body.
-void InstantLaws::require_equations_of_motion(const World& world, bool stepped) {
-  // While contacts are stepped through, tensions are means over the last step, and accelerations are not.
-  for (int s = 0; stepped && s < world.springs(); ++s)
-    if (world.spring({s}).inextensible && world.spring({s}).tension > 0) {
-      ++found_.counts["left out: cables while contacts are stepped through"];
-      return;
-    }
+void InstantLaws::require_equations_of_motion(const World& world) {
   const Loads loads(world);
   const double forces = loads.force_size() + small(world), torques = loads.torque_size() + small(world);
   if (shared_anew(world)) {

@@ -25,7 +25,7 @@ class InstantLaws {
     std::vector<BodyMotion> motions;
     std::vector<BodyAcceleration> accelerations;
   };
-  void require_equations_of_motion(const World& world, bool stepped);
+  void require_equations_of_motion(const World& world);
   void require_contact_law(const World& world);
   void require_nothing_below_floor(const World& world);
   void require_joints(const World& world, bool stepped);
