@@ -286,6 +286,46 @@ TEST_CASE("snapshots contain active limits; locks and unlocks override them") {
   CHECK(sim.apply(unlock("ball")).actions[0].text().find("skipped") != std::string::npos);
 }
 
+TEST_CASE("a joint no longer rests on a stop that is moved, made soft or taken away") {
+  constexpr double m = 2, start = 1.25, fall = 0.3, k = 400;
+  for (const bool loop : {false, true}) {
+    const auto resting = [loop](const JointLimits& limits) {
+      const Prismatic slide{.limits = {.lower = -0.5}};
+      Model model;
+      BodySpec ball{.name = "ball", .mass = m, .inertia = diagonal(0.1), .joint = slide, .q = -0.5};
+      if (loop) ball.joint = Free{}, ball.q = {0, 0, -0.5, 1, 0, 0, 0};
+      const BodyId body = model.add(ball);
+      if (loop) model.add_loop({.name = "slide", .body = body, .joint = slide});
+      Simulation sim(model, {.method = "rk4", .step = 1e-3});
+      sim.at(start).then(set_parameters(loop ? "slide" : "ball", {.limits = limits}));
+      REQUIRE(sim.run_until(start));
+      return sim;
+    };
+    const auto height = [](const Simulation& sim) { return sim.world().motions()[0].pose.position.z; };
+    const auto below = [](double t) { return -0.5 - 0.5 * g * t * t; };
+    Simulation lower = resting({.lower = -0.5 - fall});
+    REQUIRE(lower.run_until(start + 0.1));
+    CHECK(height(lower) == doctest::Approx(below(0.1)).epsilon(1e-10));
+    REQUIRE(lower.run_until(start + 0.5));
+    const auto hits = of(lower, "hit");
+    REQUIRE(!hits.empty());
+    CHECK(hits.back()->time == doctest::Approx(start + std::sqrt(2 * fall / g)).epsilon(1e-8));
+    CHECK(height(lower) == doctest::Approx(-0.5 - fall).epsilon(1e-9));
+    Simulation soft = resting({.lower = -0.5, .stiffness = k});
+    REQUIRE(soft.run_until(start + 0.1));
+    CHECK(height(soft) == doctest::Approx(-0.5 - m * g / k * (1 - std::cos(std::sqrt(k / m) * 0.1))).epsilon(1e-8));
+    Simulation gone = resting({.upper = 1});
+    REQUIRE(gone.run_until(start + 0.1));
+    CHECK(height(gone) == doctest::Approx(below(0.1)).epsilon(1e-10));
+    Simulation same = resting({.lower = -0.5, .upper = 1, .restitution = 0.5});
+    const std::size_t events = same.events().size();
+    REQUIRE(same.run_until(start + 0.1));
+    CHECK(height(same) == doctest::Approx(-0.5).epsilon(1e-12));
+    CHECK(same.events().size() == events);
+    for (const Simulation* sim : {&lower, &soft, &gone, &same}) CHECK(std::fabs(sim->energy().error) < 1e-8);
+  }
+}
+
 TEST_CASE("impossible limits are errors") {
   const auto message = [](JointSpec joint, Values q = {}) {
     Model model;

@@ -246,7 +246,20 @@ void TopologyEditor::push(int body, const Vec3& force, const Vec3& torque, const
   carry_out(Impulse{{body}, force, torque, point}, Nature::outside);
 }
 
+// A joint rests on a stop for as long as the stop stays where it is, and hard.
+void TopologyEditor::leave_changed_stops(int joint, const JointLimits& limits) {
+  const JointParameters* const own = parameters(joint);
+  for (int dof = 0; own != nullptr && dof < info(declared(joint).kind).nv; ++dof) {
+    const int sign = world_.held(joint, dof);
+    const auto stop = [&](const JointLimits& of) {
+      return !of.hard() ? sign * HUGE_VAL : sign > 0 ? of.upper_of(dof) : of.lower_of(dof);
+    };
+    if (sign != 0 && stop(own->limits) != stop(limits)) release_limit(joint, dof);
+  }
+}
+
 void TopologyEditor::set(int joint, const JointParameters& parameters) {
+  leave_changed_stops(joint, parameters.limits);
   if (is_loop({joint})) {
     const Loop& loop = loop_of(joint);
     const bool begins = parameters.drive != nullptr && parameters.drive->moves();

@@ -120,6 +120,7 @@ class TopologyEditor {
   static constexpr double motion_tolerance = 1e-6;
 
  private:
+  void leave_changed_stops(int joint, const JointLimits& limits);
   bool drifts(int body) const;
   ActionResult close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at);
   void hold_by_loop(int body);
