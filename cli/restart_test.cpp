@@ -5,66 +5,15 @@
 
 #include <doctest/doctest.h>
 
-#include <cli/input.hpp>
-#include <momentree/integrate/integrator.hpp>
-#include <momentree/io/state_document.hpp>
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <cli/restart_test_support.hpp>
 
 using namespace momentree;
+using momentree::cli::check_restarts;
+using momentree::cli::read_restarted;
+using momentree::cli::RestartedRun;
 using momentree::io::Session;
 
 namespace {
-
-io::Scenario read(const std::string& text) {
-  io::ReadResult result = io::read_scenario_text(text, "s.toml");
-  INFO(io::rendered(result.diagnostics));
-  REQUIRE(result.scenario);
-  return std::move(*result.scenario);
-}
-
-struct Run {
-  Session session;
-  bool adaptive;
-  std::vector<std::string> events;
-  Run(const io::Scenario& scenario, const std::string& state, double until)
-      : session(scenario, momentree::cli::documents_of(state, scenario.model)),
-        adaptive(is_adaptive(scenario.integration.method)) {
-    static_cast<void>(session.schedule());
-    session.simulation().observe(scenario.output_every, [](const World&) { return true; });
-    REQUIRE(session.simulation().run_until(until) == Status::ok);
-    for (const Event& event : session.simulation().events())
-      events.push_back(event.name + " " + std::to_string(event.time) + " " +
-                       (event.actions.empty() ? event.contact.one : event.actions.front().text()));
-  }
-  std::string state() const {
-    StepMemory memory = session.simulation().step_memory();
-    memory.work = 0;
-    return io::state_json(session.simulation().world(), session.armed(), memory);
-  }
-};
-
-void check_restarts(const io::Scenario& scenario, double until, const std::vector<double>& stops) {
-  const io::test::TemporaryFolder folder;
-  const Run whole(scenario, "", until);
-  for (const double stop : stops) {
-    CAPTURE(stop);
-    const Run first(scenario, "", stop);
-    const std::string file = folder / "state.json";
-    io::write_text_file(file, io::state_json(first.session.simulation().world(), first.session.armed(),
-                                             first.session.simulation().step_memory()));
-    CHECK(Run(scenario, file, stop).state() == first.state());  // nothing happens again
-    const Run second(scenario, file, until);
-    std::vector<std::string> events = first.events;
-    events.insert(events.end(), second.events.begin(), second.events.end());
-    CHECK(events == whole.events);
-    CHECK(second.state() == whole.state());
-    // Sums of work may differ by rounding: steps are evaluated again to find peaks of the load that breaks a joint.
-    if (whole.adaptive)
-      CHECK(second.session.simulation().step_memory().work ==
-            doctest::Approx(whole.session.simulation().step_memory().work).epsilon(1e-12));
-  }
-}
 
 // A pendulum that swings past every kind of condition, and a chain whose joints are monitored one by one.
 std::string swinging(const std::string& method) {
@@ -163,7 +112,7 @@ TEST_CASE("a restart continues as the run would have: conditions, delays, period
   for (const char* method : {"method = \"rk4\"\nstep = 0.007\n", "method = \"dopri5\"\nrtol = 1e-7\n",
                              "method = \"dop853\"\nrtol = 1e-9\n", "method = \"midpoint\"\nstep = 0.02\n"}) {
     CAPTURE(method);
-    check_restarts(read(swinging(method)), 3, {0.125, 0.25, 0.5, 0.625, 1.0, 1.375, 1.5, 2.125});
+    check_restarts(read_restarted(swinging(method)), 3, {0.125, 0.25, 0.5, 0.625, 1.0, 1.375, 1.5, 2.125});
   }
 }
 
@@ -185,7 +134,7 @@ kind = "revolute"
 axis = [0, 1, 0]
 v = 1
 )";
-  check_restarts(read(head + R"([[event]]
+  check_restarts(read_restarted(head + R"([[event]]
 when = { position = "m/a", exceeds = 0.1 }
 lock = "m/a"
 [[event]]
@@ -193,7 +142,7 @@ at = 0.4
 lock = "m/a"
 )"),
                  0.6, {0.2, 0.4});
-  check_restarts(read(head + R"([[event]]
+  check_restarts(read_restarted(head + R"([[event]]
 every = 0.15
 from = 0.15
 free = "m/a"
@@ -202,7 +151,7 @@ free = "m/a"
 }
 
 TEST_CASE("a restart keeps couplings and the file's order at one instant") {
-  check_restarts(read(R"(format = 1
+  check_restarts(read_restarted(R"(format = 1
 [integrate]
 step = 0.004
 until = 1
@@ -264,7 +213,7 @@ set = { joint = "m/b3", damping = 0.2 }
 }
 
 TEST_CASE("events that differ by rounding do not contradict one another after a restart") {
-  check_restarts(read(R"(format = 1
+  check_restarts(read_restarted(R"(format = 1
 [integrate]
 until = 0.4
 [[mechanism]]
@@ -321,7 +270,7 @@ impulse = { body = "p/bob", force = [0.1, 0, 0] }
     CAPTURE(method);
     std::string with = text;
     with.replace(with.find("METHOD"), 6, method);
-    check_restarts(read(with), 0.9, {0.15, 0.3, 0.35, 0.6, 0.7});
+    check_restarts(read_restarted(with), 0.9, {0.15, 0.3, 0.35, 0.6, 0.7});
   }
 }
 
@@ -352,11 +301,11 @@ every = 0.23
 from = 0.1
 weld = { body = "b/b", to = "a/a" }
 )";
-  check_restarts(read(text), 0.25, {0.125});
+  check_restarts(read_restarted(text), 0.25, {0.125});
   const io::test::TemporaryFolder folder;  // one that is due is refused at its instant, as in the direct run
-  io::Scenario longer = read(text);
+  io::Scenario longer = read_restarted(text);
   longer.until = 0.5;
-  const Run first(longer, "", 0.25);
+  const RestartedRun first(longer, "", 0.25);
   io::write_text_file(folder / "state.json", io::state_json(first.session.simulation().world(), first.session.armed(), {}));
   Session second(longer, momentree::cli::documents_of(folder / "state.json", longer.model));
   static_cast<void>(second.schedule());
@@ -365,7 +314,7 @@ weld = { body = "b/b", to = "a/a" }
 }
 
 TEST_CASE("a document reads back to the same text after the ground has become the parent of another body") {
-  check_restarts(read(R"(format = 1
+  check_restarts(read_restarted(R"(format = 1
 [integrate]
 until = 0.5
 [output]
@@ -395,7 +344,7 @@ break = "m/j"
 TEST_CASE("a restart keeps a cable taut next to a coupling's spring") {
   for (const char* method : {"rk4", "dopri5", "dop853"}) {
     CAPTURE(method);
-    check_restarts(read(R"(format = 1
+    check_restarts(read_restarted(R"(format = 1
 [[mechanism]]
 name = "m0"
 [[mechanism.body]]
@@ -428,7 +377,7 @@ from = { body = "m1/b3" }
 to = { body = "m0/b0", point = [0.03, -0.05, -0.03] }
 [integrate]
 method = ")" + std::string(method) +
-                        R"("
+                                  R"("
 until = 0.5
 [output]
 every = 0.06
@@ -450,7 +399,7 @@ TEST_CASE("every file in scenarios/ continues with the same bits") {
 }
 
 TEST_CASE("the events of a document must fit the scenario") {
-  const io::Scenario scenario = read(swinging("step = 0.01\n"));
+  const io::Scenario scenario = read_restarted(swinging("step = 0.01\n"));
   const io::test::TemporaryFolder folder;
   const std::string file = folder / "state.json";
   const auto refused = [&](const std::string& armed) {
@@ -495,6 +444,6 @@ TEST_CASE("a restart continues with the contacts of the run: closed ones, bounce
   for (const char* method : {"method = \"rk4\"\nstep = 0.002\n", "method = \"dopri5\"\nrtol = 1e-7\n", "method = \"dop853\"\n",
                              "method = \"stepping\"\nstep = 0.004\n"}) {
     CAPTURE(method);
-    check_restarts(read(touching(method)), 2, {0.125, 0.375, 0.5, 0.75, 1.125, 1.5});
+    check_restarts(read_restarted(touching(method)), 2, {0.125, 0.375, 0.5, 0.75, 1.125, 1.5});
   }
 }

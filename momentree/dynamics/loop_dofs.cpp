@@ -64,6 +64,14 @@ double relative_rate(const Tree& tree, const double* q, const Workspace<double>&
   return part(loop.body) - (loop.to >= 0 ? part(loop.to) : dot(row.F, base.v));
 }
 
+// What is locked is where it is held, to the bit.
+void put_held(const Loop& loop, double* q) noexcept {
+  const KindInfo& kind = info(loop.joint.kind);
+  for (int k = 0; k < kind.nv && kind.nq == kind.nv; ++k)
+    if ((loop.joint.locked >> k & 1u) != 0) q[k] = loop.held[k];
+  if (kind.nq != kind.nv && loop.joint.locked + 1 == 1u << kind.nv) std::copy_n(loop.held.begin(), kind.nq, q);
+}
+
 }  // namespace
 
 Mat3 loop_child_axes(const LoopPlace& p, const LoopLink& link) noexcept {
@@ -85,22 +93,19 @@ void detail::loop_coordinates_at(const Tree& tree, int place, const LoopPlace& p
   Dofs(spec, q).velocities(relative_motion(p, loop_child_axes(p, link)), u);
 }
 Turns detail::turns_at(const Tree& tree, int place, const LoopPlace& p, const Turns& hint) noexcept {
-  const Joint& joint = tree.loops()[at(place)].joint;
+  const Loop& loop = tree.loops()[at(place)];
   double q[7] = {};
-  nearest_coordinates(spec_of(joint), loop_pose(p, tree.loop_links()[at(place)]), hint, q);
-  return turns_of(joint.kind, q);
+  nearest_coordinates(spec_of(loop.joint), loop_pose(p, tree.loop_links()[at(place)]), hint, q);
+  put_held(loop, q);
+  return turns_of(loop.joint.kind, q);
 }
 
 void held_loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int place, double* q, double* u) noexcept {
   loop_coordinates(tree, workspace, place, q, u);
   const Loop& loop = tree.loops()[at(place)];
-  const KindInfo& kind = info(loop.joint.kind);
-  for (int k = 0; k < kind.nv; ++k) {
-    if ((loop.joint.locked >> k & 1u) == 0) continue;
-    u[k] = 0;
-    if (kind.nq == kind.nv) q[k] = loop.held[k];
-  }
-  if (kind.nq != kind.nv && loop.joint.locked + 1 == 1u << kind.nv) std::copy_n(loop.held.begin(), kind.nq, q);
+  put_held(loop, q);
+  for (int k = 0; k < info(loop.joint.kind).nv; ++k)
+    if ((loop.joint.locked >> k & 1u) != 0) u[k] = 0;
 }
 
 void loop_joint_values(const Tree& tree, double t, const double* q, const double* u, std::span<const Turns> turns,

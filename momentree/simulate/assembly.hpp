@@ -12,6 +12,7 @@ namespace momentree {
 /// Which start values were given, by DoF: 1, or 0 for those that may change freely. Empty: no value was given.
 struct GivenStart {
   std::vector<char> q, v;
+  bool by_run = false;  ///< a run left all of them: what its method takes for closed is so
 };
 
 /// What the model gives for the joints of a tree that was compiled from it.
@@ -19,8 +20,8 @@ struct GivenStart {
 
 /// Closes the loops by the least change of the coordinates, then projects the velocities, both in the metric of the mass matrix.
 /// Given values are kept; where they contradict each other, they change as well. Of velocities, zeros give way first. A state in
-/// which nothing is open is left unchanged. Returns the mistake if a loop cannot be closed (`where` is "loop 'name'"), or if that
-/// puts a joint beyond its hard stop ("joint 'name'").
+/// which nothing is open is left unchanged, and so is one that a run left. Returns the mistake if a loop cannot be closed
+/// (`where` is "loop 'name'"), or if that puts a joint beyond its hard stop ("joint 'name'").
 [[nodiscard]] std::optional<Error> assemble(const Tree& tree, const Model& model, const Names& names, State& state,
                                             const GivenStart& given = {});
 

@@ -79,8 +79,8 @@ void TopologyEditor::lock_loop(int joint, unsigned locked) {
   const Loop& loop = loop_of(joint);
   const bool locks = (locked & ~loop.joint.locked) != 0;
   const bool resumes = locked == 0 && loop.parameters.drive != nullptr && loop.parameters.drive->moves();
-  SetLoop change{{joint}, loop.joint, loop.parameters, loop.held, turns_of_loop(joint), locks || resumes};
   const Values now = coordinates(joint);
+  SetLoop change{{joint}, loop.joint, loop.parameters, loop.held, turns_of(loop.joint.kind, now.begin()), locks || resumes};
   if (change.held.size() != now.size()) change.held = now;
   for (int i = 0; i < now.size() && now.size() == info(loop.joint.kind).nv; ++i)  // what was locked keeps its place
     if ((loop.joint.locked >> i & 1u) == 0) change.held[i] = now[i];

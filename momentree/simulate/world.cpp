@@ -104,6 +104,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   }
   if (tree_.has_loops()) {
     GivenStart given = given_start(model_, tree_);
+    given.by_run = !forest.places.empty();
     for (const JointStart& j : joints) {
       const int first = tree_.first_p(tree_.carrier(j.joint.index)),
                 count = info(tree_.joint(tree_.carrier(j.joint.index)).kind).nv;
