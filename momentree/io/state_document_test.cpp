@@ -357,6 +357,21 @@ TEST_CASE("a run that begins with another gravity than the scenario's says so") 
   CHECK(warnings("[0, 1, -3]") == "s.toml: warning: gravity is that of the state document: [0, 1, -3] m/s²\n");
 }
 
+TEST_CASE("a document keeps where a stop acts deeper than its limit") {
+  Model model({.gravity = {0, 0, -9.81}});
+  model.add({.name = "slider", .mass = 1, .inertia = diagonal(1), .joint = Prismatic{.limits = {.lower = -0.1}}, .q = -0.1});
+  Simulation sim(model, {.step = 0.01});
+  const std::string text =
+      replaced(state_json(sim.world(), {}), "\"reversed\": false", "\"reversed\": false, \"deeper\": [[-0.1001, null]]");
+  const RestoredState state = read_state(text, "s.json", model);
+  restore(sim, {state});
+  sim.resume({}, state.memory);
+  CHECK(state_json(sim.world(), {}, {.deeper = sim.step_memory().deeper}) == text);
+  REQUIRE(sim.run_until(1) == Status::ok);
+  CHECK(sim.world().joint({0}).resting == 1);
+  CHECK(sim.world().joint({0}).q[0] == doctest::Approx(-0.1001).epsilon(1e-9));
+}
+
 TEST_CASE("all mistakes of a document are reported at once") {
   const Model model = test::two_mechanisms();
   const auto mistakes = [&](const std::string& text) {
@@ -367,7 +382,7 @@ TEST_CASE("all mistakes of a document are reported at once") {
   CHECK(mistakes(R"({"time": "1 s", "tiem": 2,
  "joints": {
   "arm/wirst": {"q": [1]},
-  "pendulum": {"q": ["1"], "v": [1, 2], "lokced": true, "at": {"quat": [1, 1, 0, 0]},
+  "pendulum": {"q": ["1"], "v": [1, 2], "lokced": true, "deeper": [[1]], "at": {"quat": [1, 1, 0, 0]},
                "parameters": {"damping": -1, "limits": {"lower": 1, "upper": null}}}},
  "armed": {"e": {"fired": -1, "looked": [[1]]}}, "integration": {"step": 0}})") ==
         "s.json:1:10: error: time: expected a number, found a string\n"
@@ -376,7 +391,8 @@ TEST_CASE("all mistakes of a document are reported at once") {
         "s.json:4:22: error: q: expected a number, found a string\n"
         "s.json:4:33: error: v: expected 1 number, found a list of 2\n"
         "s.json:4:41: error: unknown key 'lokced' in joint 'pendulum'; did you mean 'locked'?\n"
-        "s.json:4:72: error: quat: the length of the quaternion is not 1\n"
+        "s.json:4:68: error: deeper: expected where the lower and the upper stop act, two numbers or null\n"
+        "s.json:4:89: error: quat: the length of the quaternion is not 1\n"
         "s.json:5:42: error: damping: must not be negative\n"
         "s.json:6:27: error: fired: expected a count\n"
         "s.json:6:42: error: looked: expected 2 numbers, found a list of 1\n"

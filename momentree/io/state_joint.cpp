@@ -79,7 +79,8 @@ void JointReader::read_pose(Fields& fields, const char* key, Pose& pose) {
   parts.finish();
 }
 
-// `locked`: true, false, or one boolean per DoF; `resting`: per DoF 1 on its upper stop, -1 on its lower stop, 0 on none.
+// `locked`: true, false, or one boolean per DoF; `resting`: per DoF 1 on its upper stop, -1 on its lower stop, 0 on none;
+// `deeper`: per DoF where its lower and its upper stop act, if that is beyond their limits.
 void JointReader::read_locks(Fields& fields, DescribedJoint& joint) {
   const int count = info(joint.joint.kind).nv;
   const auto list = [&](const Value& value, const char* key) {
@@ -116,6 +117,21 @@ void JointReader::read_locks(Fields& fields, DescribedJoint& joint) {
     joint.active_limits.push_back({-1, i, static_cast<int>(*side)});
   }
   joint.joint.locked |= joint.resting;
+  const Value* deeper = fields.find("deeper");
+  const Value::Array* stops = deeper ? list(*deeper, "deeper") : nullptr;
+  for (int i = 0; stops && i < count; ++i) {
+    const Value& entry = (*stops)[static_cast<std::size_t>(i)];
+    const Value::Array* const pair = entry.array();
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Value* const at = pair && pair->size() == 2 ? &(*pair)[k] : nullptr;
+      if (at && at->is_null()) continue;
+      const int sign = k == 0 ? -1 : 1;
+      if (at && at->number())
+        joint.deeper.push_back({-1, i, sign, sign * *at->number()});
+      else
+        return out_.error(entry.place, "deeper: expected where the lower and the upper stop act, two numbers or null");
+    }
+  }
 }
 
 // Kind, parent, frames, axes and parameters.

@@ -18,6 +18,7 @@ struct DescribedJoint {
   bool reversed = false, loop = false;
   unsigned resting = 0;
   std::vector<ActiveLimit> active_limits;  ///< joint numbers are not yet set
+  std::vector<DeeperStop> deeper;          ///< likewise
   Values q, v, p;                          ///< empty if they are absent or null
   const std::string& name() const { return entry->key; }
 };

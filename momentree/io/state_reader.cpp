@@ -122,9 +122,11 @@ class Reader {
     if (child == ground && entry.value.table())
       return out_.error(entry.place, "joint " + in_quotes(name) + ", which the model does not have, has no 'child'");
     auto joint = joints_.describe(entry, declared != ground && child == declared ? &spec(declared) : nullptr, child);
-    if (joint && joint->loop)
+    if (!joint) return;
+    for (const DeeperStop& stop : joint->deeper) result_.memory.deeper.emplace_back(name, stop);
+    if (joint->loop)
       add_loop(*joint);
-    else if (joint)
+    else
       described_.push_back(std::move(*joint));
   }
 

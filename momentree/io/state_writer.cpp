@@ -37,13 +37,28 @@ void write_resting(JsonWriter& json, const World& world, int number, const Joint
   json.end_array();
 }
 
-void write_joint(JsonWriter& json, const World& world, int number) {
+// Per DoF where its lower and its upper stop act, if that is beyond their limits.
+void write_deeper(JsonWriter& json, const StepMemory& memory, const JointView& joint) {
+  const auto belongs = [&](const auto& each) { return each.first == joint.name; };
+  if (std::ranges::none_of(memory.deeper, belongs)) return;
+  json.key("deeper").begin_array();
+  for (int i = 0; i < info(joint.kind).nv; ++i) {
+    double at[2] = {NAN, NAN};
+    for (const auto& each : memory.deeper)
+      if (belongs(each) && each.second.dof == i) at[each.second.sign > 0 ? 1 : 0] = each.second.sign * each.second.edge;
+    json.value(std::span<const double>(at));
+  }
+  json.end_array();
+}
+
+void write_joint(JsonWriter& json, const World& world, int number, const StepMemory& memory) {
   const JointView joint = world.joint({number});
   json.key(joint.name).begin_object();
   write_joint_frame(json, joint_record(world, {number}));
   write_locked(json, joint.locked, info(joint.kind).nv);
   json.member("reversed", joint.reversed);
   write_resting(json, world, number, joint);
+  write_deeper(json, memory, joint);
   json.key("parameters");
   write_parameters(json, joint.parameters != nullptr ? *joint.parameters : JointParameters{});
   write_coordinates(json, joint);
@@ -134,8 +149,8 @@ std::string state_json(const World& world, const Armed& armed, const StepMemory&
 
   json.key("joints").begin_object();
   for (int j = 0; j < model.size(); ++j)
-    if (world.tree().carrier(j) >= 0) write_joint(json, world, j);
-  for (const JointId loop : world.loops()) write_joint(json, world, loop.index);
+    if (world.tree().carrier(j) >= 0) write_joint(json, world, j, memory);
+  for (const JointId loop : world.loops()) write_joint(json, world, loop.index, memory);
   json.end_object();
 
   if (world.springs() > 0) {

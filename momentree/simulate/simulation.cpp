@@ -333,6 +333,8 @@ StepMemory Simulation::step_memory() const {
   if (!memory.stepping.points.empty() && !memory.stepping.released && impl_->idle()) memory.stepping.unloaded = impl_->unloaded();
   if (impl_->idle()) memory.stepping.excess = impl_->contacts.any() ? impl_->contacts.excess_of_closed() : -1;
   memory.stepping.placed = true;  // whatever begins with it
+  for (const DeeperStop& stop : impl_->stops.deeper())
+    memory.deeper.emplace_back(std::string(impl_->world.joint_name({stop.joint})), stop);
   return memory;
 }
 void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& memory) {
@@ -346,6 +348,10 @@ void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& me
   std::vector<EventStatus> all = impl_->queue.armed();
   std::copy_n(armed.begin(), std::min(armed.size(), all.size()), all.begin());
   impl_->queue.restore(all, impl_->world.time());
+  std::vector<DeeperStop> deeper;
+  for (auto [joint, stop] : memory.deeper)
+    if (stop.joint = impl_->world.find_joint(joint); stop.joint >= 0) deeper.push_back(stop);
+  impl_->stops.set_deeper(deeper);
   if (!memory.stepping.points.empty()) impl_->contacts.open_pending();  // their forces take the place of these contacts
   if (memory.stepping != SteppingState{}) impl_->continue_stepping(memory.stepping);
   impl_->keeps_contacts = true;

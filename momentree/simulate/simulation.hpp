@@ -84,6 +84,7 @@ struct StepMemory {
   double next_step = 0;  ///< of an adaptive method: the step to try next (s)
   double work = 0;       ///< of an adaptive method: work done by forces so far, to which errors of the work are compared (J)
   SteppingState stepping{};
+  std::vector<std::pair<std::string, DeeperStop>> deeper{};  ///< with the names of their joints
   friend bool operator==(const StepMemory&, const StepMemory&) = default;
 };
 

@@ -37,12 +37,6 @@ struct Watch {
   }
 };
 
-/// A stop that acts beyond its limit: at a turning point of what closed loops let its joint do.
-struct DeeperStop {
-  int joint, dof, sign;
-  double edge;  ///< sign times the coordinate at which it acts
-};
-
 class Stops {
  public:
   /// Instants are located to `tolerance` seconds.

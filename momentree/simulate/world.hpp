@@ -105,6 +105,13 @@ struct ActiveLimit {
   int joint, dof, sign;
 };
 
+/// A stop that acts beyond its limit, because its force is no more than rounding there.
+struct DeeperStop {
+  int joint, dof, sign;
+  double edge;  ///< sign times the coordinate at which it acts
+  friend bool operator==(const DeeperStop&, const DeeperStop&) = default;
+};
+
 /// The complete state of a world at an instant: a small value for going back and for branching.
 struct WorldSnapshot {
   Snapshot engine;
