@@ -231,14 +231,14 @@ at = 0.1
 set = { joint = "p/bob", damping = 0.1 }
 [[event]]
 name = "unlock"
-after = { event = "first", delay = 0.2 }
+after = { event = "first", delay = 0.20000000000000004 }
 unlock = "p/bob"
 [[event]]
 name = "lock"
 every = 0.1
 from = 0.2
 lock = "p/bob"
-)"),  // the second of these is at 0.3, a rounding before 0.1 + 0.2
+)"),  // the second of these is at 0.3, a rounding before the end of the delay
                  0.4, {0.13, 0.2});
 }
 

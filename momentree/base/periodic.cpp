@@ -43,4 +43,6 @@ double Periodic::first_after(double time) const {
 
 double Periodic::first_from(double time) const { return first_after(std::nextafter(time, -HUGE_VAL)); }
 
+double delayed(double time, double delay) { return time + delay > time ? Periodic(time, delay).first_after(time) : time; }
+
 }  // namespace momentree

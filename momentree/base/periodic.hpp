@@ -23,4 +23,7 @@ class Periodic {
   double scale_ = 1;  // a power of ten; `from_` and `period_` are multiples of its inverse
 };
 
+/// The instant `delay` (s, not negative) after `time`, in the same way: 0.1 s after 0.2 s is 0.3 s.
+double delayed(double time, double delay);
+
 }  // namespace momentree

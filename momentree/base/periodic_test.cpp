@@ -63,6 +63,17 @@ TEST_CASE("periods that are not short decimals are multiplied") {
   }
 }
 
+TEST_CASE("instants after a delay are decimal as well") {
+  for (int from = 0; from < 100; ++from)
+    for (int delay = 1; delay < 100; ++delay)
+      REQUIRE(delayed(decimal(from, 2), decimal(delay, 1)) == decimal(from + 10 * delay, 2));
+  CHECK(delayed(1.0 / 3, 0.1) == 1.0 / 3 + 0.1);
+  for (const double time : {0.3, 1.0 / 3, 1e300}) {
+    CHECK(delayed(time, 0) == time);
+    CHECK(delayed(time, 1e-30) == time);
+  }
+}
+
 TEST_CASE("where the clock does not resolve the period, time advances nevertheless") {
   for (const double late : {1e16, 1e17, 1e300}) CHECK(Periodic(0, 0.01).first_after(late) > late);
   for (const double period : {1e-300, 1e-30, 0.1, 1e30, 1e300}) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include <momentree/base/periodic.hpp>
 #include <momentree/io/number_text.hpp>
 #include <momentree/io/scenario_parts.hpp>
 #include <momentree/io/schedule.hpp>
@@ -127,7 +128,7 @@ void warn_of_late(Reading& reading) {
     if (!event.after.empty()) {
       const auto before = earliest.find(event.after);
       if (before == earliest.end()) continue;  // reported where it is scheduled
-      time = before->second + event.delay;
+      time = delayed(before->second, event.delay);
     }
     if (!(time > end)) continue;
     const bool exact = !event.condition && event.after.empty();

@@ -1,5 +1,6 @@
 // Events with conditions: the instant of crossing for any step; order, repetition, duration.
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -150,6 +151,27 @@ TEST_CASE("repetition, duration, delays, periods") {
   for (std::size_t i = 0; i < expected.size(); ++i) {
     CHECK(sim.events()[i].name == expected[i].first);
     CHECK(std::fabs(sim.events()[i].time - expected[i].second) < 1e-8);
+  }
+}
+
+TEST_CASE("events after a delay, and conditions that have lasted, are at decimal instants") {
+  Model model({.gravity = {}});
+  model.add({.name = "slider", .mass = 1, .inertia = diagonal(1), .joint = Prismatic{.axis = {0, 0, 1}}, .q = 1.0});
+  for (const char* method : {"rk4", "dopri5"}) {
+    CAPTURE(method);
+    Simulation sim(model, {.method = method, .step = 0.01});
+    const Action nothing = impulse("slider", {});
+    sim.at(0.1).then(nothing).named("a");
+    sim.after("a", 0.2).then(nothing).named("b");
+    sim.after("b", 0.4).then(nothing).named("c");
+    sim.at(0.1).then(impulse("slider", {0, 0, 1}));
+    sim.when(speed_of("slider").exceeds(0.5).lasting(0.6)).then(nothing).named("d");
+    REQUIRE(sim.run_until(1) == Status::ok);
+    std::map<std::string, double> instants;
+    for (const Event& event : sim.events()) instants[event.name] = event.time;
+    CHECK(instants.at("b") == 0.3);  // 0.1 + 0.2 is a rounding after it
+    CHECK(instants.at("c") == 0.7);
+    CHECK(instants.at("d") == 0.7);
   }
 }
 

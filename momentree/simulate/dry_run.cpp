@@ -1,4 +1,5 @@
 // Carries out everything that is scheduled without moving in between, and takes it back.
+#include <momentree/base/periodic.hpp>
 #include <momentree/simulate/simulation_impl.hpp>
 
 namespace momentree {
@@ -23,7 +24,7 @@ DryRun Simulation::Impl::dry_run() {
     if (e.done) continue;
     double time = e.time;
     for (const EventQueue::Entry& other : queue.entries)
-      if (!e.after.empty() && other.event.name == e.after) time = std::min(time, other.time + e.delay);
+      if (!e.after.empty() && other.event.name == e.after) time = std::min(time, delayed(other.time, e.delay));
     certain = certain && std::isfinite(time);
     order.push_back({time, !e.after.empty() && e.delay == 0, k});
   }

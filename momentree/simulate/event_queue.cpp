@@ -20,7 +20,7 @@ void EventQueue::look_ahead() {
   for (const Entry& e : entries) {
     if (e.done) continue;
     const bool holds = e.condition && e.since >= 0 && e.condition->duration > 0;
-    next_ = std::min(next_, holds ? e.since + e.condition->duration : e.time);
+    next_ = std::min(next_, holds ? delayed(e.since, e.condition->duration) : e.time);
   }
 }
 
@@ -119,7 +119,7 @@ std::optional<std::size_t> EventQueue::urgent(const World& world, std::span<cons
     }
     if (e.since < 0) e.since = world.time();
     e.nearest.held = std::max(e.nearest.held, world.time() - e.since);
-    if (world.time() < e.since + c.duration) continue;
+    if (world.time() < delayed(e.since, c.duration)) continue;
     if (!first) first = k;
     if (c.what->is_load() && c.ratio(*value) > largest) load = k, largest = c.ratio(*value);
   }
@@ -166,7 +166,7 @@ void EventQueue::happened(std::size_t place, double time) {
   const std::string name = e.event.name;
   forget_looks();
   for (Entry& other : entries)
-    if (other.after == name) other.time = std::min(other.time, time + other.delay);
+    if (other.after == name) other.time = std::min(other.time, delayed(time, other.delay));
   look_ahead();
 }
 
