@@ -215,3 +215,22 @@ TEST_CASE("islands: an impact takes no more evaluations if hundreds of others fo
   const double few = evaluations_of_each(10), many = evaluations_of_each(150);
   CHECK(many < 1.2 * few);
 }
+
+TEST_CASE("islands: many balls that land one after the other, each for itself, are no flood of changes") {
+  constexpr int balls = 400;
+  constexpr double radius = 0.1;
+  const auto instant = [](int k) { return 0.1 + 4e-3 * k / balls; };
+  Model model;
+  for (int k = 0; k < balls; ++k) {
+    const double height = radius + g / 2 * instant(k) * instant(k);
+    const BodyId ball = model.add(free_body("ball" + std::to_string(k) + "/ball", {0.5 * (k % 20), 0.5 * (k / 20), height}));
+    model.add_collider({.body = ball, .solid = contact::sphere(radius)});
+  }
+  add_floor(model, 0.5);
+  Simulation sim(model, {.step = 1e-3});
+  REQUIRE(sim.run_until(0.105));
+  CHECK(named(sim, "stepping").empty());
+  const std::vector<const Event*> impacts = named(sim, "impact");
+  REQUIRE(impacts.size() == balls);
+  for (int k = 0; k < balls; ++k) CHECK(std::fabs(impacts[static_cast<std::size_t>(k)]->time - instant(k)) < 1e-9);
+}

@@ -174,7 +174,24 @@ bool Simulation::Impl::flood_of_changes(std::size_t first) {
   const int weight = crowd > 1 ? static_cast<int>(std::ceil(crowd * crowd)) : 1;
   if (!bounces && events.size() > first) stepping.changes += weight;
   stepping.changes_at_once += weight;
-  return stepping.changes > most_changes || stepping.changes_at_once > most_changes_at_once;
+  return (stepping.changes > most_changes && stepping.changes * share_of_island(stepping.window) > most_changes) ||
+         (stepping.changes_at_once > most_changes_at_once &&
+          stepping.changes_at_once * share_of_island(stepping.instant) > most_changes_at_once);
+}
+
+// The largest part of the events of contacts since then that happened in one island: many bodies that land each for itself are no
+// flood.
+double Simulation::Impl::share_of_island(double since) {
+  Islands islands(world.tree_);
+  contacts.join_touching(islands);
+  std::map<int, int> counts;
+  int all = 0, most = 0;
+  for (auto event = events.rbegin(); event != events.rend() && event->time >= since; ++event) {
+    if (event->contact.one.empty()) continue;
+    ++all;
+    most = std::max(most, ++counts[islands.of(world.model_.body(event->contact.one).index)]);
+  }
+  return all == 0 ? 1 : static_cast<double>(most) / all;
 }
 
 // Those whose contacts changed most often.

@@ -175,6 +175,8 @@ std::optional<std::string> flood_text(std::span<const Event> events, double now,
       most_events + most_events_of_source * from.sources + static_cast<std::size_t>(std::min(1e15, from.repeated * within));
   const double took = time_of_last(events, most, now);
   if (!(took < within)) return std::nullopt;
+  const auto mends = [](const Event& event) { return !event.stepped.empty(); };  // contacts are stepped through from then on
+  if (std::ranges::any_of(events.last(most), mends)) return std::nullopt;
   return no_progress_at(now) + "events follow each other endlessly: " + std::to_string(most) + " of them took " + text(took) +
          " s, the last ones " + last_events(events) + "; " + cure(events.back());
 }

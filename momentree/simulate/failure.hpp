@@ -30,7 +30,8 @@ struct EventSources {
 /// True if the last 10,000 events took less time than the run's `step` (s), or a millisecond if that is less: more than
 /// `flood_text` permits may have happened.
 bool may_be_flood(std::span<const Event> events, double now, double step);
-/// A message if more than 10,000 events, and 100 for each source, happened in that time.
+/// A message if more than 10,000 events, and 100 for each source, happened in that time, and none of them began stepping through
+/// contacts.
 std::optional<std::string> flood_text(std::span<const Event> events, double now, double step, const EventSources& from);
 
 /// Detects runs that make no progress, by their advance over many steps.

@@ -216,6 +216,7 @@ struct Simulation::Impl {
   void after_contact_step();
   void report_stepping(const char* what, const std::string& why, const std::vector<int>& bodies);
   bool flood_of_changes(std::size_t first);
+  double share_of_island(double since);
   std::size_t points_at_events(std::size_t first);
   std::vector<int> bodies_of_flood() const;
   void judge_steps();

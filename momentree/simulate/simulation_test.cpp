@@ -9,6 +9,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/joint/kinds.hpp>
+#include <momentree/simulate/failure.hpp>
 
 using namespace momentree;
 
@@ -315,6 +316,23 @@ TEST_CASE("a warning about the energy balance has advice") {
 
 // It flies to and fro between elastic stops, in 1e-7 s from one to the other: 10,000 impacts a millisecond. A hundredth more for
 // each stop is permitted. Twice as fast, the run ends at the impact after that, and keeps them all.
+TEST_CASE("events before contacts are stepped through do not count as a flood afterwards") {
+  std::vector<Event> events(12'000);
+  double now = 0;
+  const auto happen = [&](std::size_t first) {
+    for (std::size_t i = first; i < events.size(); ++i) events[i].name = "impact", events[i].time = now += 1e-8;
+  };
+  happen(0);
+  REQUIRE(may_be_flood(events, now, 1e-3));
+  CHECK(flood_text(events, now, 1e-3, {}));
+  events.emplace_back().time = now;
+  events.back().name = "stepping", events.back().stepped = {"ball"};
+  CHECK_FALSE(flood_text(events, now, 1e-3, {}));
+  events.resize(events.size() + 10'001);
+  happen(events.size() - 10'001);
+  CHECK(flood_text(events, now, 1e-3, {}));
+}
+
 TEST_CASE("a flood of events ends a run within its bound, and keeps what was computed") {
   for (const double speed : {1.0, 2.0}) {
     CAPTURE(speed);
