@@ -114,3 +114,49 @@ at = { xyz = [0.201, 0.266, 0.0734] }
   };
   CHECK(place(first) == place(second));
 }
+
+TEST_CASE("restarts: stops that act deeper, where they hardly hold a loop, go on doing so") {
+  const std::string slider_crank = R"(format = 1
+[world]
+gravity = [0, 0, 0]
+[[mechanism]]
+name = "m"
+roots = 2
+[[mechanism.body]]
+name = "crank"
+mass = 1
+com = [0.15, 0, 0]
+inertia = 0.01
+joint = { kind = "revolute", axis = [0, 0, 1], q = 2, v = 2 }
+[[mechanism.body]]
+name = "rod"
+mass = 1
+com = [0.35, 0, 0]
+inertia = 0.02
+joint = { kind = "revolute", parent = "crank", axis = [0, 0, 1], at = { xyz = [0.3, 0, 0] }, q = -2.4003046193207145 }
+[[mechanism.body]]
+name = "slider"
+mass = 0.5
+inertia = 1e-3
+joint = { kind = "prismatic", axis = [1, 0, 0] }
+[[loop]]
+name = "pin"
+body = "m/rod"
+to = "m/slider"
+kind = "revolute"
+axis = [0, 0, 1]
+child_at = { xyz = [0.7, 0, 0] }
+[[event]]
+at = 0.01
+set = { joint = "m/slider", limits = { upper = 0.3 } }
+)";
+  for (const char* method : {"rk4", "midpoint"}) {
+    CAPTURE(method);
+    const std::string run =
+        std::string("[integrate]\nmethod = \"") + method + "\"\nstep = 1e-4\nuntil = 0.4585\n[output]\nevery = 1e-4\n";
+    const io::Scenario scenario = read_restarted(slider_crank + run);
+    check_restarts(scenario, 0.4585, {0.4575, 0.4576, 0.4577, 0.458, 0.4581});
+    cli::RestartedRun rests(scenario, "", 0.458);
+    CHECK(rests.state().find("\"deeper\"") != std::string::npos);
+  }
+}
