@@ -3,12 +3,15 @@
 // The first attempt makes the change that is least in the metric of the mass matrix. This metric prefers to move the light end of
 // a long chain and folds it up. The others use the metric of equal armatures, which spreads the change over all joints, and
 // damped steps (Levenberg-Marquardt), which make progress where rows become dependent. Where the residual is least but not zero,
-// as in bars that lie in one line, an attempt starts again from disturbed coordinates.
+// as in bars that lie in one line, an attempt starts again from disturbed coordinates. What such an attempt moved without need is
+// moved back.
 #include <algorithm>
 #include <cmath>
 
 #include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
+#include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
 
@@ -16,7 +19,7 @@ namespace {
 
 using detail::LoopCorrection, detail::nearly_closed, detail::most_open, detail::open_by;
 
-constexpr int most_steps = 200, disturbed_attempts = 8;
+constexpr int most_steps = 200, disturbed_attempts = 8, most_steps_back = 20;
 constexpr double longest_step = 0.5;  // rad, and of the size of the loops
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -142,10 +145,88 @@ void disturb(const Start& start, double by, int attempt, double* q) {
   detail::displace(start.tree, change.data(), 1, q);
 }
 
+// The motion from q towards `to`, with which the coordinates change as ḋ = N(q) δ; of DoFs that are locked, none.
+void find_motion_towards(const Tree& tree, const double* q, const std::vector<double>& to, std::vector<double>& delta) {
+  delta.assign(at(tree.nv()), 0.0);
+  for (const int b : tree.order())
+    dispatch(tree.kind(b), [&](auto tag) {
+      using K = typename decltype(tag)::type;
+      if constexpr (K::info.nv > 0) {
+        const double* const own = q + tree.first_q(b);
+        double change[7] = {}, along = 0;
+        for (int i = 0; i < K::info.nq; ++i) change[i] = to[at(tree.first_q(b) + i)] - own[i];
+        const int quaternion = K::info.nq > K::info.nv ? 4 : 0;  // the first numbers; q and −q are one rotation
+        for (int i = 0; i < quaternion; ++i) along += own[i] * to[at(tree.first_q(b) + i)];
+        for (int i = 0; along < 0 && i < quaternion; ++i) change[i] = -to[at(tree.first_q(b) + i)] - own[i];
+        for (int i = 0; i < K::info.nv; ++i) {
+          if ((tree.link(b).locked >> i & 1u) != 0) continue;
+          double unit[6] = {}, rate[7] = {}, product = 0, square = 0;  // the columns of N are orthogonal
+          unit[i] = 1;
+          K::Kernels::template coordinate_rate<double>(own, unit, rate);
+          for (int k = 0; k < K::info.nq; ++k) product += rate[k] * change[k], square += rate[k] * rate[k];
+          delta[at(tree.first_p(b) + i)] = product / square;
+        }
+      }
+    });
+}
+
+// The square of a motion in the metric of the mass matrix.
+double square_of(const Tree& tree, const double* q, const std::vector<double>& motion, Workspace<double>& workspace) {
+  sweep_velocities<double, true>(tree, q, motion.data(), workspace);
+  double sum = 0;
+  for (const int b : tree.order()) {
+    const Motion<double>& velocity = workspace.motions[at(b)].velocity;
+    sum += dot(velocity, momentum(tree.link(b).body, velocity));
+  }
+  for (int i = 0; i < tree.nv(); ++i) sum += tree.armature()[i] * motion[at(i)] * motion[at(i)];
+  return sum;
+}
+
 bool flipped(const Tree& tree, const Workspace<double>& workspace) {
   for (std::size_t i = 0; i < tree.loops().size(); ++i)
     if (loop_flipped(tree, workspace, static_cast<int>(i))) return true;
   return false;
+}
+
+double size_of(const LoopWorkspace& loops) {
+  double size = 0;
+  for (const LoopPlace& place : loops.places) size = std::max(size, place.size);
+  return size > 0 ? size : 1;
+}
+
+// Moves closed loops towards `given` as far as they stay closed and get nearer to it.
+void move_back(Start& start, const std::vector<double>& given, double* q, Workspace<double>& workspace) {
+  constexpr double near = 1e-12, nearer = 1e-6, shortest = 1e-3;
+  LoopCorrection correction{start.tree, workspace};
+  const LoopWorkspace& loops = *workspace.loops;
+  const std::vector<double> rest(at(start.tree.nv()), 0.0);
+  std::vector<double> motion, open, along, kept(q, q + start.tree.nq());
+  std::vector<Turns> turns = loops.turns;
+  find_motion_towards(start.tree, q, given, motion);
+  for (int k = 0; k < most_steps_back; ++k) {
+    const double before = square_of(start.tree, q, motion, workspace);
+    correction.evaluate(q, rest.data(), 0);
+    open.clear();  // the speeds of prescribed motions
+    for (const LoopRow& row : loops.rows) open.push_back(row.velocity);
+    correction.evaluate(q, motion.data(), 0);
+    correction.solve(q, [&](std::size_t row) { return open[row] - loops.rows[row].velocity; });
+    for (std::size_t i = 0; i < motion.size(); ++i) motion[i] += workspace.a[i];
+    along = motion;
+    if (!(square_of(start.tree, q, along, workspace) > near * before)) return;
+    bool better = false;
+    for (double scale = 1; scale > shortest && !better; scale /= 4) {
+      start.from = kept, start.step = along;
+      start.move(scale, q);
+      better = close_damped(start, q, workspace) <= nearly_closed && !flipped(start.tree, workspace);
+      find_motion_towards(start.tree, q, given, motion);
+      better = better && square_of(start.tree, q, motion, workspace) < (1 - nearer) * before;
+      if (better) break;
+      std::copy(kept.begin(), kept.end(), q);
+      workspace.loops->turns = turns;
+    }
+    if (!better) return;
+    kept.assign(q, q + start.tree.nq()), turns = loops.turns;
+  }
 }
 
 }  // namespace
@@ -166,8 +247,7 @@ bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<
   };
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
-  for (const LoopPlace& place : loops.places) start.size = std::max(start.size, place.size);
-  if (!(start.size > 0)) start.size = 1;
+  start.size = size_of(loops);
 
   double least = close_by_mass(start, q, workspace);
   report();
@@ -196,9 +276,28 @@ bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<
   std::copy(best.begin(), best.end(), q);
   loops.turns = best_turns;
   if (!closed) return false;
+  move_loops_towards(tree, t, given.data(), q, workspace);
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
   return finish();
+}
+
+void move_loops_towards(const Tree& tree, double t, const double* other, double* q, Workspace<double>& workspace) noexcept {
+  const std::vector<double> to(other, other + tree.nq()), rest(at(tree.nv()), 0.0);
+  LoopWorkspace& loops = detail::loop_memory(tree, workspace);
+  detail::set_loop_motions(tree, t, workspace);
+  sweep_velocities<double, true>(tree, q, rest.data(), workspace);
+  detail::place_loops(tree, q, workspace, true);
+  const Tree equal = with_equal_armatures(tree, size_of(loops));
+  Workspace<double> own(equal);
+  detail::loop_memory(equal, own).turns = loops.turns;
+  detail::set_loop_motions(equal, t, own);
+  Start start{equal, rest.data(), size_of(loops)};
+  move_back(start, to, q, own);
+  loops.turns = own.loops->turns;
+  std::vector<double> u = rest;
+  double energy = 0;
+  static_cast<void>(close_loops(tree, t, q, u.data(), workspace, energy));  // to the last digits
 }
 
 }  // namespace momentree

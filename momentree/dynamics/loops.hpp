@@ -105,6 +105,8 @@ LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& 
 /// of Tree::loop_links(); returns false if one cannot be closed.
 [[nodiscard]] bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace,
                                   double* residuals) noexcept;
+/// Moves coordinates q, with which the loops are closed, towards others as far as they stay closed and get nearer to them.
+void move_loops_towards(const Tree& tree, double t, const double* other, double* q, Workspace<double>& workspace) noexcept;
 /// The residual of each link at coordinates q and velocities u.
 void loop_residuals(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                     double* residuals) noexcept;

@@ -250,7 +250,7 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
     if (!(residuals[i] <= left_as_given) && held.holds_all(island(i))) held.release(island(i));
   std::vector<double> q(state.q().begin(), state.q().end()), u;
   std::vector<Turns> turns;
-  for (;;) {
+  for (bool again = false;; again = true) {
     const bool holds = held.any();
     const Tree used = holds ? held.tree() : tree;
     workspace = Workspace<double>(used);
@@ -278,6 +278,16 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
     if (flipped)
       return Error("it closes only with its axes in opposite directions", where(*flipped),
                    "turn one of its frames by half a turn, or give start values nearer to the intended position");
+    if (closed && again) {  // attempts that failed moved what closes nothing
+      const Tree all = HeldStart(tree, islands, given.q).tree();
+      std::vector<double> start(state.q().begin(), state.q().end());
+      follow_leaders(all, loops, start.data(), u.data());
+      Workspace<double> own(all);
+      load_turns(all, state, own);
+      own.loops->turns = turns;
+      move_loops_towards(all, state.time(), start.data(), q.data(), own);
+      turns = own.loops->turns;
+    }
     if (closed) break;
     if (std::optional<Error> error = conflicting_motions(tree, names, state)) return error;
     const auto i = static_cast<std::size_t>(std::max_element(residuals.begin(), residuals.end()) - residuals.begin());

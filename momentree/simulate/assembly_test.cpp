@@ -110,6 +110,45 @@ TEST_CASE("mechanisms close from positions in which all bars are in line, where 
   }
 }
 
+TEST_CASE("what no loop or coupling needs to move stays where it is, also where closing needs a bent start") {
+  // Two bars in one line, pinned at 0.6 m: they bend by arccos 0.6/1 to one of the two sides.
+  for (const bool first : {true, false}) {
+    Model model;
+    const auto add_slide = [&] {
+      model.add({.name = "slide", .mass = 1, .inertia = diagonal(0.01), .joint = Prismatic{.axis = x_axis}});
+    };
+    if (first) add_slide();
+    const BodyId a = model.add(bar("a", 0.5, pin, ground, 0, {0.0}));
+    const BodyId b = model.add(bar("b", 0.5, pin, a, 0.5, {0.0}));
+    model.add_loop({.name = "pin", .body = b, .joint = Cylindrical{.axis = y_axis}, .at = {0.6, 0, 0}, .child_at = {0.5, 0, 0}});
+    if (!first) add_slide();
+    const World world(model);
+    CHECK(std::fabs(world.joint(world.model().joint("slide")).q[0]) < 1e-12);
+    CHECK(std::fabs(world.joint(world.model().joint("m/a")).q[0]) == doctest::Approx(std::acos(0.6)).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("coordinates that occur in no equation of a loop keep their start") {
+  // Planes in series: the second one's displacement in its plane moves nothing that the loop holds.
+  Model model;
+  const auto add = [&](const char* name, const JointSpec& joint, BodyId parent, Values q, double mass) {
+    BodySpec body;
+    body.name = name, body.mass = mass, body.inertia = diagonal(0.02, 0.024, 0.025);
+    body.joint = joint, body.parent = parent, body.q = q;
+    return model.add(body);
+  };
+  const BodyId base = add("base", Free{}, ground, {0.1, 0.05, 0.5, 0.7, 0.5, 0.1, -0.5}, 0.4);
+  const BodyId plate = add("plate", Planar{}, base, {}, 2.5);
+  const BodyId turn = add("turn", Revolute{.axis = z_axis}, ground, {}, 0.7);
+  const BodyId roll = add("roll", Cylindrical{.axis = x_axis}, turn, {}, 0.9);
+  const BodyId slide = add("slide", Prismatic{.axis = y_axis}, roll, {}, 0.36);
+  model.add_loop({.name = "plane", .body = plate, .to = slide, .joint = Planar{}});
+  const World world(model);
+  CHECK(world.loop_status().residual < 1e-12);
+  for (int i = 0; i < 2; ++i) CHECK(std::fabs(world.joint(world.model().joint("plate")).q[static_cast<std::size_t>(i)]) < 1e-6);
+  for (const BodyMotion& motion : world.motions()) CHECK(norm(motion.pose.position) < 2);
+}
+
 TEST_CASE("lengths whose squares overflow are open, not closed") {
   Model model = polygon(4, 0, pin);
   LoopSpec far = model.loops()[0];
