@@ -186,6 +186,24 @@ TEST_CASE("an exact coupling holds at the start, in the run and in its documents
         read.scenario->model.couplings());
 }
 
+TEST_CASE("start values of a document that a coupling does not allow are a warning with both values") {
+  const ReadResult read =
+      read_scenario_text(wheels + "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nmultiplier = -0.5\n", "s.toml");
+  REQUIRE_MESSAGE(read.scenario, said(read));
+  const auto warnings = [&](const std::string& joints) {
+    Session session(*read.scenario, {read_state("{\"joints\": {\n" + joints + "}}", "a:b.json", read.scenario->model)});
+    CHECK(q(session.simulation(), 1) == doctest::Approx(-0.5 * q(session.simulation(), 0)).epsilon(1e-13));
+    return rendered(session.schedule());
+  };
+  CHECK(warnings(R"("m/a": {"q": [0.5], "v": [2]}, "m/b": {"q": [-0.25], "v": [-1]})").empty());
+  CHECK(warnings(R"("m/b": {"q": [0.25]})").empty());  // the other one follows from it
+  const std::string both = warnings("\"m/a\": {\"q\": [0.5], \"v\": [2]},\n\"m/b\": {\"q\": [-0.3], \"v\": [1]}");
+  CHECK(both.starts_with(
+      "a:b.json:3:1: warning: the loops and couplings don't allow these start values: 'm/b' starts at -0.25 rad, "
+      "not at -0.3 rad; "));
+  CHECK(both.find("'m/b' starts at -1 rad/s, not at 1 rad/s") != std::string::npos);
+}
+
 TEST_CASE("doubled and circular exact couplings are redundant, and held joints stay") {
   const auto status = [](const std::string& couplings) {
     const ReadResult read = read_scenario_text(wheels + couplings, "s.toml");

@@ -1,8 +1,8 @@
 // [[loop]]: joints that close kinematic loops.
-#include <cmath>
 #include <string>
 #include <vector>
 
+#include <momentree/io/changed_start.hpp>
 #include <momentree/io/number_text.hpp>
 #include <momentree/io/read_action.hpp>
 #include <momentree/io/scenario_parts.hpp>
@@ -159,61 +159,11 @@ void warn_of_singular_start(const World& world, Reading& reading) {
                       "give start values away from it, for example bars that do not lie in one line");
 }
 
-// "rad", "m/s": of the coordinates or velocities of a joint; empty if they have different ones.
-std::string unit_of(const KindInfo& kind, bool rates) {
-  const char* const units = rates ? kind.v_units : kind.q_units;
-  const int count = rates ? kind.nv : kind.nq;
-  for (int i = 0; i < count; ++i)
-    if (units[i] != units[0] || units[i] == 'n') return {};
-  return std::string(units[0] == 'r' ? " rad" : " m") + (rates ? "/s" : "");
-}
-
-std::string start_text(std::span<const double> values, int digits) {
-  std::string text;
-  for (const double x : values) text += (text.empty() ? "" : ", ") + rounded_text(x, digits);
-  return values.size() == 1 ? text : "[" + text + "]";
-}
-
-// "'m/crank' starts at 48.2 rad/s, not at 40 rad/s"; empty if they differ by round-off.
-std::string changed_value(const std::string& name, std::span<const double> given, std::span<const double> used,
-                          const std::string& unit) {
-  constexpr double round_off = 1e-9;
-  bool changed = false;
-  for (std::size_t i = 0; i < given.size(); ++i)
-    changed = changed || std::fabs(used[i] - given[i]) > round_off * std::max(1.0, std::fabs(given[i]));
-  if (!changed) return {};
-  int digits = 3;
-  while (digits < 15 && start_text(given, digits) == start_text(used, digits)) ++digits;
-  return in_quotes(name) + " starts at " + start_text(used, digits) + unit + ", not at " + start_text(given, digits) + unit;
-}
-
 void warn_of_changed_start(const World& world, Reading& reading) {
-  constexpr int most_named = 6;
-  const Model& model = reading.scenario.model;
-  std::string changes;
-  int count = 0;
-  Place first;
-  for (int j = 0; j < model.size(); ++j) {
-    const JointView joint = world.joint({j});
-    const KindInfo& kind = info(joint.kind);
-    if (joint.driven || joint.kind != model[{j}].joint.kind) continue;
-    const std::string name(world.joint_name({j}));
-    const auto note = [&](const Values& given, std::span<const double> used, bool rates) {
-      const std::string change =
-          changed_value(name, {given.begin(), static_cast<std::size_t>(given.size())}, used, unit_of(kind, rates));
-      if (change.empty() || ++count > most_named) return;
-      changes += (changes.empty() ? "" : "; ") + change;
-      const auto place = reading.joints.find(name);
-      if (count == 1 && place != reading.joints.end()) first = place->second;
-    };
-    note(model[{j}].q, joint.q, false);
-    note(model[{j}].v, joint.v, true);
-  }
-  if (count == 0) return;
-  if (count > most_named) changes += "; and " + std::to_string(count - most_named) + " more";
-  reading.out.warning(first, "the loops and couplings don't allow these start values: " + changes,
-                      "leave out those that follow from others, or give them with more digits; if they are as you mean them, "
-                      "check the axes and frames of the loops");
+  const std::optional<ChangedStart> changed = changed_start(world);
+  if (!changed) return;
+  const auto place = reading.joints.find(std::string(world.joint_name(changed->joint)));
+  reading.out.warning(place == reading.joints.end() ? Place{} : place->second, changed->what, changed->hint);
 }
 
 void check_strengths(const World& world, Reading& reading) {

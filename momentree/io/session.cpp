@@ -42,11 +42,11 @@ Session::Session(std::shared_ptr<const Scenario> scenario, std::vector<RestoredS
                                      shared_->model, file.mechanism));
   if (!documents.empty()) {
     from_document_ = true;
-    restore(simulation_, documents);
+    of_documents_ = restore(simulation_, documents);
   }
   couple(simulation_, shared_->couplings);
   if (from_document_ && !shared_->couplings.empty())
-    restore(simulation_, documents);  // its contacts close again: they opened when forces were added
+    static_cast<void>(restore(simulation_, documents));  // its contacts close again: they opened when forces were added
   for (const RestoredState& document : documents) {
     if (document.memory != StepMemory{}) memory_ = document.memory;
     for (const ArmedEvent& event : document.armed) take_armed(event, document.file);
@@ -111,7 +111,7 @@ void Session::schedule_followers(std::vector<const ScenarioEvent*>& events) {
 std::vector<Diagnostic> Session::schedule() {
   MT_REQUIRE(!has_events_, "the events of a session are scheduled once; load() has done so");
   has_events_ = true;
-  std::vector<Diagnostic> found;
+  std::vector<Diagnostic> found = std::move(of_documents_);
   const auto warn = [&](Place place, std::string what) {
     found.push_back({Severity::warning, scenario().path, place.line, place.column, std::move(what), "", ""});
   };

@@ -27,7 +27,8 @@ class Session {
   Simulation& simulation() { return simulation_; }
   const Simulation& simulation() const { return simulation_; }
   /// Schedules the events that have not happened yet, once; load() has done so. Returns warnings about events that are too late
-  /// or have no effect left. Throws Error for the first event that is impossible in the world of a state document.
+  /// or have no effect left, and about start values of documents that loops and couplings don't allow. Throws Error for the first
+  /// event that is impossible in the world of a state document.
   [[nodiscard]] std::vector<Diagnostic> schedule();
   /// How often each event has happened, including before the start according to the state document.
   Armed armed() const { return armed(simulation_); }
@@ -55,6 +56,7 @@ class Session {
   Simulation simulation_;
   Armed armed_at_start_;
   StepMemory memory_;
+  std::vector<Diagnostic> of_documents_;  // warnings
   Schedule scheduled_;
   std::unordered_map<std::string, std::size_t> by_name_;            // indices in armed_at_start_
   std::vector<std::vector<const ScenarioEvent*>> matches_;          // by index

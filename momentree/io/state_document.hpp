@@ -51,7 +51,7 @@ RestoredState read_state(const std::string& text, const std::string& file, const
 
 /// Sets a simulation to the state, on top of the model's initial state; with several documents, those of mechanisms are applied
 /// after that of the world. If a joint has both v and p, p is used; throws Error if v differs from the velocity that follows
-/// from p (by more than 1e-6 of the largest body velocity).
-void restore(Simulation& simulation, const std::vector<RestoredState>& documents);
+/// from p (by more than 1e-6 of the largest body velocity). Start values that loops and couplings changed are a warning.
+std::vector<Diagnostic> restore(Simulation& simulation, const std::vector<RestoredState>& documents);
 
 }  // namespace momentree::io

@@ -4,6 +4,7 @@
 
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/forward.hpp>
+#include <momentree/io/changed_start.hpp>
 #include <momentree/io/number_text.hpp>
 #include <momentree/io/state_document.hpp>
 
@@ -72,11 +73,10 @@ double fastest_body(const World& world) {
   return speed;
 }
 
-/// The velocities of the restored world as they follow from the momenta that the joints start with. With closed loops, a world
-/// starts with the velocities of the document: nothing is compared.
+/// The velocities of the restored world as they follow from the momenta that the joints start with.
 std::vector<double> velocities_of(const World& world, const std::vector<JointStart>& starts) {
   const Tree& tree = world.tree();
-  if (world.state().variables() == Variables::momenta || tree.has_loops()) return {world.v().begin(), world.v().end()};
+  if (world.state().variables() == Variables::momenta) return {world.v().begin(), world.v().end()};
   std::vector<double> q(world.state().q().begin(), world.state().q().end()), p(world.p().begin(), world.p().end());
   for (const JointStart& start : starts)
     for (int i = 0; i < start.p.size(); ++i)
@@ -89,9 +89,21 @@ std::vector<double> velocities_of(const World& world, const std::vector<JointSta
   return {workspace.v.get(), workspace.v.get() + p.size()};
 }
 
+/// `where`: `file:line:col`.
+Diagnostic warning_at(const std::string& where, const ChangedStart& changed) {
+  const std::size_t column = where.rfind(':'), line = where.rfind(':', column - 1);
+  return {Severity::warning,
+          where.substr(0, line),
+          std::stoi(where.substr(line + 1)),
+          std::stoi(where.substr(column + 1)),
+          changed.what,
+          changed.hint,
+          ""};
+}
+
 }  // namespace
 
-void restore(Simulation& simulation, const std::vector<RestoredState>& documents) {
+std::vector<Diagnostic> restore(Simulation& simulation, const std::vector<RestoredState>& documents) {
   const Model& model = simulation.world().model();
   std::vector<Entry> entries(model.bodies().size());
   Forest forest;
@@ -126,6 +138,7 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
     if (!std::isfinite(totals.kinetic) && !forest.places.empty())
       throw_error({"a part of the world that it describes lacks the mass or inertia to move freely", documents.front().file,
                    "is it a document of this model?"});
+    if (world.tree().has_loops() && world.state().variables() == Variables::velocities) return;  // see changed_start()
     const double tolerance = 1e-6 * fastest_body(world);
     const std::vector<double> velocities = velocities_of(world, starts);
     for (const JointStart& start : starts) {
@@ -141,6 +154,14 @@ void restore(Simulation& simulation, const std::vector<RestoredState>& documents
     }
   };
   simulation.restore(time, forest, starts, check);
+  const World& world = simulation.world();
+  if (!world.tree().has_loops()) return {};
+  if (world.state().variables() == Variables::momenta)
+    for (JointStart& start : starts)
+      if (!start.p.empty()) start.v = {};  // compared above
+  const std::optional<ChangedStart> changed = changed_start(world, starts);
+  if (!changed) return {};
+  return {warning_at(*entries[static_cast<std::size_t>(changed->joint.index)].where, *changed)};
 }
 
 }  // namespace momentree::io

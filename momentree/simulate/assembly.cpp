@@ -175,7 +175,7 @@ std::optional<Error> moved_beyond_stops(const Tree& tree, const Names& names, st
       if (to[k] >= std::min(low, from[k]) - closed_at_start && to[k] <= std::max(high, from[k]) + closed_at_start) continue;
       return Error("it starts beyond its limits, at " + short_text(to[k]) + ", where loops or couplings put it",
                    "joint '" + names.joint(tree.joint_of(b)) + "'",
-                   "give start values of the joints that it moves with, or limits, so that it starts within them");
+                   "leave out start values that follow from others, or give some with which it starts within its limits");
     }
   }
   return std::nullopt;

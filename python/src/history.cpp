@@ -66,7 +66,7 @@ std::string state_json(const SimulationPtr& self) {
 void restore_state(const SimulationPtr& self, const std::string& text, const std::string& name) {
   const Use use(*self, Access::change);
   const io::RestoredState state = io::read_state(text, name, self->simulation().world().first_model());
-  io::restore(self->simulation(), {state});
+  for (io::Diagnostic& warning : io::restore(self->simulation(), {state})) self->warn(std::move(warning));
   io::couple(self->simulation(), self->scenario().couplings);  // joints that had broken exist again
   self->simulation().resume({}, state.memory);
 }
@@ -86,7 +86,7 @@ void resume(const SimulationPtr& self, const std::string& text, const std::vecto
   const std::vector<double> coordinates = numbers_of(q, "q");
   const Use use(*self, Access::change);
   io::RestoredState state = io::read_state(text, "pickle", self->simulation().world().first_model());
-  io::restore(self->simulation(), {state});
+  static_cast<void>(io::restore(self->simulation(), {state}));
   std::vector<EventStatus> all;
   for (const auto& [time, fired, done, since, resting, excess, excess_before, looked, looked_before] : armed)
     all.push_back({time, fired, done, since, resting, excess, excess_before, looked, looked_before});
@@ -102,7 +102,7 @@ void resume(const SimulationPtr& self, const std::string& text, const std::vecto
       start.q = {};
       for (std::size_t i = 0; i < of_joint.size(); ++i) start.q.push_back(first[static_cast<std::ptrdiff_t>(i)]);
     }
-    io::restore(sim, {state});
+    static_cast<void>(io::restore(sim, {state}));
   }
   sim.resume(all, state.memory);
   self->count_before(state.armed);

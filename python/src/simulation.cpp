@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/io/changed_start.hpp>
 
 #include "model_object.hpp"
 #include "world_object.hpp"
@@ -20,7 +21,10 @@ void begin(SimulationObject* self, std::unique_ptr<io::Session> session) {
 void from_model(SimulationObject* self, const ModelObject& model, nb::handle options) {
   const Integration integration = io::PartReader("Simulation").integration(to_value(options, "Simulation"));
   auto session = std::make_unique<io::Session>(scenario_of(model, integration));
-  (void)session->schedule();
+  session->warnings = session->schedule();
+  if (const World& world = session->simulation().world(); world.tree().has_loops())
+    if (const auto changed = io::changed_start(world))
+      session->warnings.push_back({io::Severity::warning, "", 0, 0, changed->what, changed->hint, ""});
   begin(self, std::move(session));
 }
 
@@ -202,7 +206,7 @@ void register_simulation(nb::module_& m) {
             for (const io::Diagnostic& each : self.warnings()) all.push_back(each.message());
             return all;
           },
-          "What the reader of the file warned of, as text with file and line.")
+          "What the reader of the file warned of, as text with file and line, and start values that loops and couplings changed.")
       .def("_model",
            [](const SimulationPtr& self) {
              const io::Scenario& s = self->scenario();

@@ -61,6 +61,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   const std::shared_ptr<const io::Scenario>& shared_scenario() const { return scenario_; }
   io::Armed armed() const { return branch_ ? session_->armed(*branch_) : session_->armed(); }
   std::vector<io::Diagnostic> warnings() const { return branch_ ? std::vector<io::Diagnostic>{} : session_->warnings; }
+  void warn(io::Diagnostic warning) { session_->warnings.push_back(std::move(warning)); }
   /// The simulation was brought to the state of a document whose run had this many of each event before.
   void count_before(const io::Armed& armed) { session_->count_before(armed); }
 

@@ -39,6 +39,20 @@ def test_a_coupling_ends_with_its_joint() -> None:
     assert np.isclose(sim.accelerations()[0], 50)
 
 
+def test_start_values_that_it_does_not_allow_are_a_warning() -> None:
+    assert mt.Simulation(gears()).warnings == []
+    model = mt.Model()
+    model.add("gear/motor", mass=1, inertia=0.01, joint=mt.Revolute(axis=(0, 0, 1)), q=1)
+    model.add("gear/load", mass=1, inertia=2.0, joint=mt.Revolute(axis=(0, 0, 1)), q=0.3)
+    model.add_coupling("gear/load", "gear/motor", multiplier=-0.1, offset=0.3)
+    (warning,) = mt.Simulation(model).warnings
+    assert "'gear/load' starts at 0.2 rad, not at 0.3 rad" in warning
+    sim = mt.Simulation(gears())
+    sim.restore_state('{"joints": {"gear/motor": {"q": [1]}, "gear/load": {"q": [0.3]}}}')
+    (warning,) = sim.warnings
+    assert "'gear/load' starts at 0.2 rad, not at 0.3 rad" in warning
+
+
 def test_mistakes() -> None:
     model = gears()
     with pytest.raises(mt.Error, match="did you mean"):
