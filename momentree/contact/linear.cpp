@@ -104,20 +104,19 @@ void back_substitute(const std::vector<double>& M, std::size_t n, std::size_t ra
   }
 }
 
-// Removes the part in the null space of [U F], whose vectors are (−U⁻¹ F e, e), times the factors of the columns, if there are
-// any: by Gram and Schmidt, twice.
-void shorten(const std::vector<double>& M, std::size_t n, std::size_t rank, const std::vector<double>& factors,
-             std::vector<double>& x) {
-  std::vector<double> null((n - rank) * n, 0.0);
-  for (std::size_t k = 0; k + rank < n; ++k) {
-    double* const own = null.data() + k * n;
-    for (std::size_t i = 0; i < rank; ++i) own[i] = -M[i * n + rank + k];
-    back_substitute(M, n, rank, own);
-    own[rank + k] = 1;
-    for (std::size_t i = 0; i < factors.size(); ++i) own[i] *= factors[i];
+// An orthonormal basis of the rows of [U F], divided by the factors of the columns, if there are any: by Gram and Schmidt, twice.
+std::vector<double> row_space(const std::vector<double>& M, std::size_t n, std::size_t rank, const std::vector<double>& factors) {
+  std::vector<double> rows(rank * n, 0.0);
+  for (std::size_t k = rank; k-- > 0;) {  // the last ones are the shortest
+    double* const own = rows.data() + k * n;
+    for (std::size_t i = k; i < n; ++i) own[i] = M[k * n + i];
+    for (std::size_t i = 0; i < factors.size(); ++i) own[i] /= factors[i];
+    double size = 0;
+    for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::fabs(own[i]));
+    for (std::size_t i = 0; i < n; ++i) own[i] /= size;
     for (int pass = 0; pass < 2; ++pass)
-      for (std::size_t l = 0; l < k; ++l) {
-        const double* const other = null.data() + l * n;
+      for (std::size_t l = k + 1; l < rank; ++l) {
+        const double* const other = rows.data() + l * n;
         double along = 0;
         for (std::size_t i = 0; i < n; ++i) along += own[i] * other[i];
         for (std::size_t i = 0; i < n; ++i) own[i] -= along * other[i];
@@ -126,13 +125,20 @@ void shorten(const std::vector<double>& M, std::size_t n, std::size_t rank, cons
     for (std::size_t i = 0; i < n; ++i) square += own[i] * own[i];
     for (std::size_t i = 0; i < n; ++i) own[i] /= std::sqrt(square);
   }
-  for (int pass = 0; pass < 2; ++pass)
-    for (std::size_t k = 0; k + rank < n; ++k) {
-      const double* const own = null.data() + k * n;
-      double along = 0;
-      for (std::size_t i = 0; i < n; ++i) along += x[i] * own[i];
-      for (std::size_t i = 0; i < n; ++i) x[i] -= along * own[i];
-    }
+  return rows;
+}
+
+// Leaves the part in a space with that basis.
+void project(const std::vector<double>& rows, std::vector<double>& x) {
+  const std::size_t n = x.size();
+  const std::vector<double> from = x;
+  std::fill(x.begin(), x.end(), 0.0);
+  for (std::size_t k = 0; k < rows.size() / n; ++k) {
+    const double* const own = rows.data() + k * n;
+    double along = 0;
+    for (std::size_t i = 0; i < n; ++i) along += from[i] * own[i];
+    for (std::size_t i = 0; i < n; ++i) x[i] += along * own[i];
+  }
 }
 
 // Unknowns that equations connect, by the number of one of them.
@@ -153,7 +159,7 @@ bool find_blocks(const std::vector<double>& M, std::size_t n, std::vector<std::s
 }
 
 bool solve_whole(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of, Solution which,
-                 double zero) {
+                 double zero, std::vector<double>& rows) {
   const std::size_t n = right.size();
   column_of.resize(n);
   for (std::size_t i = 0; i < n; ++i) column_of[i] = i;
@@ -164,7 +170,13 @@ bool solve_whole(std::vector<double>& M, std::vector<double>& right, std::vector
   std::vector<double> factors(by_column.size());
   for (std::size_t i = 0; i < factors.size(); ++i) factors[i] = by_column[column_of[i]];
   for (std::size_t i = 0; i < std::min(rank, factors.size()); ++i) right[i] *= factors[i];
-  if (which == Solution::least && rank < n) shorten(M, n, rank, factors, right);
+  rows.clear();
+  if (which == Solution::least && rank < n) {
+    const std::vector<double> found = row_space(M, n, rank, factors);
+    project(found, right);
+    rows.resize(found.size());
+    for (std::size_t i = 0; i < found.size(); ++i) rows[i / n * n + column_of[i % n]] = found[i];
+  }
   for (const double x : right)
     if (!std::isfinite(x)) return false;
   for (std::size_t i = 0; i < n; ++i)  // back to the order of the unknowns
@@ -179,12 +191,15 @@ bool solve_whole(std::vector<double>& M, std::vector<double>& right, std::vector
 }  // namespace
 
 bool solve_linear(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of, Solution which,
-                  double zero) {
+                  double zero, std::vector<double>* rows) {
   const std::size_t n = right.size();
   std::vector<std::size_t> block_of;
-  if (!find_blocks(M, n, block_of)) return solve_whole(M, right, column_of, which, zero);
+  std::vector<double> own_rows;
+  if (!find_blocks(M, n, block_of)) return solve_whole(M, right, column_of, which, zero, rows != nullptr ? *rows : own_rows);
   std::vector<double> block, own_right;
   std::vector<std::size_t> own;
+  bool redundant = false;
+  if (rows != nullptr) rows->clear();
   for (std::size_t first = 0; first < n; ++first) {
     if (block_of[first] != first) continue;
     own.clear(), block.clear(), own_right.clear();
@@ -192,9 +207,20 @@ bool solve_linear(std::vector<double>& M, std::vector<double>& right, std::vecto
       if (block_of[i] == first) own.push_back(i), own_right.push_back(right[i]);
     for (const std::size_t i : own)
       for (const std::size_t j : own) block.push_back(M[i * n + j]);
-    if (!solve_whole(block, own_right, column_of, which, zero)) return false;
+    if (!solve_whole(block, own_right, column_of, which, zero, own_rows)) return false;
     for (std::size_t i = 0; i < own.size(); ++i) right[own[i]] = own_right[i];
+    if (rows == nullptr) continue;
+    redundant = redundant || !own_rows.empty();
+    if (own_rows.empty()) {  // all rows of the identity
+      own_rows.assign(own.size() * own.size(), 0.0);
+      for (std::size_t i = 0; i < own.size(); ++i) own_rows[i * own.size() + i] = 1;
+    }
+    for (std::size_t k = 0; k < own_rows.size(); k += own.size()) {
+      rows->resize(rows->size() + n, 0.0);
+      for (std::size_t i = 0; i < own.size(); ++i) (*rows)[rows->size() - n + own[i]] = own_rows[k + i];
+    }
   }
+  if (rows != nullptr && !redundant) rows->clear();
   return true;
 }
 

@@ -229,10 +229,9 @@ void find_contact_accelerations(const Tree& tree, const double* q, const Workspa
 
 namespace {
 
-// Unknowns: all three forces of contacts that stick, the normal force of the others.
-void find_forces_of_group(std::span<const Contact> contacts, const ContactRows::Group& group, ContactWorkspace& all) {
-  ContactRows& rows = all.rows;
-  note_held_rows(all, group, contacts, true);
+// J Y B of the unknowns of a group, and −w.
+void find_equations_of_forces(std::span<const Contact> contacts, ContactWorkspace& all) {
+  const ContactRows& rows = all.rows;
   const std::vector<std::size_t>& of = all.unknowns;
   const std::size_t n = of.size();
   all.matrix.resize(n * n), all.right.resize(n);
@@ -247,9 +246,40 @@ void find_forces_of_group(std::span<const Contact> contacts, const ContactRows::
     }
     all.right[i] = -rows.acceleration[of[i]];
   }
+}
+
+// Where the least forces pull, or leave their cones, others with the same effect may not.
+void share_forces(std::span<const Contact> contacts, ContactRows::Group& group, ContactWorkspace& all, bool at_state) {
+  constexpr double rounding = 1e-12;
+  all.cones.clear();
+  for (std::size_t i = 0; i < all.unknowns.size(); ++i) {
+    const Contact& c = contacts[all.unknowns[i] / 3];
+    if (all.unknowns[i] % 3 == 0) all.cones.push_back({i, c.mode == Contact::Mode::stick ? c.friction : 0});
+  }
+  double size = 0, margin = 0;
+  for (const double x : all.right) size = std::max(size, std::fabs(x));
+  for (const contact::ForceCone& cone : all.cones) margin = std::min(margin, cone.margin(all.right));
+  group.shared = false;
+  if (margin >= -rounding * size) return;
+  find_equations_of_forces(contacts, all);
+  if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant, &all.independent)) return;
+  if (all.independent.empty()) return;
+  group.shared = true;
+  all.shared.choose(all.right, all.independent, all.cones);
+  if (at_state) group.margin = all.shared.margin();
+}
+
+// Unknowns: all three forces of contacts that stick, the normal force of the others.
+void find_forces_of_group(std::span<const Contact> contacts, ContactRows::Group& group, ContactWorkspace& all, bool at_state) {
+  ContactRows& rows = all.rows;
+  note_held_rows(all, group, contacts, true);
+  const std::vector<std::size_t>& of = all.unknowns;
+  find_equations_of_forces(contacts, all);
   if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant))
     std::fill(all.right.begin(), all.right.end(), NAN);  // the step then says that the motion diverged
-  for (std::size_t j = 0; j < n; ++j) rows.forces[of[j]] = all.right[j];
+  else
+    share_forces(contacts, group, all, at_state);
+  for (std::size_t j = 0; j < of.size(); ++j) rows.forces[of[j]] = all.right[j];
   for (const std::size_t i : rows.of_group(group)) {
     if (contacts[i].mode != Contact::Mode::slip) continue;
     for (std::size_t k = 0; k < 2; ++k)
@@ -288,7 +318,7 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
     if (at_state) all.chosen_slip[i] = rows.slip[i];
   }
   rows.forces.assign(3 * contacts.size(), 0.0);
-  for (const ContactRows::Group& group : rows.groups) find_forces_of_group(contacts, group, all);
+  for (ContactRows::Group& group : rows.groups) find_forces_of_group(contacts, group, all, at_state);
 }
 
 void add_contact_loads(const Tree& tree, Workspace<double>& workspace) noexcept {

@@ -5,10 +5,11 @@
 // while it slips in the direction s, the normal one is zero and the force on body a is N (n − μ s). With J the rows, Y = M⁻¹ Jᵀ
 // (loops included) and w the relative accelerations without contacts, the forces r follow from J Y B r = −w, where B r are the
 // forces along the rows. Redundant contacts are the rule, such as four corners of a box: of all forces with the same effect the
-// least ones are taken.
+// least ones are taken that press and are within their cones of friction (contact/shared_forces.hpp).
 #include <span>
 #include <vector>
 
+#include <momentree/contact/shared_forces.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/springs.hpp>
 
@@ -28,6 +29,8 @@ struct ContactRows {
     std::size_t first_dof = 0, dofs = 0;  ///< the degrees of freedom of its mechanisms, in `dof`
     std::size_t at = 0;                   ///< where its rows begin in J and Y, each with `dofs` numbers
     std::size_t at_A = 0;                 ///< where its matrix begins in A: 3 count rows and columns
+    bool shared = false;                  ///< the least forces are not possible, and others were chosen
+    double margin = 0;                    ///< of these, see SharedForces; of states, not of stages
   };
   std::vector<contact::Touch> touches;
   std::vector<Group> groups;                 ///< in the order of their first contacts
@@ -70,6 +73,9 @@ struct ContactWorkspace {
   std::vector<double> row, row_size, unit_row;               ///< scratch
   std::vector<double> packed;                                ///< scratch, packed as p; zero between calls
   std::vector<std::size_t> columns, unknowns;
+  contact::SharedForces shared;
+  std::vector<contact::ForceCone> cones;
+  std::vector<double> independent;     ///< rows; scratch
   std::uint64_t mechanisms_of = 0;     ///< Tree::revision() for which the following were found
   std::vector<int> root_of;            ///< by body: the root of its mechanism
   std::vector<int> begin_of, end_of;   ///< by root: its bodies in the tree's order

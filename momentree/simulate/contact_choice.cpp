@@ -59,7 +59,6 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
     Contact c = staying[i];
     const contact::PointLaw& law = system_.laws[i];
     const ContactLaw& own = pairs_[static_cast<std::size_t>(c.pair)].law;
-    c.friction = own.friction;
     const bool was_at_limit = at_limit(c);
     if (!law.slipping) c.keeps_direction = 0;
     if (law.slipping) {
@@ -77,6 +76,7 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
       if (moves_along(staying, i)) {
         c.mode = Contact::Mode::stick;
         note_limit(c);
+        c.friction = friction_of(c);
         closed.push_back(c);
         continue;
       }
@@ -89,10 +89,18 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
       const Friction used = friction_of_pair(staying, i);
       if (was_at_limit && used.force > nearly_all * used.limit) note_limit(c);
     }
+    c.friction = friction_of(c);
     closed.push_back(c);
   }
   share_directions(closed);
   return true;
+}
+
+// The coefficient of a contact in its mode.
+double Contacts::friction_of(const Contact& c) const {
+  const ContactLaw& law = pairs_[static_cast<std::size_t>(c.pair)].law;
+  if (c.mode != Contact::Mode::stick) return law.friction;
+  return at_limit(c) ? (1 + more_at_limit) * law.static_friction : law.static_friction;
 }
 
 // Points of a pair that has just begun to slip keep their directions all together: also those that close only now.
@@ -242,59 +250,30 @@ void Contacts::note_ended_slip() {
 }
 
 // Of the present forces: how far they are outside of what contacts can exert, relative to the largest force of their island.
-// Where several contacts share a load, others may carry it as well: only if no forces can, the contacts change.
 double Contacts::excess_of_forces() {
+  constexpr double accuracy_of_margins = 1e-10;  // where friction is at its limit by construction
   world_->evaluate();
+  const ContactRows& rows = world_->workspace_.contacts->rows;
   double worst = -1;
-  for (const std::vector<std::size_t>& island : world_->workspace_.contacts->rows.islands())
-    worst = std::max(worst, excess_of_island(island));
+  for (const ContactRows::Group& group : rows.groups)
+    if (group.shared) worst = std::max(worst, -group.margin - accuracy_of_margins);
+  for (const std::vector<std::size_t>& island : rows.islands())
+    if (!rows.groups[rows.group_of[island.front()]].shared) worst = std::max(worst, excess_of_island(island));
   return worst;
 }
 
-double Contacts::excess_of_island(const std::vector<std::size_t>& island) {
+double Contacts::excess_of_island(const std::vector<std::size_t>& island) const {
   const std::span<const Contact> closed = world_->tree_.contacts();
-  const ContactRows& rows = world_->workspace_.contacts->rows;
-  const std::vector<double>& r = rows.forces;
+  const std::vector<double>& r = world_->workspace_.contacts->rows.forces;
   double size = 1e-300, worst = -1;
   for (const std::size_t i : island)
     for (std::size_t k = 0; k < 3; ++k) size = std::max(size, std::fabs(r[3 * i + k]));
   for (const std::size_t i : island) {
     worst = std::max(worst, -r[3 * i] / size);
-    if (closed[i].mode != Contact::Mode::stick) continue;
-    const double most = pairs_[static_cast<std::size_t>(closed[i].pair)].law.static_friction * r[3 * i];
-    worst = std::max(worst, (std::hypot(r[3 * i + 1], r[3 * i + 2]) - most) / size);
-  }
-  if (worst <= rounding || island.size() < 2) return worst;
-  std::vector<Contact> contacts;
-  for (const std::size_t i : island) contacts.push_back(closed[i]);
-  rows_ = rows.some(island);
-  return excess_of_shared_forces(contacts, worst);
-}
-
-// Positive if no forces keep the contacts as they are: the acceleration with which they open or begin to slip, relative to the
-// largest one without forces.
-double Contacts::excess_of_shared_forces(const std::vector<Contact>& closed, double otherwise) {
-  if (!solve_states(closed)) return otherwise;
-  system_.velocities(after_);
-  const double size = std::max(largest(system_.b), 1e-300);
-  double worst = -1;
-  const double noise = std::max(1e-10, motion_from_residual * system_.residual());
-  for (std::size_t i = 0; i < closed.size(); ++i) {
-    worst = std::max(worst, after_[3 * i] / size - noise);
     if (closed[i].mode == Contact::Mode::stick)
-      worst = std::max(worst, std::hypot(after_[3 * i + 1], after_[3 * i + 2]) / size - noise);
+      worst = std::max(worst, (std::hypot(r[3 * i + 1], r[3 * i + 2]) - closed[i].friction * r[3 * i]) / size);
   }
-  if (worst > 0) return worst;
-  // Forces were found that keep them. How near they are to where none do is known roughly: from the friction of all points of a
-  // pair.
-  const double largest_force = std::max(largest(system_.r), 1e-300);
-  double near = -1;
-  for (std::size_t i = 0; i < closed.size(); ++i) {
-    if (i > 0 && closed[i].pair == closed[i - 1].pair) continue;
-    const Friction used = friction_of_pair(closed, i);
-    if (used.limit > 0) near = std::max(near, (used.force - used.limit) / largest_force);
-  }
-  return std::min(worst, near);
+  return worst;
 }
 
 }  // namespace momentree

@@ -144,6 +144,7 @@ std::vector<Contact> Contacts::placed_again(const std::vector<Contact>& describe
     if (found == found_candidates_.end()) continue;
     Contact c = contact_of(pair, given.pair, *found);
     c.mode = given.mode, c.direction = given.direction, c.keeps_direction = given.keeps_direction, c.settles = given.settles;
+    c.friction = friction_of(c);
     all.push_back(c);
   }
   return all;

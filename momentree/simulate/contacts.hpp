@@ -212,6 +212,7 @@ class Contacts {
   bool impact(const std::vector<Contact>& contacts, std::vector<Event>& events, std::string& failure);
   bool choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed);
   [[nodiscard]] bool solve_states(const std::vector<Contact>& contacts);
+  double friction_of(const Contact& c) const;
   double pressing_acceleration(const std::vector<Contact>& contacts, std::size_t i) const;
   void weaken_friction();
   bool solve_weakened(double part, std::vector<double>& all);
@@ -249,8 +250,7 @@ class Contacts {
   bool stay_together(const std::vector<Contact>& contacts);
   bool approach_each_other(const std::vector<Contact>& contacts);
   double excess_of_forces();
-  double excess_of_island(const std::vector<std::size_t>& island);
-  double excess_of_shared_forces(const std::vector<Contact>& closed, double otherwise);
+  double excess_of_island(const std::vector<std::size_t>& island) const;
 
   World* world_;
   Evaluator* evaluate_;

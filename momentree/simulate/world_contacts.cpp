@@ -1,68 +1,12 @@
 // Contacts of a world as its user sees them, and distances of its bodies.
 #include <algorithm>
-#include <cmath>
 
 #include <momentree/contact/distance.hpp>
-#include <momentree/contact/system.hpp>
 #include <momentree/dynamics/contacts.hpp>
 #include <momentree/simulate/contact_bodies.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
-
-namespace {
-
-std::size_t at_row(std::size_t contact, std::size_t k) { return 3 * contact + k; }
-
-ContactLaw law_between(const Model& model, const Contact& c) { return model.contact_law({c.a}, {c.b}); }
-
-// True if these forces press everywhere, and friction is not larger than it can be.
-bool are_possible(const Model& model, std::span<const Contact> contacts, const std::vector<double>& r) {
-  constexpr double rounding = 1e-9;
-  double size = 0;
-  for (const double x : r) size = std::max(size, std::fabs(x));
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const double N = r[at_row(i, 0)];
-    if (N < -rounding * size) return false;
-    if (contacts[i].mode != Contact::Mode::stick) continue;
-    const double most = law_between(model, contacts[i]).static_friction * N;
-    if (std::hypot(r[at_row(i, 1)], r[at_row(i, 2)]) > most + rounding * size) return false;
-  }
-  return true;
-}
-
-// Of redundant contacts the evaluation takes the least forces, some of which may pull. Others with the same effect do not.
-std::vector<double> forces_of_island(const Model& model, std::span<const Contact> contacts, const ContactRows& rows) {
-  if (contacts.size() < 2 || are_possible(model, contacts, rows.forces)) return rows.forces;
-  contact::System system;
-  system.resize(contacts.size());
-  system.A = rows.matrix(), system.b = rows.acceleration, system.r = rows.forces;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const ContactLaw law = law_between(model, contacts[i]);
-    contact::PointLaw& point = system.laws[i];
-    point.slipping = contacts[i].mode == Contact::Mode::slip;
-    point.friction = contacts[i].mode == Contact::Mode::smooth ? 0 : point.slipping ? contacts[i].friction : law.static_friction;
-    if (!point.slipping) continue;
-    for (std::size_t k = 0; k < 2; ++k) point.direction[k] = dot(rows.slip[i], rows.touches[i].tangent[k]);
-  }
-  constexpr double acceptable = 1e-9;
-  return system.solve(contact::Effort::full, acceptable) ? system.r : rows.forces;
-}
-
-std::vector<double> possible_forces(const Model& model, std::span<const Contact> contacts, const ContactRows& rows) {
-  if (contacts.size() < 2 || are_possible(model, contacts, rows.forces)) return rows.forces;
-  std::vector<double> all = rows.forces;
-  for (const std::vector<std::size_t>& island : rows.islands()) {
-    std::vector<Contact> own;
-    for (const std::size_t i : island) own.push_back(contacts[i]);
-    const std::vector<double> forces = forces_of_island(model, own, rows.some(island));
-    for (std::size_t i = 0; i < island.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k) all[at_row(island[i], k)] = forces[at_row(i, k)];
-  }
-  return all;
-}
-
-}  // namespace
 
 ContactPoint in_order(ContactPoint point) {
   if (point.other == ground || (point.one != ground && point.one.index < point.other.index)) return point;
@@ -78,12 +22,12 @@ std::vector<ContactPoint> World::contacts() const {
   if (workspace_.contacts == nullptr) return all;
   const ContactWorkspace& own = *workspace_.contacts;
   const std::span<const Contact> closed = tree_.contacts();
-  const std::vector<double> r = closed.empty() ? std::vector<double>() : possible_forces(model_, closed, own.rows);
   for (std::size_t i = 0; i < closed.size(); ++i) {
     if (closed[i].cable >= 0) continue;
     const contact::Touch& touch = own.rows.touches[i];
     ContactPoint point{{closed[i].a}, {closed[i].b}, touch.point, touch.normal, {}, {}, closed[i].mode == Contact::Mode::slip};
-    for (std::size_t k = 0; k < 3; ++k) point.force += r[3 * i + k] * (k == 0 ? touch.normal : touch.tangent[k - 1]);
+    for (std::size_t k = 0; k < 3; ++k)
+      point.force += own.rows.forces[3 * i + k] * (k == 0 ? touch.normal : touch.tangent[k - 1]);
     for (std::size_t k = 1; k < 3; ++k) point.slip += own.rows.velocity[3 * i + k] * touch.tangent[k - 1];
     all.push_back(in_order(point));
   }
@@ -101,7 +45,7 @@ double World::cable_tension(int cable) const {
   const ContactWorkspace& own = *workspace_.contacts;
   const std::span<const Contact> closed = tree_.contacts();
   for (std::size_t i = 0; i < closed.size(); ++i)
-    if (closed[i].cable == cable) return possible_forces(model_, closed, own.rows)[3 * i];
+    if (closed[i].cable == cable) return own.rows.forces[3 * i];
   for (const HeldForce& held : own.held)
     if (held.cable == cable) return dot(held.force, held.normal);
   return 0;

@@ -17,7 +17,7 @@ struct Contact {
   contact::Features features;  ///< in the bodies' user frames; of the ground, in the world
   int a = -1, b = -1;          ///< bodies; −1: the ground
   Mode mode = Mode::smooth;
-  double friction = 0;  ///< coefficient while it slips
+  double friction = 0;  ///< coefficient: kinetic, or static of one that sticks
   Vec3 direction{};     ///< of slip where the velocity is zero: a unit vector, world axes
   /// Slip that is not much faster keeps to `direction` (m/s): the direction of its friction changes more quickly than a step can
   /// follow. For contacts that began to slip; of one that sticks, with all that it touches, at the limit of its friction:

@@ -142,26 +142,6 @@ double small(const World& world) {
   return size;
 }
 
-// Whether joints connect a body to others.
-bool held(const World& world, BodyId body) {
-  if (body == ground) return false;
-  for (const Mechanism& mechanism : world.mechanisms())
-    if (std::find(mechanism.bodies.begin(), mechanism.bodies.end(), body) != mechanism.bodies.end())
-      return mechanism.bodies.size() > 1 || world.joint({body.index}).kind != Kind::free;
-  return false;
-}
-bool held(const World& world, const ContactPoint& point) { return held(world, point.one) || held(world, point.other); }
-
-// A known defect (docs/limits.md): where a body touches another at several points, and joints hold it, the reported forces of the
-// contacts are shared anew, but not those of the joints.
-bool shared_anew(const World& world) {
-  const std::vector<ContactPoint> points = world.contacts();
-  for (std::size_t i = 0; i < points.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (held(world, points[i]) && held(world, points[j])) return true;
-  return false;
-}
-
 // Bodies that are welded to the ground do not touch it.
 bool welded_to_ground(const World& world, BodyId body) {
   for (const JointId id : present_joints(world)) {
@@ -213,10 +193,6 @@ void InstantLaws::look(const Simulation& simulation) {
 void InstantLaws::require_equations_of_motion(const World& world) {
   const Loads loads(world);
   const double forces = loads.force_size() + small(world), torques = loads.torque_size() + small(world);
-  if (shared_anew(world)) {
-    ++found_.counts["left out: reactions beside contacts that are shared anew"];
-    return;
-  }
   if (doubly_tied(world)) {
     ++found_.counts["left out: two bodies between which several cables are at their length"];
     return;
@@ -244,10 +220,9 @@ void InstantLaws::require_contact_law(const World& world) {
     const double normal = dot(point.force, point.normal);
     const Vec3 friction = point.force - normal * point.normal;
     const ContactLaw law = world.model().contact_law(point.one, point.other);
-    const std::string which = !point.slips && held(world, point) ? std::string(known_defect) + "jointed, sticks: " : "";
     found_.within(-normal, 1e-9 * size, "no contact pulls", where);
     const double limit = std::max(law.friction, law.static_friction) * std::max(normal, 0.0);
-    found_.within(norm(friction), limit * (1 + beyond_cone) + 1e-9 * size, which + "contact forces are in their cones", where);
+    found_.within(norm(friction), limit * (1 + beyond_cone) + 1e-9 * size, "contact forces are in their cones", where);
     const double speed = norm(point.slip);
     if (point.slips && speed > 1e-2)
       found_.within(dot(friction, point.slip), 1e-9 * size * speed, "friction opposes slip", where);
