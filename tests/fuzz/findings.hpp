@@ -9,10 +9,6 @@ namespace momentree::fuzz {
 /// Number of occurrences, by name.
 using Counts = std::map<std::string, long>;
 
-/// How the names of laws begin that contacts are known to break (docs/limits.md): random scenarios count them, and no file in
-/// scenarios/ does.
-constexpr const char* known_defect = "known defect: ";
-
 struct Findings {
   std::vector<std::string> broken;  ///< which law, and how it was violated
   Counts counts;

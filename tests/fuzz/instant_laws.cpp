@@ -142,11 +142,12 @@ double small(const World& world) {
   return size;
 }
 
-// Bodies that are welded to the ground do not touch it.
-bool welded_to_ground(const World& world, BodyId body) {
+// Bodies that are welded to the ground, directly or by others, do not touch it. `most`: bodies may be welded in a circle.
+bool welded_to_ground(const World& world, BodyId body, int most = 20) {
   for (const JointId id : present_joints(world)) {
     const JointView joint = world.joint(id);
-    if (joint.child == body && joint.kind == Kind::weld && (joint.parent == ground || welded_to_ground(world, joint.parent)))
+    if (joint.child == body && joint.kind == Kind::weld &&
+        (joint.parent == ground || (most > 0 && welded_to_ground(world, joint.parent, most - 1))))
       return true;
   }
   return false;
