@@ -8,7 +8,7 @@ namespace momentree::contact {
 
 namespace {
 
-constexpr double solved = 1e-13;                   // residual of Q x = b
+constexpr double rounding_of_rows = 1e-13;         // residual of Q x = b
 constexpr double smoothest = 1, sharpest = 1e-10;  // δ
 constexpr double sharp_enough = 1e-4;              // for forces, which lose that many digits to rounding
 constexpr double less = 1e-2;                      // by which δ decreases
@@ -140,7 +140,7 @@ bool SharedForces::find_least() {
     const double open = find_gradient(1);
     double size = 0;
     for (const double each : lambda_) size = std::max(size, std::fabs(each));
-    if (open < solved) return true;
+    if (open < rounding_of_rows) return true;
     if (!(size < farthest)) return false;
     H_.assign(m * m, 0.0);
     add_curvature(1);
