@@ -248,9 +248,25 @@ void find_equations_of_forces(std::span<const Contact> contacts, ContactWorkspac
   }
 }
 
-// Where the least forces pull, or leave their cones, others with the same effect may not.
+// By how much redundant equations contradict each other, relative to the largest acceleration: nothing can keep contacts that a
+// prescribed motion pulls apart. x: the solution without the dependent ones.
+double contradiction(std::span<const Contact> contacts, ContactWorkspace& all, const std::vector<double>& x) {
+  find_equations_of_forces(contacts, all);
+  const std::size_t n = x.size();
+  double most = 0, size = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    double open = all.right[i];
+    for (std::size_t j = 0; j < n; ++j) open -= all.matrix[i * n + j] * x[j];
+    most = std::max(most, std::fabs(open)), size = std::max(size, std::fabs(all.right[i]));
+  }
+  return most > 0 ? most / size : 0;
+}
+
+// Where the least forces pull, or leave their cones, others with the same effect may not. `independent`: the equations.
 void share_forces(std::span<const Contact> contacts, ContactRows::Group& group, ContactWorkspace& all, bool at_state) {
-  constexpr double rounding = 1e-12;
+  constexpr double rounding = 1e-12, contradicts = 1e-7;
+  group.shared = false;
+  if (all.independent.empty()) return;
   all.cones.clear();
   for (std::size_t i = 0; i < all.unknowns.size(); ++i) {
     const Contact& c = contacts[all.unknowns[i] / 3];
@@ -259,14 +275,15 @@ void share_forces(std::span<const Contact> contacts, ContactRows::Group& group, 
   double size = 0, margin = 0;
   for (const double x : all.right) size = std::max(size, std::fabs(x));
   for (const contact::ForceCone& cone : all.cones) margin = std::min(margin, cone.margin(all.right));
-  group.shared = false;
-  if (margin >= -rounding * size) return;
-  find_equations_of_forces(contacts, all);
-  if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant, &all.independent)) return;
-  if (all.independent.empty()) return;
-  group.shared = true;
-  all.shared.choose(all.right, all.independent, all.cones);
-  if (at_state) group.margin = all.shared.margin();
+  if (margin < -rounding * size) {
+    group.shared = true;
+    all.shared.choose(all.right, all.independent, all.cones);
+    if (at_state) group.margin = all.shared.margin();
+  }
+  if (!at_state) return;
+  const std::vector<double> forces = all.right;
+  if (const double open = contradiction(contacts, all, forces); open > contradicts) group.shared = true, group.margin = -open;
+  all.right = forces;
 }
 
 // Unknowns: all three forces of contacts that stick, the normal force of the others.
@@ -275,7 +292,7 @@ void find_forces_of_group(std::span<const Contact> contacts, ContactRows::Group&
   note_held_rows(all, group, contacts, true);
   const std::vector<std::size_t>& of = all.unknowns;
   find_equations_of_forces(contacts, all);
-  if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant))
+  if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant, &all.independent))
     std::fill(all.right.begin(), all.right.end(), NAN);  // the step then says that the motion diverged
   else
     share_forces(contacts, group, all, at_state);
