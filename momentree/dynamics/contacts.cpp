@@ -229,9 +229,45 @@ void find_contact_accelerations(const Tree& tree, const double* q, const Workspa
 
 namespace {
 
-// J Y B of the unknowns of a group, and −w.
-void find_equations_of_forces(std::span<const Contact> contacts, ContactWorkspace& all) {
+// Where the least forces pull, or leave their cones, others with the same effect may not.
+void share_forces(std::span<const Contact> contacts, ContactRows::Group& group, ContactWorkspace& all, bool at_state) {
+  constexpr double rounding = 1e-12;
+  group.shared = false;
+  if (all.independent.empty()) return;
+  all.cones.clear();
+  for (std::size_t i = 0; i < all.unknowns.size(); ++i) {
+    const Contact& c = contacts[all.unknowns[i] / 3];
+    if (all.unknowns[i] % 3 == 0) all.cones.push_back({i, c.mode == Contact::Mode::stick ? c.friction : 0});
+  }
+  double size = 0, margin = 0;
+  for (const double x : all.right) size = std::max(size, std::fabs(x));
+  for (const contact::ForceCone& cone : all.cones) margin = std::min(margin, cone.margin(all.right));
+  if (margin >= -rounding * size) return;
+  group.shared = true;
+  all.shared.choose(all.right, all.independent, all.cones);
+  if (at_state) group.margin = all.shared.margin();
+}
+
+// Redundant equations may contradict each other: no forces keep contacts that a prescribed motion pulls apart. What the forces
+// leave of the accelerations then counts as what they lack.
+void note_contradiction(ContactRows::Group& group, const ContactWorkspace& all) {
+  constexpr double contradicts =
+      1e-7;  // of the largest acceleration; velocities that impacts leave contradict each other by less
   const ContactRows& rows = all.rows;
+  double most = 0, size = 0;
+  for (const std::size_t row : all.unknowns) {
+    double left = rows.acceleration[row];
+    for (const std::size_t j : rows.of_group(group))
+      for (std::size_t k = 0; k < 3; ++k) left += rows.mobility(row, 3 * j + k) * rows.forces[3 * j + k];
+    most = std::max(most, std::fabs(left)), size = std::max(size, std::fabs(rows.acceleration[row]));
+  }
+  if (most > contradicts * size) group.shared = true, group.margin = -most / size;
+}
+
+// Unknowns: all three forces of contacts that stick, the normal force of the others.
+void find_forces_of_group(std::span<const Contact> contacts, ContactRows::Group& group, ContactWorkspace& all, bool at_state) {
+  ContactRows& rows = all.rows;
+  note_held_rows(all, group, contacts, true);
   const std::vector<std::size_t>& of = all.unknowns;
   const std::size_t n = of.size();
   all.matrix.resize(n * n), all.right.resize(n);
@@ -246,62 +282,17 @@ void find_equations_of_forces(std::span<const Contact> contacts, ContactWorkspac
     }
     all.right[i] = -rows.acceleration[of[i]];
   }
-}
-
-// By how much redundant equations contradict each other, relative to the largest acceleration: nothing can keep contacts that a
-// prescribed motion pulls apart. x: the solution without the dependent ones.
-double contradiction(std::span<const Contact> contacts, ContactWorkspace& all, const std::vector<double>& x) {
-  find_equations_of_forces(contacts, all);
-  const std::size_t n = x.size();
-  double most = 0, size = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    double open = all.right[i];
-    for (std::size_t j = 0; j < n; ++j) open -= all.matrix[i * n + j] * x[j];
-    most = std::max(most, std::fabs(open)), size = std::max(size, std::fabs(all.right[i]));
-  }
-  return most > 0 ? most / size : 0;
-}
-
-// Where the least forces pull, or leave their cones, others with the same effect may not. `independent`: the equations.
-void share_forces(std::span<const Contact> contacts, ContactRows::Group& group, ContactWorkspace& all, bool at_state) {
-  constexpr double rounding = 1e-12, contradicts = 1e-7;
-  group.shared = false;
-  if (all.independent.empty()) return;
-  all.cones.clear();
-  for (std::size_t i = 0; i < all.unknowns.size(); ++i) {
-    const Contact& c = contacts[all.unknowns[i] / 3];
-    if (all.unknowns[i] % 3 == 0) all.cones.push_back({i, c.mode == Contact::Mode::stick ? c.friction : 0});
-  }
-  double size = 0, margin = 0;
-  for (const double x : all.right) size = std::max(size, std::fabs(x));
-  for (const contact::ForceCone& cone : all.cones) margin = std::min(margin, cone.margin(all.right));
-  if (margin < -rounding * size) {
-    group.shared = true;
-    all.shared.choose(all.right, all.independent, all.cones);
-    if (at_state) group.margin = all.shared.margin();
-  }
-  if (!at_state) return;
-  const std::vector<double> forces = all.right;
-  if (const double open = contradiction(contacts, all, forces); open > contradicts) group.shared = true, group.margin = -open;
-  all.right = forces;
-}
-
-// Unknowns: all three forces of contacts that stick, the normal force of the others.
-void find_forces_of_group(std::span<const Contact> contacts, ContactRows::Group& group, ContactWorkspace& all, bool at_state) {
-  ContactRows& rows = all.rows;
-  note_held_rows(all, group, contacts, true);
-  const std::vector<std::size_t>& of = all.unknowns;
-  find_equations_of_forces(contacts, all);
   if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant, &all.independent))
     std::fill(all.right.begin(), all.right.end(), NAN);  // the step then says that the motion diverged
   else
     share_forces(contacts, group, all, at_state);
-  for (std::size_t j = 0; j < of.size(); ++j) rows.forces[of[j]] = all.right[j];
+  for (std::size_t j = 0; j < n; ++j) rows.forces[of[j]] = all.right[j];
   for (const std::size_t i : rows.of_group(group)) {
     if (contacts[i].mode != Contact::Mode::slip) continue;
     for (std::size_t k = 0; k < 2; ++k)
       rows.forces[3 * i + k + 1] = -contacts[i].friction * rows.forces[3 * i] * dot(rows.slip[i], rows.touches[i].tangent[k]);
   }
+  if (at_state && !all.independent.empty()) note_contradiction(group, all);
 }
 
 }  // namespace

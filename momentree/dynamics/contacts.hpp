@@ -75,7 +75,7 @@ struct ContactWorkspace {
   std::vector<std::size_t> columns, unknowns;
   contact::SharedForces shared;
   std::vector<contact::ForceCone> cones;
-  std::vector<double> independent;     ///< rows; scratch
+  std::vector<double> independent;     ///< equations of the forces, orthonormal; empty if these are unique; scratch
   std::uint64_t mechanisms_of = 0;     ///< Tree::revision() for which the following were found
   std::vector<int> root_of;            ///< by body: the root of its mechanism
   std::vector<int> begin_of, end_of;   ///< by root: its bodies in the tree's order

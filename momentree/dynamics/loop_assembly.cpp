@@ -145,7 +145,7 @@ void disturb(const Start& start, double by, int attempt, double* q) {
   detail::displace(start.tree, change.data(), 1, q);
 }
 
-// The motion from q towards `to`, with which the coordinates change as ḋ = N(q) δ; of DoFs that are locked, none.
+// The motion δ from q towards `to`, from the first order of q + N(q) δ; zero along DoFs that are locked.
 void find_motion_towards(const Tree& tree, const double* q, const std::vector<double>& to, std::vector<double>& delta) {
   delta.assign(at(tree.nv()), 0.0);
   for (const int b : tree.order())
@@ -153,11 +153,12 @@ void find_motion_towards(const Tree& tree, const double* q, const std::vector<do
       using K = typename decltype(tag)::type;
       if constexpr (K::info.nv > 0) {
         const double* const own = q + tree.first_q(b);
+        const double* const end = to.data() + tree.first_q(b);
         double change[7] = {}, along = 0;
-        for (int i = 0; i < K::info.nq; ++i) change[i] = to[at(tree.first_q(b) + i)] - own[i];
-        const int quaternion = K::info.nq > K::info.nv ? 4 : 0;  // the first numbers; q and −q are one rotation
-        for (int i = 0; i < quaternion; ++i) along += own[i] * to[at(tree.first_q(b) + i)];
-        for (int i = 0; along < 0 && i < quaternion; ++i) change[i] = -to[at(tree.first_q(b) + i)] - own[i];
+        const auto quaternion = [](int i) { return K::info.q_units[i] == 'n'; };
+        for (int i = 0; i < K::info.nq; ++i) along += quaternion(i) ? own[i] * end[i] : 0;
+        for (int i = 0; i < K::info.nq; ++i)  // a quaternion and its negative are one rotation
+          change[i] = (quaternion(i) && along < 0 ? -end[i] : end[i]) - own[i];
         for (int i = 0; i < K::info.nv; ++i) {
           if ((tree.link(b).locked >> i & 1u) != 0) continue;
           double unit[6] = {}, rate[7] = {}, product = 0, square = 0;  // the columns of N are orthogonal

@@ -278,7 +278,7 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
     if (flipped)
       return Error("it closes only with its axes in opposite directions", where(*flipped),
                    "turn one of its frames by half a turn, or give start values nearer to the intended position");
-    if (closed && again) {  // attempts that failed moved what closes nothing
+    if (closed && again) {  // attempts that failed may have moved joints without need
       const Tree all = HeldStart(tree, islands, given.q).tree();
       std::vector<double> start(state.q().begin(), state.q().end());
       follow_leaders(all, loops, start.data(), u.data());

@@ -76,14 +76,12 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
       if (moves_along(staying, i)) {
         c.mode = Contact::Mode::stick;
         note_limit(c);
-        c.friction = friction_of(c);
-        closed.push_back(c);
-        continue;
+      } else {
+        const double a1 = weaker_[3 * i + 1], a2 = weaker_[3 * i + 2], size = std::hypot(a1, a2);
+        c.mode = Contact::Mode::slip;
+        c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
+        c.keeps_direction = 2 * own.friction * pressing_acceleration(staying, i) * slow_slip_;
       }
-      const double a1 = weaker_[3 * i + 1], a2 = weaker_[3 * i + 2], size = std::hypot(a1, a2);
-      c.mode = Contact::Mode::slip;
-      c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
-      c.keeps_direction = 2 * own.friction * pressing_acceleration(staying, i) * slow_slip_;
     } else {
       c.mode = Contact::Mode::stick;
       const Friction used = friction_of_pair(staying, i);
