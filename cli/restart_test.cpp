@@ -447,3 +447,41 @@ TEST_CASE("a restart continues with the contacts of the run: closed ones, bounce
     check_restarts(read_restarted(touching(method)), 2, {0.125, 0.375, 0.5, 0.75, 1.125, 1.5});
   }
 }
+
+TEST_CASE("a document of a run through contacts that ended before its first step reads back the same") {
+  const io::Scenario scenario = read_restarted(R"(format = 1
+[world]
+floor = true
+[[mechanism]]
+name = "m"
+root = "free"
+pose = { xyz = [0, 0, 0.1] }
+[[mechanism.body]]
+name = "ball"
+mass = 1
+inertia = 0.01
+collision = { sphere = 0.1 }
+[integrate]
+method = "stepping"
+step = 1e-3
+until = 1
+)");
+  Session ended(scenario, {});
+  REQUIRE(ended.simulation().run_until(0) == Status::ok);
+  const auto document = [](const Session& of) {
+    return io::state_json(of.simulation().world(), of.armed(), of.simulation().step_memory());
+  };
+  const io::test::TemporaryFolder folder;
+  const std::string file = folder / "state.json";
+  io::write_text_file(file, document(ended));
+  Session again(scenario, momentree::cli::documents_of(file, scenario.model));
+  CHECK(document(again) == document(ended));
+  // With other forces, contacts are found anew.
+  const io::Scenario lighter = [&] {
+    io::Scenario other = scenario;
+    other.model.set_gravity({0, 0, -1});
+    return other;
+  }();
+  Session other(lighter, momentree::cli::documents_of(file, lighter.model));
+  CHECK(norm(other.simulation().world().accelerations()[0].linear) < 1e-12);
+}

@@ -283,9 +283,9 @@ void Simulation::Impl::update_pending_contacts() {
 void Simulation::Impl::check_contacts_of_document(const SteppingState& from) {
   if (!contacts.any()) return;
   bool hold = contacts.excess_of_closed() <= from.excess;
-  if (hold && !contact_steps.points().empty()) {
+  const bool known = from.unloaded >= 0;
+  if (hold && (known || !contact_steps.points().empty())) {
     constexpr double same = 1e-9;
-    const bool known = from.unloaded >= 0;
     hold = !from.released && contact_steps.still_near() &&
            (!known || std::fabs(unloaded() - from.unloaded) <= same * std::max(1.0, from.unloaded));
   }

@@ -330,8 +330,11 @@ void Simulation::continue_from(const RunState& state) { changing().continue_from
 StepMemory Simulation::step_memory() const {
   const bool adaptive = impl().method->adaptive();
   StepMemory memory{adaptive ? impl_->method->proposal() : 0.0, adaptive ? impl_->ledger.work : 0.0, impl_->stepping_state()};
-  if (!memory.stepping.points.empty() && !memory.stepping.released && impl_->idle()) memory.stepping.unloaded = impl_->unloaded();
-  if (impl_->idle()) memory.stepping.excess = impl_->contacts.any() ? impl_->contacts.excess_of_closed() : -1;
+  if (impl_->idle() && impl_->contacts.any()) {
+    const bool stepped = impl_->method_steps || impl_->stepping.on || !memory.stepping.points.empty();
+    if (stepped && !memory.stepping.released && !impl_->contacts.has_pending()) memory.stepping.unloaded = impl_->unloaded();
+    memory.stepping.excess = impl_->contacts.excess_of_closed();
+  }
   memory.stepping.placed = true;  // whatever begins with it
   for (const DeeperStop& stop : impl_->stops.deeper())
     memory.deeper.emplace_back(std::string(impl_->world.joint_name({stop.joint})), stop);
@@ -352,7 +355,8 @@ void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& me
   for (auto [joint, stop] : memory.deeper)
     if (stop.joint = impl_->world.find_joint(joint); stop.joint >= 0) deeper.push_back(stop);
   impl_->stops.set_deeper(deeper);
-  if (!memory.stepping.points.empty()) impl_->contacts.open_pending();  // their forces take the place of these contacts
+  // The forces of the last step, if any, take the place of these contacts.
+  if (!memory.stepping.points.empty() || memory.stepping.unloaded >= 0) impl_->contacts.open_pending();
   if (memory.stepping != SteppingState{}) impl_->continue_stepping(memory.stepping);
   impl_->keeps_contacts = true;
   impl_->stepping.placed = true;
