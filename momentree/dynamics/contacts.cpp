@@ -398,7 +398,12 @@ bool close_contacts(const Tree& tree, double t, double* q, double* u, Workspace<
   ContactWorkspace& all = contact_memory(workspace);
   place_at(tree, t, q, u, workspace, tree.contacts(), all.rows);
   energy -= energy_of(tree, workspace);
-  if (!close_gaps(tree, t, q, u, workspace) || !find_stopping_impulses(tree, q, workspace, tree.contacts())) return false;
+  if (!close_gaps(tree, t, q, u, workspace)) return false;
+  if (tree.has_loops()) {  // the rows of its loops have turned with it
+    close_loop_velocities(tree, t, q, u, workspace, {});
+    place_at(tree, t, q, u, workspace, tree.contacts(), all.rows);
+  }
+  if (!find_stopping_impulses(tree, q, workspace, tree.contacts())) return false;
   moved_by(tree, all.rows, all.change, all.move);
   for (std::size_t k = 0; k < all.move.size(); ++k) u[k] += all.move[k];
   place_at(tree, t, q, u, workspace, tree.contacts(), all.rows);

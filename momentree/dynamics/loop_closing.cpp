@@ -20,10 +20,10 @@ using detail::closed, detail::most_corrections, detail::nearly_closed;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// Kinetic and potential energy (J) at the motions of the last sweep.
+// Kinetic and potential energy (J) at the motions of the last sweep, without that of soft stops.
 double energy_at(const Tree& tree, const double* q, Workspace<double>& workspace) {
   locate_stage(tree, q, workspace);
-  double energy = 0, force[6];
+  double energy = -stored_in_loop_stops(tree, workspace), force[6];
   for (const int b : tree.order()) {
     const Kinematics<double>& body = workspace.bodies[at(b)];
     const RigidMass& mass = tree.link(b).body;
@@ -119,7 +119,7 @@ bool close_loops(const Tree& tree, double t, double* q, double* u, Workspace<dou
 }
 
 void close_loop_velocities(const Tree& tree, double t, const double* q, double* u, Workspace<double>& workspace,
-                           double* open) noexcept {
+                           std::span<double> open) noexcept {
   detail::loop_memory(tree, workspace);
   detail::set_loop_motions(tree, t, workspace);
   LoopCorrection correction{tree, workspace};
@@ -127,7 +127,7 @@ void close_loop_velocities(const Tree& tree, double t, const double* q, double* 
   close_velocities(correction, q, u);
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
-  for (std::size_t i = 0; i < tree.loop_links().size(); ++i) {
+  for (std::size_t i = 0; i < open.size(); ++i) {
     const LoopLink& link = tree.loop_links()[i];
     open[i] = 0;
     for (int row = 0; row < link.rows; ++row)

@@ -154,9 +154,6 @@ void joint_force(const Loop& loop, double t, const double* q, const double* u, c
   forces::add_elements({p, kind.nv, ~loop.joint.locked, t, q, u, force, &power});
   for (int i = 0; i < kind.nv; ++i)
     if ((loop.joint.locked >> i & 1u) != 0) force[i] = 0;
-  if (!p.limits.soft()) return;
-  for (int i = 0; i < kind.nv; ++i)  // what a soft stop stores is potential energy
-    power.dissipated -= p.limits.stiffness.of(i) * forces::passed(p.limits, i, q[i]) * u[i];
 }
 
 }  // namespace
@@ -250,6 +247,17 @@ double loop_energy(const Tree& tree, const Workspace<double>& workspace, int pla
   loop_coordinates(tree, workspace, place, q, u);
   const double energy = spring_of(loop, q, force);
   return loop.parameters.limits.soft() ? energy + forces::soft_stop_energy(loop.parameters, info(loop.joint.kind).nv, q) : energy;
+}
+
+double stored_in_loop_stops(const Tree& tree, const Workspace<double>& workspace) noexcept {
+  double energy = 0, q[7] = {}, u[6] = {};
+  for (std::size_t i = 0; i < tree.loops().size(); ++i) {
+    const Loop& loop = tree.loops()[i];
+    if (!loop.parameters.limits.soft()) continue;
+    loop_coordinates(tree, workspace, static_cast<int>(i), q, u);
+    energy += forces::soft_stop_energy(loop.parameters, info(loop.joint.kind).nv, q);
+  }
+  return energy;
 }
 
 }  // namespace momentree

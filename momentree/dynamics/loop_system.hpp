@@ -32,9 +32,9 @@ double loop_holding_force(const Tree& tree, double t, const Workspace<double>& w
                           double& size) noexcept;
 
 /// Corrects only the velocities, at coordinates at which the loops are closed; those of locked DoFs stay. Writes the largest
-/// velocity that is left open (m/s, rad/s) by link.
+/// velocity that is left open (m/s, rad/s) by link, if `open` is of that size.
 void close_loop_velocities(const Tree& tree, double t, const double* q, double* u, Workspace<double>& workspace,
-                           double* open) noexcept;
+                           std::span<double> open) noexcept;
 
 }  // namespace momentree
 

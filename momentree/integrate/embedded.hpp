@@ -165,7 +165,7 @@ class Embedded : public Integrator {
   }
 
   void begin(const Evaluator& evaluate, const State& state, double h) noexcept {
-    require_ready(evaluate, state, h);
+    begin_step(evaluate, state, h);
     nq_ = evaluate.tree().nq();
     nv_ = evaluate.tree().nv();
     std::copy_n(state.q().data(), nq_, q0_.get());

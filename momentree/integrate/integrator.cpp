@@ -85,10 +85,11 @@ Integrator::Integrator(const Tree& tree, const StepControl& control)
   MT_REQUIRE(control.rtol > 0 && control.atol > 0 && control.max_step > 0, "rtol, atol and max_step are positive");
 }
 
-void Integrator::require_ready(const Evaluator& evaluate, const State& state, double h) const noexcept {
+void Integrator::begin_step(const Evaluator& evaluate, const State& state, double h) noexcept {
   MT_REQUIRE(evaluated_on(evaluate.tree(), state, evaluate.workspace()), stale_workspace(state));
   MT_REQUIRE(evaluate.tree().bodies() <= bodies_, "the method was made for a tree of that many bodies: make another one");
   MT_REQUIRE(std::isfinite(h), "the step is finite");
+  stored_in_loops_ = stored_in_loop_stops(evaluate.tree(), evaluate.workspace());
 }
 
 std::unique_ptr<Integrator> make_integrator(std::string_view method, const Tree& tree, const StepControl& control) {
@@ -218,6 +219,7 @@ void Integrator::add_gauge(const Evaluator& evaluate, const double* q, double* r
 
 void Integrator::book_loops(const Evaluator& evaluate, State& state, EnergyLedger& ledger) const noexcept {
   if (evaluate.tree().has_loops()) state.set_turns(evaluate.workspace().loops->turns);
+  ledger.dissipated -= stored_in_loop_stops(evaluate.tree(), evaluate.workspace()) - stored_in_loops_;
   ledger.projection += closing_energy_;
 }
 

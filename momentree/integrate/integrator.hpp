@@ -156,8 +156,8 @@ class Integrator {
   /// Calls `plausible` and, if it returns false, records the coordinate that diverged.
   bool sound(const Tree& tree, const double* q0, const double* q, const double* y) noexcept;
 
-  /// Requirements at the start of each step: the evaluator's workspace belongs to this state, and the step is possible.
-  void require_ready(const Evaluator& evaluate, const State& state, double h) const noexcept;
+  /// At the start of each step, which requires that the evaluator's workspace belongs to this state.
+  void begin_step(const Evaluator& evaluate, const State& state, double h) noexcept;
 
   const StepControl control_;
   double proposal_;
@@ -169,6 +169,7 @@ class Integrator {
 
   int bodies_;
   double closing_energy_ = 0;
+  double stored_in_loops_ = 0;  // in soft stops of loop joints, when the step began
   bool loops_open_ = false;
 };
 

@@ -145,7 +145,7 @@ std::vector<double> assemble_velocities(const Tree& tree, const Islands& islands
     load_turns(used, state, workspace);
     std::vector<double> followed = q;
     follow_leaders(used, tree.loops().size(), followed.data(), u.data());
-    close_loop_velocities(used, state.time(), q.data(), u.data(), workspace, open.data());
+    close_loop_velocities(used, state.time(), q.data(), u.data(), workspace, open);
     again = false;
     const double fast = largest(u);
     std::vector<int> seen;  // islands

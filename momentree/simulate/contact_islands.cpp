@@ -159,9 +159,11 @@ void Simulation::Impl::try_to_locate(const Islands& islands, int number) {
   std::erase_if(others, [&](const SteppedContact& point) { return islands.of(point.a >= 0 ? point.a : point.b) == number; });
   contact_steps.set_points(others);
   update_islands();
+  report_stepping("resume", {}, bodies);
   std::vector<Event> changes;
   const std::optional<Contacts::Unresolved> failed = contacts.resolve(changes);
   if (failed) {
+    events.pop_back();
     stepping = as_before;
     contacts.set_stepped(stepped_bodies());
     contact_steps.set_points(points);
@@ -171,7 +173,6 @@ void Simulation::Impl::try_to_locate(const Islands& islands, int number) {
     body.patience = std::min(2 * body.patience, longest_patience), body.since_impact = world.time();
   }
   evaluate_state();
-  if (!failed) report_stepping("resume", {}, bodies);
   for (Event& change : changes) {  // impacts may have happened before an attempt failed
     add_to_balance(change);
     events.push_back(std::move(change));

@@ -145,7 +145,7 @@ void Stops::act(std::vector<Event>& events, const Side& s, LimitEvent deed, doub
   events.push_back(std::move(event));
 }
 
-bool Stops::release_pulled(const std::vector<Event>& events) {
+bool Stops::release_pulled(const std::vector<Event>& events, bool pressed) {
   bool found = false;
   for (const Side& s : sides_) {
     if (!holds(s)) continue;
@@ -166,7 +166,7 @@ bool Stops::release_pulled(const std::vector<Event>& events) {
                            (world_->find_joint(each.follows) == s.joint ? each.on_follows : 0.0);
         through -= own, size += std::fabs(own);
       }
-    if (s.sign * through <= 1e-10 * size) continue;
+    if ((pressed ? std::fabs(through) : s.sign * through) <= 1e-10 * size) continue;
     Event scratch;
     TopologyEditor editor(*world_);
     editor.begin(scratch, "");
@@ -232,7 +232,9 @@ bool Stops::one_thing(std::vector<Event>& events) {
       if (!pulled) return true;
       const WorldSnapshot after = world_->snapshot();
       world_->restore(before);
-      if (!release_pulled(last)) {
+      // Beside what rests, the joint may have no DoF left: only rounding then limits the impulse.
+      const bool blocked = std::fabs(last[0].lost) > 1e10 * (last[0].before.kinetic + last[0].after.kinetic);
+      if (!release_pulled(last, blocked)) {
         world_->restore(after);
         revision_ = world_->tree_.revision();
         return true;

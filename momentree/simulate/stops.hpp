@@ -62,9 +62,9 @@ class Stops {
   std::optional<double> step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches = {},
                              ContactSteps* through = nullptr);
 
-  /// Releases the joints resting on stops that transmitted impulses at `event` which a stop cannot exert (it would have pulled).
-  /// False: there are none.
-  bool release_pulled(const std::vector<Event>& events);
+  /// Releases the joints resting on stops that transmitted impulses at `event` which a stop cannot exert (it would have pulled),
+  /// and with `pressed` those that transmitted any. False: there are none.
+  bool release_pulled(const std::vector<Event>& events, bool pressed = false);
 
   /// Those that act deeper, which belong to the state of a run.
   std::vector<DeeperStop> deeper() const;

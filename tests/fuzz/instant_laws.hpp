@@ -22,6 +22,7 @@ class InstantLaws {
  private:
   struct Instant {
     double time = 0;
+    bool stepped = false;  // contacts are stepped through
     std::vector<BodyMotion> motions;
     std::vector<BodyAcceleration> accelerations;
   };

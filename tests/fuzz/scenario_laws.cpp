@@ -283,7 +283,7 @@ void Checker::check_certificates() {
         rounding, "certificate: energy", where);
     found_.within(-e.lost, rounding, "certificate: no impact gains energy", where);
     const Vec3 ground{e.ground_impulse[0], e.ground_impulse[1], e.ground_impulse[2]};
-    const double speed = std::sqrt(2 * std::max(e.before.kinetic, e.after.kinetic) * mass);
+    const double speed = std::sqrt(2 * std::max({e.before.kinetic, e.after.kinetic, 0.0}) * mass);
     const double standstill = 1e-14 * mass;  // the rounding of velocities of some m/s that cancel
     double share = HUGE_VAL;
     for (const Vec3& applied : applied_impulses(e))
@@ -293,8 +293,12 @@ void Checker::check_certificates() {
     if (last != nullptr && last->time == e.time) {
       found_.within(std::fabs(last->after.kinetic + last->after.potential - e.before.kinetic - e.before.potential), rounding,
                     "certificates of one instant follow one another: energy", where);
-      const bool contact = e.name == "lift" || e.name == "slip" || e.name == "stick";  // and what impacts left is removed
-      found_.within(norm(last->after.linear - e.before.linear), 1e-11 * speed + (contact ? slowest_slip * mass : standstill),
+      // Contacts that end or are located again: what impacts left is removed.
+      const bool contact =
+          e.name == "lift" || e.name == "slip" || e.name == "stick" || e.name == "resume" || last->name == "resume";
+      const double earlier = std::sqrt(2 * std::max(last->before.kinetic, 0.0) * mass);
+      found_.within(norm(last->after.linear - e.before.linear),
+                    1e-11 * std::max(speed, earlier) + (contact ? slowest_slip * mass : standstill),
                     "certificates of one instant follow one another: momentum", where);
     }
     last = &e;

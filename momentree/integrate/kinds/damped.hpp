@@ -116,7 +116,7 @@ inline bool Damped::met(int nv, const double* u, const double* dissipating, cons
 inline bool Damped::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
   const Tree& tree = evaluate.tree();
   const Workspace<double>& workspace = evaluate.workspace();
-  require_ready(evaluate, state, h);
+  begin_step(evaluate, state, h);
   if (revision_ != tree.revision()) follow(tree);
   const int nq = tree.nq(), nv = tree.nv();
   const double *q = state.q().data(), *p = state.p().data();

@@ -28,7 +28,7 @@ inline Midpoint::Midpoint(const Tree& tree, const StepControl& control)
 
 inline bool Midpoint::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
   const Workspace<double>& workspace = evaluate.workspace();
-  require_ready(evaluate, state, h);
+  begin_step(evaluate, state, h);
   const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
   const double *q = state.q().data(), *y = state.y().data();
   std::copy_n(q, nq, q_.get());

@@ -32,7 +32,7 @@ inline Rk4::Rk4(const Tree& tree, const StepControl& control)
 
 inline bool Rk4::step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept {
   const Workspace<double>& workspace = evaluate.workspace();
-  require_ready(evaluate, state, h);
+  begin_step(evaluate, state, h);
   const int nq = evaluate.tree().nq(), nv = evaluate.tree().nv();
   const double *q = state.q().data(), *y = state.y().data(), t = state.time();
   Power sum{};

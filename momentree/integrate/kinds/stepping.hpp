@@ -68,7 +68,7 @@ inline bool Stepping::step(Evaluator& evaluate, State& state, EnergyLedger& ledg
 // A step without contacts, of h seconds until `end`.
 inline bool Stepping::fly(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h, double end) noexcept {
   const Workspace<double>& workspace = evaluate.workspace();
-  require_ready(evaluate, state, h);
+  begin_step(evaluate, state, h);
   const Tree& tree = evaluate.tree();
   const int nq = tree.nq(), nv = tree.nv();
   const double *q = state.q().data(), *y = state.y().data(), t = state.time();
