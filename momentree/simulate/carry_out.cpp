@@ -7,6 +7,7 @@ bool Simulation::Impl::happen() {
   for (std::size_t count = 0;; ++count) {
     std::vector<std::size_t> places = queue.due(world.time());
     if (places.empty() && queue.watching(world)) {
+      find_forces_of_steps();
       evaluate_state();
       if (const std::optional<std::size_t> place = queue.urgent(world, events_now())) places = {*place};
     }

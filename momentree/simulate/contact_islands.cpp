@@ -62,7 +62,7 @@ void Simulation::Impl::begin_stepping(const std::string& why, const std::vector<
   begin_at(at);
   if (begin.empty()) begin_at(contacts.touching_bodies());
   if (begin.empty()) begin_at({world.tree_.order().begin(), world.tree_.order().end()});
-  if (!stepping.on) contact_steps.set_points({});
+  contact_steps.set_points(stepping.on ? contact_steps.points() : std::vector<SteppedContact>(), true);
   stepping.on = true;
   stepping.changes = stepping.changes_at_once = 0;
   update_islands();

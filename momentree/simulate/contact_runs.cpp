@@ -38,7 +38,14 @@ void Simulation::Impl::make_methods() {
   method_steps = steps_through_contacts(integration.method);
   stepper = world.model_.has_contact() ? make(contact_stepping_method()) : nullptr;
   if (stepper == nullptr) stepping = {}, contacts.set_stepped({});
-  if (!contact_steps.points().empty()) contact_steps.set_points({});  // their numbers are those of the former bodies
+  if (stepper != nullptr) contact_steps.set_points({}, true);  // their numbers are those of the former bodies
+}
+
+// The forces of contacts that are stepped through, where no step has found them yet.
+void Simulation::Impl::find_forces_of_steps() {
+  if (!contacts.any() || !(steps_through() || some_step()) || contact_steps.has_forces()) return;
+  if (stops.any()) stops.find_pressed(contact_steps);
+  contact_steps.find_forces();
 }
 
 // Events with conditions, and contacts, to be located within a step of at most h seconds, which contacts may shorten.
@@ -257,7 +264,8 @@ void Simulation::Impl::undo_contact_step() {
 
 SteppingState Simulation::Impl::stepping_state() const {
   SteppingState now = stepping;
-  now.points = contact_steps.points(), now.released = contact_steps.released();
+  now.points = contact_steps.points();
+  now.released = stepper != nullptr && (some_step() || steps_through()) && contact_steps.released();
   now.short_steps = contacts.short_steps();
   if (!events.empty()) now.one = events.back().contact.one, now.other = events.back().contact.other;
   return now;
@@ -275,7 +283,7 @@ void Simulation::Impl::continue_stepping(const SteppingState& from) {
 void Simulation::Impl::update_pending_contacts() {
   keeps_contacts = false;
   contacts.set_former(contacts.closed_ones());
-  if (!contact_steps.points().empty()) contact_steps.release();
+  if (contact_steps.has_forces()) contact_steps.release();
   contacts.find_pending(method_steps);
 }
 
@@ -286,11 +294,12 @@ void Simulation::Impl::check_contacts_of_document(const SteppingState& from) {
   const bool known = from.unloaded >= 0;
   if (hold && (known || !contact_steps.points().empty())) {
     constexpr double same = 1e-9;
-    hold = !from.released && contact_steps.still_near() &&
+    hold = (!from.released || known) && contact_steps.still_near() &&
            (!known || std::fabs(unloaded() - from.unloaded) <= same * std::max(1.0, from.unloaded));
   }
+  if (hold && known) find_forces_of_steps();
   if (hold) return;
-  if (!from.released) contact_steps.set_points({});  // they are those of another scenario
+  if (!from.released) contact_steps.set_points({}, true);  // they are those of another scenario
   update_pending_contacts();
 }
 
@@ -298,11 +307,12 @@ void Simulation::Impl::check_contacts_of_document(const SteppingState& from) {
 double Simulation::Impl::unloaded() {
   const auto count = evaluate.count;
   const auto seconds = evaluate.seconds;
-  const bool released = contact_steps.released();
+  const bool released = contact_steps.released(), had_forces = contact_steps.has_forces();
   contact_steps.release();
   double sum = 0;
   for (const double rate : world.pdot()) sum += rate * rate;
   contact_steps.set_points(contact_steps.points(), released);
+  if (had_forces) find_forces_of_steps();
   evaluate_state();
   evaluate.count = count, evaluate.seconds = seconds;
   return std::sqrt(sum);

@@ -189,36 +189,71 @@ void ContactSteps::remember(double h) {
       for (std::size_t k = 0; k < 3; ++k) carried_[3 * i + k] = many_.r[3 * i + k] / h;
   points_.clear();
   for (std::size_t i = 0; i < near_.size(); ++i) {
-    const Contact& c = near_[i];
     const auto force = [&](std::size_t k) { return (many_.r[3 * i + k] + before * carried_[3 * i + k]) / over; };
     const bool parts = rows_.touches[i].gap > touch_distance || after_[3 * i] > slow_impact;
     if (!(force(0) > 0) || (parts && !(many_.r[3 * i] > 0))) continue;
-    const contact::Touch& touch = rows_.touches[i];
-    SteppedContact point{c.pair, c.id, c.a, c.b, touch.point, touch.normal, {}, {}, c.cable};
-    for (std::size_t k = 0; k < 3; ++k) point.force += force(k) * row_direction(touch, k);
-    for (std::size_t k = 1; k < 3; ++k) point.slip += after_[3 * i + k] * row_direction(touch, k);
-    points_.push_back(point);
+    points_.push_back(point_at(i, {force(0), force(1), force(2)}, after_));
   }
   std::stable_sort(points_.begin(), points_.end(), earlier);
 }
 
-void ContactSteps::hold() {
-  released_ = false;
-  std::vector<HeldForce>& held = held_forces(world_->workspace_);
-  held.clear();
-  for (const SteppedContact& point : points_)
-    held.push_back({point.a, point.b, point.point, point.force, point.normal, point.slip, point.cable});
+// `force`: along the rows of the point, as its part of `velocity`.
+SteppedContact ContactSteps::point_at(std::size_t i, const Vec3& force, const std::vector<double>& velocity) const {
+  const Contact& c = near_[i];
+  const contact::Touch& touch = rows_.touches[i];
+  SteppedContact point{c.pair, c.id, c.a, c.b, touch.point, touch.normal, {}, {}, c.cable};
+  point.force = force.x * touch.normal + force.y * touch.tangent[0] + force.z * touch.tangent[1];
+  point.slip = velocity[3 * i + 1] * touch.tangent[0] + velocity[3 * i + 2] * touch.tangent[1];
+  return point;
 }
 
-void ContactSteps::set_points(std::vector<SteppedContact> points, bool released) {
-  points_ = std::move(points);
-  if (released) return release();
-  hold();
+// The impulses of a step of the usual length that begins with the present accelerations, as forces.
+void ContactSteps::find_forces() {
+  const double h = usual_step_;
+  release();
+  (*evaluate_)(world_->state_);
+  find_points(touch_distance);
+  std::vector<SteppedContact> found;
+  if (!near_.empty()) {
+    guess(h);
+    for (std::size_t i = 0; i < near_.size(); ++i) {
+      many_.points[i].friction = contacts_->law_of(near_[i].pair).friction;
+      many_.b[3 * i] = std::max(0.0, many_.b[3 * i]);
+      const std::array<double, 9> block = many_.block(i);
+      for (std::size_t k = 0; k < 3; ++k)  // not where joints keep the bodies from moving
+        if (block[4 * k] > 0) many_.b[3 * i + k] += h * rows_.acceleration[3 * i + k];
+    }
+    for (std::size_t i = 0; i < stops_.size(); ++i) {
+      const auto at = static_cast<std::size_t>(world_->tree_.first_p(stops_[i].body) + stops_[i].dof);
+      many_.b[3 * (near_.size() + i)] -= h * stops_[i].sign * world_->workspace_.a[at];
+    }
+    many_.solve();
+    for (std::size_t i = 0; i < near_.size(); ++i) {
+      const double* const r = &many_.r[3 * i];
+      if (r[0] > 0) found.push_back(point_at(i, {r[0] / h, r[1] / h, r[2] / h}, rows_.velocity));
+    }
+    std::stable_sort(found.begin(), found.end(), earlier);
+  }
+  hold(found);
+}
+
+void ContactSteps::hold(const std::vector<SteppedContact>& points) {
+  has_forces_ = true;
+  std::vector<HeldForce>& held = held_forces(world_->workspace_);
+  held.clear();
+  for (const SteppedContact& point : points)
+    held.push_back({point.a, point.b, point.point, point.force, point.normal, point.slip, point.cable});
   static_cast<void>(world_->state_.edit());  // its evaluation is without them
 }
 
+void ContactSteps::set_points(std::vector<SteppedContact> points, bool released) {
+  points_ = std::move(points), released_ = released;
+  if (released) return release();
+  hold(points_);
+}
+
 void ContactSteps::release() {
-  released_ = true;
+  released_ = true, has_forces_ = false;
   held_forces(world_->workspace_).clear();
   static_cast<void>(world_->state_.edit());
 }
@@ -256,7 +291,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   hits_.clear(), touching_.clear();
   if (near_.empty() && stops_.empty()) {
     points_.clear();
-    released_ = false;
+    released_ = false, has_forces_ = true;
     return;
   }
   free_q_.assign(state.q().begin(), state.q().end()), free_u_.assign(state.u().begin(), state.u().end());
@@ -269,8 +304,8 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   move(state, ledger);
   take_back_work(state.time(), ledger, h);
   remember(h);
-  hold();
-  static_cast<void>(state.edit());  // its evaluation is without them
+  released_ = false;
+  hold(points_);
 }
 
 }  // namespace momentree

@@ -43,9 +43,14 @@ class ContactSteps final : public StepContacts {
   const std::vector<int>& hits() const { return hits_; }
   /// Pairs of bodies that touched in the last step; −1: the ground.
   const std::vector<std::pair<int, int>>& touching() const { return touching_; }
-  /// Evaluations until the next step are without the forces of the last one, which stay the first guess of that step.
+  /// Evaluations until the next step are without the forces of the last one, which stay the first guess of that step. So it is
+  /// before the first step.
   void release();
   bool released() const { return released_; }
+  /// Until then, evaluations have the forces that the present state would have in a step. What bodies hit each other with is no
+  /// force.
+  void find_forces();
+  bool has_forces() const { return has_forces_; }
   /// True if the bodies of all points are as near each other as in a step that finds them.
   bool still_near();
   /// Forgets the points whose bodies are not: those of cables that broke or became longer.
@@ -61,6 +66,7 @@ class ContactSteps final : public StepContacts {
   bool is_near(const SteppedContact& point) const;
   void add_stops();
   void find_points(double within);
+  SteppedContact point_at(std::size_t i, const Vec3& force, const std::vector<double>& velocity) const;
   void guess(double h);
   void set_law(double h);
   double energy() const;
@@ -69,7 +75,7 @@ class ContactSteps final : public StepContacts {
   void displace(State& state, contact::LinksMotion& by);
   bool lay_there(std::size_t point, double h) const;
   void remember(double h);
-  void hold();
+  void hold(const std::vector<SteppedContact>& points);
 
   World* world_;
   Evaluator* evaluate_;
@@ -87,7 +93,7 @@ class ContactSteps final : public StepContacts {
   double usual_step_ = 0;
   std::vector<Stop> stops_;
   std::vector<SteppedContact> points_;
-  bool released_ = false;
+  bool released_ = true, has_forces_ = false;
   std::vector<SteppedContact> points_at_start_;  // of the present step
   bool released_at_start_ = false;
   std::vector<int> hits_;

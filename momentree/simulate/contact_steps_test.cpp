@@ -218,6 +218,45 @@ TEST_CASE("stepping: runs in which contacts are too many or change too often go 
   CHECK(std::fabs(began->time - std::sqrt(2 * 0.3 / 9.81)) < 1e-9);
 }
 
+TEST_CASE("stepping: forces act from the start, where contacts were located before, and after other forces") {
+  constexpr double weight = 9.81;
+  for (const auto& [method, feet] : {std::pair("stepping", 1), std::pair("stepping", 9), std::pair("dop853", 9)}) {
+    CAPTURE(method);
+    Model model;  // it slides, and has a body on it; too many points to be located
+    BodySpec spec = free_body("table/b", {0, 0, 0.1});
+    spec.v = {1, 0, 0, 0, 0, 0};
+    const BodyId table = model.add(std::move(spec));
+    for (int i = 0; i < feet; ++i)
+      model.add_collider({.body = table, .solid = contact::box({0.2, 0.2, 0.2}, {0.3 * (i - feet / 2), 0, 0})});
+    model.add({.name = "table/rider", .mass = 1, .inertia = diagonal(0.006), .parent = table});
+    model.add_collider({.body = model.add(free_body("stone/b", {0, 5, 9})), .solid = contact::sphere(0.1)});
+    add_floor(model, 0.3, 0);
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    sim.when(contact_force_between("table", "ground").below(1.99 * weight)).named("unloaded");
+    sim.when(reaction_force("table/rider").below(0.99 * weight)).named("floats");
+    sim.when(slip_between("table", "ground").below(0.5)).named("slow");
+    const auto only_stepping = [](const Event& event) { return event.name == "stepping"; };
+    REQUIRE(sim.run_until(0));
+    CHECK(std::ranges::all_of(sim.events(), only_stepping));
+    Vec3 sum{};
+    for (const ContactPoint& point : sim.world().contacts()) {
+      sum += point.force;
+      CHECK(norm(point.slip - Vec3{1, 0, 0}) < 1e-12);
+    }
+    CHECK(norm(sum - 2 * weight * Vec3{-0.3, 0, 1}) < 1e-2 * weight);
+    REQUIRE(sim.run_until(0.1));
+    sim.set_gravity({0, 0, -weight});  // forces are found anew
+    REQUIRE(sim.run_until(0.1));
+    CHECK(std::ranges::all_of(sim.events(), only_stepping));
+    REQUIRE(sim.run_until(0.2));
+    const Event* const slow = find_step_event(sim, "slow");
+    REQUIRE(slow != nullptr);
+    CHECK(std::fabs(slow->time - 0.5 / (0.3 * weight)) < 1e-3);
+    CHECK(find_step_event(sim, "unloaded") == nullptr);
+    CHECK(find_step_event(sim, "floats") == nullptr);
+  }
+}
+
 TEST_CASE("stepping: contacts are located again once nothing hits anything") {
   Model model;  // a table with nine feet, which breaks into one with five and one with four
   const BodyId left = model.add(free_body("table/left", {0, 0, 0.1 + 0.3}));

@@ -40,7 +40,7 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   make_methods();
   const auto is_gone = [this](int each) { return each >= 0 && !world.alive({each}); };
   std::erase_if(points, [&](const SteppedContact& point) { return is_gone(point.a) || is_gone(point.b); });
-  if (!points.empty()) contact_steps.set_points(std::move(points));
+  if (!points.empty()) contact_steps.set_points(std::move(points), true);
   evaluate_state();
   event.after = world.totals();
   event.mechanisms_after = world.mechanism_names();
@@ -92,7 +92,7 @@ BodyId Simulation::Impl::add(BodySpec spec, std::vector<contact::Solid> collisio
   if (std::optional<Error> error = find_room(body)) {
     world.restore(before);
     contacts.renew();
-    contact_steps.set_points(contact_steps.points());
+    contact_steps.set_points(contact_steps.points(), contact_steps.released());
     evaluate_state();
     throw_error(std::move(*error));
   }

@@ -332,7 +332,8 @@ StepMemory Simulation::step_memory() const {
   StepMemory memory{adaptive ? impl_->method->proposal() : 0.0, adaptive ? impl_->ledger.work : 0.0, impl_->stepping_state()};
   if (impl_->idle() && impl_->contacts.any()) {
     const bool stepped = impl_->method_steps || impl_->stepping.on || !memory.stepping.points.empty();
-    if (stepped && !memory.stepping.released && !impl_->contacts.has_pending()) memory.stepping.unloaded = impl_->unloaded();
+    if (stepped && impl_->contact_steps.has_forces() && !impl_->contacts.has_pending())
+      memory.stepping.unloaded = impl_->unloaded();
     memory.stepping.excess = impl_->contacts.excess_of_closed();
   }
   memory.stepping.placed = true;  // whatever begins with it

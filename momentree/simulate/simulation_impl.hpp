@@ -212,6 +212,7 @@ struct Simulation::Impl {
   void update_islands();
   void join_touched_islands();
   void step_islands(double h);
+  void find_forces_of_steps();
   void try_to_locate(const Islands& islands, int number);
   void after_contact_step();
   void report_stepping(const char* what, const std::string& why, const std::vector<int>& bodies);
@@ -336,6 +337,7 @@ struct Simulation::Impl {
     const bool kept = may_keep && events.size() == before && (stepping.on || !contacts.closed_ones().empty());
     if (contacts.any() && !kept && !resolve_contacts()) return Status::stalled;
     contacts.forget_former();
+    find_forces_of_steps();
     Status status = Status::ok;
     return happen_between_samples(status) && !look(!observed) ? Status::interrupted : status;
   }
@@ -366,6 +368,7 @@ struct Simulation::Impl {
     return observer && every > 0 ? std::min(end, next_look) : end;
   }
   Status finish_step(double until) {
+    find_forces_of_steps();
     Status status = Status::ok;
     if (!happen_between_samples(status)) return status;
     return look(false) && watched() ? note_progress(until) : Status::interrupted;

@@ -62,6 +62,9 @@ class Stops {
   std::optional<double> step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches = {},
                              ContactSteps* through = nullptr);
 
+  /// Gives the joints that are pressed on stops until contacts act to what contacts are stepped through with.
+  void find_pressed(ContactSteps& through);
+
   /// Releases the joints resting on stops that transmitted impulses at `event` which a stop cannot exert (it would have pulled),
   /// and with `pressed` those that transmitted any. False: there are none.
   bool release_pulled(const std::vector<Event>& events, bool pressed = false);
@@ -103,7 +106,6 @@ class Stops {
   std::optional<double> search(Trial& trial, const Watched& watched, const Part& part, int least_depth, int& samples);
   std::optional<double> peak(Trial& trial, const Watched& watched, double end);
   void put_on_stop(const Watched& watched);
-  void find_pressed(ContactSteps& through);
   void make_deeper(std::span<const DeeperStop> stops);
   void find();
   double coordinate(const Side& side) const;
