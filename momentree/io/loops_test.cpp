@@ -350,6 +350,24 @@ TEST_CASE("a loop joint's points move together while a foot of the loop slides o
   CHECK(slides > 5);
 }
 
+TEST_CASE("what is pushed apart at the start stays within its hard stops, also where loops are closed afterwards") {
+  const Session session = session_of(
+      "format = 1\n[world]\ngravity = [0, 0, 0]\nfloor = { friction = 0.1 }\n[integrate]\nresolve = true\n"
+      "[[mechanism]]\nname = \"m1\"\npose = { xyz = [-0.6, 0, 0.4] }\nroot = \"free\"\n[[mechanism.body]]\n"
+      "name = \"b1\"\nmass = 0.3\ninertia = 0.001\n[[mechanism.body]]\nname = \"b2\"\nmass = 0.1\n"
+      "com = [0.05, 0.07, 0.11]\ninertia = 0.006\n"
+      "joint = { kind = \"ball\", parent = \"b1\", at = { xyz = [-0.12, -0.29, -0.5] }, q = [0.8, 0.6, 0, 0] }\n"
+      "[[mechanism.body]]\nname = \"b3\"\nmass = 0.3\ninertia = 0.03\ncollision = { sphere = 0.13 }\n"
+      "joint = { kind = \"revolute\", axis = [0, 0, 1], parent = \"b2\", at = { xyz = [0.33, -0.17, -0.35] }, child_at = { xyz = "
+      "[-0.3, 0.23, 0.25] }, limits = { lower = -0.776, upper = 0.895 } }\n"
+      "[[mechanism]]\nname = \"m2\"\npose = { xyz = [0.793, -0.801, 0.024] }\nroot = \"free\"\n[[mechanism.body]]\n"
+      "name = \"b1\"\nmass = 0.3\ncom = [-0.1, 0.24, 0.25]\ninertia = 0.0135\n[[loop]]\nname = \"loop 1\"\n"
+      "body = \"m1/b3\"\nto = \"m2/b1\"\nkind = \"planar\"\nat = { xyz = [0.105, -0.261, 0.0587] }\n");
+  const double q = session.simulation().world().joint({2}).q[0];  // of b3
+  CHECK(q < -0.7);
+  CHECK(q >= -0.776 - 1e-12);
+}
+
 TEST_CASE("a loop that leaves no mobility stands still beside hard stops") {
   const std::string place = "at = { xyz = [-0.3, 0.1, 0], rpy = [1.1, -1.4, 3] }, child_at = { xyz = [0.1, 0, 0.1] }";
   Session session = session_of(

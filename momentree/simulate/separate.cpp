@@ -66,10 +66,25 @@ void Separator::add_stops() {
         const double stop = sign > 0 ? p->limits.lower_of(i) : p->limits.upper_of(i);
         if (!std::isfinite(stop)) continue;
         parts_.add_stop(tree, q.data(), world_->workspace_, b, i, sign, many_);
-        gaps_.push_back(std::max(0.0, sign * (q[static_cast<std::size_t>(tree.first_q(b) + i)] - stop)) -
-                        sign * moved_[static_cast<std::size_t>(tree.first_p(b) + i)]);
+        const double left = sign * (q[static_cast<std::size_t>(tree.first_q(b) + i)] - stop);
+        gaps_.push_back((std::fabs(left) < rounding ? 0 : left) - sign * moved_[static_cast<std::size_t>(tree.first_p(b) + i)]);
       }
   }
+}
+
+// How far a joint is beyond its stop (rad, m): steps do not lead there, but loops that are closed after them may.
+double Separator::beyond_stops() const {
+  const Tree& tree = world_->tree_;
+  double most = 0;
+  for (const int b : tree.order()) {
+    const JointParameters* const p = tree.parameters(b);
+    if (p == nullptr || !p->limits.hard()) continue;
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i) {
+      const double q = world_->state_.q()[static_cast<std::size_t>(tree.first_q(b) + i)];
+      most = std::max({most, p->limits.lower_of(i) - q, q - p->limits.upper_of(i)});
+    }
+  }
+  return most;
 }
 
 // Finds the next step; returns its size (rad, m). `from_start`: such that the whole motion is the least one.
@@ -145,6 +160,7 @@ Separation Separator::run() {
   for (int k = 0, later = 0; k < most_tries; ++k) {
     deepest = find_points(2 * std::max(deepest, result.largest));
     if (!from_start) {
+      deepest = std::max(deepest, beyond_stops());
       // Points that are only near may be others than those that overlap.
       if (!(deepest > exact * size_) && !((deepest = find_points(0)) > exact * size_)) break;
       if (later++ % patience == 0 && !(deepest < 0.5 * std::exchange(looked_at, deepest))) break;

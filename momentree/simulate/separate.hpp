@@ -23,6 +23,7 @@ class Separator {
   double find_step(bool from_start);
   void take_step(double part);
   void add_stops();
+  double beyond_stops() const;
   std::vector<Vec3> centres() const;
   std::string name_of(int body) const;
   std::optional<Overlap> what_is_left() const;
