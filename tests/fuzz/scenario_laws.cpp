@@ -156,7 +156,7 @@ class Checker {
     if (is_adaptive(scenario_.integration.method))
       plan.after_steps = [&](const Simulation& simulation) { laws.follow(simulation); };
     whole_ = traced_run(scenario_, plan);
-    // Its last numbers are meaningless, or all of them: too long steps, of which the balance warns.
+    // Its last numbers are meaningless, or all of them, of which the balance warns: the steps are too long.
     if (whole_.status == Status::diverged || std::fabs(whole_.energy.error) > whole_.energy.largest_kinetic)
       found_.broken.resize(before);
   }
@@ -465,8 +465,7 @@ void Checker::check_energy() {
     fine.integration.step /= 4, fine.integration.rtol /= 100, fine.integration.atol /= 100;
     const Trace finer = traced_run(fine, {.until = scenario_.until, .most_steps = 64 * most_steps});
     if (finer.cut || finer.status != Status::ok) return;
-    // Conditions that hold after every step, such as a small impulse, fire as often as there are steps: the motion is a different
-    // one.
+    // Conditions that hold after every step fire as often as there are steps: the motion is a different one.
     if (finer.certificates.size() != whole_.certificates.size()) return;
     error = std::fabs(finer.energy.error);
     if (error < 0.5 * largest) return;  // with one step errors may cancel by chance
