@@ -52,11 +52,43 @@ bool Simulation::Impl::carry_out_now(std::span<const DueEvent> due) {
   const SimulationSnapshot before = snapshot();
   const RunStatistics counted = statistics;
   const double overlapping = steps_through() || some_step() ? contacts.deepest_of_all() : 0;  // time stepping leaves small ones
+  overlapped.reset();
   if (try_now(due) && !overlaps_more_than(overlapping)) return true;
   restore_run(before);
   queue.continue_from(*before.queue, world);
   statistics = counted;
+  if (overlapped) {
+    evaluate_state();
+    const auto [event, action] = overlapping_action(due);
+    message = refusal(due[event], due[event].actions[action], world.time(), refused_overlap(*overlapped));
+    stalled = false;
+  }
   return false;
+}
+
+// The first action of an instant after which bodies overlap.
+std::pair<std::size_t, std::size_t> Simulation::Impl::overlapping_action(std::span<const DueEvent> due) {
+  const std::optional<Overlap> already = contacts.overlap_of_all();
+  const WorldSnapshot start = world.snapshot();
+  std::pair<std::size_t, std::size_t> last{};
+  for (std::size_t e = 0; e < due.size(); ++e)
+    for (std::size_t a = 0; a < due[e].actions.size(); ++a) {
+      last = {e, a};
+      const DueEvent alone{due[e].name, due[e].named, {due[e].actions[a]}};
+      static_cast<void>(carry_out(world, {&alone, 1}, true));
+      const std::optional<Overlap> now = contacts.overlap_of_all();
+      if (!now || now->depth <= std::max(left_by_steps, already ? already->depth : 0)) continue;
+      world.restore(start);
+      return last;
+    }
+  world.restore(start);
+  return last;
+}
+
+ActionResult Simulation::Impl::refused_overlap(const std::string& what) {
+  return ActionResult::refused(what,
+                               "only bodies that are welded together may overlap: leave a gap between them, or let them "
+                               "pass through each other by a contact rule that is off");
 }
 
 bool Simulation::Impl::try_now(std::span<const DueEvent> due) {

@@ -184,15 +184,22 @@ TEST_CASE("overlaps: an action that brings one about is refused, and nothing has
     REQUIRE(sim.run_until(0.1));
     REQUIRE(other.run_until(0.1));
     const std::string error = error_of([&] { static_cast<void>(sim.apply(break_joint("two"))); });
-    CHECK(error.find("'one' and 'two' overlap by 0.05 m") != std::string::npos);
+    CHECK(error.find(": break two: 'one' and 'two' overlap by 0.05 m; only bodies that are welded") != std::string::npos);
     const RunResult tried = sim.try_apply(break_joint("two"));
     CHECK(tried.status == Status::refused);
     CHECK(sim.events().size() == other.events().size());
     CHECK(sim.statistics().changes == 0);
     CHECK(sim.world().mechanisms().size() == 1);
-    sim.at(0.2).then(break_joint("two"));
+    // A dry run says what the run will say, which names the action, and nothing that helps only at the start.
+    sim.at(0.2).then(impulse("two", {})).then(break_joint("two")).named("part");
+    const DryRun dry = sim.dry_run();
+    REQUIRE(dry.issues.size() == 1);
+    CHECK(dry.issues[0].action == 1);
     const RunResult run = sim.run_until(0.5);
     CHECK(run.status == Status::refused);
+    CHECK(run.reason == dry.issues[0].message);
+    CHECK(run.reason.find("event 'part' at t = 0.2 s: break two: 'one' and 'two' overlap by 0.05 m") == 0);
+    CHECK(run.reason.find("resolve") == std::string::npos);
     CHECK(sim.time() == 0.2);
     CHECK(sim.world().mechanisms().size() == 1);
     REQUIRE(other.run_until(0.2));

@@ -319,8 +319,9 @@ double Simulation::Impl::unloaded() {
 }
 
 void Simulation::Impl::report_overlap(const std::string& what) {
+  overlapped = what;
   message = no_progress_at(world.time()) + what;
-  if (statistics.steps == 0) message += "; resolve = true pushes bodies apart at the start";
+  if (statistics.steps == 0 && as_built && !integration.resolve) message += "; resolve = true pushes bodies apart at the start";
   stalled = true;
 }
 

@@ -54,11 +54,23 @@ DryRun Simulation::Impl::dry_run() {
       due.push_back(event_at(order[i].entry));
     } while (++i < order.size() && order[i].time == time && order[i].follows == order[begin].follows && std::isfinite(time));
     if (std::isfinite(time)) world.set_time(time);
+    const double overlapping = contacts.any() ? contacts.deepest_of_all() : 0;
+    const WorldSnapshot before = world.snapshot();
     const InstantReport report = carry_out(world, due, true);
     for (const ActionReport& action : report.actions)
       if (certain && action.result.outcome != ActionResult::Outcome::done)
         found.issues.push_back({order[begin + action.event].entry, action.action, action.result,
                                 action.result.outcome == ActionResult::Outcome::refused ? report.message : "", time});
+    // Bodies that were welded together may overlap, wherever they have moved until then.
+    if (certain && !report.refused && !report.lost && contacts.any())
+      if (const std::optional<Overlap> worst = contacts.overlap_of_all();
+          worst && worst->depth > std::max(left_by_steps, overlapping)) {
+        world.restore(before);
+        const auto [event, action] = overlapping_action(due);
+        ActionResult overlap = refused_overlap(worst->text());
+        std::string why = refusal(due[event], due[event].actions[action], time, overlap);
+        found.issues.push_back({order[begin + event].entry, action, std::move(overlap), std::move(why), time});
+      }
     found.complete = !report.lost;
     add_breaks();
     look_at_joints();

@@ -20,14 +20,6 @@ struct Item {
 
 std::string in_event(const DueEvent& event, const Action& action) { return action.text() + " (event '" + event.name + "')"; }
 
-std::string refusal(const DueEvent& event, const Action& action, double time, const ActionResult& result) {
-  char at[40];
-  std::snprintf(at, sizeof at, "%.9g", time);
-  std::string text = "event '" + event.name + "' at t = " + at + " s: " + action.text() + ": " + result.why;
-  if (!result.hint.empty()) text += "; " + result.hint;
-  return text;
-}
-
 // Finds two actions that change the same DoF of one joint; returns the second action and its result.
 std::optional<std::pair<std::size_t, ActionResult>> contradiction(std::span<const DueEvent> due, const std::vector<Item>& items) {
   struct Decided {
@@ -133,6 +125,14 @@ ActionRecord record_of(const ActionBase& action, const std::string& made_joint, 
 }
 
 }  // namespace
+
+std::string refusal(const DueEvent& event, const Action& action, double time, const ActionResult& result) {
+  char at[40];
+  std::snprintf(at, sizeof at, "%.9g", time);
+  std::string text = "event '" + event.name + "' at t = " + at + " s: " + action.text() + ": " + result.why;
+  if (!result.hint.empty()) text += "; " + result.hint;
+  return text;
+}
 
 std::string made_joint_name(const DueEvent& event, std::size_t action) {
   if (std::string given = event.actions[action]->made_name(); !given.empty()) return given;

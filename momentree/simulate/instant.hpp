@@ -42,6 +42,9 @@ inline constexpr std::size_t most_actions_at_once = 10'000;
 /// otherwise "<to>+<body>". Empty for actions that make no joint.
 std::string made_joint_name(const DueEvent& event, std::size_t action);
 
+/// Says that an action of an event is refused, and why.
+std::string refusal(const DueEvent& event, const Action& action, double time, const ActionResult& result);
+
 /// `dry_run`: see TopologyEditor.
 InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_run = false);
 

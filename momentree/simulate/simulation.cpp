@@ -295,6 +295,7 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
   if (world.model().size() != bodies) impl_->contacts.renew();
   impl_->make_methods();
   impl_->begin();
+  impl_->as_built = false;
   if (!forest.contacts.empty() || !forest.former_contacts.empty()) impl_->contacts.close_from_document(forest);
 }
 
@@ -305,6 +306,7 @@ void Simulation::set_state(double time, std::span<const double> q, std::span<con
   impl.queue.restart(before, time);
   impl.make_methods();
   impl.begin();
+  impl.as_built = false;
 }
 
 void Simulation::adjust(std::span<const double> q, std::span<const double> y, Variables given) {
@@ -315,6 +317,7 @@ void Simulation::adjust(std::span<const double> q, std::span<const double> y, Va
   impl.contacts.set_former(std::move(closed));
   impl.unadjusted = before;
   impl.stepping.placed = true;
+  impl.as_built = false;
   impl.queue.forget_looks();
   impl.recover();
   impl.look_anew();

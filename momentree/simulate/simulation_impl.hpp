@@ -267,6 +267,8 @@ struct Simulation::Impl {
   bool act(std::span<const Action> actions, const std::string& name);
   bool carry_out_now(std::span<const DueEvent> due);
   bool try_now(std::span<const DueEvent> due);
+  std::pair<std::size_t, std::size_t> overlapping_action(std::span<const DueEvent> due);
+  static ActionResult refused_overlap(const std::string& what);
 
   std::span<const Event> events_now() const {
     std::size_t first = events.size();
@@ -434,8 +436,10 @@ struct Simulation::Impl {
   bool keeps_history = false;
   std::vector<Past> history;
   std::vector<Event> events;
-  std::string message;  // the reason, as soon as it is known
-  RunResult result;     // of the last call that returned one
+  std::string message;                    // the reason, as soon as it is known
+  RunResult result;                       // of the last call that returned one
+  std::optional<std::string> overlapped;  // which bodies, when report_overlap() was called last
+  bool as_built = true;                   // the state is that of the model, in which `resolve` pushes bodies apart
   bool diverged = false, stalled = false;
   bool continues = false;       // the next run continues one that was between two steps
   bool keeps_contacts = false;  // the next run may begin with the closed contacts
