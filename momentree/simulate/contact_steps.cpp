@@ -68,7 +68,12 @@ void ContactSteps::guess(double h) {
     const double sign = nearest->a == known.a ? 1 : -1;
     for (std::size_t k = 0; k < 3; ++k) carried_[3 * i + k] += sign * dot(known.force, row_direction(rows_.touches[i], k));
   }
-  for (std::size_t i = 0; i < near_.size(); ++i) carried_[3 * i] = std::max(0.0, carried_[3 * i]);
+  for (std::size_t i = 0; i < near_.size(); ++i) {  // the point has turned since then: within its cone
+    double* const r = &carried_[3 * i];
+    r[0] = std::max(0.0, r[0]);
+    const double friction = std::hypot(r[1], r[2]), limit = contacts_->law_of(near_[i].pair).friction * r[0];
+    if (friction > limit) r[1] *= limit / friction, r[2] *= limit / friction;
+  }
   many_.r = carried_;
   for (double& r : many_.r) r *= h;
 }
