@@ -68,12 +68,7 @@ void ContactSteps::guess(double h) {
     const double sign = nearest->a == known.a ? 1 : -1;
     for (std::size_t k = 0; k < 3; ++k) carried_[3 * i + k] += sign * dot(known.force, row_direction(rows_.touches[i], k));
   }
-  for (std::size_t i = 0; i < near_.size(); ++i) {  // the point has turned since then: within its cone
-    double* const r = &carried_[3 * i];
-    r[0] = std::max(0.0, r[0]);
-    const double friction = std::hypot(r[1], r[2]), limit = contacts_->law_of(near_[i].pair).friction * r[0];
-    if (friction > limit) r[1] *= limit / friction, r[2] *= limit / friction;
-  }
+  for (std::size_t i = 0; i < near_.size(); ++i) carried_[3 * i] = std::max(0.0, carried_[3 * i]);
   many_.r = carried_;
   for (double& r : many_.r) r *= h;
 }
@@ -197,7 +192,10 @@ void ContactSteps::remember(double h) {
     const auto force = [&](std::size_t k) { return (many_.r[3 * i + k] + before * carried_[3 * i + k]) / over; };
     const bool parts = rows_.touches[i].gap > touch_distance || after_[3 * i] > slow_impact;
     if (!(force(0) > 0) || (parts && !(many_.r[3 * i] > 0))) continue;
-    points_.push_back(point_at(i, {force(0), force(1), force(2)}, after_));
+    // The point may have turned since the last step: in its cone nevertheless.
+    const double friction = std::hypot(force(1), force(2)), limit = many_.points[i].friction * force(0);
+    const double part = friction > limit ? limit / friction : 1;
+    points_.push_back(point_at(i, {force(0), part * force(1), part * force(2)}, after_));
   }
   std::stable_sort(points_.begin(), points_.end(), earlier);
 }
