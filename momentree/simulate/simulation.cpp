@@ -339,7 +339,8 @@ StepMemory Simulation::step_memory() const {
       memory.stepping.unloaded = impl_->unloaded();
     memory.stepping.excess = impl_->contacts.excess_of_closed();
   }
-  memory.stepping.placed = true;  // whatever begins with it
+  if (!impl_->contacts.any()) memory.stepping.released = false;  // nothing that can touch has forces
+  memory.stepping.placed = true;                                 // whatever begins with it
   for (const DeeperStop& stop : impl_->stops.deeper())
     memory.deeper.emplace_back(std::string(impl_->world.joint_name({stop.joint})), stop);
   return memory;
