@@ -1,5 +1,6 @@
 // Couplings of joints in topology changes.
 #include <momentree/simulate/topology_editor_impl.hpp>
+#include <momentree/tree/forced_stop.hpp>
 
 namespace momentree {
 
@@ -15,6 +16,17 @@ void TopologyEditor::end_couplings(int joint) {
     if (tree().coupling_acts(static_cast<int>(c)) && (coupling.joint.index == joint || coupling.follows.index == joint))
       carry_out(EndCoupling{{static_cast<int>(c)}}, Nature::workless);
   }
+}
+
+ActionResult TopologyEditor::can_be_stopped(int joint, const JointParameters& parameters) const {
+  std::vector<Coupling> acting;
+  for (std::size_t c = 0; c < tree().couplings().size(); ++c)
+    if (tree().coupling_acts(static_cast<int>(c))) acting.push_back(tree().couplings()[c]);
+  const auto of = [&](JointId id) { return id.index == joint ? &parameters : tree().parameters(tree().carrier(id.index)); };
+  const std::optional<ForcedStop> forced = forced_stop(acting, of);
+  if (!forced) return ActionResult::done();
+  const CouplingProblem problem = problem_of(*forced, [&](JointId id) { return joint_name(id.index); });
+  return ActionResult::refused(problem.what, problem.hint);
 }
 
 void TopologyEditor::note_ended_couplings(const std::vector<unsigned char>& before) {

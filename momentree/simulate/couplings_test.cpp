@@ -1,5 +1,6 @@
 // Exact couplings in a world: stops, prescribed motions, snapshots, branches and undo.
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -139,6 +140,37 @@ TEST_CASE("undo, branches and snapshots of worlds with couplings are exact") {
       REQUIRE(sim.run_until(0.1) == Status::ok);
       CHECK(bits(sim.world()) == after);
     }
+}
+
+TEST_CASE("a joint that follows a prescribed motion can't be stopped by its limits, which is an error before it is hit") {
+  const char* const why = "joint 'hand/other' follows the prescribed motion of 'hand/one', so that its limits can't stop it";
+  const auto problem = [](auto act) {
+    try {
+      act();
+    } catch (const Error& error) {
+      return error.problem;
+    }
+    return std::string();
+  };
+  CHECK(problem([] { static_cast<void>(gripper(true, true)); }).find(why) != std::string::npos);
+  // By an action: the motion, or the limits.
+  Simulation still(gripper(true), {.method = "rk4", .step = 1e-3}), moving(gripper(false, true), {.method = "rk4", .step = 1e-3});
+  JointParameters motion, stops;
+  motion.drive = motion_drive(Signal::sine(0.1, 1, 0, 0));
+  CHECK(problem([&] { still.apply(set_parameters("hand/one", motion)); }).find(why) != std::string::npos);
+  stops.limits.lower = {-0.05};
+  CHECK(problem([&] { moving.apply(set_parameters("hand/other", stops)); }).find(why) != std::string::npos);
+  // Soft stops only push, and chains of couplings pass motions on.
+  stops.limits.stiffness = {1e3};
+  moving.apply(set_parameters("hand/other", stops));
+  REQUIRE(moving.run_until(0.3));
+  CHECK(moving.world().joint({1}).q[0] == doctest::Approx(-0.1 * std::sin(2 * std::numbers::pi * 0.3)).epsilon(1e-6));
+  Model chain = gripper(false, true);
+  BodySpec last = finger("hand/last", 0.3);
+  last.joint.parameters.limits.upper = {0.05};
+  chain.add(last);
+  CHECK(problem([&] { chain.add_coupling({.joint = {2}, .follows = {1}}); }).find("'hand/last' follows the") !=
+        std::string::npos);
 }
 
 TEST_CASE("mistakes in couplings are errors") {

@@ -1,5 +1,6 @@
 #include <momentree/tree/coupling.hpp>
 
+#include <momentree/tree/forced_stop.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree {
@@ -40,6 +41,10 @@ std::vector<CouplingProblem> check_coupling(const Coupling& coupling, const Mode
         "joint",
         coupling.leads() ? "the motions of both joints are prescribed" : "the motion of the joint is prescribed, and it is held",
         "prescribe the motion of one of them, and let the other one follow");
+  std::vector<Coupling> all = model.couplings();
+  all.push_back(coupling);
+  if (const auto forced = forced_stop(all, [&](JointId joint) { return &model[joint].joint.parameters; }))
+    problems.push_back(problem_of(*forced, [&](JointId joint) { return model[joint].joint_name; }));
   return problems;
 }
 

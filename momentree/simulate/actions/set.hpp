@@ -45,6 +45,7 @@ struct Set : ActionBase {
     for (const JointProblem& problem : check_joint(spec))
       return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
     if (ActionResult result = editor.supports(joint, all); result.outcome != ActionResult::Outcome::done) return result;
+    if (ActionResult result = editor.can_be_stopped(joint, all); result.outcome != ActionResult::Outcome::done) return result;
     if (all.drive != nullptr && all.drive->moves() && editor.declared(joint).function >= 0)
       return ActionResult::refused("a function drives the joint, so its motion can't be prescribed", "remove the function first");
     if ((editor.declared(joint).locked & 1u) == 0) {
