@@ -177,3 +177,78 @@ TEST_CASE("contact: bodies that overlap are pushed apart, with a warning") {
       "s.toml:7:8: error: 'm/b' and 'ground' can't be pushed apart: they still overlap by 0.05 m; move one of them, or let them "
       "pass through each other: [[contact]] with off = true");
 }
+
+TEST_CASE("contact: motions that press what can hardly give way end the run before its energy grows without bounds") {
+  Session session = load_text(R"(format = 1
+[world]
+gravity = [0.0, 0.0, -9.81]
+floor = { friction = 0.5, restitution = 0.2 }
+[[mechanism]]
+name = "m0"
+root = "free"
+pose = { xyz = [0.08, -0.07, 1.025], rpy = [0.911, -0.086, 0.474] }
+[[mechanism.body]]
+name = "b0"
+mass = 1.625
+[[mechanism.body]]
+name = "b1"
+mass = 2.278
+inertia = [0.018764, 0.019575000000000002, 0.021432]
+[mechanism.body.joint]
+kind = "prismatic"
+parent = "b0"
+[[mechanism]]
+name = "m2"
+pose = { xyz = [1.596, 0.074, 0.75], rpy = [-0.749, 0.465, 0.535] }
+[[mechanism.body]]
+name = "b0"
+mass = 0.62
+[mechanism.body.joint]
+kind = "revolute"
+[[mechanism.body]]
+name = "b1"
+mass = 0.911
+[mechanism.body.joint]
+kind = "helical"
+pitch = 0.093
+parent = "b0"
+at = { xyz = [0.124, 0.025, -0.15] }
+child_at = { xyz = [0.233, -0.162, -0.202] }
+[[mechanism.body]]
+name = "b2"
+mass = 1.092
+[mechanism.body.joint]
+kind = "prismatic"
+parent = "b1"
+at = { xyz = [0.152, 0.259, 0.107], rpy = [-0.921, -0.667, -0.986] }
+drive = { motion = { rate = 0.682 } }
+[[mechanism.body]]
+name = "b3"
+mass = 3.607
+collision = { capsule = { radius = 0.06, length = 0.179 } }
+[mechanism.body.joint]
+kind = "prismatic"
+parent = "b2"
+at = { xyz = [-0.145, 0.287, 0.086] }
+child_at = { xyz = [0.03, 0.051, -0.188] }
+drive = { motion = { sine = { amplitude = 0.22, frequency = 1.251 } } }
+[[spring]]
+name = "sp1"
+from = { body = "m2/b3", point = [0.155, -0.02, -0.135] }
+to = { body = "m2/b0", point = [-0.153, 0.136, 0.058] }
+stiffness = 28.962
+[[event]]
+at = 0.03
+lock = "m2/b1"
+[integrate]
+method = "stepping"
+step = 0.001
+until = 0.6
+)", "s.toml");
+  const RunResult run = session.simulation().run_until(0.6);
+  CHECK(run.status == Status::stalled);
+  CHECK(run.reason.find("the prescribed motion of 'm2/b2', 'm2/b3' presses bodies against others") != std::string::npos);
+  CHECK(run.reason.find("smaller step") == std::string::npos);
+  CHECK(session.simulation().energy().largest_kinetic < 100);  // the bodies fall by 1 m
+  for (const Event& event : session.simulation().events()) CHECK(std::fabs(event.lost) < 100);
+}

@@ -96,6 +96,7 @@ std::optional<Contacts::Unresolved> Simulation::Impl::resolve_stops_and_contacts
 bool Simulation::Impl::resolve_after_step(double h) {
   if (!contacts.any() || steps_through()) {
     resolve_limits();
+    if (stalled) return false;
     if (contacts.any()) after_contact_step();
     return true;
   }
@@ -109,6 +110,7 @@ bool Simulation::Impl::resolve_after_step(double h) {
     if (steps_through()) return true;
     const std::size_t count = events.size();
     resolve_limits();
+    if (stalled) return false;
     due = events.size() != count && closed();
     if (!due) return true;
   }

@@ -278,3 +278,25 @@ TEST_CASE("contact and stops: stepping follows a joint that was hit off its stop
     CHECK(std::fabs(sim.energy().error) < 1e-3 * (1 + sim.world().totals().kinetic));
   }
 }
+
+TEST_CASE("a motion that presses a body on the floor by a joint at its stop is said to have forced what results") {
+  for (const char* method : {"dop853", "rk4", "stepping"}) {
+    CAPTURE(method);
+    Model model;
+    BodySpec arm{.name = "arm", .mass = 1, .inertia = diagonal(0.01), .joint = Prismatic{.axis = {0, 0, 1}}};
+    arm.at = {{0, 0, 0.3}};
+    arm.joint.parameters.limits.upper = {0.1};
+    const BodyId upper = model.add(arm);
+    BodySpec foot{.name = "foot", .mass = 1, .inertia = diagonal(0.01), .parent = upper, .joint = Prismatic{.axis = {0, 0, -1}}};
+    foot.joint.parameters.drive = motion_drive(Signal::ramp(1, 0));
+    model.add_collider({.body = model.add(foot), .solid = contact::sphere(0.05)});
+    model.add_collider({.plane = true});
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    REQUIRE(sim.run_until(1));
+    // The floor is at 0.05 m below the foot, 1 m below the arm: 0.65 m above the stop.
+    const std::vector<std::string> warnings = sim.warnings();
+    REQUIRE(warnings.size() == 1);
+    CHECK(warnings[0].find("joint 'arm' is 0.6") != std::string::npos);
+    CHECK(warnings[0].find("a prescribed motion has forced this") != std::string::npos);
+  }
+}

@@ -76,8 +76,12 @@ std::string EnergyBalance::advice(const Integration& how) const {
 }
 
 std::vector<std::string> Simulation::warnings() const {
-  std::vector<std::string> all;
-  if (std::string advice = energy().advice(integration()); !advice.empty()) all.push_back(std::move(advice));
+  std::vector<std::string> all = impl().stops.passed();
+  const bool forced = !all.empty() && impl_->has_motions();
+  for (std::string& joint : all)
+    joint = "at the end joint " + joint +
+            ": a prescribed motion has forced this, or steps are too long; results since it began are not valid";
+  if (std::string advice = energy().advice(integration()); !advice.empty() && !forced) all.push_back(std::move(advice));
   for (const Event& event : events())
     if (event.name == passed_through)
       all.push_back("'" + event.contact.one + "' passed through '" + event.contact.other + "' at " +
@@ -86,6 +90,41 @@ std::vector<std::string> Simulation::warnings() const {
     all.push_back("at the end " + left->text() +
                   ": a prescribed motion has forced this, or steps are too long; results since it began are not valid");
   return all;
+}
+
+// Joints whose motion is prescribed.
+std::string Simulation::Impl::moving_joints() const {
+  std::string text;
+  const auto add = [&](int joint) { text += (text.empty() ? "'" : ", '") + std::string(world.joint_name({joint})) + "'"; };
+  for (const int b : world.tree_.driven_joints()) add(world.tree_.joint_of(b));
+  for (const Loop& loop : world.tree_.loops())
+    if (loop.parameters.drive != nullptr && loop.parameters.drive->moves()) add(loop.id().index);
+  return text;
+}
+
+void Simulation::Impl::report_blocked_stop() {
+  message = no_progress_at(world.time()) + "joint '" + std::string(world.joint_name({stops.blocked()})) +
+            "' can't be stopped at its limit: nothing that moves it can give way; ";
+  message += has_motions() ? "the motion of " + moving_joints() + " is prescribed: leave the 'limits' out, make them soft by a " +
+                                 "'stiffness', or drive by 'pd'"
+                           : "leave its 'limits' out, or make them soft by a 'stiffness'";
+  stalled = true;
+}
+
+void Simulation::Impl::report_pressing(double gained) {
+  message = no_progress_at(world.time()) + "the prescribed motion of " + moving_joints() +
+            " presses bodies against others, or joints on their stops, that can't give way: contacts changed the energy by " +
+            detail::text(gained) + " J in a step; let the motion end before, or drive by 'pd'";
+  stalled = true;
+}
+
+// What a step through contacts may change the energy by at most is of the order of this (J).
+double Simulation::Impl::energy_scale() {
+  double mass = 0;
+  for (const int b : world.tree_.order()) mass += world.tree_.link(b).body.m;
+  const double fastest = contacts.fastest() + norm(world.model_.gravity()) * integration.step;
+  return balance.largest_kinetic + std::fabs(balance.initial) + std::fabs(ledger.work) + mass * fastest * fastest +
+         energy_of_heights(world);
 }
 
 double energy_of_heights(const World& world) {

@@ -190,6 +190,7 @@ struct Simulation::Impl {
   void resolve_limits() {
     const std::size_t before = events.size();
     stops.resolve_limits(events);
+    if (stops.blocked() >= 0) report_blocked_stop();
     if (events.size() == before) return;
     for (std::size_t i = before; i < events.size(); ++i) add_to_balance(events[i]);
     queue.forget_looks();
@@ -229,6 +230,11 @@ struct Simulation::Impl {
   void check_contacts_of_document(const SteppingState& from);
   double unloaded();
   void report_overlap(const std::string& what);
+  std::string moving_joints() const;
+  bool has_motions() const { return !world.tree_.driven_joints().empty() || world.tree_.loop_motions() > 0; }
+  void report_blocked_stop();
+  void report_pressing(double gained);
+  double energy_scale();
   bool overlaps_more_than(double depth);
   bool overlaps_at_start();
 
@@ -336,6 +342,7 @@ struct Simulation::Impl {
     contacts.open_pending();
     const std::size_t before = events.size();
     resolve_limits();
+    if (stalled) return Status::stalled;
     const bool kept = may_keep && events.size() == before && (stepping.on || !contacts.closed_ones().empty());
     if (contacts.any() && !kept && !resolve_contacts()) return Status::stalled;
     contacts.forget_former();

@@ -54,7 +54,20 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   const bool closed = !world.tree_.contacts().empty();
   if (closed) note_before_contact_step();
   ContactSteps* const through = contacts.any() && (steps_through() || some_step()) ? &contact_steps : nullptr;
+  const bool pressing = through != nullptr && has_motions();
+  const double scale = pressing ? energy_scale() : 0, taken = ledger.impacts, projected = ledger.projection;
+  // Of the contacts in this step, for as long as the motion is one at all.
+  const auto exploded = [&] {
+    constexpr double most_gained = 1e6;
+    const double gained = std::fabs(ledger.impacts - taken) + std::fabs(ledger.projection - projected);
+    if (!pressing || gained <= most_gained * scale) return false;
+    undo_contact_step();
+    report_pressing(gained);
+    return true;
+  };
+  if (pressing && !closed) note_before_contact_step();
   const std::optional<double> stepped = stops.step(present_method(), ledger, most, watched, through);
+  if (stepped && exploded()) return false;
   if (closed && (!stepped || contacts_gained_energy())) {
     const std::vector<int> where = contacts.most_loaded();
     undo_contact_step();
@@ -67,7 +80,7 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   }
   if (*stepped == h && std::isfinite(end)) set_time(end);
   ++statistics.steps;
-  if (!resolve_after_step(*stepped)) return false;
+  if (!resolve_after_step(*stepped) || exploded()) return false;
   judge_steps();
   statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, detail::seconds_since(start));
   return true;

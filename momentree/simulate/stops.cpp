@@ -177,6 +177,17 @@ bool Stops::release_pulled(const std::vector<Event>& events, bool pressed) {
   return found;
 }
 
+std::vector<std::string> Stops::passed() const {
+  constexpr double most = 1e-3;  // of 1 + |limit|: in rad or m
+  std::vector<std::string> all;
+  if (revision_ != world_->tree_.revision()) return all;
+  for (const Side& s : sides_)
+    if (const double beyond = s.sign * (coordinate(s) - s.limit); beyond > most * (1 + std::fabs(s.limit)))
+      all.push_back("'" + std::string(world_->joint_name({s.joint})) + "' is " + detail::text(beyond) + " beyond its " +
+                    (s.sign > 0 ? "upper" : "lower") + " stop");
+  return all;
+}
+
 bool Stops::at_stop(const Side& s) const { return s.sign * coordinate(s) - edge(s) >= -rounding(s); }
 
 // The fastest impact faster than its rest speed, or null.
@@ -224,17 +235,30 @@ bool Stops::one_thing(std::vector<Event>& events) {
     const Side side = *hit;
     WorldSnapshot before = world_->snapshot();
     const std::size_t count = events.size();
+    // Where nothing can give way, only rounding limits the impulse.
+    const auto exceeds = [](const Event& e) { return !(std::fabs(e.lost) <= 1e10 * (e.before.kinetic + e.after.kinetic)); };
+    const auto give_up = [&] {
+      events.resize(count);
+      revision_ = world_->tree_.revision();
+      blocked_ = side.joint;
+      return false;
+    };
     for (;;) {
       act(events, side, LimitEvent::hit, side.restitution);
       const std::vector<Event> last{events.back()};
       bool pulled = false;
       for (const Side& s : sides_) pulled = pulled || holds(s);
-      if (!pulled) return true;
+      if (!pulled && !exceeds(last[0])) return true;
+      if (!pulled) {
+        world_->restore(before);
+        return give_up();
+      }
       const WorldSnapshot after = world_->snapshot();
       world_->restore(before);
       // Beside what rests, the joint may have no DoF left: only rounding then limits the impulse.
-      const bool blocked = std::fabs(last[0].lost) > 1e10 * (last[0].before.kinetic + last[0].after.kinetic);
+      const bool blocked = exceeds(last[0]);
       if (!release_pulled(last, blocked)) {
+        if (blocked && !std::isfinite(last[0].lost)) return give_up();
         world_->restore(after);
         revision_ = world_->tree_.revision();
         return true;
@@ -264,6 +288,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
 }
 
 void Stops::resolve_limits(std::vector<Event>& events) {
+  blocked_ = -1;
   if (!any()) return;
   for (int k = 0; k < most_impacts && one_thing(events); ++k) {
   }

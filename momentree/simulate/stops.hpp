@@ -69,6 +69,12 @@ class Stops {
   /// and with `pressed` those that transmitted any. False: there are none.
   bool release_pulled(const std::vector<Event>& events, bool pressed = false);
 
+  /// The joint that a stop can't stop at present, because nothing that it moves can give way; −1: none.
+  int blocked() const { return blocked_; }
+
+  /// Joints of which a stop did not hold: "'arm' is 0.1 beyond its upper stop".
+  std::vector<std::string> passed() const;
+
   /// Those that act deeper, which belong to the state of a run.
   std::vector<DeeperStop> deeper() const;
   void set_deeper(std::span<const DeeperStop> stops);
@@ -132,6 +138,7 @@ class Stops {
   Evaluator* evaluate_;
   double tolerance_;  // s
   std::vector<Side> sides_;
+  int blocked_ = -1;
   // Buffers of one step, kept so that the next step allocates nothing.
   std::vector<Watched> watched_;
   std::vector<Watched> pressed_;  // stops that steps through contacts take part in

@@ -429,3 +429,22 @@ TEST_CASE("a stop at a turning point of a loop brings the crank to rest, with fe
       CHECK(energy.lost_in_impacts == doctest::Approx(energy.initial + energy.work).epsilon(1e-5));
     }
 }
+
+TEST_CASE("a joint that loops make follow a prescribed motion into its stop ends the run, which names both") {
+  for (const char* method : {"rk4", "dop853"}) {
+    CAPTURE(method);
+    Model model({.gravity = {}});
+    BodySpec one{.name = "one", .mass = 1, .inertia = diagonal(0.01), .joint = Prismatic{.axis = {1, 0, 0}}}, other = one;
+    one.joint.parameters.drive = motion_drive(Signal::ramp(0.5, 0));
+    other.name = "other";
+    other.joint.parameters.limits.upper = {0.2};
+    const BodyId a = model.add(one), b = model.add(other);
+    model.add_loop({.name = "rod", .body = a, .to = b, .joint = Ball{}});
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    const RunResult run = sim.run_until(1);
+    CHECK(run.status == Status::stalled);
+    CHECK(run.reason.find("no progress at t = 0.4 s: joint 'other' can't be stopped at its limit") == 0);
+    CHECK(run.reason.find("the motion of 'one' is prescribed") != std::string::npos);
+    CHECK(sim.events().empty());
+  }
+}
