@@ -100,7 +100,7 @@ void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, co
   if (tree.contacts().empty() && !held) return;
   locate_stage(tree, q, workspace);
   if (!tree.contacts().empty()) find_contact_forces(tree, q, workspace, rows == LoopRows::choose);
-  evaluate_keeping(tree, t, q, u, workspace, LoopRows::kept, true);
+  evaluate_keeping(tree, t, q, u, workspace, rows, true);  // at states with all rows, for the least reactions
 }
 
 void evaluate_velocity_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,

@@ -340,3 +340,40 @@ TEST_CASE("cables: one that a prescribed motion stretches is a warning, and aski
   CHECK(std::equal(asked.world().state().q().begin(), asked.world().state().q().end(), left.world().state().q().begin()));
   CHECK(std::equal(asked.world().state().u().begin(), asked.world().state().u().end(), left.world().state().u().begin()));
 }
+
+TEST_CASE("cables: the least reactions of a redundant loop that a taut cable loads are those of its rotated copy") {
+  // Two bars, pinned to the ground and to each other by parallel hinges, and a load that hangs out of their plane.
+  const auto reactions = [](const Quat& turn) {
+    const Mat3 R = rotation_matrix(turn);
+    const Vec3 gravity{1, 2, -9}, end{0.3, 0, 0.1}, pin{0.7, 0, -0.2};
+    Model model({.gravity = R * gravity});
+    const Revolute hinge{.axis = {0, 1, 0}};
+    const BodyId one = model.add({.name = "one", .mass = 1, .inertia = diagonal(0.01), .at = {{}, turn}, .joint = hinge});
+    const BodyId other =
+        model.add({.name = "other", .mass = 2, .inertia = diagonal(0.02), .parent = one, .at = {end, {}}, .joint = hinge});
+    model.add_loop({.name = "pin", .body = other, .joint = hinge, .at = {R * pin, turn}, .child_at = {pin - end, {}}});
+    const Vec3 below = R * (end + 0.5 / norm(gravity) * gravity);
+    const BodyId load = model.add({.name = "load",
+                                   .mass = 3,
+                                   .inertia = diagonal(0.1),
+                                   .joint = Free{},
+                                   .q = {below.x, below.y, below.z, turn.w, turn.x, turn.y, turn.z}});
+    model.add_cable({.name = "rope", .from = {one, end}, .to = {load, {}}, .length = 0.5});
+    Simulation sim(model, precise());
+    REQUIRE(sim.run_until(0.05));
+    CHECK(std::fabs(sim.world().spring({0}).tension) == doctest::Approx(3 * norm(gravity)).epsilon(1e-9));
+    std::vector<double> all;
+    for (const char* name : {"one", "other", "pin"}) {
+      const Wrench found = sim.world().reaction(model.joint(name));
+      for (const double x : {found.force.x, found.force.y, found.force.z, found.torque.x, found.torque.y, found.torque.z})
+        all.push_back(x);
+    }
+    return all;
+  };
+  oracle::Prng random(12);
+  const std::vector<double> upright = reactions({});
+  for (int k = 0; k < 10; ++k) {
+    const std::vector<double> turned = reactions(random.rotation());
+    for (std::size_t i = 0; i < upright.size(); ++i) CHECK(std::fabs(turned[i] - upright[i]) < 1e-7);
+  }
+}
