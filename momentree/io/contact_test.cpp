@@ -244,7 +244,8 @@ lock = "m2/b1"
 method = "stepping"
 step = 0.001
 until = 0.6
-)", "s.toml");
+)",
+                              "s.toml");
   const RunResult run = session.simulation().run_until(0.6);
   CHECK(run.status == Status::stalled);
   CHECK(run.reason.find("the prescribed motion of 'm2/b2', 'm2/b3' presses bodies against others") != std::string::npos);
