@@ -337,8 +337,11 @@ weld = { body = "m/b" }
 [[event]]
 at = 0.2
 break = "m/j"
+[[event]]
+at = 0.3
+set = { joint = "m/a", damping = 0.1 }
 )"),
-                 0.5, {0.125, 0.25, 0.5});
+                 0.5, {0.125, 0.25, 0.375, 0.5});
 }
 
 TEST_CASE("a restart keeps a cable taut next to a coupling's spring") {

@@ -186,6 +186,7 @@ std::optional<DescribedJoint> JointReader::describe(const Value::Entry& entry, c
   d.parameters = spec.parameters;
   d.reversed = fields.boolean("reversed").value_or(false);
   d.loop = fields.boolean("loop").value_or(false);
+  d.made = fields.boolean("made").value_or(false);
   if (d.reversed && d.parent == ground && errors == out_.errors())
     out_.error(fields.place_of("reversed"), "reversed: a joint that is attached to the ground cannot be reversed");
   read_locks(fields, d);

@@ -16,6 +16,7 @@ struct DescribedJoint {
   JointParameters parameters;
   BodyId child, parent;
   bool reversed = false, loop = false;
+  bool made = false;  ///< when its body broke off: it is not the model's joint of that name
   unsigned resting = 0;
   std::vector<ActiveLimit> active_limits;  ///< joint numbers are not yet set
   std::vector<DeeperStop> deeper;          ///< likewise

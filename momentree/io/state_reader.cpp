@@ -217,17 +217,7 @@ class Reader {
     read_mechanisms(mechanisms);
   }
 
-  /// A free joint as those that changes make, named after its body; often the model has one of that name, too.
-  static bool may_be_made(const DescribedJoint& joint) {
-    const auto unmoved = [](const Pose& pose) {
-      const Quat& r = pose.rotation;
-      return pose.position == Vec3{} && r.x == 0 && r.y == 0 && r.z == 0;
-    };
-    return joint.joint.kind == Kind::free && joint.parent == ground && unmoved(joint.joint.at) && unmoved(joint.joint.child_at) &&
-           joint.parameters == JointParameters{};
-  }
-
-  /// A joint that connects the same bodies as the model's joint of that name gets its number, unless a change may have made it;
+  /// A joint that connects the same bodies as the model's joint of that name gets its number, unless a change made it;
   /// the others get the remaining numbers in the order of the document, in which they were written.
   std::vector<int> number_joints() {
     std::vector<char> taken(model_.bodies().size(), 0);
@@ -236,7 +226,7 @@ class Reader {
       const bool of_tree = model_.has_joint(joint.name()) && !is_loop(model_.joint(joint.name()));
       const BodyId same = of_tree ? model_.child(model_.joint(joint.name())) : ground;
       const bool as_declared = same != ground && same == joint.child && spec(same).parent == joint.parent;
-      const bool ours = as_declared && !may_be_made(joint);
+      const bool ours = as_declared && !joint.made;
       numbers.push_back(ours ? same.index : -1);
       if (ours) taken[static_cast<std::size_t>(same.index)] = 1;
     }
@@ -306,12 +296,12 @@ class Reader {
       result_.forest.active_limits.push_back(hold);
     }
     const BodySpec& ours = spec({number});
-    if (joint.name() == ours.joint_name && joint.child.index == number && joint.parent == ours.parent) {
+    if (!joint.made && joint.name() == ours.joint_name && joint.child.index == number && joint.parent == ours.parent) {
       const char* const key = JointReader::difference(joint, ours, true);
       if (key == nullptr || key == std::string_view("reversed")) return;
     }
     Forest::Changed changed{number, joint.name(), joint.joint, joint.parameters};
-    changed.as.created_by_event = may_be_made(joint);
+    changed.as.created_by_event = joint.made;
     result_.forest.changed.push_back(std::move(changed));
   }
 

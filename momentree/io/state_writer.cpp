@@ -57,6 +57,7 @@ void write_joint(JsonWriter& json, const World& world, int number, const StepMem
   write_joint_frame(json, joint_record(world, {number}));
   write_locked(json, joint.locked, info(joint.kind).nv);
   json.member("reversed", joint.reversed);
+  if (!is_loop({number}) && world.tree().detached(world.tree().carrier(number))) json.member("made", true);
   write_resting(json, world, number, joint);
   write_deeper(json, memory, joint);
   json.key("parameters");
