@@ -1,4 +1,4 @@
-// Runs with closed loops that stop and continue, where their loops are not closed exactly or are locked.
+// Runs that stop and continue where loops are not closed exactly or are locked, and where a cable is pulled apart.
 #include <string>
 
 #include <doctest/doctest.h>
@@ -158,5 +158,35 @@ set = { joint = "m/slider", limits = { upper = 0.3 } }
     check_restarts(scenario, 0.4585, {0.4575, 0.4576, 0.4577, 0.458, 0.4581});
     cli::RestartedRun rests(scenario, "", 0.458);
     CHECK(rests.state().find("\"deeper\"") != std::string::npos);
+  }
+}
+
+TEST_CASE("a restart goes on where a prescribed motion has pulled a cable apart") {
+  for (const char* method : {"stepping", "rk4"}) {
+    CAPTURE(method);
+    check_restarts(read_restarted(R"(format = 1
+[[mechanism]]
+name = "m"
+[[mechanism.body]]
+name = "slider"
+mass = 1
+inertia = 0.01
+[mechanism.body.joint]
+kind = "prismatic"
+axis = [1, 0, 0]
+drive = { motion = { rate = 1, offset = 0.09 } }
+[[cable]]
+name = "tether"
+from = { body = "ground" }
+to = { body = "m/slider" }
+length = 0.1
+[output]
+every = 0.01
+[integrate]
+step = 1e-3
+until = 0.04
+method = ")" + std::string(method) +
+                                  "\"\n"),
+                   0.04, {0.02, 0.03});
   }
 }

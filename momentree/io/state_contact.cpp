@@ -247,6 +247,7 @@ void write_stepping(JsonWriter& json, const World& world, const SteppingState& s
   if (stepping.released) json.member("released", true);
   if (stepping.unloaded >= 0) json.member("unloaded", stepping.unloaded);
   if (stepping.excess >= 0) json.member("excess", stepping.excess);
+  if (stepping.overlap > 0) json.member("overlap", stepping.overlap);
   json.member("on", stepping.on).member("changes", stepping.changes).member("changes_at_once", stepping.changes_at_once);
   if (!stepping.one.empty()) json.key("last").begin_array().value(stepping.one).value(stepping.other).end_array();
   json.member("window", stepping.window).member("instant", stepping.instant).member("short_steps", stepping.short_steps);
@@ -259,6 +260,7 @@ void read_stepping(const Value& value, const Model& model, JointReader& joints, 
   stepping.released = fields.boolean("released").value_or(false);
   stepping.unloaded = fields.real("unloaded").value_or(-1);
   stepping.excess = fields.real("excess").value_or(-1);
+  stepping.overlap = fields.real("overlap").value_or(0);
   if (const Value* const bodies = fields.find("bodies"))
     for (const Value::Entry& entry : read_table(*bodies, "bodies", out)) {
       Fields of_body(entry.value, "body " + in_quotes(entry.key), out, "");

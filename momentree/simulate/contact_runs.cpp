@@ -18,6 +18,7 @@ namespace {
 // Changes of contacts within these times are a flood (s).
 constexpr int most_changes = 200, most_changes_at_once = 300;
 constexpr double window_length = 1e-2, instant_length = 1e-6;
+constexpr double more_overlap = 1 + 1e-6;  // more than before: an overlap that changed
 constexpr std::size_t crowded = 8;  // points: above, changes count more than once, and fewer short steps are tolerated
 
 }  // namespace
@@ -276,7 +277,7 @@ SteppingState Simulation::Impl::stepping_state() const {
 
 void Simulation::Impl::continue_stepping(const SteppingState& from) {
   stepping = from;
-  stepping.points.clear(), stepping.unloaded = stepping.excess = -1;
+  stepping.points.clear(), stepping.unloaded = stepping.excess = -1, stepping.overlap = 0;
   contacts.set_short_steps(from.short_steps);
   contacts.set_stepped(stepped_bodies());
   if (stepping.on || method_steps || !contact_steps.points().empty()) contact_steps.set_points(from.points, from.released);
@@ -329,12 +330,16 @@ void Simulation::Impl::report_overlap(const std::string& what) {
   stalled = true;
 }
 
+// Bodies that a run could not keep apart, such as those that are locked, are no reason to refuse the run that continues it.
+bool Simulation::Impl::overlaps_as_before(double before) {
+  return before > 0 && contacts.any() && contacts.deepest_of_all() <= more_overlap * before;
+}
+
 // Actions must not make bodies overlap: pushing them apart would bring in energy. Where contacts are located, resolve_contacts()
 // finds out unless bodies cross each other. `before`: what time stepping had left (m).
 bool Simulation::Impl::overlaps_more_than(double before) {
-  constexpr double more = 1 + 1e-6;
   const std::optional<Overlap> worst = contacts.overlap_of_all();
-  if (!worst || worst->depth <= std::max(left_by_steps, more * before)) return false;
+  if (!worst || worst->depth <= std::max(left_by_steps, more_overlap * before)) return false;
   report_overlap(worst->text());
   return true;
 }

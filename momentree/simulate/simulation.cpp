@@ -338,6 +338,8 @@ StepMemory Simulation::step_memory() const {
     if (stepped && impl_->contact_steps.has_forces() && !impl_->contacts.has_pending())
       memory.stepping.unloaded = impl_->unloaded();
     memory.stepping.excess = impl_->contacts.excess_of_closed();
+    const double overlap = impl_->stepping.placed ? 0 : impl_->contacts.deepest_of_all();
+    if (overlap > left_by_steps) memory.stepping.overlap = overlap;
   }
   if (!impl_->contacts.any()) memory.stepping.released = false;  // nothing that can touch has forces
   memory.stepping.placed = true;                                 // whatever begins with it
@@ -364,7 +366,7 @@ void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& me
   if (!memory.stepping.points.empty() || memory.stepping.unloaded >= 0) impl_->contacts.open_pending();
   if (memory.stepping != SteppingState{}) impl_->continue_stepping(memory.stepping);
   impl_->keeps_contacts = true;
-  impl_->stepping.placed = true;
+  impl_->stepping.placed = !impl_->overlaps_as_before(memory.stepping.overlap);
   impl_->check_contacts_of_document(memory.stepping);
 }
 

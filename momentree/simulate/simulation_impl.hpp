@@ -236,6 +236,7 @@ struct Simulation::Impl {
   void report_pressing(double gained);
   double energy_scale();
   bool overlaps_more_than(double depth);
+  bool overlaps_as_before(double before);
   bool overlaps_at_start();
 
   // Kinetic energy at the beginning of a step, which has been evaluated: as p·u/2 it costs next to nothing.
