@@ -389,6 +389,9 @@ struct Simulation::Impl {
     return status;
   }
   RunResult end_run(Status status) {
+    // Some actions of an event that was refused may have changed what acts.
+    if (status == Status::refused && contacts.any() && !steps_through()) static_cast<void>(resolve_contacts());
+    if (status == Status::refused || status == Status::diverged) find_forces_of_steps();
     if (status != Status::interrupted && !look(true)) status = Status::interrupted;
     evaluate_state();
     book();
