@@ -195,6 +195,33 @@ double size_of(const LoopWorkspace& loops) {
   return size > 0 ? size : 1;
 }
 
+// Sets each coordinate to its given value if that leaves the loops open by `most` at most.
+void set_back(const Tree& tree, const std::vector<double>& given, double most, double* q, Workspace<double>& workspace) {
+  const std::vector<double> rest(at(tree.nv()), 0.0);
+  const std::vector<Turns> turns = workspace.loops->turns;
+  const auto open_at = [&] {
+    sweep_velocities<double, true>(tree, q, rest.data(), workspace);
+    detail::place_loops(tree, q, workspace, true);
+    return most_open(tree, *workspace.loops);
+  };
+  double kept[4] = {};
+  for (const int b : tree.order()) {
+    const KindInfo& kind = info(tree.kind(b));
+    for (int i = 0, count = 1; i < kind.nq; i += count) {
+      count = kind.q_units[i] == 'n' ? 4 : 1;  // a quaternion as a whole
+      if ((kind.nq == kind.nv ? tree.link(b).locked >> i & 1u : tree.link(b).locked) != 0) continue;
+      double* const own = q + tree.first_q(b) + i;
+      const double* const to = given.data() + tree.first_q(b) + i;
+      if (std::equal(own, own + count, to)) continue;
+      std::copy_n(own, count, kept);
+      std::copy_n(to, count, own);
+      if (open_at() <= most && !flipped(tree, workspace)) continue;
+      std::copy_n(kept, count, own);
+      workspace.loops->turns = turns;
+    }
+  }
+}
+
 // Moves closed loops towards `given` as far as they stay closed and get nearer to it.
 void move_back(Start& start, const std::vector<double>& given, double* q, Workspace<double>& workspace) {
   constexpr double near = 1e-12, nearer = 1e-6, shortest = 1e-3;
@@ -294,10 +321,13 @@ void move_loops_towards(const Tree& tree, double t, const double* other, double*
   detail::loop_memory(equal, own).turns = loops.turns;
   detail::set_loop_motions(equal, t, own);
   Start start{equal, rest.data(), size_of(loops)};
+  set_back(equal, to, nearly_closed, q, own);  // from far off, motions that are least in the metric at q don't lead there
   move_back(start, to, q, own);
-  loops.turns = own.loops->turns;
   std::vector<double> u = rest;
   double energy = 0;
+  if (close_loops(equal, t, q, u.data(), own, energy)) set_back(equal, to, most_open(equal, *own.loops) + 1e-11, q, own);
+  loops.turns = own.loops->turns;
+  u = rest;
   static_cast<void>(close_loops(tree, t, q, u.data(), workspace, energy));  // to the last digits
 }
 

@@ -243,6 +243,8 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
   const double left = given.by_run ? detail::nearly_closed : left_as_given;
   const double left_fast = given.by_run ? std::sqrt(detail::rank_tolerance) : left_as_given;
   if (worst <= left && loop_velocities_open(tree, workspace) <= left_fast * largest(state.u())) return std::nullopt;
+  std::vector<double> sizes;  // of the loops at the start
+  for (const LoopPlace& place : workspace.loops->places) sizes.push_back(place.size);
   const Islands islands(tree);
   const auto island = [&](std::size_t link) { return islands.of(end_of_link(tree, link)); };
   HeldStart held(tree, islands, given.q);
@@ -259,7 +261,7 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
     follow_leaders(used, loops, q.data(), u.data());
     const bool closed = assemble_loops(used, state.time(), q.data(), u.data(), workspace, residuals.data());
     turns = workspace.loops->turns;
-    if (closed && holds) loop_residuals(used, state.time(), q.data(), u.data(), workspace, residuals.data());
+    if (holds) loop_residuals(used, state.time(), q.data(), u.data(), workspace, residuals.data());
     bool released = false;
     std::optional<std::size_t> flipped;
     double most = 0;  // of islands that hold values
@@ -272,7 +274,8 @@ std::optional<Error> assemble(const Tree& tree, const Model& model, const Names&
       if (!flips && residuals[i] < (closed ? left_as_given : std::max(most, detail::nearly_closed))) continue;
       released = held.release(island(i)) || released;
       // The others stay near to what is meant if what is given contradicts itself by little.
-      if (flips || !(residuals[i] <= rounded_start)) copy_island(tree, islands, island(i), state.q(), true, q);
+      const double grown = i < loops && sizes[i] > 0 ? std::max(1.0, workspace.loops->places[i].size / sizes[i]) : 1;
+      if (flips || !(residuals[i] * grown <= rounded_start)) copy_island(tree, islands, island(i), state.q(), true, q);
     }
     if (released) continue;
     if (flipped)

@@ -149,6 +149,25 @@ TEST_CASE("coordinates that occur in no equation of a loop keep their start") {
   for (const BodyMotion& motion : world.motions()) CHECK(norm(motion.pose.position) < 2);
 }
 
+TEST_CASE("such coordinates return to their start also from far off") {
+  Model model;
+  const auto add = [&](const char* name, const JointSpec& joint, BodyId parent, Values q, double mass, const Sym3& inertia) {
+    BodySpec body;
+    body.name = name, body.mass = mass, body.inertia = inertia, body.joint = joint, body.parent = parent, body.q = q;
+    return model.add(body);
+  };
+  const Values pose{0.096, 0.047, 0.494, 0.7026020158830055, 0.4644431033892375, 0.2646238314822251, -0.469699093892013};
+  const BodyId base = add("base", Free{}, ground, pose, 0.449, diagonal(0.003989, 0.003618, 0.00143));
+  const BodyId plate = add("plate", Planar{}, base, {}, 2.497, diagonal(0.02102, 0.024245, 0.024871));
+  const BodyId turn = add("turn", Revolute{.axis = z_axis}, ground, {}, 0.7, {});
+  const BodyId roll = add("roll", Cylindrical{.axis = x_axis}, turn, {}, 0.898, diagonal(0.005396, 0.004635, 0.008184));
+  const BodyId slide = add("slide", Prismatic{.axis = y_axis}, roll, {}, 0.358, {});
+  model.add_loop({.name = "plane", .body = plate, .to = slide, .joint = Planar{}});
+  const World world(model);
+  CHECK(world.loop_status().residual < 1e-12);
+  for (int i = 0; i < 3; ++i) CHECK(std::fabs(world.joint({plate.index}).q[static_cast<std::size_t>(i)]) < 1e-9);
+}
+
 TEST_CASE("lengths whose squares overflow are open, not closed") {
   Model model = polygon(4, 0, pin);
   LoopSpec far = model.loops()[0];
