@@ -114,6 +114,9 @@ TEST_CASE("mistakes in loops are reported with their places") {
        "'at', 'child_at' and axes, or give start values nearer to a closed position"},
       {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5 }\nbreak = \"pin\"\n",
        "s.toml:44:1: error: when: reaction_force: the closed loops do not determine the reaction of joint 'pin'; " + least},
+      {linkage + "[[event]]\nname = \"e\"\nwhen = { reaction_force = \"pin\", exceeds = 5 }\nbreak = \"pin\"\n"
+                 "[[event]]\nafter = \"e\"\nlock = \"m/crank\"\n",
+       "s.toml:44:1: error: when: reaction_force: the closed loops do not determine the reaction of joint 'pin'; " + least},
       {linkage + "strength = { force = 5 }\n",
        "s.toml:37:8: error: joint 'pin': strength: the closed loops do not determine its reaction; let loops block fewer "
        "directions, for example by a ball and a universal joint instead of revolute ones (explain counts the equations), "

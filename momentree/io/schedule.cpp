@@ -180,13 +180,19 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
   for (std::size_t k = 0; k < events.size(); ++k) ranks.emplace(events[k], k);
   std::stable_sort(events.begin(), events.end(), [](const auto* a, const auto* b) { return a->time < b->time; });
   Schedule all = with_followers(std::move(events), simulation);
+  std::set<std::string> refused;  // events whose conditions are, and those that come after them
   for (const ScenarioEvent* event : all.events) {
+    if (!event->after.empty() && refused.contains(event->after)) {
+      refused.insert(event->name);
+      continue;
+    }
     std::optional<Simulation::Scheduled> condition;
     if (event->condition) {
       Condition given = *event->condition;
       given.least_norm = given.least_norm || simulation.time() > 0;  // the run that wrote the document went on, too
       if (const std::optional<Error> error = simulation.check(given)) {
         all.problems.push_back({event->place, "when: " + error->problem, error->hint});
+        refused.insert(event->name);
         continue;
       }
       condition = simulation.when(std::move(given));
