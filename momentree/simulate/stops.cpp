@@ -7,6 +7,7 @@
 #include <momentree/dynamics/loop_system.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/motion.hpp>
+#include <momentree/simulate/arguments.hpp>
 
 namespace momentree {
 
