@@ -123,9 +123,9 @@ void loop_joint_values(const Tree& tree, double t, const double* q, const double
 
 /// Potential energy of a loop joint's spring and soft stops (J), and kinetic energy of its armatures. The same requirement.
 [[nodiscard]] double loop_energy(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
-/// The part of it that soft stops of all loop joints store (J).
-[[nodiscard]] double stored_in_loop_stops(const Tree& tree, const Workspace<double>& workspace) noexcept;
 [[nodiscard]] double loop_armature_energy(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
+/// Potential energy of the soft stops of all loop joints (J). The same requirement.
+[[nodiscard]] double stored_in_loop_stops(const Tree& tree, const Workspace<double>& workspace) noexcept;
 
 /// Before a change: remembers the velocities of loop joints with armature.
 void carry_armatures(const Tree& tree, Workspace<double>& workspace) noexcept;

@@ -180,7 +180,7 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
   for (std::size_t k = 0; k < events.size(); ++k) ranks.emplace(events[k], k);
   std::stable_sort(events.begin(), events.end(), [](const auto* a, const auto* b) { return a->time < b->time; });
   Schedule all = with_followers(std::move(events), simulation);
-  std::set<std::string> refused;  // events whose conditions are, and those that come after them
+  std::set<std::string> refused;  // events with a wrong condition, and those that come after them
   for (const ScenarioEvent* event : all.events) {
     if (!event->after.empty() && refused.contains(event->after)) {
       refused.insert(event->name);

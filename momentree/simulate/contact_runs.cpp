@@ -18,7 +18,7 @@ namespace {
 // Changes of contacts within these times are a flood (s).
 constexpr int most_changes = 200, most_changes_at_once = 300;
 constexpr double window_length = 1e-2, instant_length = 1e-6;
-constexpr double more_overlap = 1 + 1e-6;  // more than before: an overlap that changed
+constexpr double more_overlap = 1 + 1e-6;  // times the former depth: by less, an overlap is the same one
 constexpr std::size_t crowded = 8;         // points: above, changes count more than once, and fewer short steps are tolerated
 
 }  // namespace

@@ -47,7 +47,7 @@ struct SteppingState {
   double unloaded = -1;
   /// In documents, Contacts::excess_of_closed(): a run that continues keeps the closed contacts if it is no larger then.
   double excess = -1;
-  /// In documents: by how much bodies overlapped in the run, if by more than those of a state that is set may (m).
+  /// In documents: the deepest overlap that the run could not avoid (m). A run that continues accepts it.
   double overlap = 0;
   friend bool operator==(const SteppingState&, const SteppingState&) = default;
 };

@@ -56,7 +56,7 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   ContactSteps* const through = contacts.any() && (steps_through() || some_step()) ? &contact_steps : nullptr;
   const bool pressing = through != nullptr && has_motions();
   const double scale = pressing ? energy_scale() : 0, taken = ledger.impacts, projected = ledger.projection;
-  // Of the contacts in this step, for as long as the motion is one at all.
+  // Where prescribed motions press bodies against others that cannot give way, contacts bring in energy without bounds.
   const auto exploded = [&] {
     constexpr double most_gained = 1e6;
     const double gained = std::fabs(ledger.impacts - taken) + std::fabs(ledger.projection - projected);

@@ -236,7 +236,8 @@ bool Stops::one_thing(std::vector<Event>& events) {
     const Side side = *hit;
     WorldSnapshot before = world_->snapshot();
     const std::size_t count = events.size();
-    // Where nothing can give way, only rounding limits the impulse.
+    // Where prescribed motions or other stops leave nothing that can give way, only rounding limits the impulse. Prescribed
+    // motions may do more work than the kinetic energy, but not 1e10 times as much.
     const auto exceeds = [](const Event& e) { return !(std::fabs(e.lost) <= 1e10 * (e.before.kinetic + e.after.kinetic)); };
     const auto give_up = [&] {
       events.resize(count);
@@ -256,7 +257,6 @@ bool Stops::one_thing(std::vector<Event>& events) {
       }
       const WorldSnapshot after = world_->snapshot();
       world_->restore(before);
-      // Beside what rests, the joint may have no DoF left: only rounding then limits the impulse.
       const bool blocked = exceeds(last[0]);
       if (!release_pulled(last, blocked)) {
         if (blocked && !std::isfinite(last[0].lost)) return give_up();

@@ -62,7 +62,7 @@ class Stops {
   std::optional<double> step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches = {},
                              ContactSteps* through = nullptr);
 
-  /// Gives the joints that are pressed on stops until contacts act to what contacts are stepped through with.
+  /// Adds the stops on which joints are pressed before contacts act to those that `through` solves with the contacts.
   void find_pressed(ContactSteps& through);
 
   /// Releases the joints resting on stops that transmitted impulses at `event` which a stop cannot exert (it would have pulled),
