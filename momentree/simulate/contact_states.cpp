@@ -356,8 +356,17 @@ void Contacts::stop_creeping(std::vector<Contact> contacts, Settled& settled) {
     contacts = std::move(staying);
     place_contacts(world_->tree_, world_->workspace_, contacts, rows_);
   }
+  // The slip of all points of a pair ends at one instant, but for those about which it turns. If one were stopped shortly before
+  // the others, these would slip on in another direction.
+  constexpr double shortly = 10;
+  std::map<int, double> slowest;  // by pair
+  const auto slip = [this](std::size_t i) { return std::hypot(rows_.velocity[3 * i + 1], rows_.velocity[3 * i + 2]); };
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const bool creeps = std::hypot(rows_.velocity[3 * i + 1], rows_.velocity[3 * i + 2]) < slowest_;
+    double& least = slowest.emplace(contacts[i].pair, HUGE_VAL).first->second;
+    if (slip(i) > slowest_slip) least = std::min(least, slip(i));
+  }
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const bool ends = slowest[contacts[i].pair] < slowest_, creeps = slip(i) < (ends ? shortly : 1) * slowest_;
     contacts[i].mode = creeps ? Contact::Mode::stick : Contact::Mode::smooth;
   }
   stop(contacts, settled);

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <tuple>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -163,5 +165,40 @@ TEST_CASE("slow slip: where both ends of a rolling body stop to slip at once, it
       CHECK(end.x == doctest::Approx(v * sticks - 0.5 * mu * 9.81 * sticks * sticks + 2 * v / 3 * sticks).epsilon(1e-6));
       CHECK(std::fabs(end.y) < 1e-8);
     }
+  }
+}
+
+// A high box that is pulled at its top, so that its corners share its weight more and more unequally, and then tips.
+TEST_CASE("slow slip: corners of a pulled box reach their cones, or end their slip, one after the other without false events") {
+  constexpr double lift = 0.1;
+  const auto pulled = [](double x, double y, double mu, const char* method) {
+    Model model({.gravity = {0, 0, -g}});
+    const BodyId box = model.add(
+        {.name = "box", .mass = 1, .inertia = diagonal(0.0167, 0.0167, 0.0067), .joint = Free{}, .q = {0, 0, 0.2, 1, 0, 0, 0}});
+    model.add_collider({.body = box, .solid = contact::box({0.2, 0.2, 0.4})});
+    model.add_collider({.plane = true});
+    model.add_contact_rule({.law = {.friction = mu, .static_friction = mu}});
+    model.add_force(
+        {.body = box, .point = {0, 0, 0.2}, .force = {Signal::ramp(x, 0), Signal::ramp(y, 0), Signal::ramp(lift, 0)}});
+    return Simulation(model, {.method = method});
+  };
+  for (const char* const method : {"dopri5", "dop853"}) {
+    CAPTURE(method);
+    for (const double angle : {0.1, 0.4, 0.78}) {  // across the diagonal corners reach their cones, while all stick together
+      CAPTURE(angle);
+      Simulation sim = pulled(1.5 * std::cos(angle), 1.5 * std::sin(angle), 0.4, method);
+      REQUIRE(sim.run_until(1));
+      CHECK(sim.events().size() == 1);
+      CHECK(norm(sim.world().motions()[0].linear) < 1e-12);
+    }
+    // It slips shortly before it tips about an edge, whose corners then come to rest together, which adaptive steps follow.
+    Simulation sim = pulled(2, 0.7, 0.26, method);
+    REQUIRE(sim.run_until(1.5));
+    std::vector<std::string> names;
+    for (const Event& event : sim.events()) names.push_back(event.name);
+    CHECK(names == std::vector<std::string>{"rest", "slip", "stick"});
+    const double slips = 0.26 * g / (std::hypot(2, 0.7) + 0.26 * lift);  // friction is at its limit
+    CHECK(std::fabs(first(sim, "slip")->time - slips) < 1e-8);
+    CHECK(std::fabs(first(sim, "stick")->time - 1.373343) < 2e-6);  // with rtol 1e-11
   }
 }
