@@ -230,21 +230,21 @@ void Stops::leave(std::vector<Event>& events, Side& s) {
 
 // Handles the most urgent impact, rest or release; false if there is none.
 bool Stops::one_thing(std::vector<Event>& events) {
+  // Where prescribed motions or other stops leave nothing that can give way, only rounding limits the impulse. Prescribed motions
+  // may do more work than the kinetic energy, but not 1e10 times as much.
+  const auto exceeds = [](const Event& e) { return !(std::fabs(e.lost) <= 1e10 * (e.before.kinetic + e.after.kinetic)); };
+  const std::size_t count = events.size();
+  const auto give_up = [&](const Side& side) {
+    events.resize(count);
+    revision_ = world_->tree_.revision();
+    blocked_ = side.joint;
+    return false;
+  };
   const Side* const hit = fastest_hit();
   if (hit != nullptr) {
     // Joints that rest on other stops take part in the impact for as long as their stops need not pull.
     const Side side = *hit;
     WorldSnapshot before = world_->snapshot();
-    const std::size_t count = events.size();
-    // Where prescribed motions or other stops leave nothing that can give way, only rounding limits the impulse. Prescribed
-    // motions may do more work than the kinetic energy, but not 1e10 times as much.
-    const auto exceeds = [](const Event& e) { return !(std::fabs(e.lost) <= 1e10 * (e.before.kinetic + e.after.kinetic)); };
-    const auto give_up = [&] {
-      events.resize(count);
-      revision_ = world_->tree_.revision();
-      blocked_ = side.joint;
-      return false;
-    };
     for (;;) {
       act(events, side, LimitEvent::hit, side.restitution);
       const std::vector<Event> last{events.back()};
@@ -253,13 +253,13 @@ bool Stops::one_thing(std::vector<Event>& events) {
       if (!pulled && !exceeds(last[0])) return true;
       if (!pulled) {
         world_->restore(before);
-        return give_up();
+        return give_up(side);
       }
       const WorldSnapshot after = world_->snapshot();
       world_->restore(before);
       const bool blocked = exceeds(last[0]);
       if (!release_pulled(last, blocked)) {
-        if (blocked && !std::isfinite(last[0].lost)) return give_up();
+        if (blocked) return give_up(side);
         world_->restore(after);
         revision_ = world_->tree_.revision();
         return true;
@@ -282,8 +282,11 @@ bool Stops::one_thing(std::vector<Event>& events) {
     const bool pressed = acceleration(s) > 0;
     if (!pressed && speed(s) <= no_speed * s.rest_speed) continue;  // pulled off, or touching at zero speed
     const Side side = s;
+    const WorldSnapshot before = world_->snapshot();
     act(events, side, pressed ? LimitEvent::rest : LimitEvent::hit, 0);
-    return true;
+    if (!exceeds(events.back())) return true;
+    world_->restore(before);
+    return give_up(side);
   }
   return false;
 }

@@ -1,5 +1,6 @@
 // Hard stops: the instants of impacts, the velocities after them, how bouncing ends, and that a stop pushes and never pulls.
 #include <cmath>
+#include <utility>
 #include <random>
 #include <vector>
 
@@ -431,13 +432,14 @@ TEST_CASE("a stop at a turning point of a loop brings the crank to rest, with fe
 }
 
 TEST_CASE("a joint that loops make follow a prescribed motion into its stop ends the run, which names both") {
-  for (const char* method : {"rk4", "dop853"}) {
+  for (const auto& [method, rest_speed] : {std::pair{"rk4", 0.01}, {"dop853", 0.01}, {"rk4", 1}, {"dop853", 1}}) {
     CAPTURE(method);
+    CAPTURE(rest_speed);
     Model model({.gravity = {}});
     BodySpec one{.name = "one", .mass = 1, .inertia = diagonal(0.01), .joint = Prismatic{.axis = {1, 0, 0}}}, other = one;
     one.joint.parameters.drive = motion_drive(Signal::ramp(0.5, 0));
     other.name = "other";
-    other.joint.parameters.limits.upper = {0.2};
+    other.joint.parameters.limits.upper = {0.2}, other.joint.parameters.limits.rest_speed = rest_speed;
     const BodyId a = model.add(one), b = model.add(other);
     model.add_loop({.name = "rod", .body = a, .to = b, .joint = Ball{}});
     Simulation sim(model, {.method = method, .step = 1e-3});

@@ -376,7 +376,7 @@ void InstantLaws::require_motion_follows_accelerations(const std::string& at) {
       const double size = all * (norm(rate(0)) + norm(rate(1)) + norm(rate(2))), unsure = norm(parabola - trapezoids);
       if (unsure > 1e-3 * size) continue;
       ++found_.counts["steps of bodies compared with accelerations"];
-      found_.within(norm(velocity(2) - velocity(0) - parabola), 0.05 * size + 1e-6 * (1 + fastest),
+      found_.within(norm(velocity(2) - velocity(0) - parabola), 0.05 * size + 4e-6 * (1 + fastest),
                     turning ? "turning follows accelerations" : "motion follows accelerations",
                     scenario_.model.bodies()[b].name + " " + at);
     }
