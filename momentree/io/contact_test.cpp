@@ -122,6 +122,13 @@ TEST_CASE("contact: conditions are read, and what touches nothing is refused") {
             .find("touch: the ground touches nothing; give the world a floor") != std::string::npos);
 }
 
+TEST_CASE("contact: a rule for a body whose collision cannot be read is no second error") {
+  const std::string said =
+      refusal(ball("a", 1, "collision = { mesh = \"none.obj\" }\n") + "[[contact]]\nbetween = [\"a/ball\", \"floor\"]\n");
+  CHECK(said.find("'none.obj' cannot be read") != std::string::npos);
+  CHECK(said.find("between") == std::string::npos);
+}
+
 TEST_CASE("contact: runs with reactions have a table of the points that touch") {
   const Scenario scenario = read("[world]\nfloor = { friction = 0.5 }\n" + ball("a", 0.1) + "[integrate]\nuntil = 0.1\n");
   Simulation simulation(scenario.model, scenario.integration);

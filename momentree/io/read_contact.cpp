@@ -72,6 +72,7 @@ std::vector<BodyId> bodies_of(const Value& value, Reading& reading, std::string&
     if (names_body(*name, model[BodyId{b}].name)) all.push_back({b});
   written = *name;
   if (!all.empty() || reading.opaque.contains(mechanism_of(*name))) return all;
+  if (reading.bodies.contains(*name) || reading.mechanisms.contains(*name)) return {};  // left out after an error
   std::string hint = reading.suggest(*name, reading.bodies);
   if (hint.empty()) hint = reading.suggest(*name, reading.mechanisms);
   reading.out.error(value.place, "between: there is no body or mechanism " + in_quotes(*name), std::move(hint));

@@ -251,9 +251,10 @@ bool Simulation::Impl::contacts_gained_energy() {
   const double gained = total_energy() - before_step.energy - (brought_in(ledger) - brought_in(before_step.ledger));
   const Totals now = world.totals();
   const double all = std::fabs(now.kinetic) + std::fabs(now.potential) + std::fabs(balance.initial) + std::fabs(ledger.work);
+  if (gained <= rounding * all) return false;
   double unmoved = 0;  // the energy of motion that counts as none
   for (const int b : world.tree_.order()) unmoved += world.tree_.link(b).body.m * slowest_slip * slowest_slip;
-  if (gained <= std::max({rounding * all, rounding * energy_of_heights(world), unmoved})) return false;
+  if (gained <= std::max(unmoved, rounding * energy_of_heights(world))) return false;
   if (!(gained <= most * std::max(balance.largest_kinetic, now.kinetic))) return true;
   if (!(gained > least_height * energy_of_heights(world))) return false;
   const std::vector<double> kinetic = contacts.kinetic_by_island();

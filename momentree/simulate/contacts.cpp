@@ -340,7 +340,7 @@ std::span<const Watch> Contacts::watches(double& h) {
       // The direction of slow slip changes quickly: fixed steps are limited to the time in which friction would stop it.
       if (const double keeps = closed[i].keeps_direction; keeps > 0 && step_ > 0)
         h = std::min(h, 2 * slow_slip_ * (norm(v) + keeps) / keeps);
-      if (step_ > 0) h = std::min(h, std::max(slip_time(i), shortest_step_of_slip * step_));
+      h = std::min(h, step_ > 0 ? std::max(slip_time(i), shortest_step_of_slip * step_) : time_of_turning(i));
       if (norm(v) > slowest_slip)
         conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), normalized(v)), 0.0, true);
     }
@@ -477,6 +477,21 @@ double Contacts::slip_time(std::size_t contact) const {
     rate += std::hypot(change(1), change(2)) / std::hypot(rows.velocity[3 * j + 1], rows.velocity[3 * j + 2]);
   }
   return 1 / rate;
+}
+
+// The time (s) in which the velocity of slip at a contact changes by itself, but for times that are too short to be followed. The
+// stages of a longer step would slip in directions that say nothing about friction in the meantime.
+double Contacts::time_of_turning(std::size_t contact) const {
+  world_->evaluate();
+  const ContactRows& rows = world_->workspace_.contacts->rows;
+  double v[2] = {}, a[2] = {};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::size_t row = 3 * contact + k + 1;
+    v[k] = rows.velocity[row], a[k] = rows.acceleration[row];
+    for (const std::size_t j : rows.of_group(rows.groups[rows.group_of[contact]]))
+      for (std::size_t i = 0; i < 3; ++i) a[k] += rows.mobility(row, 3 * j + i) * rows.forces[3 * j + i];
+  }
+  return std::max(std::hypot(v[0], v[1]), creeping) / std::hypot(a[0], a[1]);
 }
 
 double Contacts::Pair::size(const Contacts& all) const { return std::max(1.0, norm(all.place(a).r)); }

@@ -204,6 +204,7 @@ class Contacts {
   Vec3 slip_velocity(int contact) const { return slip_velocity(world_->tree_.contacts()[static_cast<std::size_t>(contact)]); }
   Vec3 slip_velocity(const Contact& contact) const;
   double slip_time(std::size_t contact) const;
+  double time_of_turning(std::size_t contact) const;
   bool is_closed(int pair, std::uint64_t id) const;
   bool is_gone(int body) const { return body >= 0 && !world_->alive({body}); }
   std::vector<Contact> touching();

@@ -202,3 +202,35 @@ TEST_CASE("slow slip: corners of a pulled box reach their cones, or end their sl
     CHECK(std::fabs(first(sim, "stick")->time - 1.373343) < 2e-6);  // with rtol 1e-11
   }
 }
+
+// With a constant force, d/dt |v| (μ g + F cos θ) = F² − (μ g)², where θ is the angle between the velocity and the force.
+TEST_CASE("slow slip: slip that a constant force turns ends at the instant, whatever its speed") {
+  constexpr double limit = friction * g, force = 2;
+  for (const char* const method : {"dopri5", "dop853"})
+    for (const double speed : {4e-4, 4e-2, 1.0})
+      for (const double angle : {0.5, 2.0, 2.5, 3.0}) {
+        CAPTURE(method);
+        CAPTURE(speed);
+        CAPTURE(angle);
+        Model model;
+        const BodyId box = model.add({.name = "box",
+                                      .mass = 1,
+                                      .com = {0, 0, -0.1},
+                                      .inertia = diagonal(0.02),
+                                      .joint = Free{},
+                                      .q = {0, 0, 0.1, 1, 0, 0, 0},
+                                      .v = {speed, 0, 0, 0, 0, 0}});
+        model.add_collider({.body = box, .solid = contact::box({0.4, 0.4, 0.2})});
+        model.add_collider({.plane = true});
+        model.add_contact_rule({.law = {.friction = friction, .static_friction = friction}});
+        const double x = force * std::cos(angle), y = force * std::sin(angle);
+        model.add_force({.body = box, .point = {0, 0, -0.1}, .force = {Signal(x), Signal(y), Signal()}});
+        Simulation sim(model, {.method = method});
+        const double ends = speed * (limit + x) / (limit * limit - force * force);
+        REQUIRE(sim.run_until(ends + 0.1));
+        const Event* const stick = first(sim, "stick");
+        REQUIRE(stick != nullptr);
+        CHECK(std::fabs(stick->time - ends) < 1e-7 + 1e-6 * ends);
+        CHECK(std::fabs(sim.energy().error) < 1e-6 * sim.energy().largest_kinetic);
+      }
+}

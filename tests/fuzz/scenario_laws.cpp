@@ -45,7 +45,8 @@ double kinetic_scale(const Trace& run, const io::Scenario& scenario) {
   double mass = 0;
   for (const BodySpec& body : scenario.model.bodies()) mass += body.mass;
   return e.largest_kinetic + std::fabs(e.dissipated) + std::fabs(e.work) + std::fabs(e.lost_in_impacts) + std::fabs(e.released) +
-         mass * norm(scenario.model.gravity()) + std::fabs(e.final - e.initial) + 1e-9 * std::fabs(e.initial) + 1e-9;
+         mass * norm(scenario.model.gravity()) + std::fabs(e.final - e.initial) + 1e-9 * std::fabs(e.initial) +
+         1e-4 * e.of_heights + 1e-9;
 }
 
 class Checker {
