@@ -1,7 +1,7 @@
 // Hard stops: the instants of impacts, the velocities after them, how bouncing ends, and that a stop pushes and never pulls.
 #include <cmath>
-#include <utility>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
