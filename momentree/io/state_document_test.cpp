@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 
@@ -292,6 +294,49 @@ TEST_CASE("contacts of a document: what it names exists, and contacts that no lo
   CHECK(events_from("") == "");
   CHECK(events_from("[0, 0, 1, 0, 0, 0]") == "lift ");
   CHECK(events_from("[0, 0, -1, 0, 0, 0]") == "impa ");
+}
+
+TEST_CASE("a run that continues from a document sees what stops carry that only a contact or a cable presses") {
+  constexpr double g = 9.81, mass = 10;
+  for (const std::string method : {"dop853", "rk4", "stepping"})
+    for (const bool cable : {false, true})
+      for (const double at : {-1.0, 0.0, 0.02}) {  // before a run, at its start, and later
+        CAPTURE(method);
+        CAPTURE(cable);
+        CAPTURE(at);
+        Model model({.gravity = {0, 0, -g}});
+        const BodyId seat =
+            model.add({.name = "seat", .mass = mass, .inertia = diagonal(0.5), .joint = Free{}, .q = {0, 0, 0.5, 1, 0, 0, 0}});
+        const BodyId part = model.add({.name = "part",
+                                       .mass = 1,
+                                       .inertia = diagonal(0.01),
+                                       .parent = seat,
+                                       .at = {0, 0, cable ? 0.4 : -0.4},
+                                       .joint = Prismatic{.axis = {0, 0, 1}, .limits = {.upper = 0}}});
+        if (cable) {
+          model.add_cable({.name = "cable", .from = {ground, {0, 0, 1.9}}, .to = {part, {}}, .length = 1});
+        } else {
+          model.add_collider({.body = part, .solid = contact::box({0.2, 0.2, 0.2})});
+          model.add_collider({.plane = true});
+        }
+        Simulation first(model, {.method = method, .step = 1e-3}), second(model, {.method = method, .step = 1e-3});
+        if (at >= 0) REQUIRE(first.run_until(at));
+        const RestoredState state = read_state(state_json(first.world(), {}, first.step_memory()), "s.json", model);
+        restore(second, {state});
+        second.resume({}, state.memory);
+        second.when(reaction_force("part").exceeds(0.9 * mass * g)).named("loaded");
+        second.when(reaction_force("part").below(0.9 * mass * g)).named("unloaded");
+        for (Simulation* each : {&first, &second}) REQUIRE(each->run_until(0.04));
+        const auto named = [&](const std::string& name) {
+          return std::find_if(second.events().begin(), second.events().end(), [&](const Event& e) { return e.name == name; });
+        };
+        REQUIRE(named("loaded") != second.events().end());
+        CHECK(named("loaded")->time == std::max(at, 0.0));
+        CHECK(named("unloaded") == second.events().end());
+        for (std::size_t i = 0; i < first.world().state().q().size(); ++i)
+          CHECK(std::fabs(first.world().state().q()[i] - second.world().state().q()[i]) < 1e-12);
+        CHECK(norm(second.world().reaction(model.joint("part")).force) == doctest::Approx(mass * g).epsilon(1e-4));
+      }
 }
 
 TEST_CASE("gravity that was changed is in the document; a document that is refused changes nothing") {

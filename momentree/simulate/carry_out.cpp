@@ -7,7 +7,6 @@ bool Simulation::Impl::happen() {
   for (std::size_t count = 0;; ++count) {
     std::vector<std::size_t> places = queue.due(world.time());
     if (places.empty() && queue.watching(world)) {
-      find_forces_of_steps();
       evaluate_state();
       if (const std::optional<std::size_t> place = queue.urgent(world, events_now())) places = {*place};
     }
@@ -48,11 +47,11 @@ bool Simulation::Impl::act(std::span<const Action> actions, const std::string& n
 bool Simulation::Impl::carry_out_now(std::span<const DueEvent> due) {
   evaluate_state();
   if (statistics.changes == 0) book();
+  overlapped.reset();
   if (!contacts.any()) return try_now(due);
   const SimulationSnapshot before = snapshot();
   const RunStatistics counted = statistics;
   const double overlapping = steps_through() || some_step() ? contacts.deepest_of_all() : 0;  // time stepping leaves small ones
-  overlapped.reset();
   if (try_now(due) && !overlaps_more_than(overlapping)) return true;
   restore_run(before);
   queue.continue_from(*before.queue, world);
@@ -116,14 +115,15 @@ bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
   }
   world.take_variables(world.own_variables());
   contact_steps.forget_parted();
+  if (report.changes != 0 && contact_steps.has_forces()) contact_steps.release();
   evaluate_state();
   for (Event& event : report.events) {
     add_to_balance(event);
     events.push_back(std::move(event));
   }
   queue.forget_looks();
-  resolve_limits();
-  return !contacts.any() || resolve_contacts();
+  static_cast<void>(resolve_in_turn(true));
+  return !overlapped;
 }
 
 }  // namespace momentree

@@ -46,6 +46,7 @@ void Simulation::Impl::make_methods() {
 // The forces of contacts that are stepped through, where no step has found them yet.
 void Simulation::Impl::find_forces_of_steps() {
   if (!contacts.any() || !(steps_through() || some_step()) || contact_steps.has_forces()) return;
+  evaluate_state();
   if (stops.any()) stops.find_pressed(contact_steps);
   contact_steps.find_forces();
 }
@@ -93,29 +94,41 @@ std::optional<Contacts::Unresolved> Simulation::Impl::resolve_stops_and_contacts
   }
 }
 
-// What happens at stops and contacts at the end of a step. Contacts that are closed take part in what happens at stops.
+// What happens at stops and contacts at the end of a step.
 bool Simulation::Impl::resolve_after_step(double h) {
-  if (!contacts.any() || steps_through()) {
+  bool due = false;
+  if (contacts.any() && steps_through()) {
     resolve_limits();
     if (stalled) return false;
-    if (contacts.any()) after_contact_step();
-    return true;
-  }
-  if (some_step()) step_islands(h);
-  if (steps_through()) return true;
-  constexpr int most_rounds = 100;
-  const auto closed = [this] { return !world.tree_.contacts().empty(); };
-  bool due = contacts.must_resolve();
-  for (int k = 0; k < most_rounds; ++k) {
-    if ((due || (closed() && stops.would_strike())) && !resolve_contacts(true)) return false;
+    after_contact_step();
     if (steps_through()) return true;
+  } else if (contacts.any()) {
+    if (some_step()) step_islands(h);
+    due = !steps_through() && contacts.must_resolve();
+  }
+  return resolve_in_turn(due, true);
+}
+
+// Stops and contacts in turn, until nothing changes at this instant: closed contacts take part in what happens at stops, and what
+// stops hold decides which contacts close. After a step contacts come first, if they are `due`; otherwise stops do.
+bool Simulation::Impl::resolve_in_turn(bool due, bool after_step) {
+  constexpr int most_rounds = 100;
+  const auto stops_change = [this, after_step] {
+    find_forces_of_steps();
     const std::size_t count = events.size();
     resolve_limits();
-    if (stalled) return false;
-    due = events.size() != count && closed();
-    if (!due) return true;
+    if (events.size() == count) return false;
+    if (!after_step && contact_steps.has_forces()) contact_steps.release();
+    return true;
+  };
+  const auto closed = [this] { return !world.tree_.contacts().empty(); };
+  if (!after_step && stops_change()) due = true;
+  for (int k = 0; k < most_rounds && !stalled; ++k) {
+    if (contacts.any() && (due || (closed() && stops.would_strike())) && !resolve_contacts(after_step)) return false;
+    if (!stops_change() || !contacts.any()) break;
+    due = !after_step || closed();
   }
-  return true;
+  return !stalled;
 }
 
 bool Simulation::Impl::resolve_contacts(bool after_step) {

@@ -237,7 +237,10 @@ void ContactSteps::find_forces() {
     }
     std::stable_sort(found.begin(), found.end(), earlier);
   }
-  hold(found);
+  if (points_.empty())
+    hold(found);
+  else
+    set_points(std::move(found));
 }
 
 void ContactSteps::hold(const std::vector<SteppedContact>& points) {

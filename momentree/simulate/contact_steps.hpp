@@ -24,9 +24,8 @@ class ContactSteps final : public StepContacts {
   void note_start() override { points_at_start_ = points_, released_at_start_ = released_; }
   void return_to_start() override { set_points(points_at_start_, released_at_start_); }
 
-  /// Stops on which joints stand without resting on them, and to which they are accelerated before contacts act: they take part
-  /// in the impulses of the next steps, as further points. Contacts may keep a joint off its stop, so that to locate it there
-  /// would end every step at once.
+  /// Stops on which joints stand without resting on them: they take part in the impulses of the next steps, as further points.
+  /// Contacts may keep a joint off its stop, so that to locate it there would end every step at once.
   void clear_stops() { stops_.clear(); }
   void add_stop(int body, int dof, double sign, double limit) { stops_.push_back({body, dof, sign, limit}); }
   /// True if the contacts of this body are stepped through.
@@ -47,8 +46,8 @@ class ContactSteps final : public StepContacts {
   /// before the first step.
   void release();
   bool released() const { return released_; }
-  /// Until then, evaluations have the forces that the present state would have in a step. What bodies hit each other with is no
-  /// force.
+  /// Until then, evaluations have the forces that the present state would have in a step, which take the place of those of the
+  /// last one. What bodies hit each other with is no force.
   void find_forces();
   bool has_forces() const { return has_forces_; }
   /// True if the bodies of all points are as near each other as in a step that finds them.

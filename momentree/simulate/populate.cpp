@@ -60,9 +60,7 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   balance.work += event.work;
   events.push_back(std::move(event));
   queue.forget_looks();
-  resolve_limits();
-  // What can't be resolved ends the next run, which says why.
-  if (contacts.any()) static_cast<void>(resolve_contacts());
+  static_cast<void>(resolve_in_turn(true));  // what can't be resolved ends the next run, which says why
   preview.renew = some_step() || steps_through();
 }
 

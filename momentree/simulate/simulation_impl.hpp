@@ -203,6 +203,7 @@ struct Simulation::Impl {
   bool resolve_contacts(bool after_step = false);
   std::optional<Contacts::Unresolved> resolve_stops_and_contacts();
   bool resolve_after_step(double h);
+  bool resolve_in_turn(bool due, bool after_step = false);
   std::span<const Watch> watches(double& h);
 
   // Contacts that are stepped through instead of being located: of all bodies, or of some islands.
@@ -342,13 +343,9 @@ struct Simulation::Impl {
     if (overlaps_at_start()) return Status::stalled;
     const bool may_keep = std::exchange(keeps_contacts, false) && !contacts.has_former();
     contacts.open_pending();
-    const std::size_t before = events.size();
-    resolve_limits();
-    if (stalled) return Status::stalled;
-    const bool kept = may_keep && events.size() == before && (stepping.on || !contacts.closed_ones().empty());
-    if (contacts.any() && !kept && !resolve_contacts()) return Status::stalled;
+    const bool kept = may_keep && (stepping.on || !contacts.closed_ones().empty());
+    if (!resolve_in_turn(!kept)) return Status::stalled;
     contacts.forget_former();
-    find_forces_of_steps();
     Status status = Status::ok;
     return happen_between_samples(status) && !look(!observed) ? Status::interrupted : status;
   }

@@ -281,19 +281,23 @@ void Stops::put_on_stop(const Watched& w) {
 // A joint that is at the stop, not moving away: rounding must not make this an impact.
 bool Stops::touches(const Side& s) const { return at_stop(s) && speed(s) >= -no_speed * s.rest_speed; }
 
-// Joints that stand on stops, pressed by other forces than those of contacts, which act at the end of the step only: they would
-// pass their stops before contacts can keep them off. Loop joints are located all the same.
+// Joints that stand on stops: contacts act at the end of the step only, and may press them there or keep them off. Where motions
+// are prescribed, only those that other forces press: what these motions press together by contacts may be unable to give way.
+// Loop joints are located all the same.
 void Stops::find_pressed(ContactSteps& through) {
   through.clear_stops();
   const auto left_to_it = [&](const Side& s) {
     return !is_loop({s.joint}) && !locked(s) && touches(s) && through.steps(world_->tree_.carrier(s.joint));
   };
   if (std::ranges::none_of(sides_, left_to_it)) return;
-  through.release();
-  (*evaluate_)(world_->state_);
-  accelerate(world_->tree_, world_->state_, world_->workspace_);
+  const bool moved = !world_->tree_.driven_joints().empty() || world_->tree_.loop_motions() > 0;
+  if (moved) {
+    through.release();
+    (*evaluate_)(world_->state_);
+    accelerate(world_->tree_, world_->state_, world_->workspace_);
+  }
   for (const Side& s : sides_) {
-    if (!left_to_it(s) || !(acceleration(s) > 0)) continue;
+    if (!left_to_it(s) || (moved && !(acceleration(s) > 0))) continue;
     through.add_stop(world_->tree_.carrier(s.joint), s.dof, s.sign, s.limit);
     pressed_.push_back({&s, nullptr, s.sign * s.limit});
   }

@@ -58,11 +58,12 @@ class Stops {
 
   /// One step of at most h seconds, which ends early if a stop is hit or must release its joint, or one of `watches` fires.
   /// Returns the length of the step (s), or nothing if the method failed (the state is then restored). `through`: what the method
-  /// steps through contacts with, if it does. Joints that are pressed on stops until contacts act are left to that.
+  /// steps through contacts with, if it does. Joints that stand on stops are left to that.
   std::optional<double> step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches = {},
                              ContactSteps* through = nullptr);
 
-  /// Adds the stops on which joints are pressed before contacts act to those that `through` solves with the contacts.
+  /// Adds the stops on which joints stand, and may be pressed, to those that `through` solves with the contacts. The present
+  /// state has been evaluated.
   void find_pressed(ContactSteps& through);
 
   /// Releases the joints resting on stops that transmitted impulses at `event` which a stop cannot exert (it would have pulled),
