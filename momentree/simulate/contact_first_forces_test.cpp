@@ -105,6 +105,31 @@ TEST_CASE("first forces: a run begins with those of stops that only a contact or
       }
 }
 
+TEST_CASE("first forces: a stop of a loop joint that only a contact presses carries from the start") {
+  for (const char* method : methods) {
+    CAPTURE(std::string(method));
+    Model model({.gravity = {0, 0, -gravity}});
+    const auto floating = [&](const char* name, double mass, double height) {
+      return model.add({.name = name, .mass = mass, .inertia = diagonal(0.1), .joint = Free{}, .q = {0, 0, height, 1, 0, 0, 0}});
+    };
+    const BodyId seat = floating("seat", seat_mass, 0.5), leg = floating("leg", part_mass, 0.1);
+    model.add_loop({.name = "slide",
+                    .body = leg,
+                    .to = seat,
+                    .joint = Prismatic{.axis = {0, 0, 1}, .limits = {.upper = 0}},
+                    .at = {0, 0, -0.4}});
+    model.add_collider({.body = leg, .solid = contact::box({0.2, 0.2, 0.2})});
+    model.add_collider({.plane = true});
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    constexpr double weight = (seat_mass + part_mass) * gravity;
+    sim.when(contact_force_between("leg", "ground").exceeds(0.9 * weight)).named("loaded");
+    sim.when(contact_force_between("leg", "ground").below(0.9 * weight)).named("unloaded");
+    REQUIRE(sim.run_until(0.05));
+    CHECK(first_time(sim, "loaded") == 0);
+    CHECK_FALSE(first_time(sim, "unloaded"));
+  }
+}
+
 TEST_CASE("first forces: a strength does not feel the fall of a beam whose end stands on a leg") {
   // Without the leg the hinge would carry the weight but for what its centre falls with.
   constexpr double a = 0.6, moment = 20, mass = 10, leg = 0.1;
