@@ -4,6 +4,7 @@
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/sincos.hpp>
+#include <momentree/tree/start.hpp>
 
 namespace momentree {
 
@@ -118,7 +119,8 @@ State start_state(const Model& model, const Tree& tree, Variables variables) {
     for (int b = 0; b < tree.bodies(); ++b) {
       const BodySpec& s = model.bodies()[static_cast<std::size_t>(b)];
       MT_REQUIRE(declared(s, b), "the tree is as it was compiled from this model");
-      for (int i = 0; i < s.q.size(); ++i) edit.q[static_cast<std::size_t>(tree.first_q(b) + i)] = s.q[i];
+      const Values q = start_coordinates(s);
+      std::copy(q.begin(), q.end(), edit.q.begin() + tree.first_q(b));
       for (int i = 0; i < s.v.size(); ++i) v[static_cast<std::size_t>(tree.first_p(b) + i)] = s.v[i];
     }
     follow_motions(tree, state.time(), edit.q.data(), v.data());

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -202,6 +204,33 @@ TEST_CASE("start values of a document that a coupling does not allow are a warni
       "a:b.json:3:1: warning: the loops and couplings don't allow these start values: 'm/b' starts at -0.25 rad, "
       "not at -0.3 rad; "));
   CHECK(both.find("'m/b' starts at -1 rad/s, not at 1 rad/s") != std::string::npos);
+}
+
+TEST_CASE("a coupled joint without a start is within limits that exclude zero, or is named") {
+  const auto start = [](const std::string& leader, const std::string& follower, const std::string& document) {
+    const std::string text = two + wheel("a", 0.01, leader) + wheel("b", 0.08, follower) +
+                             "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nmultiplier = -2\noffset = 0.25\n";
+    const ReadResult read = read_scenario_text(text, "s.toml");
+    REQUIRE_MESSAGE(read.scenario, said(read));
+    CHECK(said(read).empty());
+    std::vector<RestoredState> documents;
+    if (!document.empty()) documents.push_back(read_state(document, "s.json", read.scenario->model));
+    Session session(*read.scenario, documents);
+    CHECK(rendered(session.schedule()).empty());
+    const JointView a = session.simulation().world().joint({0}), b = session.simulation().world().joint({1});
+    CHECK(b.q[0] == doctest::Approx(0.25 - 2 * a.q[0]).epsilon(1e-14));
+    CHECK(b.v[0] == doctest::Approx(-2 * a.v[0]).epsilon(1e-14));
+    return std::pair(a.q[0], b.q[0]);
+  };
+  const std::string limits = "limits = { lower = 0.5, upper = 1.2 }\n", low = "limits = { lower = -1, upper = -0.2 }\n";
+  CHECK(start("angle = -0.3\nspeed = 2\n", limits, "").first == -0.3);
+  CHECK(start(low, "angle = 1.1\nspeed = 2\n" + limits, "").second == 1.1);
+  CHECK(start(low, limits, "").first == -0.2);
+  CHECK(start(low, limits, R"({"joints": {"m/a": {"q": [-0.4], "v": [1]}}})").first == -0.4);
+  CHECK(start(low, limits, R"({"joints": {"m/b": {"q": [0.8], "v": [1]}}})").second == 0.8);
+  check({{two + wheel("a", 0.01) + wheel("b", 0.08, limits) + "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\n",
+          "s.toml:14:8: error: joint 'm/b': it starts beyond its limits, at 0, where loops or couplings put it; leave out start "
+          "values that follow from others, or give some with which it starts within its limits"}});
 }
 
 TEST_CASE("doubled and circular exact couplings are redundant, and held joints stay") {

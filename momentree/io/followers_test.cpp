@@ -27,11 +27,11 @@ std::string follows(const std::string& leader, const std::string& more = "") {
   return "<mimic joint='" + leader + "'" + more + "/>";
 }
 
-ReadResult read(const std::string& joints, const std::string& more = "") {
+ReadResult read(const std::string& joints, const std::string& more = "", const std::string& mimic = "{ stiffness = 100 }") {
   const test::TemporaryFolder folder;
   write_text_file(folder / "r.urdf", "<robot name='r'><link name='base'/>\n" + joints + "</robot>");
   write_text_file(folder / "s.toml",
-                  "format = 1\n[[mechanism]]\nname = \"r\"\nmodel = \"r.urdf\"\nmimic = { stiffness = 100 }\n" + more);
+                  "format = 1\n[[mechanism]]\nname = \"r\"\nmodel = \"r.urdf\"\nmimic = " + mimic + "\n" + more);
   return read_scenario(folder / "s.toml");
 }
 
@@ -63,6 +63,23 @@ TEST_CASE("followers of followers start where they should, in whatever order the
   CHECK(start(result, "c") == 3);
   CHECK(start(result, "d") == 3);
   CHECK(said(result).find("joint 'r/c' starts 3.5 rad from where it should follow 'r/b'") != std::string::npos);
+}
+
+TEST_CASE("joints that follow exactly have no start values of their own") {
+  const std::string limits = "<limit lower='0.5' upper='1' effort='1' velocity='1'/>";
+  const std::string joints =
+      joint("a", "continuous", "") + joint("b", "revolute", limits + follows("a", " multiplier='2' offset='0.3'"));
+  const auto says = [&](const std::string& more) { return said(read(joints, "limits = true\n" + more, "\"exact\"")); };
+  // Another coupling puts the leader elsewhere than at its zero.
+  const std::string held = "[[coupling]]\njoint = \"r/a\"\noffset = ";
+  const ReadResult result = read(joints, "limits = true\n" + held + "0.2\n", "\"exact\"");
+  CHECK(said(result).empty());
+  REQUIRE(result.scenario);
+  const World world(result.scenario->model);
+  CHECK(world.joint(world.model().joint("r/b")).q[0] == doctest::Approx(0.7).epsilon(1e-14));
+  CHECK(says(held + "0.4\n").find("error: joint 'r/b': it starts beyond its limits, at 1.1") != std::string::npos);
+  CHECK(says("").find("error: joint 'r/b': it starts beyond its limits, at 0.3") != std::string::npos);
+  CHECK(says("state = { joints = { a = 0.3 } }\n").empty());
 }
 
 TEST_CASE("ten thousand joints may follow one another") {

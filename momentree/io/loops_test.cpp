@@ -173,6 +173,38 @@ TEST_CASE("start values that the loops do not allow are a warning with what is g
   CHECK(said(contradicting).find("rad/s, not at 7 rad/s") != std::string::npos);
 }
 
+TEST_CASE("limits that exclude zero choose where a loop closes, and joints of no loop start at the nearest one") {
+  const auto limited = [](const std::string& limits) {  // only the crank has start values
+    std::string text = linkage;
+    for (const std::string key : {"angle = 0.8807815291820409\n", "angle = -1.6241336005080826\n"})
+      text.replace(text.find(key), key.size(), key == "angle = -1.6241336005080826\n" ? limits : "");
+    return text;
+  };
+  const std::string text = limited("limits = { lower = -2, upper = -1 }\n");
+  const ReadResult read = read_scenario_text(text, "s.toml");
+  CHECK(said(read).empty());
+  REQUIRE(read.scenario);
+  Simulation sim(read.scenario->model, read.scenario->integration);
+  CHECK(sim.world().joint({0}).q[0] == -1.2);
+  CHECK(sim.world().joint({2}).q[0] == doctest::Approx(-1.6241336005080826).epsilon(1e-12));
+  check_document(text, sim, 0.05);
+  const ReadResult again = read_scenario_text(to_toml(*read.scenario, ".").text, "s.toml");
+  REQUIRE_MESSAGE(again.scenario, said(again));
+  CHECK(World(again.scenario->model).joint({2}).q[0] == World(read.scenario->model).joint({2}).q[0]);
+  CHECK(said(read_scenario_text(limited("limits = { lower = -1, upper = -0.5 }\n"), "s.toml"))
+            .starts_with("s.toml:26:8: error: joint 'm/rocker': it starts beyond its limits, at -"));
+
+  const auto start = [](const std::string& limits) {
+    const ReadResult one = read_scenario_text(pinned + limits, "s.toml");
+    REQUIRE_MESSAGE(one.scenario, said(one));
+    return World(one.scenario->model).joint({0}).q[0];
+  };
+  CHECK(start("limits = { lower = 0.5, upper = 1.2 }\n") == 0.5);
+  CHECK(start("limits = { lower = -2, upper = -1 }\n") == -1);
+  CHECK(start("limits = { lower = -2, upper = 1 }\n") == 0);
+  CHECK(start("limits = { lower = 0.5, upper = 1.2, stiffness = 100 }\n") == 0);  // a soft stop pushes
+}
+
 TEST_CASE("the first step is judged from where the loops are closed") {  // far from the values given
   std::string text = "format = 1\n[[mechanism]]\nname = \"m\"\n";
   for (int k = 0; k < 100; ++k) {

@@ -9,6 +9,7 @@
 #include <momentree/io/follow_circles.hpp>
 #include <momentree/io/number_text.hpp>
 #include <momentree/io/read_action.hpp>
+#include <momentree/tree/start.hpp>
 
 namespace momentree::io {
 
@@ -95,7 +96,8 @@ CouplingSpring read_coupling_spring(Fields& fields, bool along_axis) {
 void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) {
   const Model& model = reading.scenario.model;
   const BodySpec &joint = model[coupling.joint], &leader = model[coupling.leader];
-  const double own = joint.q.of(0), led = coupling.multiplier * leader.q.of(0), apart = own - led - coupling.offset;
+  const double own = start_coordinates(joint).of(0), led = coupling.multiplier * start_coordinates(leader).of(0);
+  const double apart = own - led - coupling.offset;
   const double size = std::abs(own) + std::abs(led) + std::abs(coupling.offset);
   if (std::abs(apart) > 1e-9 * size + 1e-12) {
     const char* const unit = is_length(joint.joint) ? "m" : "rad";

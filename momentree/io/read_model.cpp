@@ -12,6 +12,7 @@
 #include <momentree/io/input_cache.hpp>
 #include <momentree/io/joint_tables.hpp>
 #include <momentree/io/number_text.hpp>
+#include <momentree/tree/start.hpp>
 
 namespace momentree::io {
 
@@ -46,17 +47,16 @@ const Import* model_of(const Value& file, Reading& reading) {
   return reading.models.emplace_back(*name, std::move(import)).second.get();
 }
 
-void take_limits_of(const ImportedBody& body, const ModelChoice& choice, BodySpec& spec, Reading& reading) {
-  if (!take_limits(body.limits, choice, body.spec.joint_name, spec.joint.parameters, reading)) return;
-  for (int i = 0; i < std::max(body.limits.lower.size(), body.limits.upper.size()); ++i) {
-    const double q = i < spec.q.size() ? spec.q[i] : 0;
-    const double lower = body.limits.lower_of(i), upper = body.limits.upper_of(i);
-    if (q >= lower && q <= upper) continue;
-    reading.out.error(
-        choice.limits_place,
-        "limits: joint " + in_quotes(body.spec.joint_name) + " starts at " + rounded_text(q, 6) + ", beyond its limits of " +
-            rounded_text(lower, 6) + " and " + rounded_text(upper, 6),
-        "give it a start within them, in state = { joints = { … } } or [mechanism.joint." + body.spec.joint_name + "]");
+// `limits`: those of the file.
+void check_within_limits(const BodySpec& spec, const JointLimits& limits, const ModelChoice& choice, Reading& reading) {
+  if (!limits.any() || !(spec.joint.parameters.limits == limits)) return;  // not used
+  for (int i = 0; i < spec.q.size(); ++i) {
+    const double lower = limits.lower_of(i), upper = limits.upper_of(i);
+    if (spec.q[i] >= lower && spec.q[i] <= upper) continue;
+    reading.out.error(choice.limits_place,
+                      "limits: joint " + in_quotes(spec.joint_name) + " starts at " + rounded_text(spec.q[i], 6) +
+                          ", beyond its limits of " + rounded_text(lower, 6) + " and " + rounded_text(upper, 6),
+                      "give it a start within them, in state = { joints = { … } } or [mechanism.joint." + spec.joint_name + "]");
   }
 }
 
@@ -154,7 +154,8 @@ bool check_followers(const Import& import, const ModelChoice& choice, Reading& r
   return errors == reading.out.errors();
 }
 
-// The initial values of followers are computed from their leaders, unless the mechanism gives others.
+// The initial values of joints that follow by a spring are computed from their leaders, unless the mechanism gives others. Those
+// of exact couplings are not given: they follow when the world starts.
 void start_followers(const Import& import, const ModelChoice& choice, const JointTables& joints, std::deque<BodySpec>& specs) {
   std::unordered_map<int, const Follower*> waiting;
   for (const Follower& each : import.model.followers) {
@@ -162,9 +163,10 @@ void start_followers(const Import& import, const ModelChoice& choice, const Join
     if (!by_spring(each, choice) && !is_exact(each, choice)) continue;
     if (!choice.state.joints.contains(name) && !joints.start_of(name)) waiting.emplace(each.body, &each);
   }
+  std::unordered_map<int, double> follows;
   const auto start_of = [&](int body) {
-    const Values& q = specs[static_cast<std::size_t>(body)].q;
-    return q.empty() ? 0 : q[0];
+    const auto known = follows.find(body);
+    return known != follows.end() ? known->second : start_coordinates(specs[static_cast<std::size_t>(body)])[0];
   };
   while (!waiting.empty()) {
     std::vector<const Follower*> path;  // from a follower to a leader with a known position
@@ -174,9 +176,13 @@ void start_followers(const Import& import, const ModelChoice& choice, const Join
     }
     for (; !path.empty(); path.pop_back()) {
       const Follower& each = *path.back();
-      const double start = each.leader < 0 ? 0 : start_of(each.leader);
-      const double own = each.coupling(0).value(start);
-      if (own != 0) specs[static_cast<std::size_t>(each.body)].q = {own};
+      const double own = each.coupling(0).value(each.leader < 0 ? 0 : start_of(each.leader));
+      Values& q = specs[static_cast<std::size_t>(each.body)].q;
+      if (is_exact(each, choice))
+        q = {};
+      else if (own != start_of(each.body))
+        q = {own};
+      follows.emplace(each.body, own);
     }
   }
 }
@@ -204,10 +210,10 @@ bool gives_position(const ModelChoice& choice, const JointTables& joints, const 
   return !value.table() || value.find("q") || value.find("angle") || value.find("position");
 }
 
-// Many models rest outside their own limits. Joints whose position nobody chose start at the nearest limit, if limits are used.
-void start_within_limits(const Import& import, const ModelChoice& choice, const JointTables& joints, std::deque<BodySpec>& specs,
-                         Reading& reading) {
-  if (!choice.limits.value_or(false)) return;
+// Takes the limits of the file. Many models rest outside their own limits: joints whose position nobody chose start at the
+// nearest limit.
+void take_limits_of(const Import& import, const ModelChoice& choice, const JointTables& joints, std::deque<BodySpec>& specs,
+                    Reading& reading) {
   std::set<int> coupled;  // their positions follow from others
   for (const Follower& each : import.model.followers)
     if (by_spring(each, choice) || is_exact(each, choice)) coupled.insert(each.body);
@@ -216,26 +222,22 @@ void start_within_limits(const Import& import, const ModelChoice& choice, const 
   std::string text;
   for (std::size_t b = 0; b < specs.size(); ++b) {
     BodySpec& spec = specs[b];
-    const JointLimits& limits = import.model.bodies[b].limits;
-    const JointParameters& own = spec.joint.parameters;
-    if (!limits.any() || own.limits.any() || (own.drive && own.drive->moves())) continue;
+    const Values rest = start_coordinates(spec);
+    if (!take_limits(import.model.bodies[b].limits, choice, spec.joint_name, spec.joint.parameters, reading)) continue;
     if (coupled.contains(static_cast<int>(b)) || gives_position(choice, joints, spec)) continue;
-    for (int i = 0; i < std::max(limits.lower.size(), limits.upper.size()); ++i) {
-      const double q = i < spec.q.size() ? spec.q[i] : 0;
-      const double nearest = std::min(std::max(q, limits.lower_of(i)), limits.upper_of(i));
-      if (nearest == q) continue;
-      while (spec.q.size() <= i) spec.q.push_back(0);
-      spec.q[i] = nearest;
-      if (++moved <= shown)
-        text += (moved > 1 ? ", " : "") + in_quotes(spec.joint_name) + " at " + rounded_text(nearest, 6) + " instead of " +
-                rounded_text(q, 6);
-    }
+    if (!spec.q.empty()) spec.q = within_stops(spec.joint.parameters.limits, rest);  // the file gives a position
+    const Values start = start_coordinates(spec);
+    for (int i = 0; i < rest.size(); ++i)
+      if (start[i] != rest[i] && ++moved <= shown)
+        text += (moved > 1 ? ", " : "") + in_quotes(spec.joint_name) + " at " + rounded_text(start[i], 6) + " instead of " +
+                rounded_text(rest[i], 6);
   }
   if (moved == 0) return;
   if (moved > shown) text += " and " + std::to_string(moved - shown) + " more";
-  reading.out.warning(choice.limits_place,
-                      "limits: the model rests outside its limits; joints start at the nearest limit: " + text,
-                      "choose another start in state = { joints = { … } } or [mechanism.joint.NAME]");
+  reading.out.warning(
+      choice.limits_place,
+      "limits: the model rests outside its limits; joints that no loop or coupling moves start at the nearest limit: " + text,
+      "choose another start in state = { joints = { … } } or [mechanism.joint.NAME]");
 }
 
 void couple_followers(const Import& import, const ModelChoice& choice, int first, Reading& reading) {
@@ -326,12 +328,12 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   for (const ImportedLoop& loop : import->model.loops) limited += loop.limits.any();
   warn_of_limits(limited, mechanism, choice, reading);
   coupled = coupled && check_motions(*import, choice, specs, reading);
-  start_within_limits(*import, choice, joints, specs, reading);
+  take_limits_of(*import, choice, joints, specs, reading);
   if (coupled) start_followers(*import, choice, joints, specs);
   for (const ImportedBody& body : import->model.bodies) {
     BodySpec spec = std::move(specs.front());
     specs.pop_front();
-    take_limits_of(body, choice, spec, reading);
+    check_within_limits(spec, body.limits, choice, reading);
     spec.name = mechanism + "/" + spec.name;
     spec.joint_name = mechanism + "/" + spec.joint_name;
     if (spec.parent != ground) spec.parent.index += first;

@@ -1,6 +1,8 @@
 // Loops that are closed at the start, from coordinates that are far off.
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -267,6 +269,58 @@ TEST_CASE("a coupling moves the joint whose start is not given, but not beyond i
     CHECK(error.where == "joint 'm/follower'");
     CHECK(error.problem == "it starts beyond its limits, at 0.8, where loops or couplings put it");
   }
+}
+
+// The angles of a rocker for a crank of length a at angle `crank`, a coupler b, a rocker c and a ground link g, by Freudenstein's
+// equation in tan(rocker/2); NaN if they cannot close.
+std::array<double, 2> rocker_angles(double a, double b, double c, double g, double crank) {
+  const double k1 = g / a, k2 = g / c, k3 = (a * a - b * b + c * c + g * g) / (2 * a * c), cosine = std::cos(crank);
+  const double A = (1 - k2) * cosine - k1 + k3, B = -2 * std::sin(crank), C = k1 - (1 + k2) * cosine + k3;
+  const double root = std::sqrt(B * B - 4 * A * C);
+  return {2 * std::atan2(-B - root, 2 * A), 2 * std::atan2(-B + root, 2 * A)};
+}
+
+TEST_CASE("joints without start values close loops within limits that exclude their zero, or are named") {
+  constexpr double turn = 2 * std::numbers::pi;
+  std::mt19937_64 random(7);
+  const auto draw = [&random](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  const JointSpec hinge = Revolute{.axis = z_axis};
+  int closed = 0, refused = 0;
+  while (closed + refused < 400) {
+    const double a = draw(0.1, 0.3), b = draw(0.2, 0.6), c = draw(0.2, 0.5), g = draw(0.3, 0.6), crank = draw(-3, 3), speed = 2;
+    auto angles = rocker_angles(a, b, c, g, crank);
+    if (draw(0, 1) < 0.5) std::swap(angles[0], angles[1]);
+    const auto [rocker, other] = std::array{std::remainder(angles[0], turn), std::remainder(angles[1], turn)};
+    const double low = rocker - draw(0.05, 1), high = rocker + draw(0.05, 1);
+    // The other branch is outside, by more than a turn, and so is zero.
+    if (!(low * high > 0) || !(std::fabs(std::remainder(other - rocker, turn)) > 1.1)) continue;
+    const auto start = [&](Variables variables) {
+      Model model;
+      BodySpec driver = bar("crank", a, hinge, ground, 0, crank), follower = bar("rocker", c, hinge, ground, g, {});
+      driver.v = speed, follower.joint.parameters.limits = {.lower = low, .upper = high};
+      const BodyId first = model.add(driver), rod = model.add(bar("coupler", b, hinge, first, a, {})), last = model.add(follower);
+      model.add_loop({.name = "pin", .body = rod, .to = last, .joint = hinge, .at = {c, 0, 0}, .child_at = {b, 0, 0}});
+      return World(model, variables, variables);
+    };
+    CAPTURE(closed + refused);
+    try {
+      for (const Variables variables : {Variables::velocities, Variables::momenta}) {
+        const World world = start(variables);
+        CHECK(world.loop_status().residual < 1e-12);
+        CHECK(world.joint({0}).q[0] == crank);
+        CHECK(std::fabs(world.joint({2}).q[0] - rocker) < 1e-9);
+        const double across = crank + world.joint({1}).q[0];
+        const double rate = speed * a * std::sin(crank - across) / (c * std::sin(rocker - across));
+        CHECK(std::fabs(world.joint({2}).v[0] - rate) < 1e-8 * (1 + std::fabs(rate)));
+      }
+      ++closed;
+    } catch (const Error& error) {
+      CHECK(error.where == "joint 'm/rocker'");
+      CHECK(error.problem.find("beyond its limits") != std::string::npos);
+      ++refused;
+    }
+  }
+  CHECK(closed > 250);
 }
 
 TEST_CASE("loops that are too short to close are refused by name, with what remains open") {

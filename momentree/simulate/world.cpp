@@ -9,6 +9,7 @@
 #include <momentree/joint/motion.hpp>
 #include <momentree/simulate/assembly.hpp>
 #include <momentree/tree/lasting_function.hpp>
+#include <momentree/tree/start.hpp>
 
 namespace momentree {
 
@@ -137,7 +138,7 @@ void World::put_values(double time, const Forest& forest, std::span<const JointS
   }
   for (int j = 0; j < model_.size(); ++j) {
     if (changed[static_cast<std::size_t>(j)] != 0 || tree_.carrier(j) < 0) continue;
-    put(model_[{j}].q, first_q(j), edit.q);
+    put(start_coordinates(model_[{j}]), first_q(j), edit.q);
     put(model_[{j}].v, first_p(j), v);
   }
   for (const JointStart& j : joints) {

@@ -3,6 +3,7 @@
 
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/topology/change.hpp>
+#include <momentree/tree/start.hpp>
 
 namespace momentree {
 
@@ -43,7 +44,7 @@ BodyId apply(const Add& change, Tree& tree, State& state, const Workspace<double
   const BodySpec& spec = *change.spec;
   const KindInfo& kind = info(spec.joint.kind);
   MT_REQUIRE(check_body(spec).empty(), "a valid body, according to check_body()");
-  const Values q = spec.q.empty() ? joint_zero(spec.joint.kind) : spec.q;
+  const Values q = start_coordinates(spec);
   double v[6] = {};
   std::copy_n(spec.v.begin(), spec.v.size(), v);
   const int outer = spec.parent.index;

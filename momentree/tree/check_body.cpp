@@ -251,10 +251,8 @@ std::vector<BodyProblem> check_body(const BodySpec& spec) {
                         (kind.nv == 1 ? " velocity" : " velocities") + ", not " + std::to_string(spec.v.size()));
   const JointLimits& l = spec.joint.parameters.limits;
   const std::vector<JointProblem> of_joint = check_joint(spec.joint);
-  for (int k = 0; l.hard() && of_joint.empty() && k < kind.nv; ++k) {
-    const double q = k < spec.q.size() ? spec.q[k] : 0;
-    if (q < l.lower_of(k) || q > l.upper_of(k)) checks.add("q", "starts beyond its limits");
-  }
+  for (int k = 0; l.hard() && of_joint.empty() && k < std::min(spec.q.size(), kind.nv); ++k)
+    if (spec.q[k] < l.lower_of(k) || spec.q[k] > l.upper_of(k)) checks.add("q", "starts beyond its limits");
   for (const JointProblem& problem : of_joint) checks.add(problem.field.c_str(), problem.what, problem.hint);
   return std::move(checks.problems);
 }

@@ -6,6 +6,7 @@
 #include <momentree/base/wildcard.hpp>
 #include <momentree/math/unit.hpp>
 #include <momentree/tree/ids.hpp>
+#include <momentree/tree/start.hpp>
 
 namespace momentree {
 
@@ -63,7 +64,7 @@ BodyId Model::add_unjudged(BodySpec spec) {
     throw_error(
         {"the parent is not a body of this model", spec.name, "add the parent first, and give what add() returned for it"});
   complete(spec);
-  if (info(spec.joint.kind).nq == 1) begin_motion(spec.joint.parameters.drive, spec.q.empty() ? 0 : spec.q[0], 0);
+  if (info(spec.joint.kind).nq == 1) begin_motion(spec.joint.parameters.drive, start_coordinates(spec)[0], 0);
   if (by_body_->contains(spec.name))
     throw_error({"there is already a body with that name", spec.name, "body names must be unique in a model"});
   if (by_joint_->contains(spec.joint_name) || has_spring(spec.joint_name))

@@ -31,7 +31,7 @@ struct BodySpec {
   BodyId parent = ground;
   Pose at{};
   JointSpec joint{};  ///< Revolute{…}, Ball{…}, …; default: a weld
-  Values q{};         ///< start coordinates; empty: zero (identity), or what closes loops; overridden by a prescribed motion
+  Values q{};         ///< start coordinates; empty: zero (within stops), or what closes loops; overridden by a prescribed motion
   Values v{};         ///< start velocities; empty: zero, or what loops allow; overridden by a prescribed motion
   Pose child_at{};
   std::string joint_name{};  ///< "mechanism/joint"; empty: the body's name

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/tree/start.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
@@ -36,9 +37,8 @@ std::vector<SingularJoint> singular_joints(const Model& model) {
   const Tree tree(model);
   std::vector<double> q(static_cast<std::size_t>(tree.nq()));
   for (const int b : tree.order()) {
-    const Values& start = model.bodies()[static_cast<std::size_t>(b)].q;
-    const Values own = start.empty() ? joint_zero(tree.kind(b)) : start;
-    std::copy(own.begin(), own.begin() + own.size(), q.begin() + tree.first_q(b));
+    const Values own = start_coordinates(model[BodyId{b}]);
+    std::copy(own.begin(), own.end(), q.begin() + tree.first_q(b));
   }
   return singular_joints(tree, q);
 }

@@ -4,7 +4,7 @@
 
 #include <momentree/joint/motion.hpp>
 #include <momentree/math/unit.hpp>
-#include <momentree/tree/model.hpp>
+#include <momentree/tree/start.hpp>
 
 namespace momentree {
 
@@ -47,7 +47,7 @@ Vec3 start_place(const std::vector<BodySpec>& bodies, const SpringEnd& end) {
   Vec3 place = end.point;
   for (int b = end.body.index; b >= 0; b = bodies[static_cast<std::size_t>(b)].parent.index) {
     const BodySpec& body = bodies[static_cast<std::size_t>(b)];
-    Values q = body.q.empty() ? joint_zero(body.joint.kind) : body.q;
+    Values q = start_coordinates(body);
     const JointDrive* drive = body.joint.parameters.drive.get();
     if (drive != nullptr && drive->moves()) q[0] = drive->motion.front().at(0).value;
     place = body.at * (joint_motion(body.joint, q.begin()) * (inverse(body.child_at) * place));

@@ -121,7 +121,7 @@ class Model(_core.ModelBase):
                 same frame.
             child_at: Placement of the joint's frame in the body's own frame, in the same way.
             joint: :func:`Revolute`, :func:`Ball` …; default: a weld.
-            q: Start coordinates (rad, m, quaternion); default: zero.
+            q: Start coordinates (rad, m, quaternion); default: zero, or the values nearest to it within hard limits.
             v: Start velocities (rad/s, m/s); default: zero.
             joint_name: ``"mechanism/joint"``; default: the body's name.
             shape: For pictures and reports: ``{"box": [x, y, z]}``, ``{"sphere": r}`` … (m).

@@ -64,6 +64,25 @@ def test_momenta_and_velocities_describe_the_same_motion() -> None:
     assert np.allclose(runs[0].p, runs[1].p, rtol=0, atol=1e-7)
 
 
+def test_limits_that_exclude_zero_choose_where_a_loop_closes() -> None:
+    def rocker(lower: float, upper: float) -> float:
+        model = mt.Model()
+        crank = model.add("bar/crank", mass=1, inertia=0.01, joint=mt.Revolute(AXIS), q=-1.2)
+        coupler = model.add("bar/coupler", mass=1, inertia=0.01, parent=crank, at=(0.3, 0, 0), joint=mt.Revolute(AXIS))
+        joint = mt.Revolute(AXIS, limits={"lower": lower, "upper": upper})
+        end = model.add("bar/rocker", mass=1, inertia=0.01, at=(0.8, 0, 0), joint=joint)
+        model.add_loop("pin", body=coupler, to=end, joint=mt.Revolute(AXIS), child_at=(0.7, 0, 0), at=(0.5, 0, 0))
+        assert mt.Simulation(model).world.joints["bar/crank"].q[0] == -1.2
+        return float(mt.Simulation(model).world.joints["bar/rocker"].q[0])
+
+    crank_end = 0.3 * np.array([np.cos(1.2), np.sin(1.2)]) - np.array([0.8, 0])
+    apart, towards = np.hypot(*crank_end), np.arctan2(*crank_end[::-1])
+    fold = np.arccos((0.5**2 + apart**2 - 0.7**2) / (2 * 0.5 * apart))
+    assert rocker(-2, -1) == pytest.approx(fold - towards, rel=1e-12)
+    with pytest.raises(mt.Error, match="bar/rocker.*beyond its limits"):
+        rocker(-1, -0.5)
+
+
 def test_what_loops_do_not_support_is_an_error() -> None:
     with pytest.raises(mt.Error, match="open at the start"):
         mt.Simulation(four_bar(assemble=False))

@@ -8,6 +8,7 @@
 #include <momentree/base/error.hpp>
 #include <momentree/io/mjcf/parts.hpp>
 #include <momentree/joint/motion.hpp>
+#include <momentree/tree/start.hpp>
 
 namespace momentree::io::mjcf {
 
@@ -24,7 +25,7 @@ class EqualityReader {
   explicit EqualityReader(Reading& reading) : reading_(reading), model_(reading.import.model) {
     for (const ImportedBody& body : model_.bodies) {
       const BodySpec& spec = body.spec;
-      const Values q = spec.q.empty() ? joint_zero(spec.joint.kind) : spec.q;
+      const Values q = start_coordinates(spec);
       const Pose parent = spec.parent == ground ? Pose{} : placed_[static_cast<std::size_t>(spec.parent.index)];
       JointSpec joint = spec.joint;
       if (info(joint.kind).axis) joint.axis = normalized(joint.axis);
@@ -209,10 +210,7 @@ class EqualityReader {
     if (!joint || (leads && !leader)) return;
     if (leads && *joint == *leader)
       return file.error(fields.location("joint2"), "a joint cannot follow itself", "name another joint");
-    const auto start = [this](int body) {
-      const Values& q = model_.bodies[static_cast<std::size_t>(body)].spec.q;
-      return q.empty() ? 0 : q[0];
-    };
+    const auto start = [this](int body) { return start_coordinates(model_.bodies[static_cast<std::size_t>(body)].spec)[0]; };
     if (!leads) return model_.followers.push_back({*joint, -1, 0, start(*joint) + a[0], &file, each, {}, true});
     // In powers of x instead of x − x0, by Horner's scheme for a shift.
     const double x0 = start(*leader);

@@ -3,7 +3,6 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/mjcf/parts.hpp>
-#include <momentree/joint/motion.hpp>
 
 namespace momentree::io::mjcf {
 
@@ -140,10 +139,7 @@ void read_tendons(XmlElement tendon, Reading& reading) {
       continue;
     }
     if (bodies.empty())
-      for (const ImportedBody& body : reading.import.model.bodies) {
-        bodies.push_back(body.spec);
-        if (bodies.back().q.empty()) bodies.back().q = joint_zero(body.spec.joint.kind);
-      }
+      for (const ImportedBody& body : reading.import.model.bodies) bodies.push_back(body.spec);
     read_spatial(each, bodies, reading);
   }
 }

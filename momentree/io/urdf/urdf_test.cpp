@@ -6,6 +6,7 @@
 #include <momentree/io/test_support.hpp>
 #include <momentree/io/text_file.hpp>
 #include <momentree/simulate/world.hpp>
+#include <momentree/tree/start.hpp>
 #include <tests/models.hpp>
 
 using namespace momentree;
@@ -195,7 +196,7 @@ TEST_CASE("URDF: names that paths cannot contain are changed everywhere, with a 
   REQUIRE(result.scenario);
   const Model& model = result.scenario->model;
   CHECK(model[model[model.body("r/foot_left")].parent].name == "r/ground_");
-  CHECK(model[model.joint("r/j___2")].q[0] == 0.5);
+  CHECK(World(model).joint(model.joint("r/j___2")).q[0] == 0.5);
   CHECK(said(result, Severity::warning) ==
         "r.urdf:2:13: warning: 'ground' means the ground here: it is renamed 'ground_'\n"
         "r.urdf:3:13: warning: a name with / , \" or * cannot be part of a path: they become _ here (lines 3, 5 and 6); use the "
@@ -313,10 +314,11 @@ TEST_CASE("a mechanism of a scenario places, attaches and initialises a model, a
                           joint("elbow", "revolute", "a", "b", "<limit lower='0.5' upper='2' effort='1' velocity='1'/>")));
     const auto start_of = [](const ReadResult& result, const char* name) {
       REQUIRE(result.scenario);
-      return result.scenario->model[result.scenario->model.joint(name)].q;
+      return start_coordinates(result.scenario->model[result.scenario->model.joint(name)]);
     };
     const std::string warning =
-        "s.toml:5:10: warning: limits: the model rests outside its limits; joints start at the nearest limit: ";
+        "s.toml:5:10: warning: limits: the model rests outside its limits; joints that no loop or coupling moves start at the "
+        "nearest limit: ";
     const auto warned = [&](const ReadResult& result, const std::string& joints) {
       return said(result, Severity::warning) ==
              folder / "" + warning + joints + "; choose another start in state = { joints = { … } } or [mechanism.joint.NAME]";
