@@ -147,8 +147,8 @@ kind = "revolute"
 axis = [0, 0, 1]
 child_at = { xyz = [0.7, 0, 0] }
 [[event]]
-at = 0.01
-set = { joint = "m/slider", limits = { upper = 0.3 } }
+when = { position = "m/crank", exceeds = 3.1406 }
+set = { joint = "m/slider", limits = { upper = 0.4 } }
 )";
   for (const char* method : {"rk4", "midpoint"}) {
     CAPTURE(method);

@@ -249,6 +249,18 @@ void share_forces(std::span<const Contact> contacts, ContactRows::Group& group, 
   if (at_state) group.margin = all.shared.margin();
 }
 
+// A force is determined if it is one of the equations, which are orthonormal: its part in them has the length 1.
+void note_determined(ContactWorkspace& all) {
+  constexpr double rounding = 1e-7;
+  const std::size_t n = all.unknowns.size();
+  if (all.independent.empty()) return;
+  for (std::size_t i = 0; i < n; ++i) {
+    double square = 0;
+    for (std::size_t k = i; k < all.independent.size(); k += n) square += all.independent[k] * all.independent[k];
+    if (square < 1 - rounding) all.rows.determined[all.unknowns[i] / 3] = false;
+  }
+}
+
 // Redundant equations may contradict each other: no forces keep contacts that a prescribed motion pulls apart. What the forces
 // leave of the accelerations then counts as what they lack.
 void note_contradiction(ContactRows::Group& group, const ContactWorkspace& all) {
@@ -288,6 +300,7 @@ void find_forces_of_group(std::span<const Contact> contacts, ContactRows::Group&
   else
     share_forces(contacts, group, all, at_state);
   for (std::size_t j = 0; j < n; ++j) rows.forces[of[j]] = all.right[j];
+  if (at_state) note_determined(all);
   for (const std::size_t i : rows.of_group(group)) {
     if (contacts[i].mode != Contact::Mode::slip) continue;
     for (std::size_t k = 0; k < 2; ++k)
@@ -327,6 +340,7 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
     if (at_state) all.chosen_slip[i] = rows.slip[i];
   }
   rows.forces.assign(3 * contacts.size(), 0.0);
+  if (at_state) rows.determined.assign(contacts.size(), true);
   for (ContactRows::Group& group : rows.groups) find_forces_of_group(contacts, group, all, at_state);
 }
 

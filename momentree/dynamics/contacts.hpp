@@ -41,6 +41,7 @@ struct ContactRows {
   std::vector<double> velocity;              ///< J u
   std::vector<double> acceleration;          ///< its time derivative without forces of contacts
   std::vector<double> forces;                ///< along the rows, on body a
+  std::vector<bool> determined;              ///< by contact: no other forces have the same effect; of states, not of stages
   std::vector<Vec3> slip;                    ///< by contact: direction of slip
   std::size_t contacts() const { return touches.size(); }
   std::span<const std::size_t> of_group(const Group& group) const { return {members.data() + group.first, group.count}; }

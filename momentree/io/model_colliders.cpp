@@ -51,7 +51,8 @@ void add_friction(const ImportedModel& imported, int first, Model& model) {
     std::for_each(by_friction.rbegin(), by_friction.rend(), add);
 }
 
-// Bodies that are welded together, neighbours across joints of such groups, and pairs that the file excludes.
+// Bodies that are welded together and neighbours across joints of such groups, unless a joint connects the two, which are apart
+// for as long as it does; and pairs that the file excludes.
 void add_exclusions(const ImportedModel& imported, int first, const std::vector<Masks>& masks, Model& model,
                     const std::function<void(const std::string&)>& unknown) {
   const int count = static_cast<int>(imported.bodies.size());
@@ -64,10 +65,11 @@ void add_exclusions(const ImportedModel& imported, int first, const std::vector<
   };
   for (int b = 0; b < count; ++b) {
     if (masks[static_cast<std::size_t>(b)].empty()) continue;
-    if (group_of(b) == -1) exclude_pair(model, {first + b}, ground);
     for (int other = 0; other < b; ++other) {
       if (masks[static_cast<std::size_t>(other)].empty()) continue;
       const int g = group_of(b), h = group_of(other);
+      if (model[BodyId{first + b}].parent.index == first + other || model[BodyId{first + other}].parent.index == first + b)
+        continue;
       if (g == h || parent_of(g) == h || parent_of(h) == g) exclude_pair(model, {first + b}, {first + other});
     }
   }

@@ -55,7 +55,11 @@ void write_who(JsonWriter& json, const Model& model, const Shapes& shapes, const
   int first = who.pair / stride, second = who.pair % stride;
   if (collider(model, first).body != who.one) std::swap(first, second);
   json.key("shapes").begin_array().value(shapes.place_of(first)).value(shapes.place_of(second)).end_array();
-  json.member("feature", std::to_string(who.id));
+}
+
+void write_touching(JsonWriter& json, const Model& model, const Shapes& shapes, const Who& who) {
+  write_who(json, model, shapes, who);
+  if (who.cable < 0) json.member("feature", std::to_string(who.id));
 }
 
 void write_closed(JsonWriter& json, const Contact& contact) {
@@ -68,6 +72,7 @@ void write_closed(JsonWriter& json, const Contact& contact) {
 
 void write_point(JsonWriter& json, const ContactPoint& point) {
   json.member("point", point.point).member("normal", point.normal).member("force", point.force).member("slip", point.slip);
+  if (point.determined) json.member("determined", *point.determined);
 }
 
 class ContactReader {
@@ -78,11 +83,13 @@ class ContactReader {
   void read(Forest& forest, SteppingState& stepping) {
     if (!entry_.table()) return;  // reported
     const std::size_t errors = out_.errors();
-    const Who who = read_who();
+    const bool overlapping = fields_.boolean("overlapping").value_or(false);
+    const Who who = read_who(overlapping);
+    if (overlapping) return read_overlapping(who, errors, forest);
     const bool stepped = fields_.boolean("stepped").value_or(false);
     const bool pending = fields_.boolean("pending").value_or(false);
     const bool former = fields_.boolean("former").value_or(false);
-    static_cast<void>(fields_.boolean("released"));
+    for (const char* result : {"released", "determined"}) static_cast<void>(fields_.boolean(result));
     SteppedContact point{who.pair, who.id, who.one.index, who.other.index, {}, {}, {}, {}, who.cable};
     for (const auto& [key, to] :
          {std::pair{"point", &point.point}, {"normal", &point.normal}, {"force", &point.force}, {"slip", &point.slip}})
@@ -100,6 +107,11 @@ class ContactReader {
 
  private:
   static constexpr const char* remedy = "leave out `contacts`: the run finds them anew";
+
+  void read_overlapping(const Who& who, std::size_t errors, Forest& forest) {
+    fields_.finish();
+    if (errors == out_.errors() && who.pair >= 0) forest.overlapping.push_back(who.pair);
+  }
 
   void read_point(const SteppedContact& point, std::vector<SteppedContact>& points) {
     constexpr double rounding = 1e-6;
@@ -126,7 +138,7 @@ class ContactReader {
     return joints_.body_named(*name, value->place).value_or(ground);
   }
 
-  Who read_who() {
+  Who read_who(bool overlapping) {
     const std::size_t errors = out_.errors();
     Who who;
     who.one = body("one"), who.other = body("other");
@@ -140,8 +152,9 @@ class ContactReader {
     }
     const std::vector<double> shapes =
         fields_.require("shapes", remedy) != nullptr ? fields_.reals("shapes", 2) : std::vector<double>();
-    const auto feature = fields_.require("feature", remedy) != nullptr ? fields_.string("feature") : std::nullopt;
-    if (shapes.size() != 2 || !feature || errors != out_.errors()) return who;  // reported
+    if (!overlapping) fields_.require("feature", remedy);
+    const auto feature = fields_.string("feature");
+    if (shapes.size() != 2 || errors != out_.errors()) return who;  // reported
     const int first = shapes_.collider_of(who.one, shapes[0]), second = shapes_.collider_of(who.other, shapes[1]);
     const auto is_plane = [&](int number) { return collider(model_, number).plane; };
     if (first < 0 || second < 0)
@@ -153,6 +166,7 @@ class ContactReader {
       out_.error(fields_.place_of("one"), "one, other: a contact is between two bodies, or a body and the ground", remedy);
     else
       who.pair = pair_of_colliders(model_, first, second);
+    if (!feature) return who;
     const char* const end = feature->data() + feature->size();
     if (const auto [stop, error] = std::from_chars(feature->data(), end, who.id); error != std::errc{} || stop != end)
       out_.error(fields_.place_of("feature"), "feature: expected a whole number in quotes", remedy);
@@ -194,11 +208,11 @@ void write_contacts(JsonWriter& json, const World& world, const SteppingState& s
   for (const Contact& contact : world.tree().contacts()) {
     json.begin_object();
     if (contact.cable >= 0) {
-      write_who(json, model, shapes, {{contact.a}, {contact.b}, contact.pair, contact.cable, contact.id});
+      write_touching(json, model, shapes, {{contact.a}, {contact.b}, contact.pair, contact.cable, contact.id});
       write_closed(json, contact);
     } else {
       const ContactPoint& point = points[next++];
-      write_who(json, model, shapes, {point.one, point.other, contact.pair, -1, contact.id});
+      write_touching(json, model, shapes, {point.one, point.other, contact.pair, -1, contact.id});
       write_closed(json, contact);
       write_point(json, point);
     }
@@ -208,7 +222,7 @@ void write_contacts(JsonWriter& json, const World& world, const SteppingState& s
     ContactPoint shown{{contact.a}, {contact.b}, {}, {}, {}, {}};
     if (contact.cable < 0) shown = in_order(shown);
     json.begin_object();
-    write_who(json, model, shapes, {shown.one, shown.other, contact.pair, contact.cable, contact.id});
+    write_touching(json, model, shapes, {shown.one, shown.other, contact.pair, contact.cable, contact.id});
     json.member("former", true);
     write_closed(json, contact);
     json.end_object();
@@ -217,11 +231,17 @@ void write_contacts(JsonWriter& json, const World& world, const SteppingState& s
     ContactPoint shown{{point.a}, {point.b}, point.point, point.normal, point.force, point.slip};
     if (point.cable < 0) shown = in_order(shown);
     json.begin_object();
-    write_who(json, model, shapes, {shown.one, shown.other, point.pair, point.cable, point.id});
+    write_touching(json, model, shapes, {shown.one, shown.other, point.pair, point.cable, point.id});
     json.member("stepped", true);
     if (stepping.released) json.member("released", true);
     write_point(json, shown);
     json.end_object();
+  }
+  constexpr int stride = static_cast<int>(most_colliders);
+  for (const int pair : world.overlapping()) {
+    json.begin_object();
+    write_who(json, model, shapes, {collider(model, pair / stride).body, collider(model, pair % stride).body, pair});
+    json.member("overlapping", true).end_object();
   }
   json.end_array();
 }
@@ -231,6 +251,7 @@ void read_contacts(const Value& list, const Model& model, JointReader& joints, F
   const Shapes shapes(model);
   for (const Value& entry : read_list(list, "contacts", out))
     ContactReader(entry, model, shapes, joints, out).read(forest, stepping);
+  std::ranges::sort(forest.overlapping);
 }
 
 void write_stepping(JsonWriter& json, const World& world, const SteppingState& stepping) {

@@ -339,6 +339,38 @@ TEST_CASE("a run that continues from a document sees what stops carry that only 
       }
 }
 
+TEST_CASE("bodies that overlap where their joint broke are in the document, and touch once they are apart") {
+  Model model({.gravity = {0, 0, -9.81}});
+  const BodyId plate = model.add({.name = "plate", .mass = 1, .inertia = diagonal(0.1)});
+  model.add_collider({.body = plate, .solid = contact::box({2, 2, 0.1})});
+  const BodyId box = model.add({.name = "box",
+                                .mass = 1,
+                                .inertia = diagonal(0.01),
+                                .parent = plate,
+                                .at = {0, 0, 0.12},
+                                .joint = Revolute{.axis = {0, 0, 1}}});
+  model.add_collider({.body = box, .solid = contact::box({0.2, 0.2, 0.2})});
+  for (const char* method : {"rk4", "stepping"}) {
+    CAPTURE(method);
+    Simulation sim(model, {.method = method});
+    static_cast<void>(sim.apply(break_joint("box")));
+    static_cast<void>(sim.apply(impulse("box", {0, 0, 1})));
+    REQUIRE(sim.run_until(0.02));
+    const std::string text = state_json(sim.world(), {}, sim.step_memory());
+    CHECK(text.find("\"overlapping\": true") != std::string::npos);
+    Simulation again(model, {.method = method});
+    const RestoredState state = read_state(text, "s.json", model);
+    restore(again, {state});
+    again.resume({}, state.memory);
+    CHECK(state_json(again.world(), {}, again.step_memory()) == text);
+    for (Simulation* each : {&sim, &again}) {
+      REQUIRE(each->run_until(0.5));
+      CHECK(each->world().motions()[1].pose.position.z == doctest::Approx(0.15).epsilon(1e-6));
+    }
+    CHECK(state_json(again.world(), {}) == state_json(sim.world(), {}));
+  }
+}
+
 TEST_CASE("gravity that was changed is in the document; a document that is refused changes nothing") {
   const Model model = test::two_mechanisms();
   Simulation first(model, {.step = 0.01}), second(model, {.step = 0.01});

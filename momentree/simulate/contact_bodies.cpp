@@ -79,22 +79,19 @@ std::optional<Error> cannot_touch(const Model& model, const Quantity& what) {
                        : "give one of its bodies a collision"};
   }
   const std::string pair = quoted(of->one) + " and " + quoted(of->other);
-  bool any = false, shared = false, touch = false, rough = false, by_rule = false;
+  bool any = false, shared = false, touch = false, rough = false;
   for (const BodyId one : sets[0])
     for (const BodyId other : sets[1]) {
       (one == other ? shared : any) = true;
       if (one == other || (touch && (rough || !of->needs_friction()))) continue;
       const ContactLaw law = model.contact_law(one, other);
       touch = touch || !law.off, rough = rough || (!law.off && law.static_friction > 0);
-      by_rule = by_rule || (law.off && model.contact_rule(one, other) != nullptr);
     }
   if (!any) return Error{key + pair + " are the same body", "", "name two bodies, or mechanisms"};
   if (shared && of->is_sum())
     return Error{key + pair + " have bodies in common", "", "their forces on each other have no sum: name two bodies"};
   if (!touch && of->needs_contact())
-    return Error{key + pair + " pass through each other", "",
-                 by_rule ? "the last [[contact]] that names them says off = true"
-                         : "a body and its parent touch only if a [[contact]] names both"};
+    return Error{key + pair + " pass through each other", "", "the last [[contact]] that names them says off = true"};
   if (!rough && of->needs_friction())
     return Error{key + pair + " have no friction, so that no slip begins", "", "give a speed: exceeds = \"1 mm/s\""};
   return std::nullopt;

@@ -246,9 +246,7 @@ TEST_CASE("contact instants: conditions that can never be met are refused, with 
   const auto refusal = [&](const Condition& condition) { return error_of([&] { static_cast<void>(sim.when(condition)); }); };
   CHECK(refusal(touching("bell", "other")) ==
         "error: touch: 'bell' and 'other' pass through each other; the last [[contact]] that names them says off = true");
-  CHECK(refusal(slip_between("bell/upper", "bell/lower") > 1) ==
-        "error: slip: 'bell/upper' and 'bell/lower' pass through each other; a body and its parent touch only if a [[contact]] "
-        "names both");
+  CHECK(refusal(slip_between("bell/upper", "bell/lower") > 1).empty());  // what connects them may break
   CHECK(refusal(gap_between("bell", "other") < 1).empty());
   CHECK(refusal(touching("bare", "bell")) == "error: touch: 'bare' touches nothing; give one of its bodies a collision");
   CHECK(refusal(touching("other", "other/ball")) ==

@@ -95,26 +95,43 @@ void Simulation::Impl::step_islands(double h) {
 
 // Bodies that passed through each other in the step: an event of each pair, at the first time.
 void Simulation::Impl::report_passes() {
-  const auto name = [this](int body) { return body < 0 ? std::string("ground") : world.model_.body_name({body}); };
   for (const Contacts::Passed& pair : contacts.passed()) {
-    Event event;
-    event.time = world.time(), event.name = passed_through;
-    event.contact.one = name(pair.a), event.contact.other = name(pair.b);
-    event.contact.point = pair.point, event.contact.normal = pair.side;
+    Event event = pass_of(pair.a, pair.b, pair.point, pair.side);
     const auto same = [&](const Event& e) {
       return e.name == event.name && e.contact.one == event.contact.one && e.contact.other == event.contact.other;
     };
     if (std::any_of(events.begin(), events.end(), same)) continue;
     event.reason = "within one step through contacts; use steps of at most " + detail::text(pair.step) + " s" +
                    (method_steps ? ", or dop853, which locates contacts" : "");
-    event.mechanisms_before = event.mechanisms_after = world.mechanism_names();
-    event.before = event.after = world.totals();
     events.push_back(std::move(event));
+  }
+}
+
+Event Simulation::Impl::pass_of(int one, int other, const Vec3& point, const Vec3& normal) const {
+  Event event;
+  event.time = world.time(), event.name = passed_through;
+  event.contact.one = world.model_.body_name({one}), event.contact.other = world.model_.body_name({other});
+  event.contact.point = point, event.contact.normal = normal;
+  event.mechanisms_before = event.mechanisms_after = world.mechanism_names();
+  event.before = event.after = world.totals();
+  return event;
+}
+
+// Of each two bodies when this began, and the deepest overlap.
+void Simulation::Impl::note_overlaps() {
+  for (const auto& [pair, depth] : contact_steps.overlapping()) {
+    const Overlap found = contacts.overlap_of(pair, depth);
+    const auto known = std::ranges::find_if(stepping.overlaps, [&](const KeptOverlap& o) { return o.deepest.same_pair(found); });
+    if (known == stepping.overlaps.end())
+      stepping.overlaps.push_back({found, world.time()});
+    else if (known->deepest.depth < depth)
+      known->deepest = found;
   }
 }
 
 void Simulation::Impl::after_contact_step() {
   report_passes();
+  note_overlaps();
   if (!stepping.on) return;  // the method itself steps
   const auto of = [&](int body) -> SteppedBody& { return stepping.bodies[static_cast<std::size_t>(body)]; };
   for (const int body : contact_steps.hits()) of(body).since_impact = world.time();

@@ -55,6 +55,7 @@ void Simulation::Impl::find_forces_of_steps() {
 std::span<const Watch> Simulation::Impl::watches(double& h) {
   if (some_step()) h = std::min(h, integration.step);
   if (contacts.any() && (steps_through() || some_step())) h = contacts.limit_step(h);
+  if (contacts.any()) contacts.forget_apart();
   const std::span<const Watch> of_events = queue.watches(world);
   if (!contacts.any() || steps_through()) return of_events;
   const std::span<const Watch> of_contacts = contacts.watches(h);

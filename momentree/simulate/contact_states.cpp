@@ -274,6 +274,7 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   std::erase_if(before, [this](const Contact& c) { return is_gone(c.a) || is_gone(c.b); });
   set({});
   settling_.clear(), jammed_.clear();
+  forget_apart();
   const std::size_t first = events.size();
   (*evaluate_)(world_->state_);
   if (const std::optional<Overlap> worst = overlap())

@@ -140,8 +140,18 @@ void ContactSteps::move(State& state, EnergyLedger& ledger) {
     deepest = std::max(deepest, -gaps_[near_.size() + i]);
   }
   if (!(deepest > least_depth * size)) return;
-  displace(state, many_.separate(gaps_, pushes_));
+  contact::LinksMotion& apart = many_.separate(gaps_, pushes_);
+  if (deepest > left_by_steps) note_overlaps(apart);
+  displace(state, apart);
   ledger.projection += energy() - struck;
+}
+
+// Where nothing gives way, such as below a body whose motion is prescribed, overlaps are left.
+void ContactSteps::note_overlaps(contact::LinksMotion& moved) {
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    const double depth = -gaps_[i] - many_.along_normal(i, moved);
+    if (depth > left_by_steps) overlapping_.emplace_back(near_[i].pair, depth);
+  }
 }
 
 // Bodies that lie on something fall with it in each step, and are moved back: dampers and efforts do nothing in that, as a whole.
@@ -294,7 +304,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   (*evaluate_)(state);
   free_power_ = world_->workspace_.power;
   find_points(reach(h));
-  hits_.clear(), touching_.clear();
+  hits_.clear(), touching_.clear(), overlapping_.clear();
   if (near_.empty() && stops_.empty()) {
     points_.clear();
     released_ = false, has_forces_ = true;

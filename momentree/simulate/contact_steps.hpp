@@ -42,6 +42,8 @@ class ContactSteps final : public StepContacts {
   const std::vector<int>& hits() const { return hits_; }
   /// Pairs of bodies that touched in the last step; −1: the ground.
   const std::vector<std::pair<int, int>>& touching() const { return touching_; }
+  /// The pairs that the last step could not keep from overlapping by more than `left_by_steps`, each with its depth (m).
+  const std::vector<std::pair<int, double>>& overlapping() const { return overlapping_; }
   /// Evaluations until the next step are without the forces of the last one, which stay the first guess of that step. So it is
   /// before the first step.
   void release();
@@ -72,6 +74,7 @@ class ContactSteps final : public StepContacts {
   void move(State& state, EnergyLedger& ledger);
   void take_back_work(double t, EnergyLedger& ledger, double h);
   void displace(State& state, contact::LinksMotion& by);
+  void note_overlaps(contact::LinksMotion& moved);
   bool lay_there(std::size_t point, double h) const;
   void remember(double h);
   void hold(const std::vector<SteppedContact>& points);
@@ -97,6 +100,7 @@ class ContactSteps final : public StepContacts {
   bool released_at_start_ = false;
   std::vector<int> hits_;
   std::vector<std::pair<int, int>> touching_;
+  std::vector<std::pair<int, double>> overlapping_;
 };
 
 }  // namespace momentree

@@ -69,36 +69,18 @@ const Contacts::Pair& Contacts::Pairs::operator[](std::size_t number) const {
   const Collider &one = swap ? second : first, &other = swap ? first : second;
   Pair pair{.one = &one, .other = &other, .a = one.body.index, .b = other.body.index};
   pair.law = model_->contact_law(one.body, other.body);
+  pair.while_joined = model_->touch_while_joined(one.body, other.body);
   if (!other.plane) pair.thickness = std::min(one.solid.thickness, other.solid.thickness);
   if (const ContactRule* const rule = model_->contact_rule(one.body, other.body)) pair.law_name = rule->name;
   return known_.emplace(number, std::move(pair)).first->second;
-}
-
-// Bodies that are welded together, in the present tree.
-void Contacts::find_welded() const {
-  const Tree& tree = world_->tree_;
-  if (welded_of_ == tree.revision() && welded_.size() == static_cast<std::size_t>(tree.bodies())) return;
-  welded_of_ = tree.revision();
-  welded_.resize(static_cast<std::size_t>(tree.bodies()));
-  for (int b = 0; b < tree.bodies(); ++b) welded_[static_cast<std::size_t>(b)] = b;
-  for (const int b : tree.order()) {
-    if (tree.kind(b) != Kind::weld) continue;
-    const int parent = tree.parent(b);
-    welded_[static_cast<std::size_t>(b)] = parent < 0 ? -1 : welded_[static_cast<std::size_t>(parent)];
-  }
-  for (const Loop& loop : tree.loops()) {
-    if (loop.joint.kind != Kind::weld) continue;
-    const int one = welded_[static_cast<std::size_t>(loop.body)],
-              other = loop.to < 0 ? -1 : welded_[static_cast<std::size_t>(loop.to)];
-    std::replace(welded_.begin(), welded_.end(), std::max(one, other), std::min(one, other));
-  }
 }
 
 // Pairs that can touch within h seconds, or are nearer than `margin` (m), in ascending order; and all cables.
 const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
   const std::vector<Collider>& all = world_->model_.colliders();
   const double accelerated = norm(world_->model_.gravity()) * h;
-  find_welded();
+  const Connections& connections = world_->connections();
+  const std::vector<int>& passing = world_->overlapping_;
   balls_.clear(), solids_.clear(), near_.clear();
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].plane || (all[i].body != ground && !world_->alive(all[i].body))) continue;
@@ -109,14 +91,13 @@ const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
     balls_.push_back({at.r + arm, solid.reach + speed * h + margin * std::max(1.0, norm(at.r))});
     solids_.push_back(static_cast<int>(i));
   }
-  const auto group = [&](int collider) {
-    const BodyId body = all[static_cast<std::size_t>(collider)].body;
-    return body == ground ? -1 : welded_[static_cast<std::size_t>(body.index)];
-  };
+  const auto body_of = [&](int collider) { return all[static_cast<std::size_t>(collider)].body.index; };
   const auto add = [&](int one, int other) {
+    if (connections.are_welded(body_of(one), body_of(other))) return;
     const int number = pair_of_colliders(world_->model_, one, other);
-    if (group(one) == group(other)) return;
-    if (!pairs_[static_cast<std::size_t>(number)].law.off) near_.push_back(number);
+    const Pair& pair = pairs_[static_cast<std::size_t>(number)];
+    if (pair.law.off || (!pair.while_joined && connections.are_joined(pair.a, pair.b))) return;
+    if (!std::binary_search(passing.begin(), passing.end(), number)) near_.push_back(number);
   };
   for (const auto& [one, other] : broad_phase_.find(balls_))
     add(solids_[static_cast<std::size_t>(one)], solids_[static_cast<std::size_t>(other)]);
@@ -329,6 +310,12 @@ std::span<const Watch> Contacts::watches(double& h) {
     conditions_.emplace_back(std::make_shared<PairGap>(*this, i, looked_within(pair)), 0.0, false);
     noise_.push_back(noise_of(i));
   }
+  for (const int i : world.overlapping_) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
+    const double longest = longest_step(pair, 0, 2 * speed_bound(pair) + 2 * accelerated, accelerated / h);
+    if (h > longest) h = std::max(longest, 1e-9 * h);
+    conditions_.emplace_back(std::make_shared<Apart>(*this, i), 0.0, true);
+  }
   const std::span<const Contact> closed = world.tree_.contacts();
   slow_.assign(closed.size(), false);
   started_ = world.time();
@@ -401,56 +388,6 @@ double Contacts::next_rest() const {
   for (const Contact& c : world_->tree_.contacts())
     if (c.settles >= 0) next = std::min(next, c.settles);
   return next;
-}
-
-std::optional<Overlap> Contacts::overlap() { return deepest(-1); }
-std::optional<Overlap> Contacts::overlap_of_all() { return deepest(-1, true); }
-double Contacts::deepest_of_all() {
-  const std::optional<Overlap> worst = overlap_of_all();
-  return worst ? worst->depth : 0;
-}
-std::optional<Overlap> Contacts::overlap_with(BodyId body) { return deepest(body.index, true); }
-
-// How deep a pair overlaps (m), also where bodies cross each other so that no feature of one is inside the other.
-double Contacts::depth_of(const Pair& pair, int number) const {
-  double depth = -gap_of(number, 0).value;
-  if (pair.cable >= 0 || pair.other->plane || pair.one->solid.faces.empty() || pair.other->solid.faces.empty()) return depth;
-  found_candidates_.clear();
-  overlap_.find(pair.one->solid, place(pair.a), pair.other->solid, place(pair.b), 0, found_candidates_);
-  for (const contact::Candidate& found : found_candidates_) depth = std::max(depth, -found.gap);
-  return depth;
-}
-
-// Of that body, or of all bodies if it is negative: then of located contacts, or of all.
-std::optional<Overlap> Contacts::deepest(int body, bool all) {
-  if (!any()) return std::nullopt;
-  std::optional<Overlap> worst;
-  for (const int i : near_pairs(0, 0)) {
-    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
-    if (body >= 0 ? pair.a != body && pair.b != body : !all && handling(pair) != Handling::located) continue;
-    if (apart(pair) > 0) continue;
-    const double depth = all ? depth_of(pair, i) : -gap_of(i, 0).value;
-    if (depth > overlapping * pair.size(*this) && (!worst || depth > worst->depth))
-      worst = Overlap{name_of(pair.a), name_of(pair.b), depth, pair.cable >= 0 ? pair.law_name : "", pair.a, pair.b};
-  }
-  return worst;
-}
-
-std::string Overlap::text() const {
-  if (!cable.empty())
-    return "the ends of cable '" + cable + "' are farther apart than its length by " + detail::text(depth) + " m";
-  return "'" + one + "' and '" + other + "' overlap by " + detail::text(depth) + " m";
-}
-
-std::optional<Overlap> deepest_overlap(const Model& model) {
-  if (!model.has_contact()) return std::nullopt;
-  World world(model, Variables::velocities);
-  return Contacts::overlap_of(world);
-}
-
-std::optional<Overlap> Contacts::overlap_of(World& world) {
-  Evaluator evaluate(world.tree_, world.workspace_);
-  return Contacts(world, evaluate, 1e-10).overlap_of_all();
 }
 
 std::string Contacts::name_of(int body) const { return world_->model_.body_name({body}); }

@@ -139,6 +139,17 @@ class Contacts {
   std::optional<Overlap> overlap();
   std::optional<Overlap> overlap_of_all();
   double deepest_of_all();  ///< its depth (m)
+  /// Pairs that overlap now that the joint between their bodies has ended: they pass through each other until they are apart.
+  /// `before`: what joints connected. Returns the deepest one of each two bodies, with a point.
+  struct Parted {
+    Overlap overlap;
+    Vec3 point;  // m
+  };
+  std::vector<Parted> let_pass(const Connections& before);
+  /// Pairs that have come apart touch from now on.
+  void forget_apart();
+  /// That two solids, or the ends of a cable, overlap so deep (m).
+  Overlap overlap_of(int pair, double depth) const;
   /// The pair of this body and another one that overlaps most.
   std::optional<Overlap> overlap_with(BodyId body);
   static std::optional<Overlap> overlap_of(World& world);
@@ -151,10 +162,12 @@ class Contacts {
   struct Hold;
   struct Slip;
   struct Leaves;
+  struct Apart;
   struct Pair {
     const Collider *one = nullptr, *other = nullptr;  ///< none of a cable
     int a = -1, b = -1;                               ///< bodies; the ground is the second one
     ContactLaw law{};
+    bool while_joined = false;    ///< they also touch while a joint connects them
     double thickness = HUGE_VAL;  ///< of the thinner one; infinite with a plane
     std::string law_name{};
     int cable = -1;                          ///< its number as a spring; −1: two solids
@@ -186,7 +199,7 @@ class Contacts {
   std::optional<Overlap> deepest(int body, bool all = false);
   double depth_of(const Pair& pair, int number) const;
   const std::vector<int>& near_pairs(double h, double margin) const;
-  void find_welded() const;
+  bool are_apart(int pair) const;
   contact::Place place(int body) const;
   bool can_be_taut(std::size_t spring) const;
   contact::Features cable_features(const Pair& cable) const;
@@ -266,8 +279,6 @@ class Contacts {
   mutable contact::OverlapPoints overlap_;
   mutable std::vector<contact::Ball> balls_;
   mutable std::vector<int> near_, solids_;
-  mutable std::vector<int> welded_;      // by body: the first one of those that it is welded to; -1: the ground
-  mutable std::uint64_t welded_of_ = 0;  // the revision of the tree when these were found
   mutable ContactsByPair closed_by_pair_;
   mutable std::uint64_t closed_by_pair_of_ = 0;   // the revision of the tree of which these are
   std::vector<std::pair<int, double>> settling_;  // at this instant: pairs whose bounces end later, and when

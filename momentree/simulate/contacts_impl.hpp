@@ -51,6 +51,18 @@ struct Contacts::Leaves : Quantity {
   std::optional<double> value(const World&, std::span<const Event>) const override { return all->face_each_other(pair) ? -1 : 1; }
 };
 
+/// Positive where solids that passed through each other are apart.
+struct Contacts::Apart : Quantity {
+  const Contacts* all;
+  int pair;
+  Apart(const Contacts& contacts, int number) : all(&contacts), pair(number) {}
+  std::string_view key() const override { return "apart"; }
+  const char* summary() const override { return "Whether two bodies are apart"; }
+  void fields(QuantityFields&) override {}
+  Dimension dimension() const override { return dimension::number; }
+  std::optional<double> value(const World&, std::span<const Event>) const override { return all->are_apart(pair) ? 1 : -1; }
+};
+
 /// Positive where a contact moves against the direction in which it slipped at the start of the step.
 struct Contacts::Slip : Quantity {
   const Contacts* all;

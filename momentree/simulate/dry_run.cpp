@@ -56,12 +56,13 @@ DryRun Simulation::Impl::dry_run() {
     if (std::isfinite(time)) world.set_time(time);
     const double overlapping = contacts.any() ? contacts.deepest_of_all() : 0;
     const WorldSnapshot before = world.snapshot();
-    const InstantReport report = carry_out(world, due, true);
+    const InstantReport report = carry_out_and_part(due, true);
     for (const ActionReport& action : report.actions)
       if (certain && action.result.outcome != ActionResult::Outcome::done)
         found.issues.push_back({order[begin + action.event].entry, action.action, action.result,
                                 action.result.outcome == ActionResult::Outcome::refused ? report.message : "", time});
-    // Bodies that were welded together may overlap, wherever they have moved until then.
+    // Bodies that were welded together may overlap, wherever they have moved until then. Where the ends of cables are is not
+    // known.
     if (certain && !report.refused && !report.lost && contacts.any())
       if (const std::optional<Overlap> worst = contacts.overlap_of_all();
           worst && worst->depth > std::max(left_by_steps, overlapping)) {

@@ -86,9 +86,16 @@ std::vector<std::string> Simulation::warnings() const {
     if (event.name == passed_through)
       all.push_back("'" + event.contact.one + "' passed through '" + event.contact.other + "' at " +
                     formatted("t = %.9g s", event.time) + ": " + event.reason);
-  if (const std::optional<Overlap> left = overlap(); left && left->depth > left_by_steps)
-    all.push_back("at the end " + left->text() +
-                  ": a prescribed motion has forced this, or steps are too long; results since it began are not valid");
+  constexpr const char* why =
+      ": a prescribed motion has forced this, or steps are too long; results since it began are not valid";
+  const std::vector<KeptOverlap>& overlaps = impl().stepping.overlaps;
+  for (const KeptOverlap& kept : overlaps)
+    all.push_back("from " + formatted("t = %.9g s", kept.since) + " on " + kept.deepest.text("up to ") + why);
+  const auto is_left = [&](const Overlap& left) {
+    return std::ranges::none_of(overlaps, [&](const KeptOverlap& kept) { return kept.deepest.same_pair(left); });
+  };
+  if (const std::optional<Overlap> left = overlap(); left && left->depth > left_by_steps && is_left(*left))
+    all.push_back("at the end " + left->text() + why);
   return all;
 }
 

@@ -11,11 +11,14 @@ namespace momentree {
 
 /// Two bodies that overlap, or a cable that is too short for its ends.
 struct Overlap {
-  std::string one, other;    ///< bodies, or "ground"
-  double depth = 0;          ///< m; of a cable, the distance of its ends less its length
-  std::string cable{};       ///< its name; empty: the bodies overlap
-  int a = -1, b = -1;        ///< numbers of the bodies; −1: the ground
-  std::string text() const;  ///< "'crate' and 'ground' overlap by 0.01 m"
+  std::string one, other;  ///< bodies, or "ground"
+  double depth = 0;        ///< m; of a cable, the distance of its ends less its length
+  std::string cable{};     ///< its name; empty: the bodies overlap
+  int a = -1, b = -1;      ///< numbers of the bodies; −1: the ground
+  /// "'crate' and 'ground' overlap by 0.01 m", or by "up to " that.
+  std::string text(const char* up_to = "") const;
+  bool same_pair(const Overlap& x) const { return x.one == one && x.other == other && x.cable == cable; }
+  friend bool operator==(const Overlap&, const Overlap&) = default;
 };
 
 /// States from time stepping may have overlaps of up to this (m); deeper ones are errors.

@@ -343,6 +343,7 @@ StepMemory Simulation::step_memory() const {
   }
   if (!impl_->contacts.any()) memory.stepping.released = false;  // nothing that can touch has forces
   memory.stepping.placed = true;                                 // whatever begins with it
+  memory.stepping.overlaps.clear();                              // of the run until then
   for (const DeeperStop& stop : impl_->stops.deeper())
     memory.deeper.emplace_back(std::string(impl_->world.joint_name({stop.joint})), stop);
   return memory;

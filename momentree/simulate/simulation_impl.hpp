@@ -41,7 +41,7 @@ inline constexpr std::size_t most_events_at_once = 10'000;
 
 }  // namespace detail
 
-/// The name of events at which bodies pass through each other within a step.
+/// The name of events at which bodies pass through each other, within a step or because they overlap.
 inline constexpr const char* passed_through = "pass";
 
 /// The energy (J) that gravity and drives give to bodies which move by their own size or turn by 1 rad: the scale of energies
@@ -210,6 +210,8 @@ struct Simulation::Impl {
   bool steps_through() const { return stepping.all || method_steps; }
   bool some_step() const { return stepping.on && !stepping.all; }
   void report_passes();
+  void note_overlaps();
+  Event pass_of(int one, int other, const Vec3& point, const Vec3& normal) const;
   void begin_stepping(const std::string& why, const std::vector<int>& at);
   std::vector<bool> stepped_bodies() const;
   void update_islands();
@@ -276,6 +278,7 @@ struct Simulation::Impl {
   bool act(std::span<const Action> actions, const std::string& name);
   bool carry_out_now(std::span<const DueEvent> due);
   bool try_now(std::span<const DueEvent> due);
+  InstantReport carry_out_and_part(std::span<const DueEvent> due, bool dry_run);
   std::pair<std::size_t, std::size_t> overlapping_action(std::span<const DueEvent> due);
   static ActionResult refused_overlap(const std::string& what);
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <momentree/math/vec.hpp>
+#include <momentree/simulate/overlap.hpp>
 
 namespace momentree {
 
@@ -28,6 +29,13 @@ struct SteppedBody {
   friend bool operator==(const SteppedBody&, const SteppedBody&) = default;
 };
 
+/// Bodies that steps could not keep from overlapping.
+struct KeptOverlap {
+  Overlap deepest;
+  double since = 0;  ///< when it was found first (s)
+  friend bool operator==(const KeptOverlap&, const KeptOverlap&) = default;
+};
+
 struct SteppingState {
   bool on = false;   ///< of any bodies
   bool all = false;  ///< of all mechanisms
@@ -42,6 +50,7 @@ struct SteppingState {
   std::vector<SteppedContact> points;  ///< of the last step
   bool released = false;               ///< forces or the state changed since the last step: its forces no longer act
   bool placed = true;                  ///< no run has begun since the state was set: bodies may overlap
+  std::vector<KeptOverlap> overlaps;   ///< of the run, one of each two bodies
   /// The norm of the rates of all momenta without contacts, in documents: another model, or other forces, give another one.
   /// −1: unknown.
   double unloaded = -1;

@@ -66,7 +66,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
   const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
   if (forest.places.size() < model_.bodies().size()) model_.keep(first_bodies_);
   tree_ = Tree(model_);
-  former_contacts_.clear();
+  former_contacts_.clear(), overlapping_ = forest.overlapping;
   first_bodies_ = model_.size();
   declared_ = names_ = Names(model_);
   active_limits_ = forest.active_limits;
@@ -331,7 +331,7 @@ WorldSnapshot World::snapshot() const {
       take_snapshot(tree_, state_), {}, {}, active_limits_, {model_.bodies().begin() + first_bodies_, model_.bodies().end()}};
   for (const Collider& collider : model_.colliders())
     if (collider.body.index >= first_bodies_) all.added_colliders.push_back(collider);
-  all.former_contacts = former_contacts_;
+  all.former_contacts = former_contacts_, all.overlapping = overlapping_;
   all.gravity = model_.gravity();
   for (int k = 0; k < model_.size(); ++k) {
     if (names_.joint(k) != declared_.joint(k)) all.joint_names.emplace_back(k, names_.joint(k));
@@ -354,7 +354,7 @@ void World::restore(const WorldSnapshot& snapshot) {
   if (snapshot.gravity && !(*snapshot.gravity == model_.gravity())) set_gravity(*snapshot.gravity);
   names_ = declared_;
   active_limits_ = snapshot.active_limits;
-  former_contacts_ = snapshot.former_contacts;
+  former_contacts_ = snapshot.former_contacts, overlapping_ = snapshot.overlapping;
   for (const auto& [number, name] : snapshot.joint_names)
     number >= first_loop ? names_.add_loop(number, name) : names_.name_joint(number, name);
   for (const auto& [root, name] : snapshot.mechanism_names) names_.name_mechanism(root, name);

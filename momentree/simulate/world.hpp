@@ -13,6 +13,7 @@
 #include <momentree/dynamics/motion.hpp>
 #include <momentree/dynamics/totals.hpp>
 #include <momentree/dynamics/workspace.hpp>
+#include <momentree/simulate/connections.hpp>
 #include <momentree/simulate/names.hpp>
 #include <momentree/topology/snapshot.hpp>
 #include <momentree/tree/model.hpp>
@@ -82,6 +83,9 @@ struct ContactPoint {
   Vec3 force{};            ///< on `one`, normal force and friction (N), world axes
   Vec3 slip{};             ///< velocity of `one`, less that of `other`, along the surface (m/s)
   bool slips = false;      ///< false: it sticks, or has no friction
+  /// False if the equations of motion leave the force open, as under four legs: others cause the same motion, and this is one of
+  /// them. Empty while the contact is stepped through.
+  std::optional<bool> determined{};
 };
 
 /// The same point in the one order that all contacts of a pair have: see ContactPoint::one.
@@ -120,6 +124,7 @@ struct WorldSnapshot {
   std::vector<BodySpec> added{};            ///< bodies that were added after the start
   std::vector<Collider> added_colliders{};  ///< and what they touch with
   std::vector<Contact> former_contacts{};   ///< World::former_contacts()
+  std::vector<int> overlapping{};           ///< World::overlapping()
   std::optional<Vec3> gravity{};            ///< m/s²; absent: gravity stays as it is when the snapshot is restored
 };
 
@@ -151,6 +156,7 @@ struct Forest {
   std::vector<int> ended_couplings;             ///< the same
   std::vector<Contact> contacts;                ///< that were closed; their features and friction, which are unused, follow
   std::vector<Contact> former_contacts{};       ///< the same of World::former_contacts()
+  std::vector<int> overlapping{};               ///< World::overlapping()
 };
 
 /// The state of one joint in a state document: empty lists keep the start value. If p is given, it is used instead of v; in a
@@ -272,6 +278,10 @@ class World {
   /// which of them stay closed, and reports what changes. Empty otherwise.
   std::span<const Contact> former_contacts() const { return former_contacts_; }
 
+  /// Pairs of colliders that overlapped when the joint between their bodies ended: they pass through each other until they are
+  /// apart. By their numbers (pair_of_colliders()), in ascending order.
+  std::span<const int> overlapping() const { return overlapping_; }
+
   /// DoFs that rest on stops.
   std::span<const ActiveLimit> active_limits() const { return active_limits_; }
 
@@ -308,6 +318,11 @@ class World {
   int held(int joint, int dof) const;
   unsigned held(int joint) const;
   void forget_active_limits();
+  const Connections& connections() const {
+    connections_.update(tree_);
+    return connections_;
+  }
+  bool pass_through(int one_collider, int other_collider) const;
 
   Model model_;
   Variables variables_ = Variables::momenta, loop_variables_ = Variables::velocities;
@@ -316,12 +331,14 @@ class World {
   Names declared_, names_;  // as in the model, and now
   std::vector<ActiveLimit> active_limits_;
   std::vector<Contact> former_contacts_;
+  std::vector<int> overlapping_;
   Tree tree_;
   State state_;
   mutable Workspace<double> workspace_;
   mutable CheckedVector<BodyMotion> motions_;
   mutable std::vector<BodyAcceleration> accelerations_;  // empty until they are first requested
   mutable Stamp motions_of_, accelerations_of_;
+  mutable Connections connections_;         // of the tree when they were last asked for
   mutable MechanismNames mechanism_names_;  // when they were last asked for
   struct LoopValues {
     double q[7], v[6];

@@ -4,6 +4,7 @@
 #include <momentree/contact/distance.hpp>
 #include <momentree/dynamics/contacts.hpp>
 #include <momentree/simulate/contact_bodies.hpp>
+#include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
@@ -25,7 +26,9 @@ std::vector<ContactPoint> World::contacts() const {
   for (std::size_t i = 0; i < closed.size(); ++i) {
     if (closed[i].cable >= 0) continue;
     const contact::Touch& touch = own.rows.touches[i];
-    ContactPoint point{{closed[i].a}, {closed[i].b}, touch.point, touch.normal, {}, {}, closed[i].mode == Contact::Mode::slip};
+    ContactPoint point{
+        {closed[i].a},         {closed[i].b}, touch.point, touch.normal, {}, {}, closed[i].mode == Contact::Mode::slip,
+        own.rows.determined[i]};
     for (std::size_t k = 0; k < 3; ++k)
       point.force += own.rows.forces[3 * i + k] * (k == 0 ? touch.normal : touch.tangent[k - 1]);
     for (std::size_t k = 1; k < 3; ++k) point.slip += own.rows.velocity[3 * i + k] * touch.tangent[k - 1];
@@ -51,6 +54,16 @@ double World::cable_tension(int cable) const {
   return 0;
 }
 
+// True if two colliders do not touch each other at present, whatever their distance is.
+bool World::pass_through(int one_collider, int other_collider) const {
+  const BodyId one = model_.colliders()[static_cast<std::size_t>(one_collider)].body,
+               other = model_.colliders()[static_cast<std::size_t>(other_collider)].body;
+  const Connections& now = connections();
+  return model_.contact_law(one, other).off || now.are_welded(one.index, other.index) ||
+         (now.are_joined(one.index, other.index) && !model_.touch_while_joined(one, other)) ||
+         std::binary_search(overlapping_.begin(), overlapping_.end(), pair_of_colliders(model_, one_collider, other_collider));
+}
+
 std::optional<BodyGap> World::gap(BodyId one, BodyId other) const {
   return gap(ContactBodies(model_, one), ContactBodies(model_, other));
 }
@@ -62,6 +75,7 @@ std::optional<BodyGap> World::gap(const ContactBodies& one, const ContactBodies&
     const BodyMotion& motion = motions()[static_cast<std::size_t>(body.index)];
     return {rotation_matrix(motion.pose.rotation), motion.pose.position, motion.linear, motion.angular};
   };
+  const auto number_of = [this](const Collider& collider) { return static_cast<int>(&collider - model_.colliders().data()); };
   const auto compare = [&](const Collider& first, const Collider& second) {
     const contact::Place a = place(first.body), b = place(second.body);
     const Vec3 centre = a.r + a.R * first.solid.centre;
@@ -69,7 +83,7 @@ std::optional<BodyGap> World::gap(const ContactBodies& one, const ContactBodies&
         second.plane ? dot(second.normal, centre - second.point) - first.solid.reach
                      : norm(centre - b.r - b.R * second.solid.centre) - first.solid.reach - second.solid.reach;
     if (least && !least->passes && apart >= least->distance) return;
-    const bool passes = model_.contact_law(first.body, second.body).off;
+    const bool passes = pass_through(number_of(first), number_of(second));
     if (least && passes && (!least->passes || apart >= least->distance)) return;
     const contact::NearestPoints nearest = second.plane ? contact::distance_to_plane(first.solid, a, second.point, second.normal)
                                                         : contact::distance(first.solid, a, second.solid, b);

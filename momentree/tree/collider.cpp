@@ -16,10 +16,6 @@ namespace {
 
 constexpr BodyId nobody{-2};  // alone in a set: there is none yet, which is not the same as all
 
-bool are_neighbours(const Model& model, BodyId one, BodyId other) {
-  return one != ground && other != ground && (model[one].parent == other || model[other].parent == one);
-}
-
 bool holds(const std::vector<BodyId>& set, BodyId body) {
   return set.empty() || std::find(set.begin(), set.end(), body) != set.end();
 }
@@ -67,23 +63,28 @@ void Model::add_contact_rule(ContactRule rule) {
   contact_rules_.push_back(std::move(rule));
 }
 
-bool applies(const ContactRule& rule, const Model& model, BodyId one, BodyId other) {
-  const bool names_both = !rule.one.empty() && !rule.other.empty();
-  if (!names_both && !rule.law.off && are_neighbours(model, one, other)) return false;
+bool applies(const ContactRule& rule, BodyId one, BodyId other) {
   return (holds(rule.one, one) && holds(rule.other, other)) || (holds(rule.one, other) && holds(rule.other, one));
 }
 
 const ContactRule* Model::contact_rule(BodyId one, BodyId other) const {
   for (std::size_t i = contact_rules_.size(); i-- > 0;)
-    if (applies(contact_rules_[i], *this, one, other)) return &contact_rules_[i];
+    if (applies(contact_rules_[i], one, other)) return &contact_rules_[i];
   return nullptr;
 }
 
 ContactLaw Model::contact_law(BodyId one, BodyId other) const {
-  if (const ContactRule* const rule = contact_rule(one, other)) return rule->law;
-  ContactLaw law;
-  law.off = are_neighbours(*this, one, other);
-  return law;
+  const ContactRule* const rule = contact_rule(one, other);
+  return rule != nullptr ? rule->law : ContactLaw{};
+}
+
+bool Model::touch_while_joined(BodyId one, BodyId other) const {
+  for (std::size_t i = contact_rules_.size(); i-- > 0;) {
+    const ContactRule& rule = contact_rules_[i];
+    const bool names_both = !rule.one.empty() && !rule.other.empty();
+    if ((names_both || rule.law.off) && applies(rule, one, other)) return !rule.law.off;
+  }
+  return false;
 }
 
 }  // namespace momentree

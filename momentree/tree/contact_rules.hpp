@@ -4,7 +4,7 @@
 
 namespace momentree {
 
-/// True if the rule, which may be none of the model, is for contacts between two bodies of the model, or a body and the ground.
-bool applies(const ContactRule& rule, const Model& model, BodyId one, BodyId other);
+/// True if the rule is for contacts between two bodies, or a body and the ground.
+bool applies(const ContactRule& rule, BodyId one, BodyId other);
 
 }  // namespace momentree

@@ -113,11 +113,12 @@ class Model {
   /// friction, a restitution outside of 0 to 1, no such body.
   void add_contact_rule(ContactRule rule);
   const std::vector<ContactRule>& contact_rules() const { return contact_rules_; }
-  /// The rule for contacts between two bodies, or a body and the ground; null: none applies. To neighbours in the tree only rules
-  /// apply that name both, or that are off.
+  /// The rule for contacts between two bodies, or a body and the ground; null: none applies.
   const ContactRule* contact_rule(BodyId one, BodyId other) const;
-  /// Its law. Without a rule the default law, and neighbours do not touch.
+  /// Its law; without a rule the default law.
   ContactLaw contact_law(BodyId one, BodyId other) const;
+  /// True if two bodies also touch while a joint connects them: a rule names both.
+  bool touch_while_joined(BodyId one, BodyId other) const;
 
   /// Reserves space for that many bodies in total.
   void reserve(int count);

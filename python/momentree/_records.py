@@ -44,6 +44,8 @@ class Contact(NamedTuple):
     """Velocity of ``one``, less that of ``other``, along the surface (m/s), shape (3,)."""
     slips: bool
     """Whether it slips; otherwise it sticks, or has no friction."""
+    determined: bool | None = None
+    """False if redundant contacts leave the force open: this is one of those possible. None while it is stepped through."""
 
 
 class Energy(NamedTuple):

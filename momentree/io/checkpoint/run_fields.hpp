@@ -103,9 +103,17 @@ void fields(Archive& archive, Part<Archive, SteppedBody>& b) {
   archive(b.on, b.since_impact, b.patience);
 }
 template <class Archive>
+void fields(Archive& archive, Part<Archive, Overlap>& o) {
+  archive(o.one, o.other, o.depth, o.cable, o.a, o.b);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, KeptOverlap>& o) {
+  archive(o.deepest, o.since);
+}
+template <class Archive>
 void fields(Archive& archive, Part<Archive, SteppingState>& s) {
   archive(s.on, s.all, s.bodies, s.changes, s.changes_at_once, s.window, s.instant, s.one, s.other, s.short_steps, s.steps,
-          s.steps_began, s.points, s.released, s.placed);
+          s.steps_began, s.points, s.released, s.placed, s.overlaps);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, RunState>& r) {

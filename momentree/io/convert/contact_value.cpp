@@ -107,11 +107,17 @@ bool begins_with_rule_of_floor(const Model& model) {
   return plane && rule.one.empty() && rule.other == std::vector<BodyId>{ground} && rule.name.empty() && !rule.law.off;
 }
 
+// True if a rule that names both would let a body touch its parent.
+bool are_apart_by_joint(const Model& model, BodyId one, BodyId other) {
+  if (one == ground || other == ground || (model[one].parent != other && model[other].parent != one)) return false;
+  return !model.contact_law(one, other).off && !model.touch_while_joined(one, other);
+}
+
 // The pairs to which a rule applies unless a later one does.
 void add_pairs(const Model& model, const std::vector<BodyId>& bodies, const ContactRule& rule, Value::Array& out) {
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (std::size_t k = i + 1; k < bodies.size(); ++k)
-      if (applies(rule, model, bodies[i], bodies[k]))
+      if (applies(rule, bodies[i], bodies[k]) && !are_apart_by_joint(model, bodies[i], bodies[k]))
         out.push_back(describe_rule(rule, model.body_name(bodies[i]), model.body_name(bodies[k])));
 }
 
@@ -167,7 +173,8 @@ Value describe_contacts(const Model& model) {
   Value::Array by_pairs;
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (std::size_t k = i + 1; k < bodies.size(); ++k)
-      if (const ContactRule* const rule = model.contact_rule(bodies[i], bodies[k]))
+      if (const ContactRule* const rule = model.contact_rule(bodies[i], bodies[k]);
+          rule != nullptr && !are_apart_by_joint(model, bodies[i], bodies[k]))
         by_pairs.push_back(describe_rule(*rule, model.body_name(bodies[i]), model.body_name(bodies[k])));
   return value(by_rules.size() <= by_pairs.size() ? std::move(by_rules) : std::move(by_pairs));
 }
