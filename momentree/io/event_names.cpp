@@ -185,6 +185,22 @@ class WildSets {
   std::unordered_set<const ActionBase*> idle_;
 };
 
+// The joints that an event makes, or all events if its name is empty.
+std::string joints_made_by(const std::string& name, const Reading& reading) {
+  constexpr int shown = 3;
+  int count = 0;
+  std::string names;
+  for (const ScenarioEvent& event : reading.scenario.events)
+    for (std::size_t a = 0; a < event.actions.size(); ++a) {
+      const std::string joint = made_joint_name({event.name, event.named, event.actions}, a);
+      if (joint.empty() || (!name.empty() && event.name != name)) continue;
+      if (++count <= shown) names += (names.empty() ? "" : ", ") + in_quotes(joint);
+    }
+  const std::string by = name.empty() ? "events make the joint" : "the event of that name makes the joint";
+  if (count == 0) return "the event of that name makes no joint";
+  return by + (count > 1 ? "s " : " ") + names + (count > shown ? " and " + std::to_string(count - shown) + " more" : "");
+}
+
 void report_unknown(const Reading::JointUse& use, Reading& reading) {
   const std::string& target = use.name;
   std::string hint;
@@ -193,11 +209,12 @@ void report_unknown(const Reading::JointUse& use, Reading& reading) {
   if (hint.empty() && target.find('/') == std::string::npos)
     for (const auto& [mechanism, where] : reading.mechanisms)
       if (reading.joints.contains(mechanism + "/" + target)) hint = "use the full name: " + in_quotes(mechanism + "/" + target);
-  if (hint.empty() && reading.events.contains(target)) hint = "the event of that name makes no joint, or several";
+  if (hint.empty() && reading.events.contains(target)) hint = joints_made_by(target, reading);
   if (hint.empty()) hint = reading.suggest(target, reading.made);
   if (hint.empty()) hint = reading.suggest(target, reading.joints);
   const bool springs = use.springs_too && !reading.springs.empty();
   if (hint.empty() && springs) hint = reading.suggest(target, reading.springs);
+  if (hint.empty() && !reading.made.empty()) hint = joints_made_by("", reading);
   reading.out.error(use.place, use.key + ": there is no joint " + (springs ? "or spring " : "") + in_quotes(target),
                     std::move(hint));
 }

@@ -137,7 +137,7 @@ TEST_CASE("joints that actions make have the names that the actions give them, w
     CHECK(simulation.events()[1].action_texts() == std::vector<std::string>{"break m/clasp"});
     CHECK(simulation.world().mechanism_names() == std::vector<std::string>{"m", "f/x"});
     check({{capture + "[[event]]\nat = 2\nbreak = \"capture\"\n",
-            "s.toml:33:9: error: break: there is no joint 'capture'; the event of that name makes no joint, or several"}});
+            "s.toml:33:9: error: break: there is no joint 'capture'; the event of that name makes the joint 'm/clasp'"}});
   }
   check({{arm + "[[event]]\nat = 1\nweld = { body = \"*/x\", to = \"m/b\", name = \"clasp\" }\n",
           "s.toml:29:43: error: weld: joints that a wildcard makes can't all be named 'clasp'; leave out the name: each is then "

@@ -102,6 +102,9 @@ class ActionBase {
   virtual ActionResult apply(TopologyEditor& editor) const = 0;
 };
 
+/// Why an action does nothing.
+inline constexpr const char* joint_is_gone = "the joint no longer exists";
+
 /// An action as a value, made by the functions below or from a class in actions/.
 class Action {
  public:

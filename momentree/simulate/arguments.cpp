@@ -90,11 +90,7 @@ std::optional<Error> unknown_name(const World& world, const EventQueue& queue, c
     if (model.has_joint(joint) || world.find_joint(joint) >= 0 || queue.expected.contains(joint)) continue;
     const std::size_t tail = joint.rfind("~free");
     if (model.has_body(tail == std::string::npos ? joint : joint.substr(0, tail))) continue;
-    const auto made = [&](const EventQueue::Entry& e) {
-      for (std::size_t a = 0; a < e.event.actions.size(); ++a)
-        if (made_joint_name(e.event, a) == joint) return true;
-      return false;
-    };
+    const auto made = [&](const EventQueue::Entry& e) { return makes_joint(e.event, joint); };
     if (std::any_of(queue.entries.begin(), queue.entries.end(), made)) continue;
     Error error = unknown("joint", joint, &BodySpec::joint_name);
     if (springs && !model.springs().empty()) {

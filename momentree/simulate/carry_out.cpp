@@ -133,6 +133,10 @@ bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
   if (report.changes != 0 && contact_steps.has_forces()) contact_steps.release();
   evaluate_state();
   for (Event& event : report.events) {
+    for (ActionRecord& action : event.actions)
+      if (action.skipped == joint_is_gone)
+        if (const EventQueue::Entry* const makes = queue.to_make(action.joint))
+          action.skipped = "the joint does not exist yet: event '" + makes->event.name + "' makes it";
     add_to_balance(event);
     events.push_back(std::move(event));
   }

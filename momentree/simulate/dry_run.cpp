@@ -65,7 +65,7 @@ DryRun Simulation::Impl::dry_run() {
     // known.
     if (certain && !report.refused && !report.lost && contacts.any())
       if (const std::optional<Overlap> worst = contacts.overlap_of_all();
-          worst && worst->depth > std::max(left_by_steps, overlapping)) {
+          worst && worst->cable.empty() && worst->depth > std::max(left_by_steps, overlapping)) {
         world.restore(before);
         const auto [event, action] = overlapping_action(due);
         ActionResult overlap = refused_overlap(worst->text());

@@ -57,6 +57,12 @@ void EventQueue::renew_strengths(const World& world) {
   }
 }
 
+const EventQueue::Entry* EventQueue::to_make(const std::string& joint) const {
+  const auto makes = [&](const Entry& e) { return e.fired == 0 && !e.done && makes_joint(e.event, joint); };
+  const auto found = std::find_if(entries.begin(), entries.end(), makes);
+  return found == entries.end() ? nullptr : &*found;
+}
+
 EventQueue::Borne EventQueue::borne(const Strength& strength, const std::string& event, const std::string& joint) {
   Entry entry;
   entry.event.name = event;

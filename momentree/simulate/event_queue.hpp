@@ -68,6 +68,8 @@ class EventQueue {
   /// The next instant at which something may be due (s).
   double next_time() const { return next_; }
   void look_ahead();
+  /// The entry that will make a joint of that name, which no entry has made yet; null: there is none.
+  const Entry* to_make(const std::string& joint) const;
 
   /// Places of the entries due at an instant or before it.
   std::vector<std::size_t> due(double time) const;

@@ -142,6 +142,12 @@ std::string made_joint_name(const DueEvent& event, std::size_t action) {
   return std::count_if(event.actions.begin(), event.actions.end(), makes) == 1 ? event.name : own;
 }
 
+bool makes_joint(const DueEvent& event, const std::string& joint) {
+  for (std::size_t a = 0; a < event.actions.size(); ++a)
+    if (made_joint_name(event, a) == joint) return true;
+  return false;
+}
+
 InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_run) {
   InstantReport report;
   TopologyEditor editor(world, dry_run);

@@ -42,6 +42,9 @@ inline constexpr std::size_t most_actions_at_once = 10'000;
 /// otherwise "<to>+<body>". Empty for actions that make no joint.
 std::string made_joint_name(const DueEvent& event, std::size_t action);
 
+/// True if one of the actions of an event makes a joint of that name.
+bool makes_joint(const DueEvent& event, const std::string& joint);
+
 /// Says that an action of an event is refused, and why.
 std::string refusal(const DueEvent& event, const Action& action, double time, const ActionResult& result);
 

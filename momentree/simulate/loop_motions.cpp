@@ -17,6 +17,7 @@ struct Motions {
   const Tree& tree;
   const State& state;
   std::vector<JointId> joints{};
+  int without = -1;  ///< number of a loop that is left out
 
   Motions(const Tree& all, const State& at) : tree(all), state(at) {
     for (const int b : tree.driven_joints()) joints.push_back({tree.joint_of(b)});
@@ -33,6 +34,7 @@ struct Motions {
 
   int rank(const std::vector<JointId>& kept) const {
     Tree part = tree;
+    if (without >= 0) part.remove_loop(without);
     for (const JointId joint : joints) {
       bool keeps = false;
       for (const JointId each : kept) keeps = keeps || each == joint;
@@ -50,6 +52,16 @@ struct Motions {
     return independent_rows(part, state.time(), state.q().data(), workspace);
   }
 };
+
+// The weld that holds what a motion would move, if a single one does; −1: none.
+int holding_weld(Motions motions, const std::vector<JointId>& moved) {
+  for (const Loop& loop : motions.tree.loops()) {
+    if (loop.joint.kind != Kind::weld) continue;
+    motions.without = loop.number;
+    if (motions.independent(moved)) return loop.number;
+  }
+  return -1;
+}
 
 }  // namespace
 
@@ -69,9 +81,12 @@ std::optional<Error> conflicting_motions(const Tree& tree, const Names& names, c
     if (motions.independent(rest)) others += (others.empty() ? "" : " and ") + quoted(first[i]);
   }
   const std::string where = "joint " + quoted(last);
+  constexpr const char* held = "its motion is prescribed, but loops and locks do not let it move here";
+  if (const int weld = others.empty() ? holding_weld(motions, first) : -1; weld >= 0)
+    return Error(held, where,
+                 "weld " + quoted({first_loop + weld}) + " holds it: leave that out, or drive the joint by 'effort' or 'pd'");
   if (others.empty())
-    return Error("its motion is prescribed, but loops and locks do not let it move here", where,
-                 "start away from a dead point, unlock a joint of the loop, or drive this one by 'effort' or 'pd'");
+    return Error(held, where, "start away from a dead point, unlock a joint of the loop, or drive this one by 'effort' or 'pd'");
   return Error("its prescribed motion contradicts the one of " + others + ": through the loops, these joints move together",
                where, "leave out one of these motions, or drive that joint by 'effort' or 'pd'");
 }

@@ -449,6 +449,7 @@ TEST_CASE("motions that contradict each other through a loop are refused, with t
   CHECK(both.find("'bar/crank'") != std::string::npos);
   CHECK(both.find("'bar/rocker'") != std::string::npos);
   CHECK(says(sim, {lock("pin")}).find("joint 'bar/crank': its motion is prescribed, but loops and locks") != std::string::npos);
+  CHECK(says(sim, {weld("bar/crank")}).find("do not let it move here; weld 'x' holds it: leave that out") != std::string::npos);
   go(sim, 0.2);
   CHECK(says(sim, {break_joint("pin"), set_parameters("bar/rocker", {.drive = slow()})}).empty());
   go(sim, 0.3);

@@ -384,8 +384,8 @@ TEST_CASE("a stop with nearly no force does not alternate between rest and relea
   CHECK(of(sim, "leave").size() < 20);
 }
 
-// The upper stop is set below where the slider is, on its way in: the slider may go on, but not come back from its inner dead
-// centre, where no force along it holds the crank.
+// The upper stop is set where the slider is, just before its inner dead centre: the slider may go on, but not come back from
+// there, where no force along it holds the crank.
 TEST_CASE("a stop at a turning point of a loop brings the crank to rest, with few events") {
   constexpr double r = 0.3, l = 0.7, q0 = 2;
   for (const char* method : {"rk4", "midpoint"})
@@ -419,8 +419,8 @@ TEST_CASE("a stop at a turning point of a loop brings the crank to rest, with fe
       Simulation sim(model, {.method = method, .step = 1e-4});
       sim.drive("crank", [torque](const EvaluationContext&) { return torque; });
       JointParameters stop;
-      stop.limits.upper = 0.3;
-      sim.at(0.01).then(set_parameters("slider", stop));
+      stop.limits.upper = l - r;
+      sim.when(position_of("crank").exceeds(std::acos(-1.0) - 1e-3)).then(set_parameters("slider", stop));
       REQUIRE(sim.run_until(1.2) == Status::ok);
       CHECK(sim.events().size() < 50);
       const EnergyBalance energy = sim.energy();

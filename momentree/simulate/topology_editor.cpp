@@ -7,6 +7,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/motion.hpp>
+#include <momentree/simulate/arguments.hpp>
 
 namespace momentree {
 
@@ -109,6 +110,20 @@ int TopologyEditor::joint(std::string_view name) const {
   return world_.is_broken(name, {found}) ? -1 : found;
 }
 
+ActionResult TopologyEditor::is_within(int joint, const JointLimits& limits) const {
+  constexpr double rounding = 1e-6;  // of 1 + |limit|: stops may act a little beyond them
+  if (dry_run_ || !limits.hard()) return ActionResult::done();
+  const Values q = coordinates(joint);
+  for (int k = 0; k < info(declared(joint).kind).nv; ++k)
+    for (const auto& [sign, limit] : {std::pair{1.0, limits.upper_of(k)}, {-1.0, limits.lower_of(k)}}) {
+      if (!(sign * (q[k] - limit) > rounding * (1 + std::fabs(limit)))) continue;
+      return ActionResult::refused(
+          "limits: the joint is at " + detail::text(q[k]) + ", " + (sign > 0 ? "above" : "below") + " them",
+          "let them contain its position, or give them a 'stiffness', which pushes it back");
+    }
+  return ActionResult::done();
+}
+
 void TopologyEditor::touch(int joint) {
   touched_[event_].insert(joint);
   names_at_start_.emplace(joint, joint_name(joint));
@@ -147,8 +162,11 @@ ActionResult TopologyEditor::set_spring(int spring, const JointParameters& given
     return ActionResult::refused("a spring has only 'stiffness', 'rest', 'damping' and the force of 'strength', each a number");
   if (all.inextensible && (!given.stiffness.empty() || !given.damping.empty()))
     return ActionResult::refused("a cable has neither stiffness nor damping", "its length is 'rest'");
-  if (all.inextensible && *all.rest < now.rest && *all.rest < world_.spring({spring}).length)
-    return ActionResult::refused("the ends of the cable are farther apart than that");
+  const double length = world_.spring({spring}).length;
+  if (!dry_run_ && all.inextensible && *all.rest < now.rest && *all.rest < length)
+    return ActionResult::refused(
+        "rest: the ends of the cable are " + detail::text(length) + " m apart, farther than " + detail::text(*all.rest) + " m",
+        "shorten it when they are nearer; what pulls them together is a spring with 'tension_only'");
   for (const SpringProblem& problem : check_spring(all))
     return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
   carry_out(SetSpring{{spring}, law_of(all)}, Nature::outside);

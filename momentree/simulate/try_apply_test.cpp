@@ -32,6 +32,41 @@ Model stone(Vec3 gravity) {
 
 }  // namespace
 
+TEST_CASE("an action on a joint that an event makes only later says so, and on one that is gone, that") {
+  Model model = two_links({});
+  model.add({.name = "sat", .mass = 3, .inertia = diagonal(0.1), .joint = Free{}, .q = {0, 0, 2, 1, 0, 0, 0}});
+  Simulation sim(model, {.step = 1e-3});
+  sim.at(0.2).then(weld("sat", "m/hand")).named("clasp");
+  for (const double time : {0.1, 0.3, 0.4}) sim.at(time).then(break_joint("clasp"));
+  REQUIRE(sim.run_until(0.5));
+  REQUIRE(sim.events().size() == 4);
+  CHECK(sim.events()[0].actions[0].skipped == "the joint does not exist yet: event 'clasp' makes it");
+  CHECK(sim.events()[2].actions[0].skipped.empty());
+  CHECK(sim.events()[3].actions[0].skipped == "the joint no longer exists");
+}
+
+TEST_CASE("limits that do not contain the position of the joint are refused, unless they are soft") {
+  const JointLimits above{.lower = 1, .upper = 2}, below{.upper = -0.5}, soft{.lower = 1, .stiffness = 10};
+  for (const bool loop : {false, true}) {
+    Model model = two_links({});
+    if (loop) {
+      const BodyId bar = model.add({.name = "bar", .mass = 1, .inertia = diagonal(0.1), .joint = Free{}});
+      model.add_loop({.name = "pin", .body = bar, .joint = Revolute{}});
+    }
+    const std::string joint = loop ? "pin" : "m/arm";
+    Simulation sim(model, {.step = 1e-3});
+    CHECK(sim.try_apply(set_parameters(joint, {.limits = above})).reason.find("limits: the joint is at 0, below them") !=
+          std::string::npos);
+    CHECK(sim.try_apply(set_parameters(joint, {.limits = below})).reason.find("limits: the joint is at 0, above them") !=
+          std::string::npos);
+    CHECK(sim.try_apply(set_parameters(joint, {.limits = soft})));
+    CHECK(sim.try_apply(set_parameters(joint, {.limits = {.lower = 0, .upper = 2}})));
+    // Where it will be at that time is not known before.
+    sim.at(0.1).then(set_parameters(joint, {.limits = above}));
+    CHECK(sim.dry_run().issues.empty());
+  }
+}
+
 TEST_CASE("a joint that an action makes has the name that the action gives it, and later actions find it by that name") {
   Model model = two_links({});
   for (int k = 0; k < 2; ++k)

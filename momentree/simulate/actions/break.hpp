@@ -27,7 +27,7 @@ struct Break : ActionBase {
       return ActionResult::done();
     }
     const int joint = editor.joint(name);
-    if (joint < 0) return ActionResult::skipped("the joint no longer exists");
+    if (joint < 0) return ActionResult::skipped(joint_is_gone);
     if (!is_loop({joint}) && !can_break(editor.tree(), {joint}))
       return ActionResult::skipped("it holds nothing: the body is already free");
     editor.break_off(joint);

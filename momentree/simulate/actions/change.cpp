@@ -44,7 +44,7 @@ Vec3 axis_in_child(const Joint& joint, const Pose& motion) {
 
 ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
   const int number = editor.joint(name);
-  if (number < 0) return ActionResult::skipped("the joint no longer exists");
+  if (number < 0) return ActionResult::skipped(joint_is_gone);
   const Joint old = editor.declared(number);
   const Values q = editor.coordinates(number);
   const KindInfo &before = info(old.kind), &now = info(to.spec.kind);

@@ -45,7 +45,7 @@ struct Lock : ActionBase {
   }
   ActionResult check(const TopologyEditor& editor, unsigned& wanted) const {
     const int joint = editor.joint(name);
-    if (joint < 0) return ActionResult::skipped("the joint no longer exists");
+    if (joint < 0) return ActionResult::skipped(joint_is_gone);
     const KindInfo& kind = info(editor.declared(joint).kind);
     if (kind.nv == 0) return ActionResult::skipped("a " + std::string(kind.name) + " has no degree of freedom");
     for (const int i : dofs)

@@ -22,7 +22,7 @@ struct Set : ActionBase {
   ActionResult apply(TopologyEditor& editor) const override {
     if (const int spring = editor.spring(name); spring >= 0) return editor.set_spring(spring, parameters);
     const int joint = editor.joint(name);
-    if (joint < 0) return ActionResult::skipped("the joint no longer exists");
+    if (joint < 0) return ActionResult::skipped(joint_is_gone);
     JointParameters all;
     if (const JointParameters* own = editor.parameters(joint)) all = *own;
     const auto take = [](Values& to, const Values& from) {
@@ -45,6 +45,8 @@ struct Set : ActionBase {
     for (const JointProblem& problem : check_joint(spec))
       return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
     if (ActionResult result = editor.supports(joint, all); result.outcome != ActionResult::Outcome::done) return result;
+    if (ActionResult result = editor.is_within(joint, parameters.limits); result.outcome != ActionResult::Outcome::done)
+      return result;
     if (ActionResult result = editor.can_be_stopped(joint, all); result.outcome != ActionResult::Outcome::done) return result;
     if (all.drive != nullptr && all.drive->moves() && editor.declared(joint).function >= 0)
       return ActionResult::refused("a function drives the joint, so its motion can't be prescribed", "remove the function first");
