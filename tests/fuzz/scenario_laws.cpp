@@ -241,7 +241,7 @@ void Checker::check_certificates() {
           e.name == "lift" || e.name == "slip" || e.name == "stick" || e.name == "resume" || last->name == "resume";
       const double earlier = std::sqrt(2 * std::max(last->before.kinetic, 0.0) * mass);
       found_.within(norm(last->after.linear - e.before.linear),
-                    1e-11 * std::max(speed, earlier) + (contact ? slowest_slip * mass : standstill),
+                    1e-11 * std::max(speed, earlier) + (contact ? slowest_slip * mass : 10 * standstill),
                     "certificates of one instant follow one another: momentum", where);
     }
     last = &e;
