@@ -321,3 +321,20 @@ TEST_CASE("first forces: a seat on three parts, legs on the floor or hooks on ca
   }
   CHECK(tipped > 10);
 }
+
+// Where the method itself would locate contacts, their forces act only at the ends of steps: within these a stop holds nothing.
+TEST_CASE("first forces: a stop that only stepped contacts press does not shorten the steps of another method") {
+  for (const char* method : {"dop853", "rk4"}) {
+    CAPTURE(std::string(method));
+    Model model = supported({});
+    for (int k = 1; k < 9; ++k)  // more points than are located
+      model.add_collider({.body = model.body("part"), .solid = contact::box({0.2 - 0.01 * k, 0.2, 0.2})});
+    model.add(
+        {.name = "pendulum", .mass = 1, .com = {0.1, 0, 0}, .inertia = diagonal(0.1), .at = {3, 0, 2}, .joint = Revolute{}});
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    REQUIRE(sim.run_until(0.02));
+    CHECK(first_time(sim, "stepping") == 0);
+    CHECK(sim.statistics().steps < 100);
+    check_carried(forces_in(sim.world()));
+  }
+}
