@@ -232,9 +232,8 @@ namespace {
 // Where the least forces pull, or leave their cones, others with the same effect may not.
 void share_forces(std::span<const Contact> contacts, ContactRows::Group& group, ContactWorkspace& all, bool at_state) {
   constexpr double rounding = 1e-12;
-  constexpr double nearly = 1e-6;  // of the largest force: others are chosen soon, which is no end of these contacts
-  group.shared = false;
-  if (all.independent.empty()) return;
+  group.shared = false, group.redundant = !all.independent.empty();
+  if (!group.redundant) return;
   all.cones.clear();
   for (std::size_t i = 0; i < all.unknowns.size(); ++i) {
     const Contact& c = contacts[all.unknowns[i] / 3];
@@ -243,7 +242,7 @@ void share_forces(std::span<const Contact> contacts, ContactRows::Group& group, 
   double size = 0, margin = 0;
   for (const double x : all.right) size = std::max(size, std::fabs(x));
   for (const contact::ForceCone& cone : all.cones) margin = std::min(margin, cone.margin(all.right));
-  if (margin >= (at_state ? nearly : -rounding) * size) return;
+  if (margin >= -rounding * size) return;
   group.shared = true;
   all.shared.choose(all.right, all.independent, all.cones);
   if (at_state) group.margin = all.shared.margin();

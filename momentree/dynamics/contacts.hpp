@@ -29,7 +29,8 @@ struct ContactRows {
     std::size_t first_dof = 0, dofs = 0;  ///< the degrees of freedom of its mechanisms, in `dof`
     std::size_t at = 0;                   ///< where its rows begin in J and Y, each with `dofs` numbers
     std::size_t at_A = 0;                 ///< where its matrix begins in A: 3 count rows and columns
-    bool shared = false;                  ///< the least forces are not possible, and others were chosen
+    bool redundant = false;               ///< several forces have the same effect
+    bool shared = false;                  ///< the least of them are not possible, and others were chosen
     double margin = 0;                    ///< of these, see SharedForces; of states, not of stages
   };
   std::vector<contact::Touch> touches;

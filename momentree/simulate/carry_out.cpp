@@ -134,7 +134,7 @@ bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
   evaluate_state();
   for (Event& event : report.events) {
     for (ActionRecord& action : event.actions)
-      if (action.skipped == joint_is_gone)
+      if (action.skipped == joint_is_gone && world.find_joint(action.joint) < 0)
         if (const EventQueue::Entry* const makes = queue.to_make(action.joint))
           action.skipped = "the joint does not exist yet: event '" + makes->event.name + "' makes it";
     add_to_balance(event);

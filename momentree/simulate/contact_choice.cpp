@@ -250,13 +250,18 @@ void Contacts::note_ended_slip() {
 // Of the present forces: how far they are outside of what contacts can exert, relative to the largest force of their island.
 double Contacts::excess_of_forces() {
   constexpr double accuracy_of_margins = 1e-10;  // where friction is at its limit by construction
+  constexpr double possible = 1e-9;  // where the least forces reach a cone, others are chosen, which is no end of the contacts
   world_->evaluate();
   const ContactRows& rows = world_->workspace_.contacts->rows;
   double worst = -1;
   for (const ContactRows::Group& group : rows.groups)
     if (group.shared) worst = std::max(worst, -group.margin - accuracy_of_margins);
-  for (const std::vector<std::size_t>& island : rows.islands())
-    if (!rows.groups[rows.group_of[island.front()]].shared) worst = std::max(worst, excess_of_island(island));
+  for (const std::vector<std::size_t>& island : rows.islands()) {
+    const ContactRows::Group& group = rows.groups[rows.group_of[island.front()]];
+    if (group.shared) continue;
+    const double excess = excess_of_island(island);
+    worst = std::max(worst, group.redundant ? std::min(excess, -possible) : excess);
+  }
   return worst;
 }
 

@@ -98,7 +98,8 @@ void Simulation::Impl::report_passes() {
   for (const Contacts::Passed& pair : contacts.passed()) {
     Event event = pass_of(pair.a, pair.b, pair.point, pair.side);
     const auto same = [&](const Event& e) {
-      return e.name == event.name && e.contact.one == event.contact.one && e.contact.other == event.contact.other;
+      return e.name == event.name && !(e.contact.normal == Vec3{}) && e.contact.one == event.contact.one &&
+             e.contact.other == event.contact.other;
     };
     if (std::any_of(events.begin(), events.end(), same)) continue;
     event.reason = "within one step through contacts; use steps of at most " + detail::text(pair.step) + " s" +

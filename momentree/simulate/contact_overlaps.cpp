@@ -11,6 +11,7 @@ namespace momentree {
 
 std::optional<Overlap> Contacts::overlap() { return deepest(-1); }
 std::optional<Overlap> Contacts::overlap_of_all() { return deepest(-1, true); }
+std::optional<Overlap> Contacts::overlap_of_bodies() { return deepest(-1, true, false); }
 double Contacts::deepest_of_all() {
   const std::optional<Overlap> worst = overlap_of_all();
   return worst ? worst->depth : 0;
@@ -66,13 +67,13 @@ std::vector<Contacts::Parted> Contacts::let_pass(const Connections& before) {
 }
 
 // Of that body, or of all bodies if it is negative: then of located contacts, or of all.
-std::optional<Overlap> Contacts::deepest(int body, bool all) {
+std::optional<Overlap> Contacts::deepest(int body, bool all, bool cables) {
   if (!any()) return std::nullopt;
   std::optional<Overlap> worst;
   for (const int i : near_pairs(0, 0)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     if (body >= 0 ? pair.a != body && pair.b != body : !all && handling(pair) != Handling::located) continue;
-    if (apart(pair) > 0) continue;
+    if ((pair.cable >= 0 && !cables) || apart(pair) > 0) continue;
     const double depth = all ? depth_of(pair, i) : -gap_of(i, 0).value;
     if (depth > overlapping * pair.size(*this) && (!worst || depth > worst->depth)) worst = overlap_of(i, depth);
   }

@@ -293,10 +293,11 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   for (Contact& c : closed) {
     const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
     const auto then = before_by_pair.of(c.pair);
-    if (now != settling_.end())
+    const double known = then.empty() ? 0 : before[then.front().second].settles;  // negative: it was closed, and stays so
+    if (now != settling_.end() && known >= 0)
       c.settles = now->second;
-    else if (!then.empty() && before[then.front().second].settles > world_->time())
-      c.settles = before[then.front().second].settles;
+    else if (known > world_->time())
+      c.settles = known;
   }
   const std::map<int, Vec3> impulses = stop(closed, settled);
   set(closed);

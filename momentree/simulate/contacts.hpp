@@ -138,6 +138,7 @@ class Contacts {
   /// The pair that overlaps most at present, if any do: of contacts that are located, or of all.
   std::optional<Overlap> overlap();
   std::optional<Overlap> overlap_of_all();
+  std::optional<Overlap> overlap_of_bodies();
   double deepest_of_all();  ///< its depth (m)
   /// Pairs that overlap now that the joint between their bodies has ended: they pass through each other until they are apart.
   /// `before`: what joints connected. Returns the deepest one of each two bodies, with a point.
@@ -196,7 +197,7 @@ class Contacts {
   enum class Handling : unsigned char { located, stepped, between };
   Handling handling(const Pair& pair) const;
   void find_any();
-  std::optional<Overlap> deepest(int body, bool all = false);
+  std::optional<Overlap> deepest(int body, bool all = false, bool cables = true);
   double depth_of(const Pair& pair, int number) const;
   const std::vector<int>& near_pairs(double h, double margin) const;
   bool are_apart(int pair) const;

@@ -54,7 +54,8 @@ DryRun Simulation::Impl::dry_run() {
       due.push_back(event_at(order[i].entry));
     } while (++i < order.size() && order[i].time == time && order[i].follows == order[begin].follows && std::isfinite(time));
     if (std::isfinite(time)) world.set_time(time);
-    const double overlapping = contacts.any() ? contacts.deepest_of_all() : 0;
+    const std::optional<Overlap> deepest = contacts.any() ? contacts.overlap_of_bodies() : std::nullopt;
+    const double overlapping = deepest ? deepest->depth : 0;
     const WorldSnapshot before = world.snapshot();
     const InstantReport report = carry_out_and_part(due, true);
     for (const ActionReport& action : report.actions)
@@ -64,8 +65,8 @@ DryRun Simulation::Impl::dry_run() {
     // Bodies that were welded together may overlap, wherever they have moved until then. Where the ends of cables are is not
     // known.
     if (certain && !report.refused && !report.lost && contacts.any())
-      if (const std::optional<Overlap> worst = contacts.overlap_of_all();
-          worst && worst->cable.empty() && worst->depth > std::max(left_by_steps, overlapping)) {
+      if (const std::optional<Overlap> worst = contacts.overlap_of_bodies();
+          worst && worst->depth > std::max(left_by_steps, overlapping)) {
         world.restore(before);
         const auto [event, action] = overlapping_action(due);
         ActionResult overlap = refused_overlap(worst->text());

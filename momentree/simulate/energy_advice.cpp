@@ -18,7 +18,7 @@ constexpr double tolerated = 1e-3;
 constexpr double tolerances_closed = 100;    // relative tolerances of an adaptive method: what closing loops may add
 constexpr double tolerated_overlaps = 5e-2;  // what removing them adds where contacts were stepped through
 constexpr double rounding = 1e-12;           // of all energies that were turned over
-// Where hardly anything moves, errors are compared with the energies that bodies get by moving their own size: coordinates are
+// Where hardly anything moves, errors are compared with the energies that bodies get by falling their own size: coordinates are
 // known to about the first fraction of it, and what rests on contacts that are stepped through falls a little in every step.
 constexpr double at_rest = 1e-10, at_rest_in_steps = 1e-4;
 constexpr double nothing = 1e-40;  // J: energies below are round-off, whatever the scale of the model
@@ -41,7 +41,7 @@ std::string size_of(double error, const EnergyBalance& balance) {
     return text + share_text(std::fabs(error) / balance.largest_kinetic) + " the largest kinetic energy";
   if (balance.of_heights > 0)
     return text + share_text(std::fabs(error) / balance.of_heights) +
-           " the energy that gravity and drives would give the bodies over their own size";
+           " the energy that the bodies would get by falling their own size";
   return text + "although nothing moves";
 }
 
@@ -84,7 +84,8 @@ std::vector<std::string> Simulation::warnings() const {
   if (std::string advice = energy().advice(integration()); !advice.empty() && !forced) all.push_back(std::move(advice));
   for (const Event& event : events())
     if (event.name == passed_through)
-      all.push_back("'" + event.contact.one + "' passed through '" + event.contact.other + "' at " +
+      all.push_back("'" + event.contact.one + (event.contact.normal == Vec3{} ? "' passes through '" : "' passed through '") +
+                    event.contact.other + (event.contact.normal == Vec3{} ? "' from " : "' at ") +
                     formatted("t = %.9g s", event.time) + ": " + event.reason);
   constexpr const char* why =
       ": a prescribed motion has forced this, or steps are too long; results since it began are not valid";
@@ -136,23 +137,20 @@ double Simulation::Impl::energy_scale() {
 
 double energy_of_heights(const World& world) {
   const Tree& tree = world.tree();
-  std::vector<double> size(static_cast<std::size_t>(tree.bodies()), 0.0), effort(static_cast<std::size_t>(tree.nv()));
+  std::vector<double> size(static_cast<std::size_t>(tree.bodies()), 0.0);
   for (const Collider& collider : world.model().colliders())
     if (!collider.plane && collider.body != ground && world.alive(collider.body)) {
       double& own = size[static_cast<std::size_t>(collider.body.index)];
       own = std::max(own, collider.solid.reach);
     }
-  world.efforts(effort.data());
   double sum = 0;
   for (const int b : tree.order()) {
     const RigidMass& mass = tree.link(b).body;
-    double& own = size[static_cast<std::size_t>(b)];
-    if (mass.m > 0) own = std::max(own, std::sqrt(std::max(0.0, mass.J.xx + mass.J.yy + mass.J.zz) / (2 * mass.m)));
-    sum += norm(world.model().gravity()) * mass.m * own;
-    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
-      sum += std::fabs(effort[static_cast<std::size_t>(tree.first_p(b) + i)]) * (info(tree.kind(b)).v_units[i] == 'm' ? own : 1);
+    if (!(mass.m > 0)) continue;
+    const double gyration = std::sqrt(std::max(0.0, mass.J.xx + mass.J.yy + mass.J.zz) / (2 * mass.m));
+    sum += mass.m * std::max(size[static_cast<std::size_t>(b)], gyration);
   }
-  return sum;
+  return norm(world.model().gravity()) * sum;
 }
 
 }  // namespace momentree

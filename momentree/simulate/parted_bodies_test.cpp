@@ -78,7 +78,7 @@ TEST_CASE("parted: bodies that overlap where their joint broke pass through each
     CHECK(pass->time == 0.1);
     CHECK(pass->contact.one == "plate");
     CHECK(pass->contact.other == "box");
-    CHECK(is_about(falls.warnings(), "'plate' passed through 'box' at t = 0.1 s: they overlap by 0.02 m"));
+    CHECK(is_about(falls.warnings(), "'plate' passes through 'box' from t = 0.1 s: they overlap by 0.02 m"));
 
     // The same box goes up until it is apart, and lands.
     Simulation rises(over_plate(-depth, true), {.method = method, .step = 1e-3});

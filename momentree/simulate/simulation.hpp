@@ -70,8 +70,7 @@ struct EnergyBalance {
   double projection = 0;       ///< energy that closing the loops after steps brought in
   double lost_in_steps = 0;    ///< the part of lost_in_impacts at contacts that were stepped through
   double largest_kinetic = 0;  ///< the largest kinetic energy at the beginning of a step or at an event
-  double of_heights = 0;  ///< what gravity and drives would give bodies over their own size or 1 rad: the scale where nothing
-                          ///< moves
+  double of_heights = 0;       ///< the energy that the bodies would get by falling their own size: the scale where nothing moves
 
   /// A warning with a suggested remedy if the error or the projection exceeds a thousandth of `largest_kinetic`, the latter with
   /// adaptive methods 100 relative tolerances; empty otherwise.

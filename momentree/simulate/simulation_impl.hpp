@@ -44,8 +44,7 @@ inline constexpr std::size_t most_events_at_once = 10'000;
 /// The name of events at which bodies pass through each other, within a step or because they overlap.
 inline constexpr const char* passed_through = "pass";
 
-/// The energy (J) that gravity and drives give to bodies which move by their own size or turn by 1 rad: the scale of energies
-/// where all of them are zero.
+/// The energy (J) that gravity gives to bodies which fall by their own size: the scale of energies where all of them are zero.
 double energy_of_heights(const World& world);
 
 struct Simulation::Impl {

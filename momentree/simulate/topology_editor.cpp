@@ -110,11 +110,10 @@ int TopologyEditor::joint(std::string_view name) const {
   return world_.is_broken(name, {found}) ? -1 : found;
 }
 
-ActionResult TopologyEditor::is_within(int joint, const JointLimits& limits) const {
+ActionResult TopologyEditor::is_within(const Values& q, const JointLimits& limits, bool known) const {
   constexpr double rounding = 1e-6;  // of 1 + |limit|: stops may act a little beyond them
-  if (dry_run_ || !limits.hard()) return ActionResult::done();
-  const Values q = coordinates(joint);
-  for (int k = 0; k < info(declared(joint).kind).nv; ++k)
+  if ((dry_run_ && !known) || !limits.hard()) return ActionResult::done();
+  for (int k = 0; k < q.size(); ++k)
     for (const auto& [sign, limit] : {std::pair{1.0, limits.upper_of(k)}, {-1.0, limits.lower_of(k)}}) {
       if (!(sign * (q[k] - limit) > rounding * (1 + std::fabs(limit)))) continue;
       return ActionResult::refused(

@@ -66,8 +66,8 @@ class TopologyEditor {
   const Loop& loop_of(int joint) const;
   /// Whether a joint, which may close a loop, supports these parameters; otherwise the result of the action.
   ActionResult supports(int joint, const JointParameters& parameters) const;
-  /// Whether a joint is between the hard stops of these limits.
-  ActionResult is_within(int joint, const JointLimits& limits) const;
+  /// Whether coordinates of a joint are between the hard stops of these limits. In a dry run only those that are `known` count.
+  ActionResult is_within(const Values& q, const JointLimits& limits, bool known = false) const;
   /// Whether hard stops can stop the joints that couplings connect with this one if it has these parameters.
   ActionResult can_be_stopped(int joint, const JointParameters& parameters) const;
   /// Whether the prescribed motions of joints in loops are independent now.

@@ -64,6 +64,13 @@ TEST_CASE("limits that do not contain the position of the joint are refused, unl
     // Where it will be at that time is not known before.
     sim.at(0.1).then(set_parameters(joint, {.limits = above}));
     CHECK(sim.dry_run().issues.empty());
+    // A joint that is made begins at zero.
+    const Prismatic made{.axis = {0, 0, 1}, .limits = above};
+    CHECK(sim.try_apply(attach("m/hand", "ground", made)).reason.find("limits: the joint is at 0, below them") !=
+          std::string::npos);
+    CHECK(sim.try_apply(change_joint("m/arm", made)).reason.find("limits: the joint is at 0, below them") != std::string::npos);
+    sim.at(0.1).then(attach("m/hand", "ground", made));
+    CHECK(sim.dry_run().issues.size() == 1);
   }
 }
 

@@ -46,7 +46,7 @@ double kinetic_scale(const Trace& run, const io::Scenario& scenario) {
   for (const BodySpec& body : scenario.model.bodies()) mass += body.mass;
   return e.largest_kinetic + std::fabs(e.dissipated) + std::fabs(e.work) + std::fabs(e.lost_in_impacts) + std::fabs(e.released) +
          mass * norm(scenario.model.gravity()) + std::fabs(e.final - e.initial) + 1e-9 * std::fabs(e.initial) +
-         1e-4 * e.of_heights + 1e-9;
+         1e-6;  // residues of closing loops move drives
 }
 
 class Checker {

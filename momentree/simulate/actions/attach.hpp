@@ -1,6 +1,7 @@
 #pragma once
 // Joins a body to another mechanism or to the ground by a joint of any kind: a plastic impact in the directions that the joint
 // constrains.
+#include <momentree/joint/motion.hpp>
 #include <momentree/math/unit.hpp>
 #include <momentree/simulate/topology_editor.hpp>
 
@@ -36,6 +37,9 @@ struct Attach : ActionBase {
     JointSpec spec = joint.spec;
     for (const JointProblem& problem : check_joint(spec))
       return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
+    if (ActionResult result = editor.is_within(joint_zero(spec.kind), spec.parameters.limits, true);
+        result.outcome != ActionResult::Outcome::done)
+      return result;
     if (at && !is_placement(*at)) return ActionResult::refused("at: the placement must be finite, with a quaternion of length 1");
     if (info(spec.kind).axis) spec.axis = normalized(spec.axis);
     if (info(spec.kind).axis2) spec.axis2 = normalized(spec.axis2);

@@ -69,7 +69,7 @@ ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
   if (placed) {
     plan.joint.at = editor.joint_pose(number);
     plan.q = joint_zero(spec.kind);
-    return ActionResult::done();
+    return editor.is_within(plan.q, spec.parameters.limits, true);
   }
   plan.joint.at = old.at, plan.joint.child_at = old.child_at;
   if (old.kind == spec.kind && (!now.pitch || old.pitch == spec.pitch)) {
@@ -85,7 +85,7 @@ ActionResult Change::plan(TopologyEditor& editor, JointPlan& plan) const {
     plan.joint.at = old.at * motion;
     plan.q = joint_zero(spec.kind);
   }
-  return ActionResult::done();
+  return editor.is_within(plan.q, spec.parameters.limits);
 }
 
 ActionPhase Change::phase(TopologyEditor& editor) const {

@@ -45,7 +45,8 @@ struct Set : ActionBase {
     for (const JointProblem& problem : check_joint(spec))
       return ActionResult::refused(problem.field + ": " + problem.what, problem.hint);
     if (ActionResult result = editor.supports(joint, all); result.outcome != ActionResult::Outcome::done) return result;
-    if (ActionResult result = editor.is_within(joint, parameters.limits); result.outcome != ActionResult::Outcome::done)
+    if (ActionResult result = editor.is_within(editor.coordinates(joint), parameters.limits);
+        result.outcome != ActionResult::Outcome::done)
       return result;
     if (ActionResult result = editor.can_be_stopped(joint, all); result.outcome != ActionResult::Outcome::done) return result;
     if (all.drive != nullptr && all.drive->moves() && editor.declared(joint).function >= 0)
