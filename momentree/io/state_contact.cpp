@@ -109,10 +109,10 @@ class ContactReader {
   static constexpr const char* remedy = "leave out `contacts`: the run finds them anew";
 
   void read_overlapping(const Who& who, std::size_t errors, Forest& forest) {
-    fields_.finish();
     if (errors == out_.errors() && (who.cable >= 0 || who.one == ground || who.other == ground))
-      out_.error(entry_.place, "overlapping: two bodies that a joint connected can pass through each other",
-                 "leave out this contact");
+      return out_.error(entry_.place, "overlapping: only two bodies that a joint connected can pass through each other",
+                        "leave out this contact");
+    fields_.finish();
     if (errors == out_.errors() && who.pair >= 0) forest.overlapping.push_back(who.pair);
   }
 

@@ -277,7 +277,7 @@ TEST_CASE("contacts of a document: what it names exists, and contacts that no lo
         std::string::npos);
 
   CHECK(mistake_in("\"one\": \"box\"", "\"overlapping\": true, \"one\": \"box\"")
-            .find("overlapping: two bodies that a joint connected can pass through each other") != std::string::npos);
+            .find("overlapping: only two bodies that a joint connected can pass through each other") != std::string::npos);
   CHECK(mistake_in("\"contacts\": [", "\"contacts\": [1, {\"one\": \"box\"}, ").find("found a number") != std::string::npos);
 
   const auto events_from = [&](const std::string& velocity) {
