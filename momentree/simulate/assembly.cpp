@@ -173,11 +173,9 @@ std::optional<Error> moved_beyond_stops(const Tree& tree, const Names& names, st
       const double low = p->limits.lower_of(i), high = p->limits.upper_of(i);
       // It may have been beyond: an event can give it such a stop.
       if (to[k] >= std::min(low, from[k]) - closed_at_start && to[k] <= std::max(high, from[k]) + closed_at_start) continue;
-      return Error(
-          "it starts beyond its limits, at " + short_text(to[k]) + ", where loops or couplings put it",
-          "joint '" + names.joint(tree.joint_of(b)) + "'",
-          "give another joint of the loop or coupling a start with which it is within its limits, or leave out such that "
-          "keep it beyond them");
+      return Error("it starts beyond its limits, at " + short_text(to[k]) + ", where loops or couplings put it",
+                   "joint '" + names.joint(tree.joint_of(b)) + "'",
+                   "give another joint of the loop or coupling a start that keeps this one within its limits");
     }
   }
   return std::nullopt;
