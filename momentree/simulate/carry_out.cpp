@@ -74,7 +74,7 @@ std::pair<std::size_t, std::size_t> Simulation::Impl::overlapping_action(std::sp
     for (std::size_t a = 0; a < due[e].actions.size(); ++a) {
       last = {e, a};
       const DueEvent alone{due[e].name, due[e].named, {due[e].actions[a]}};
-      static_cast<void>(carry_out_and_part({&alone, 1}, true));
+      static_cast<void>(carry_out_with_passes({&alone, 1}, true));
       const std::optional<Overlap> now = contacts.overlap_of_all();
       if (!now || now->depth <= std::max(left_by_steps, already ? already->depth : 0)) continue;
       world.restore(start);
@@ -91,7 +91,7 @@ ActionResult Simulation::Impl::refused_overlap(const std::string& what) {
 }
 
 // Bodies that overlap when the joint between them ends pass through each other until they are apart, which an event says.
-InstantReport Simulation::Impl::carry_out_and_part(std::span<const DueEvent> due, bool dry_run) {
+InstantReport Simulation::Impl::carry_out_with_passes(std::span<const DueEvent> due, bool dry_run) {
   if (!contacts.any()) return carry_out(world, due, dry_run);
   const Connections before = world.connections();
   InstantReport report = carry_out(world, due, dry_run);
@@ -109,7 +109,7 @@ bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
   WorldSnapshot before;
   const bool stopped = stops.any();
   if (stopped) before = world.snapshot();
-  InstantReport report = carry_out_and_part(due, false);
+  InstantReport report = carry_out_with_passes(due, false);
   // A stop that would have had to pull in an impact was released before it: repeat without it.
   for (bool again = stopped; again && !report.refused;) {
     const WorldSnapshot after = world.snapshot();
@@ -117,7 +117,7 @@ bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
     again = stops.release_pulled(report.events);
     if (again) {
       before = world.snapshot();
-      report = carry_out_and_part(due, false);
+      report = carry_out_with_passes(due, false);
     } else {
       world.restore(after);
     }

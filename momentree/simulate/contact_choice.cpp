@@ -250,7 +250,7 @@ void Contacts::note_ended_slip() {
 // Of the present forces: how far they are outside of what contacts can exert, relative to the largest force of their island.
 double Contacts::excess_of_forces() {
   constexpr double accuracy_of_margins = 1e-10;  // where friction is at its limit by construction
-  constexpr double possible = 1e-9;  // where the least forces reach a cone, others are chosen, which is no end of the contacts
+  constexpr double possible = 1e-9;  // inside the cones by this at least: if the least forces reach a cone, others are chosen
   world_->evaluate();
   const ContactRows& rows = world_->workspace_.contacts->rows;
   double worst = -1;

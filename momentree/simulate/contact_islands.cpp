@@ -118,7 +118,7 @@ Event Simulation::Impl::pass_of(int one, int other, const Vec3& point, const Vec
   return event;
 }
 
-// Of each two bodies when this began, and the deepest overlap.
+// When bodies began to overlap, and their deepest overlap, by pair of bodies.
 void Simulation::Impl::note_overlaps() {
   for (const auto& [pair, depth] : contact_steps.overlapping()) {
     const Overlap found = contacts.overlap_of(pair, depth);

@@ -266,7 +266,7 @@ bool Simulation::Impl::contacts_gained_energy() {
   const Totals now = world.totals();
   const double all = std::fabs(now.kinetic) + std::fabs(now.potential) + std::fabs(balance.initial) + std::fabs(ledger.work);
   if (gained <= rounding * all) return false;
-  double unmoved = 0;  // the energy of motion that counts as none
+  double unmoved = 0;  // the energy of slip at the speed below which there is none
   for (const int b : world.tree_.order()) unmoved += world.tree_.link(b).body.m * slowest_slip * slowest_slip;
   if (gained <= std::max(unmoved, rounding * energy_of_heights(world))) return false;
   if (!(gained <= most * std::max(balance.largest_kinetic, now.kinetic))) return true;

@@ -358,9 +358,9 @@ void Contacts::stop_creeping(std::vector<Contact> contacts, Settled& settled) {
     contacts = std::move(staying);
     place_contacts(world_->tree_, world_->workspace_, contacts, rows_);
   }
-  // The slip of all points of a pair ends at one instant, but for those about which it turns. If one were stopped shortly before
-  // the others, these would slip on in another direction.
-  constexpr double shortly = 10;
+  // All points of a pair stop slipping at one instant, except one about which it pivots. If one were stopped shortly before the
+  // others, these would slip on in another direction.
+  constexpr double shortly = 10;  // times the speed below which slip is stopped: they decelerate alike
   std::map<int, double> slowest;  // by pair
   const auto slip = [this](std::size_t i) { return std::hypot(rows_.velocity[3 * i + 1], rows_.velocity[3 * i + 2]); };
   for (std::size_t i = 0; i < contacts.size(); ++i) {

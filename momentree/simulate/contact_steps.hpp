@@ -30,8 +30,8 @@ class ContactSteps final : public StepContacts {
   void add_stop(int body, int dof, double sign, double limit) { stops_.push_back({body, dof, sign, limit}); }
   /// True if the contacts of this body are stepped through.
   bool steps(int body) const { return contacts_->steps(body); }
-  /// True if these act only after the step of another method, for this body.
-  bool completes(int body) const { return contacts_->is_stepped(body); }
+  /// True if another method steps this body, whose contacts act only at the end of that step.
+  bool acts_after_step(int body) const { return contacts_->is_stepped(body); }
 
   /// The usual length of a step (s). Forces are the means over that time: impulses of shorter steps say little.
   void set_usual_step(double h) { usual_step_ = h; }

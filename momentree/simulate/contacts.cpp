@@ -327,7 +327,7 @@ std::span<const Watch> Contacts::watches(double& h) {
       // The direction of slow slip changes quickly: fixed steps are limited to the time in which friction would stop it.
       if (const double keeps = closed[i].keeps_direction; keeps > 0 && step_ > 0)
         h = std::min(h, 2 * slow_slip_ * (norm(v) + keeps) / keeps);
-      h = std::min(h, step_ > 0 ? std::max(slip_time(i), shortest_step_of_slip * step_) : time_of_turning(i));
+      h = std::min(h, step_ > 0 ? std::max(slip_time(i), shortest_step_of_slip * step_) : slip_change_time(i));
       if (norm(v) > slowest_slip)
         conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), normalized(v)), 0.0, true);
     }
@@ -416,9 +416,9 @@ double Contacts::slip_time(std::size_t contact) const {
   return 1 / rate;
 }
 
-// The time (s) in which the velocity of slip at a contact changes by itself, but for times that are too short to be followed. The
-// stages of a longer step would slip in directions that say nothing about friction in the meantime.
-double Contacts::time_of_turning(std::size_t contact) const {
+// The time (s) in which the slip velocity of a contact changes by its own size, at its present rate; for slip too slow to be
+// followed, by `creeping`. In a longer adaptive step slip can end, or turn round, without being seen at the end of any stage.
+double Contacts::slip_change_time(std::size_t contact) const {
   world_->evaluate();
   const ContactRows& rows = world_->workspace_.contacts->rows;
   double v[2] = {}, a[2] = {};

@@ -140,7 +140,7 @@ class Contacts {
   std::optional<Overlap> overlap_of_all();
   std::optional<Overlap> overlap_of_bodies();
   double deepest_of_all();  ///< its depth (m)
-  /// Pairs that overlap now that the joint between their bodies has ended: they pass through each other until they are apart.
+  /// Lets pairs that overlap after the joint between their bodies has ended pass through each other until they are apart.
   /// `before`: what joints connected. Returns the deepest one of each two bodies, with a point.
   struct Parted {
     Overlap overlap;
@@ -149,7 +149,7 @@ class Contacts {
   std::vector<Parted> let_pass(const Connections& before);
   /// Pairs that have come apart touch from now on.
   void forget_apart();
-  /// That two solids, or the ends of a cable, overlap so deep (m).
+  /// The overlap of a pair of solids, or of the ends of a cable, with that depth (m).
   Overlap overlap_of(int pair, double depth) const;
   /// The pair of this body and another one that overlaps most.
   std::optional<Overlap> overlap_with(BodyId body);
@@ -218,7 +218,7 @@ class Contacts {
   Vec3 slip_velocity(int contact) const { return slip_velocity(world_->tree_.contacts()[static_cast<std::size_t>(contact)]); }
   Vec3 slip_velocity(const Contact& contact) const;
   double slip_time(std::size_t contact) const;
-  double time_of_turning(std::size_t contact) const;
+  double slip_change_time(std::size_t contact) const;
   bool is_closed(int pair, std::uint64_t id) const;
   bool is_gone(int body) const { return body >= 0 && !world_->alive({body}); }
   std::vector<Contact> touching();

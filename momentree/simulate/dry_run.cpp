@@ -57,7 +57,7 @@ DryRun Simulation::Impl::dry_run() {
     const std::optional<Overlap> deepest = contacts.any() ? contacts.overlap_of_bodies() : std::nullopt;
     const double overlapping = deepest ? deepest->depth : 0;
     const WorldSnapshot before = world.snapshot();
-    const InstantReport report = carry_out_and_part(due, true);
+    const InstantReport report = carry_out_with_passes(due, true);
     for (const ActionReport& action : report.actions)
       if (certain && action.result.outcome != ActionResult::Outcome::done)
         found.issues.push_back({order[begin + action.event].entry, action.action, action.result,

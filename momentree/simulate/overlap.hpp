@@ -1,5 +1,5 @@
 #pragma once
-// Bodies that overlap at the start.
+// Bodies that overlap.
 #include <cstddef>
 #include <optional>
 #include <string>

@@ -277,7 +277,7 @@ struct Simulation::Impl {
   bool act(std::span<const Action> actions, const std::string& name);
   bool carry_out_now(std::span<const DueEvent> due);
   bool try_now(std::span<const DueEvent> due);
-  InstantReport carry_out_and_part(std::span<const DueEvent> due, bool dry_run);
+  InstantReport carry_out_with_passes(std::span<const DueEvent> due, bool dry_run);
   std::pair<std::size_t, std::size_t> overlapping_action(std::span<const DueEvent> due);
   static ActionResult refused_overlap(const std::string& what);
 

@@ -311,7 +311,8 @@ std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, doub
   bool holding = false;
   for (Side& s : sides_) {
     if (locked(s) && !holds(s)) continue;
-    if (holds(s) && through != nullptr && !is_loop({s.joint}) && through->completes(world_->tree_.carrier(s.joint))) continue;
+    const bool tree_joint = !is_loop({s.joint});
+    if (holds(s) && tree_joint && through != nullptr && through->acts_after_step(world_->tree_.carrier(s.joint))) continue;
     if (std::ranges::any_of(pressed_, [&](const Watched& w) { return w.side == &s; })) continue;
     // A joint that is at the stop or beyond it at the start moves away from there: only its return counts.
     const double q = s.sign * coordinate(s);

@@ -107,8 +107,8 @@ bool begins_with_rule_of_floor(const Model& model) {
   return plane && rule.one.empty() && rule.other == std::vector<BodyId>{ground} && rule.name.empty() && !rule.law.off;
 }
 
-// True if a rule that names both would let a body touch its parent.
-bool are_apart_by_joint(const Model& model, BodyId one, BodyId other) {
+// True if a body and its parent do not touch, but would if a rule named both.
+bool joint_keeps_apart(const Model& model, BodyId one, BodyId other) {
   if (one == ground || other == ground || (model[one].parent != other && model[other].parent != one)) return false;
   return !model.contact_law(one, other).off && !model.touch_while_joined(one, other);
 }
@@ -117,7 +117,7 @@ bool are_apart_by_joint(const Model& model, BodyId one, BodyId other) {
 void add_pairs(const Model& model, const std::vector<BodyId>& bodies, const ContactRule& rule, Value::Array& out) {
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (std::size_t k = i + 1; k < bodies.size(); ++k)
-      if (applies(rule, bodies[i], bodies[k]) && !are_apart_by_joint(model, bodies[i], bodies[k]))
+      if (applies(rule, bodies[i], bodies[k]) && !joint_keeps_apart(model, bodies[i], bodies[k]))
         out.push_back(describe_rule(rule, model.body_name(bodies[i]), model.body_name(bodies[k])));
 }
 
@@ -174,7 +174,7 @@ Value describe_contacts(const Model& model) {
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (std::size_t k = i + 1; k < bodies.size(); ++k)
       if (const ContactRule* const rule = model.contact_rule(bodies[i], bodies[k]);
-          rule != nullptr && !are_apart_by_joint(model, bodies[i], bodies[k]))
+          rule != nullptr && !joint_keeps_apart(model, bodies[i], bodies[k]))
         by_pairs.push_back(describe_rule(*rule, model.body_name(bodies[i]), model.body_name(bodies[k])));
   return value(by_rules.size() <= by_pairs.size() ? std::move(by_rules) : std::move(by_pairs));
 }
