@@ -128,6 +128,13 @@ ContactWorkspace& contact_memory(Workspace<double>& workspace) {
 
 std::vector<HeldForce>& held_forces(Workspace<double>& workspace) { return contact_memory(workspace).held; }
 
+void add_held_stops(const Tree& tree, const Workspace<double>& workspace, double* tau) noexcept {
+  if (workspace.contacts == nullptr) return;
+  for (const HeldStop& stop : workspace.contacts->stops)
+    if (const int b = tree.carrier(stop.joint); b >= 0 && tree.alive(b) && stop.dof < info(tree.kind(b)).nv)
+      tau[tree.first_p(b) + stop.dof] += stop.force;
+}
+
 void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::span<const Contact> contacts, ContactRows& rows) {
   rows.touches.resize(contacts.size()), rows.velocity.resize(3 * contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {

@@ -66,10 +66,18 @@ struct HeldForce {
   int cable = -1;         ///< the spring of the model that exerts it; −1: bodies touch
 };
 
+/// What a stop of a joint of the tree does that is stepped through.
+struct HeldStop {
+  int joint, dof;
+  double force;  ///< along the degree of freedom (N or N m)
+  bool rests;    ///< the joint rests on it
+};
+
 /// Memory of contacts, part of a Workspace.
 struct ContactWorkspace {
   ContactRows rows;
   std::vector<HeldForce> held;  ///< in evaluations of states, but not in stages: the forces of contacts that are stepped through
+  std::vector<HeldStop> stops;  ///< the same of stops
   bool solved = true;           ///< the forces are finite
   std::vector<double> matrix, right, change, move, missing;  ///< scratch
   std::vector<double> row, row_size, unit_row;               ///< scratch
@@ -127,7 +135,9 @@ void add_wrench_row(const Tree& tree, const double* q, const Workspace<double>& 
 ContactWorkspace& contact_memory(Workspace<double>& workspace);
 /// The workspace's held forces, which it then has memory for.
 std::vector<HeldForce>& held_forces(Workspace<double>& workspace);
-/// Calls add(body, wrench in its kernel frame) for each of them. Requires workspace.bodies of this configuration.
+/// Adds the forces of held stops to joint forces, packed as p.
+void add_held_stops(const Tree& tree, const Workspace<double>& workspace, double* tau) noexcept;
+/// Calls add(body, wrench in its kernel frame) for each held force. Requires workspace.bodies of this configuration.
 template <class Add>
 void for_held_forces(const Tree& tree, const Workspace<double>& workspace, Add add);
 

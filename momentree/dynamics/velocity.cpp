@@ -44,7 +44,7 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
       Force<double>& wrench = workspace.biases[static_cast<std::size_t>(b)].wrench;
       wrench = wrench - workspace.loads[static_cast<std::size_t>(b)];
     }
-    if (contacts) take_held_forces(tree, workspace);
+    if (contacts) take_held_forces(tree, workspace), add_held_stops(tree, workspace, tau);
     if (tree.has_loops()) {
       add_loop_forces(tree, t, q, workspace);
       detail::add_extra_efforts(tree, *workspace.loops, tau);
@@ -96,7 +96,8 @@ void evaluate_velocities_without_contacts(const Tree& tree, double t, const doub
 void evaluate_velocities_keeping(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                                  LoopRows rows) noexcept {
   evaluate_keeping(tree, t, q, u, workspace, rows, false);
-  const bool held = rows == LoopRows::choose && workspace.contacts != nullptr && !workspace.contacts->held.empty();
+  const ContactWorkspace* const own = workspace.contacts.get();
+  const bool held = rows == LoopRows::choose && own != nullptr && !(own->held.empty() && own->stops.empty());
   if (tree.contacts().empty() && !held) return;
   locate_stage(tree, q, workspace);
   if (!tree.contacts().empty()) find_contact_forces(tree, q, workspace, rows == LoopRows::choose);
@@ -161,6 +162,7 @@ void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>
   double* const pdot = (state.variables() == Variables::momenta ? workspace.p : workspace.pdot).get();
   Force<double>* const Tb = workspace.child_wrenches.get();
   joint_forces(tree, state.time(), q, workspace, pdot);
+  add_held_stops(tree, workspace, pdot);
   for (const int b : all.order()) {
     const Vec3 g = transpose_times(workspace.bodies[static_cast<std::size_t>(b)].R, tree.gravity());
     Tb[b] = {all.link(b).body.m * g, cross(all.link(b).body.mc, g)};

@@ -231,6 +231,7 @@ void write_contacts(JsonWriter& json, const World& world, const SteppingState& s
     json.end_object();
   }
   for (const SteppedContact& point : stepping.points) {
+    if (point.joint >= 0) continue;  // a stop, which is with its joint
     ContactPoint shown{{point.a}, {point.b}, point.point, point.normal, point.force, point.slip};
     if (point.cable < 0) shown = in_order(shown);
     json.begin_object();

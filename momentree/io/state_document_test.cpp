@@ -323,9 +323,15 @@ TEST_CASE("a run that continues from a document sees what stops carry that only 
         }
         Simulation first(model, {.method = method, .step = 1e-3}), second(model, {.method = method, .step = 1e-3});
         if (at >= 0) REQUIRE(first.run_until(at));
-        const RestoredState state = read_state(state_json(first.world(), {}, first.step_memory()), "s.json", model);
+        const std::string text = state_json(first.world(), {}, first.step_memory());
+        const RestoredState state = read_state(text, "s.json", model);
         restore(second, {state});
         second.resume({}, state.memory);
+        if (at > 0) {
+          CHECK(state_json(second.world(), {}, second.step_memory()) == text);
+          CHECK((text.find("\"resting\": [1]") != std::string::npos));
+          CHECK((text.find("\"stop_forces\"") != std::string::npos) == (method == "stepping"));
+        }
         second.when(reaction_force("part").exceeds(0.9 * mass * g)).named("loaded");
         second.when(reaction_force("part").below(0.9 * mass * g)).named("unloaded");
         for (Simulation* each : {&first, &second}) REQUIRE(each->run_until(0.04));
@@ -335,6 +341,7 @@ TEST_CASE("a run that continues from a document sees what stops carry that only 
         REQUIRE(named("loaded") != second.events().end());
         CHECK(named("loaded")->time == std::max(at, 0.0));
         CHECK(named("unloaded") == second.events().end());
+        CHECK((at <= 0 || named("stop") == second.events().end()));
         for (std::size_t i = 0; i < first.world().state().q().size(); ++i)
           CHECK(std::fabs(first.world().state().q()[i] - second.world().state().q()[i]) < 1e-12);
         CHECK(norm(second.world().reaction(model.joint("part")).force) == doctest::Approx(mass * g).epsilon(1e-4));

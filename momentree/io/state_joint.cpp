@@ -1,5 +1,6 @@
 #include <momentree/io/state_joint.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -80,7 +81,8 @@ void JointReader::read_pose(Fields& fields, const char* key, Pose& pose) {
 }
 
 // `locked`: true, false, or one boolean per DoF; `resting`: per DoF 1 on its upper stop, -1 on its lower stop, 0 on none;
-// `deeper`: per DoF where its lower and its upper stop act, if that is beyond their limits.
+// `stop_forces`: per DoF that of a stop that is stepped through, which locks nothing; `deeper`: per DoF where its lower and its
+// upper stop act, if that is beyond their limits.
 void JointReader::read_locks(Fields& fields, DescribedJoint& joint) {
   const int count = info(joint.joint.kind).nv;
   const auto list = [&](const Value& value, const char* key) {
@@ -104,6 +106,13 @@ void JointReader::read_locks(Fields& fields, DescribedJoint& joint) {
   }
   const Value* resting = fields.find("resting");
   const Value::Array* sides = resting ? list(*resting, "resting") : nullptr;
+  const std::vector<double> forces = fields.reals("stop_forces", static_cast<std::size_t>(count));
+  for (int i = 0; i < static_cast<int>(forces.size()); ++i) {
+    if (forces[static_cast<std::size_t>(i)] == 0) continue;
+    SteppedContact& stop = joint.stepped.emplace_back();
+    stop.id = static_cast<std::uint64_t>(i), stop.side = forces[static_cast<std::size_t>(i)] > 0 ? -1 : 1;
+    stop.force.x = std::fabs(forces[static_cast<std::size_t>(i)]);
+  }
   for (int i = 0; sides && i < count; ++i) {
     const Value& entry = (*sides)[static_cast<std::size_t>(i)];
     const std::optional<double> side = entry.number();
@@ -113,6 +122,12 @@ void JointReader::read_locks(Fields& fields, DescribedJoint& joint) {
       continue;
     }
     if (!joint.parameters.limits.any()) out_.error(entry.place, "resting: a joint without 'limits' cannot rest on a stop");
+    if (!forces.empty()) {
+      auto stop = std::ranges::find(joint.stepped, static_cast<std::uint64_t>(i), &SteppedContact::id);
+      if (stop == joint.stepped.end()) stop = joint.stepped.emplace(stop), stop->id = static_cast<std::uint64_t>(i);
+      stop->side = static_cast<int>(*side), stop->rests = true;
+      continue;
+    }
     joint.resting |= 1u << i;
     joint.active_limits.push_back({-1, i, static_cast<int>(*side)});
   }

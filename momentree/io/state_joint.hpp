@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <momentree/io/fields.hpp>
+#include <momentree/simulate/stepping_state.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree::io {
@@ -20,6 +21,7 @@ struct DescribedJoint {
   unsigned resting = 0;
   std::vector<ActiveLimit> active_limits;  ///< joint numbers are not yet set
   std::vector<DeeperStop> deeper;          ///< likewise
+  std::vector<SteppedContact> stepped;     ///< likewise: stops that are stepped through
   Values q, v, p;                          ///< empty if they are absent or null
   const std::string& name() const { return entry->key; }
 };

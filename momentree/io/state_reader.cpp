@@ -295,6 +295,10 @@ class Reader {
       hold.joint = number;
       result_.forest.active_limits.push_back(hold);
     }
+    for (SteppedContact stop : joint.stepped) {
+      stop.joint = number, stop.a = (joint.reversed ? joint.parent : joint.child).index;
+      result_.memory.stepping.points.insert(result_.memory.stepping.points.begin(), stop);  // before contacts
+    }
     const BodySpec& ours = spec({number});
     if (!joint.made && joint.name() == ours.joint_name && joint.child.index == number && joint.parent == ours.parent) {
       const char* const key = JointReader::difference(joint, ours, true);

@@ -24,17 +24,19 @@ void write_coordinates(JsonWriter& json, const JointView& joint) {
   json.member("q", std::span<const double>(q, joint.q.size()));
 }
 
-// Per DoF: 1 on its upper stop, -1 on its lower stop, 0 on none.
-void write_resting(JsonWriter& json, const World& world, int number, const JointView& joint) {
-  if (joint.resting == 0) return;
-  json.key("resting").begin_array();
-  for (int i = 0; i < info(joint.kind).nv; ++i) {
-    int side = 0;
-    for (const ActiveLimit& hold : world.active_limits())
-      if (hold.joint == number && hold.dof == i) side = hold.sign;
-    json.value(side);
+// Per DoF: 1 on its upper stop, -1 on its lower stop, 0 on none; and the force of a stop that is stepped through.
+void write_resting(JsonWriter& json, const World& world, int number, const JointView& joint, const StepMemory& memory) {
+  std::vector<double> sides(static_cast<std::size_t>(info(joint.kind).nv), 0.0), forces = sides;
+  for (const ActiveLimit& hold : world.active_limits())
+    if (hold.joint == number) sides[static_cast<std::size_t>(hold.dof)] = hold.sign;
+  bool stepped = false;
+  for (const SteppedContact& stop : memory.stepping.points) {
+    if (stop.joint != number) continue;
+    stepped = true, forces[stop.id] = -stop.side * stop.force.x;
+    if (stop.rests) sides[stop.id] = stop.side;
   }
-  json.end_array();
+  if (std::ranges::any_of(sides, [](double side) { return side != 0; })) json.member("resting", std::span<const double>(sides));
+  if (stepped) json.member("stop_forces", std::span<const double>(forces));
 }
 
 // Per DoF where its lower and its upper stop act, if that is beyond their limits.
@@ -58,7 +60,7 @@ void write_joint(JsonWriter& json, const World& world, int number, const StepMem
   write_locked(json, joint.locked, info(joint.kind).nv);
   json.member("reversed", joint.reversed);
   if (!is_loop({number}) && world.tree().detached(world.tree().carrier(number))) json.member("made", true);
-  write_resting(json, world, number, joint);
+  write_resting(json, world, number, joint, memory);
   write_deeper(json, memory, joint);
   json.key("parameters");
   write_parameters(json, joint.parameters != nullptr ? *joint.parameters : JointParameters{});

@@ -254,6 +254,18 @@ TEST_CASE("cable: stepped in time, one that is cut, parts or becomes longer exer
   falls_freely(sim, before);
 }
 
+TEST_CASE("cable: stepped in time, the impulse by which one becomes taut parts nothing, as where it is located") {
+  for (const char* method : {"dop853", "stepping"}) {
+    CAPTURE(method);
+    Simulation sim(hanging(0, {.name = "tether", .strength = 1.5 * mass * g}, {}, length - 0.5),
+                   {.method = method, .step = 1e-3});
+    REQUIRE(sim.run_until(1));
+    CHECK(first(sim, "strength of tether") == nullptr);
+    CHECK(sim.energy().lost_in_impacts == doctest::Approx(mass * g * 0.5).epsilon(1e-3));
+    CHECK(sim.world().spring({0}).tension == doctest::Approx(mass * g).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("cable: a state of a run continues with the same bits") {
   Simulation sim(hanging(1.1, {.name = "tether"}), precise("rk4"));
   REQUIRE(sim.run_until(0.4));

@@ -1,4 +1,7 @@
 // Events of a run: actions that are due, or that come from outside, are carried out.
+#include <algorithm>
+#include <iterator>
+
 #include <momentree/simulate/simulation_impl.hpp>
 
 namespace momentree {
@@ -110,11 +113,12 @@ bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
   const bool stopped = stops.any();
   if (stopped) before = world.snapshot();
   InstantReport report = carry_out_with_passes(due, false);
+  std::vector<Event> leaves;
   // A stop that would have had to pull in an impact was released before it: repeat without it.
   for (bool again = stopped; again && !report.refused;) {
     const WorldSnapshot after = world.snapshot();
     world.restore(before);
-    again = stops.release_pulled(report.events);
+    again = stops.release_pulled(report.events, leaves);
     if (again) {
       before = world.snapshot();
       report = carry_out_with_passes(due, false);
@@ -132,6 +136,7 @@ bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
   contact_steps.forget_parted();
   if (report.changes != 0 && contact_steps.has_forces()) contact_steps.release();
   evaluate_state();
+  std::ranges::move(leaves, std::back_inserter(events));
   for (Event& event : report.events) {
     for (ActionRecord& action : event.actions)
       if (action.skipped == joint_is_gone && world.find_joint(action.joint) < 0)

@@ -133,6 +133,7 @@ void Simulation::Impl::note_overlaps() {
 void Simulation::Impl::after_contact_step() {
   report_passes();
   note_overlaps();
+  stops.report_stepped(events);
   if (!stepping.on) return;  // the method itself steps
   const auto of = [&](int body) -> SteppedBody& { return stepping.bodies[static_cast<std::size_t>(body)]; };
   for (const int body : contact_steps.hits()) of(body).since_impact = world.time();
@@ -175,8 +176,9 @@ void Simulation::Impl::try_to_locate(const Islands& islands, int number) {
   }
   std::vector<SteppedContact> others = points;
   std::erase_if(others, [&](const SteppedContact& point) { return islands.of(point.a >= 0 ? point.a : point.b) == number; });
-  contact_steps.set_points(others);
   update_islands();
+  stops.share();
+  contact_steps.set_points(others);
   report_stepping("resume", {}, bodies);
   std::vector<Event> changes;
   const std::optional<Contacts::Unresolved> failed = contacts.resolve(changes);

@@ -38,6 +38,8 @@ void Simulation::Impl::make_methods() {
   contact_steps.set_usual_step(integration.step);
   method = make(integration.method);
   method_steps = steps_through_contacts(integration.method);
+  contacts.set_all_stepped(method_steps && contacts.any());
+  stops.use(contact_steps);
   stepper = world.model_.has_contact() ? make(contact_stepping_method()) : nullptr;
   if (stepper == nullptr) stepping = {}, contacts.set_stepped({});
   if (stepper != nullptr) contact_steps.set_points({}, true);  // their numbers are those of the former bodies
@@ -47,7 +49,7 @@ void Simulation::Impl::make_methods() {
 void Simulation::Impl::find_forces_of_steps() {
   if (!contacts.any() || !(steps_through() || some_step()) || contact_steps.has_forces()) return;
   evaluate_state();
-  if (stops.any()) stops.find_pressed(contact_steps);
+  stops.share();
   contact_steps.find_forces();
 }
 
@@ -71,7 +73,9 @@ std::optional<Contacts::Unresolved> Simulation::Impl::resolve_stops_and_contacts
     world.take_variables(world.own_variables());
     evaluate_state();
   };
-  const std::size_t first = events.size();
+  // Where prescribed motions let nothing else give way.
+  if (stops.any() && has_motions() && stops.release_pushed(contacts.rigid_pushes(), events)) start_again();
+  std::size_t first = events.size();
   std::optional<WorldSnapshot> before;
   if (stops.any()) before = world.snapshot();
   for (;;) {
@@ -83,7 +87,8 @@ std::optional<Contacts::Unresolved> Simulation::Impl::resolve_stops_and_contacts
                  [](const Event& event) { return event.contact.one.empty() || !(event.contact.impulse == Vec3{}); });
     const WorldSnapshot after = world.snapshot();
     world.restore(*before);
-    if (failed || !stops.release_pulled(happened)) {
+    std::vector<Event> leaves;
+    if (failed || !stops.release_pulled(happened, leaves)) {
       world.restore(after);
       evaluate_state();
       return failed;
@@ -91,6 +96,8 @@ std::optional<Contacts::Unresolved> Simulation::Impl::resolve_stops_and_contacts
     start_again();
     before = world.snapshot();  // released joints stay released
     events.resize(first);
+    std::ranges::move(leaves, std::back_inserter(events));
+    first = events.size();
     contacts.take_lost();
   }
 }
@@ -117,6 +124,7 @@ bool Simulation::Impl::resolve_in_turn(bool due, bool after_step) {
   const auto stops_change = [this, after_step] {
     find_forces_of_steps();
     const std::size_t count = events.size();
+    stops.report_stepped(events);
     resolve_limits();
     if (events.size() == count) return false;
     if (!after_step && contact_steps.has_forces()) contact_steps.release();
@@ -305,7 +313,10 @@ void Simulation::Impl::update_pending_contacts() {
   keeps_contacts = false;
   contacts.set_former(contacts.closed_ones());
   if (contact_steps.has_forces()) contact_steps.release();
-  contacts.find_pending(method_steps);
+  if (steps_through() && stops.any())
+    find_forces_of_steps();  // contacts that are located would not know of stops that are not
+  else
+    contacts.find_pending(method_steps);
 }
 
 // A document may be one of another scenario, in which its contacts are no longer those that close.

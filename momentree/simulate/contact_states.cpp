@@ -245,6 +245,26 @@ std::optional<Contacts::Unresolved> Contacts::strike_island(const std::vector<Co
   return std::nullopt;
 }
 
+std::vector<double> Contacts::rigid_pushes() {
+  const Tree& tree = world_->tree_;
+  const double* const q = world_->state_.q().data();
+  Workspace<double>& workspace = world_->workspace_;
+  std::vector<double> forces(static_cast<std::size_t>(tree.nv()), 0.0);
+  (*evaluate_)(world_->state_);
+  const std::vector<Contact> contacts = touching();
+  if (contacts.empty()) return forces;
+  locate_bodies(tree, world_->state_, workspace);
+  place_contacts(tree, workspace, contacts, rows_);
+  find_contact_mobility(tree, q, workspace, contacts, rows_);
+  forget_evaluation_with_loops();
+  (*evaluate_)(world_->state_);
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    for (const auto& [body, sign] : {std::pair{contacts[i].a, 1.0}, {contacts[i].b, -1.0}})
+      if (body >= 0 && rows_.velocity[3 * i] < -slow_approach() && rows_.mobility(3 * i, 3 * i) == 0)
+        add_contact_row(tree, q, workspace, body, rows_.touches[i].normal, rows_.touches[i].point, sign, forces.data());
+  return forces;
+}
+
 // Which contacts of an island are closed from now on, which are appended. `before`: those that were closed.
 std::optional<Contacts::Unresolved> Contacts::close_island(std::vector<Contact>& touching, const std::vector<Contact>& before,
                                                            const ContactsByPair& before_by_pair, std::vector<Contact>& closed,

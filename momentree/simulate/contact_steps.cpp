@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <momentree/dynamics/loop_system.hpp>
 #include <momentree/dynamics/momentum.hpp>
@@ -16,6 +17,21 @@ constexpr double least_depth = 1e-9;     // m, relative to coordinates: deeper o
 
 bool earlier(const SteppedContact& x, const SteppedContact& y) { return x.pair != y.pair ? x.pair < y.pair : x.id < y.id; }
 
+// Stops come before all points of contact.
+auto* find_stop(auto& points, int joint, int dof, int sign) {
+  for (auto& p : points) {
+    if (p.joint < 0) break;
+    if (p.joint == joint && p.id == static_cast<std::uint64_t>(dof) && p.side == sign) return &p;
+  }
+  return static_cast<decltype(points.data())>(nullptr);
+}
+SteppedContact point_of(const SteppedStop& stop, double force) {
+  SteppedContact point;
+  point.id = static_cast<std::uint64_t>(stop.dof), point.a = stop.body, point.force = {force, 0, 0};
+  point.joint = stop.joint, point.side = stop.sign;
+  return point;
+}
+
 const Vec3& row_direction(const contact::Touch& touch, std::size_t k) { return k == 0 ? touch.normal : touch.tangent[k - 1]; }
 
 }  // namespace
@@ -24,34 +40,40 @@ const Vec3& row_direction(const contact::Touch& touch, std::size_t k) { return k
 void ContactSteps::find_points(double within) {
   const Tree& tree = world_->tree_;
   Workspace<double>& workspace = world_->workspace_;
-  near_.clear();
+  near_.clear(), hit_.clear();
   contacts_->add_near(within, near_);
-  if (near_.empty() && stops_.empty()) return;
+  if (near_.empty() && near_stops_.empty()) return;
   accelerate(tree, world_->state_, workspace);
+  for (NearStop& near : near_stops_)
+    near.acceleration = -near.stop.sign * workspace.a[static_cast<std::size_t>(tree.first_p(near.stop.body) + near.stop.dof)];
   locate_bodies(tree, world_->state_, workspace);
   place_contacts(tree, workspace, near_, rows_);
   const double* const q = world_->state_.q().data();
   find_contact_accelerations(tree, q, workspace, near_, rows_);
   parts_.begin(tree, many_);
   parts_.add_points(tree, q, workspace, near_, rows_, many_);
-  add_stops();
+  for (const NearStop& near : near_stops_) {  // after the points of contacts
+    parts_.add_stop(tree, q, workspace, near.stop.body, near.stop.dof, -near.stop.sign, many_);
+    many_.b[many_.b.size() - 3] = near.velocity;
+  }
 }
 
-// After the points of contacts.
-void ContactSteps::add_stops() {
+// Those that joints have reached, or are nearer to than they move in h seconds.
+void ContactSteps::find_stops(double h) {
   const Tree& tree = world_->tree_;
-  Workspace<double>& workspace = world_->workspace_;
-  for (const Stop& stop : stops_) {
-    const double speed = stop.sign * workspace.v[static_cast<std::size_t>(tree.first_p(stop.body) + stop.dof)];
-    parts_.add_stop(tree, world_->state_.q().data(), workspace, stop.body, stop.dof, -stop.sign, many_);
-    many_.b[many_.b.size() - 3] = -speed;
+  near_stops_.clear();
+  for (const SteppedStop& stop : stops_) {
+    const double q = world_->state_.q()[static_cast<std::size_t>(tree.first_q(stop.body) + stop.dof)];
+    const double v = -stop.sign * world_->workspace_.v[static_cast<std::size_t>(tree.first_p(stop.body) + stop.dof)];
+    const double gap = stop.sign * (stop.limit - q);
+    if (stop.touched || gap <= touch_distance + h * std::fabs(v)) near_stops_.push_back({stop, gap, v, 0});
   }
 }
 
 // The forces of the last step, each at the nearest point of its pair: the features that touch may be others, but together they
 // have the same load to carry. Their impulses are the first guess.
 void ContactSteps::guess(double h) {
-  carried_.assign(3 * near_.size(), 0.0);
+  carried_.assign(3 * many_.points.size(), 0.0);
   const auto by_pair = [](const auto& x, const auto& y) { return x.pair < y.pair; };
   Contact key;
   for (const SteppedContact& known : points_) {
@@ -69,39 +91,70 @@ void ContactSteps::guess(double h) {
     for (std::size_t k = 0; k < 3; ++k) carried_[3 * i + k] += sign * dot(known.force, row_direction(rows_.touches[i], k));
   }
   for (std::size_t i = 0; i < near_.size(); ++i) carried_[3 * i] = std::max(0.0, carried_[3 * i]);
+  for (std::size_t i = 0; i < near_stops_.size(); ++i) {
+    const SteppedStop& stop = near_stops_[i].stop;
+    if (const SteppedContact* known = at_stop(stop.joint, stop.dof, stop.sign)) carried_[3 * (near_.size() + i)] = known->force.x;
+  }
   many_.r = carried_;
   for (double& r : many_.r) r *= h;
 }
 
-// When each point was reached, its restitution, and a first guess.
+// When a point was reached, and its restitution; true if it was hit, with more than a `slow` speed.
+bool ContactSteps::approach(std::size_t i, double gap, double v, double a, double restitution, double slow, double h) {
+  const double fast = std::max(0.25 * norm(world_->model_.gravity()) * h, 1e-6);  // so that the time of touching is known
+  const double depth = -gap;
+  if (gap > 0) {
+    // It must not be reached in the next step by what others do to it in this one.
+    many_.points[i].slack = v >= -gap / h ? gap / h : HUGE_VAL;
+    if (v < -gap / h) std::fill_n(many_.r.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, 0.0);  // a hit of the next step
+    return false;
+  }
+  // The speed with which it was reached: the approach since then was accelerated, and so is the flight until the end.
+  const double square = v < 0 ? v * v + 2 * a * depth : 0.0, speed = square > 0 ? std::sqrt(square) : 0.0;
+  if (v < -fast) reached_[i] = std::min(h, depth / -v);
+  if (!(speed > std::max(slow, std::fabs(a) * h))) return false;
+  const double since = std::min(h, 2 * depth / (speed - v)), leaves = restitution * speed + a * since;
+  if (restitution > 0 && leaves > 0) many_.points[i].restitution = leaves / -v, reached_[i] = since;
+  return hit_[i] = true;
+}
+
+// The law at each point, and a first guess.
 void ContactSteps::set_law(double h) {
   reached_.assign(many_.points.size(), 0.5 * h);  // what lies on something falls with it before the impulse
+  hit_.assign(many_.points.size(), false);
   guess(h);
-  const double fast = std::max(0.25 * norm(world_->model_.gravity()) * h, 1e-6);  // so that the time of touching is known
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const Contact& c = near_[i];
     const ContactLaw& law = contacts_->law_of(c.pair);
-    const double depth = std::max(0.0, -rows_.touches[i].gap), v = rows_.velocity[3 * i], a = rows_.acceleration[3 * i];
-    const double gap = rows_.touches[i].gap;
     many_.points[i].friction = law.friction;
-    if (gap > 0) {
-      // It must not be reached in the next step by what others do to it in this one.
-      many_.points[i].slack = v >= -gap / h ? gap / h : HUGE_VAL;
-      if (v < -gap / h) std::fill_n(many_.r.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, 0.0);  // a hit of the next step
-      continue;
-    }
-    // The speed with which it was reached: the approach since then was accelerated, and so is the flight until the end.
-    const double square = v < 0 ? v * v + 2 * a * depth : 0.0, speed = square > 0 ? std::sqrt(square) : 0.0;
-    const bool hits = speed > std::max(slow_impact, std::fabs(a) * h);
-    if (v < -fast) reached_[i] = std::min(h, depth / -v);
-    if (!hits) continue;
+    const double v = rows_.velocity[3 * i], a = rows_.acceleration[3 * i];
+    if (!approach(i, rows_.touches[i].gap, v, a, law.restitution, slow_impact, h)) continue;
     for (const int body : {c.a, c.b})
       if (body >= 0) hits_.push_back(body);
-    const double since = std::min(h, 2 * depth / (speed - v)), leaves = law.restitution * speed + a * since;
-    if (!(law.restitution > 0 && leaves > 0)) continue;
-    many_.points[i].restitution = leaves / -v;
-    reached_[i] = since;
   }
+  for (std::size_t i = 0; i < near_stops_.size(); ++i) {
+    const NearStop& at = near_stops_[i];
+    const double gap = at.stop.touched ? std::min(at.gap, 0.0) : at.gap;
+    approach(near_.size() + i, gap, at.velocity, at.acceleration, at.stop.restitution, at.stop.rest_speed, h);
+  }
+}
+
+void ContactSteps::solve(double h) {
+  set_law(h);
+  many_.solve();
+  many_.velocities(after_);
+}
+
+// True if prescribed motions press together what contacts and stops keep apart. Stops then give way, which a warning says.
+bool ContactSteps::jammed() {
+  constexpr double most = 0.01;  // of the fastest approach
+  if (world_->tree_.driven_joints().empty() && world_->tree_.loop_motions() == 0) return false;
+  double fastest = 0, left = 0;
+  for (std::size_t i = 0; i < many_.points.size(); ++i) {
+    fastest = std::max(fastest, std::fabs(many_.b[3 * i]));
+    if (many_.points[i].slack < HUGE_VAL && many_.block(i)[0] > 0) left = std::min(left, after_[3 * i] + many_.points[i].slack);
+  }
+  return !(-left <= most * fastest);
 }
 
 double ContactSteps::energy() const {
@@ -133,8 +186,8 @@ void ContactSteps::move(State& state, EnergyLedger& ledger) {
     gaps_[i] = rows_.touches[i].gap + many_.along_normal(i, moved);
     deepest = std::max(deepest, -gaps_[i]), size = std::max(size, norm(rows_.touches[i].point));
   }
-  for (std::size_t i = 0; i < stops_.size(); ++i) {
-    const Stop& stop = stops_[i];
+  for (std::size_t i = 0; i < near_stops_.size(); ++i) {
+    const SteppedStop& stop = near_stops_[i].stop;
     const double q = state.q()[static_cast<std::size_t>(tree.first_q(stop.body) + stop.dof)];
     gaps_[near_.size() + i] = stop.sign * (stop.limit - q);
     deepest = std::max(deepest, -gaps_[near_.size() + i]);
@@ -161,7 +214,7 @@ void ContactSteps::note_overlaps(contact::LinksMotion& moved) {
 void ContactSteps::take_back_work(double t, EnergyLedger& ledger, double h) {
   const Tree& tree = world_->tree_;
   if ((free_power_.dissipated == 0 && free_power_.work == 0) || !tree.driven_joints().empty() || tree.loop_motions() > 0) return;
-  for (std::size_t i = 0; i < near_.size(); ++i)
+  for (std::size_t i = 0; i < many_.points.size(); ++i)
     if (many_.points[i].restitution > 0) reached_[i] = 0;
   packed_.assign(static_cast<std::size_t>(tree.nv()), 0.0);
   parts_.add_to(tree, many_, many_.displacement(reached_), packed_.data());
@@ -183,25 +236,48 @@ void ContactSteps::displace(State& state, contact::LinksMotion& by) {
   if (tree.has_loops()) static_cast<void>(evaluate_->close(t, edit.q.data(), edit.u.data(), ignored));
 }
 
-// True if bodies of a pair that had no forces before lay on each other at the start of the step: what they approached each other
-// with is what the step accelerated them by.
-bool ContactSteps::lay_there(std::size_t i, double h) const {
-  if (!hits_.empty() || !(std::fabs(rows_.velocity[3 * i]) <= 2 * h * std::fabs(rows_.acceleration[3 * i]))) return false;
-  return std::none_of(points_.begin(), points_.end(), [&](const SteppedContact& p) { return p.pair == near_[i].pair; });
-}
+// True if bodies lay on each other at the start of the step: what they approached each other with is what the step accelerated
+// them by.
+bool ContactSteps::lay_there(double v, double a, double h) const { return hits_.empty() && std::fabs(v) <= 2 * h * std::fabs(a); }
 
 // The points for the next step, and for evaluations of the state until then. A gap of 1e-9 m that closes in a step of 1e-12 s
 // takes an impulse that would be a huge force: such a step changes the mean by little.
 void ContactSteps::remember(double h) {
   const double over = std::max(h, usual_step_), before = over - h;
-  for (std::size_t i = 0; before > 0 && i < near_.size(); ++i)
-    if (lay_there(i, h))
-      for (std::size_t k = 0; k < 3; ++k) carried_[3 * i + k] = many_.r[3 * i + k] / h;
+  // What had no forces before, but lay there, had those of this step.
+  const auto carry = [&](std::size_t i) {
+    for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) carried_[k] = many_.r[k] / h;
+  };
+  for (std::size_t i = 0; before > 0 && i < near_.size(); ++i) {
+    const auto same = [&](const SteppedContact& p) { return p.pair == near_[i].pair; };
+    if (lay_there(rows_.velocity[3 * i], rows_.acceleration[3 * i], h) && std::ranges::none_of(points_, same)) carry(i);
+  }
+  for (std::size_t i = 0; before > 0 && i < near_stops_.size(); ++i) {
+    const NearStop& at = near_stops_[i];
+    if (lay_there(at.velocity, at.acceleration, h) && at_stop(at.stop.joint, at.stop.dof, at.stop.sign) == nullptr)
+      carry(near_.size() + i);
+  }
+  resting_.clear();
+  std::ranges::copy_if(points_, std::back_inserter(resting_), &SteppedContact::rests);
   points_.clear();
+  for (std::size_t i = 0; i < near_stops_.size(); ++i) {
+    const std::size_t row = 3 * (near_.size() + i);
+    const double force = (many_.r[row] + before * carried_[row]) / over;
+    const bool parts = near_stops_[i].gap > touch_distance || after_[row] > slow_impact;
+    if (force > 0 && !(parts && !(many_.r[row] > 0))) points_.push_back(point_of(near_stops_[i].stop, force));
+  }
+  for (SteppedContact& was : resting_) {
+    was.force = {};
+    if (SteppedContact* now = find_stop(points_, was.joint, static_cast<int>(was.id), was.side))
+      now->rests = true;
+    else
+      points_.push_back(was);
+  }
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const auto force = [&](std::size_t k) { return (many_.r[3 * i + k] + before * carried_[3 * i + k]) / over; };
     const bool parts = rows_.touches[i].gap > touch_distance || after_[3 * i] > slow_impact;
     if (!(force(0) > 0) || (parts && !(many_.r[3 * i] > 0))) continue;
+    if (near_[i].cable >= 0 && hit_[i]) continue;  // the impulse by which it becomes taut is no force
     // The point may have turned since the last step: in its cone nevertheless.
     const double friction = std::hypot(force(1), force(2)), limit = many_.points[i].friction * force(0);
     const double part = friction > limit ? limit / friction : 1;
@@ -225,9 +301,10 @@ void ContactSteps::find_forces() {
   const double h = usual_step_;
   release();
   (*evaluate_)(world_->state_);
+  find_stops(0);
   find_points(touch_distance);
   std::vector<SteppedContact> found;
-  if (!near_.empty()) {
+  if (!near_.empty() || !near_stops_.empty()) {
     guess(h);
     for (std::size_t i = 0; i < near_.size(); ++i) {
       many_.points[i].friction = contacts_->law_of(near_[i].pair).friction;
@@ -236,21 +313,29 @@ void ContactSteps::find_forces() {
       for (std::size_t k = 0; k < 3; ++k)  // not where joints keep the bodies from moving
         if (block[4 * k] > 0) many_.b[3 * i + k] += h * rows_.acceleration[3 * i + k];
     }
-    for (std::size_t i = 0; i < stops_.size(); ++i) {
-      const auto at = static_cast<std::size_t>(world_->tree_.first_p(stops_[i].body) + stops_[i].dof);
-      many_.b[3 * (near_.size() + i)] -= h * stops_[i].sign * world_->workspace_.a[at];
+    for (std::size_t i = 0; i < near_stops_.size(); ++i) {
+      double& b = many_.b[3 * (near_.size() + i)];
+      b = std::max(0.0, b) + h * near_stops_[i].acceleration;
     }
     many_.solve();
     for (std::size_t i = 0; i < near_.size(); ++i) {
       const double* const r = &many_.r[3 * i];
       if (r[0] > 0) found.push_back(point_at(i, {r[0] / h, r[1] / h, r[2] / h}, rows_.velocity));
     }
+    for (std::size_t i = 0; i < near_stops_.size(); ++i) {
+      const SteppedStop& stop = near_stops_[i].stop;
+      const SteppedContact* known = at_stop(stop.joint, stop.dof, stop.sign);
+      const bool rests = known != nullptr && known->rests;
+      if (const double r = many_.r[3 * (near_.size() + i)]; r > 0 || rests) {
+        found.push_back(point_of(stop, r / h));
+        found.back().rests = rests;
+      }
+    }
     std::stable_sort(found.begin(), found.end(), earlier);
   }
-  if (points_.empty())
-    hold(found);
-  else
-    set_points(std::move(found));
+  if (!points_.empty()) return set_points(std::move(found));
+  std::ranges::copy_if(found, std::back_inserter(points_), [](const SteppedContact& point) { return point.joint >= 0; });
+  hold(found);
 }
 
 void ContactSteps::hold(const std::vector<SteppedContact>& points) {
@@ -258,8 +343,35 @@ void ContactSteps::hold(const std::vector<SteppedContact>& points) {
   std::vector<HeldForce>& held = held_forces(world_->workspace_);
   held.clear();
   for (const SteppedContact& point : points)
-    held.push_back({point.a, point.b, point.point, point.force, point.normal, point.slip, point.cable});
+    if (point.joint < 0) held.push_back({point.a, point.b, point.point, point.force, point.normal, point.slip, point.cable});
+  show_stops(points);
   static_cast<void>(world_->state_.edit());  // its evaluation is without them
+}
+
+void ContactSteps::show_stops(const std::vector<SteppedContact>& points) {
+  std::vector<HeldStop>& held = contact_memory(world_->workspace_).stops;
+  held.clear();
+  for (const SteppedContact& point : points)
+    if (point.joint >= 0)
+      held.push_back({point.joint, static_cast<int>(point.id), has_forces_ ? -point.side * point.force.x : 0, point.rests});
+}
+
+const SteppedContact* ContactSteps::at_stop(int joint, int dof, int sign) const { return find_stop(points_, joint, dof, sign); }
+
+bool ContactSteps::struck(int joint, int dof, int sign) const {
+  for (std::size_t i = 0; near_.size() + i < hit_.size(); ++i) {
+    const SteppedStop& stop = near_stops_[i].stop;
+    if (hit_[near_.size() + i] && stop.joint == joint && stop.dof == dof && stop.sign == sign) return true;
+  }
+  return false;
+}
+
+void ContactSteps::set_resting(const SteppedStop& stop, bool rests) {
+  if (SteppedContact* const known = find_stop(points_, stop.joint, stop.dof, stop.sign))
+    known->rests = rests;
+  else if (rests)
+    points_.insert(points_.begin(), point_of(stop, 0))->rests = true;
+  show_stops(points_);
 }
 
 void ContactSteps::set_points(std::vector<SteppedContact> points, bool released) {
@@ -271,6 +383,7 @@ void ContactSteps::set_points(std::vector<SteppedContact> points, bool released)
 void ContactSteps::release() {
   released_ = true, has_forces_ = false;
   held_forces(world_->workspace_).clear();
+  show_stops(points_);
   static_cast<void>(world_->state_.edit());
 }
 
@@ -283,7 +396,7 @@ double ContactSteps::reach(double h) const {
 
 // Among those that find_near() found.
 bool ContactSteps::is_near(const SteppedContact& point) const {
-  return std::ranges::any_of(near_, [&](const Contact& c) { return c.pair == point.pair; });
+  return point.joint >= 0 || std::ranges::any_of(near_, [&](const Contact& c) { return c.pair == point.pair; });
 }
 
 bool ContactSteps::still_near() {
@@ -300,22 +413,27 @@ void ContactSteps::forget_parted() {
 }
 
 void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
-  held_forces(world_->workspace_).clear();
+  release();
   (*evaluate_)(state);
   free_power_ = world_->workspace_.power;
+  find_stops(h);
   find_points(reach(h));
   hits_.clear(), touching_.clear(), overlapping_.clear();
-  if (near_.empty() && stops_.empty()) {
-    points_.clear();
-    released_ = false, has_forces_ = true;
-    return;
+  for (;;) {
+    if (near_.empty() && near_stops_.empty()) {
+      std::erase_if(points_, [](const SteppedContact& point) { return !point.rests; });
+      released_ = false, has_forces_ = true;
+      return;
+    }
+    solve(h);
+    if (near_stops_.empty() || !jammed()) break;
+    near_stops_.clear(), hits_.clear();
+    (*evaluate_)(state);
+    find_points(reach(h));
   }
   free_q_.assign(state.q().begin(), state.q().end()), free_u_.assign(state.u().begin(), state.u().end());
-  set_law(h);
   for (std::size_t i = 0; i < near_.size(); ++i)
     if (!(rows_.touches[i].gap > touch_distance)) touching_.emplace_back(near_[i].a, near_[i].b);
-  many_.solve();
-  many_.velocities(after_);
   gaps_.resize(many_.points.size());
   move(state, ledger);
   take_back_work(state.time(), ledger, h);

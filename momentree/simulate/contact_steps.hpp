@@ -15,6 +15,13 @@
 
 namespace momentree {
 
+/// A hard stop of a joint of the tree, which takes part in the impulses of the next steps as a further point.
+struct SteppedStop {
+  int joint, body, dof, sign;  ///< sign 1: the upper stop
+  double limit, restitution, rest_speed;
+  bool touched;  ///< the joint is there at the start of the step, and does not move away
+};
+
 class ContactSteps final : public StepContacts {
  public:
   ContactSteps(World& world, Evaluator& evaluate, Contacts& contacts)
@@ -24,14 +31,16 @@ class ContactSteps final : public StepContacts {
   void note_start() override { points_at_start_ = points_, released_at_start_ = released_; }
   void return_to_start() override { set_points(points_at_start_, released_at_start_); }
 
-  /// Stops on which joints stand without resting on them: they take part in the impulses of the next steps, as further points.
-  /// Contacts may keep a joint off its stop, so that to locate it there would end every step at once.
+  /// Forgets all stops.
   void clear_stops() { stops_.clear(); }
-  void add_stop(int body, int dof, double sign, double limit) { stops_.push_back({body, dof, sign, limit}); }
-  /// True if the contacts of this body are stepped through.
+  void add_stop(const SteppedStop& stop) { stops_.push_back(stop); }
+  /// True if the contacts of this body are stepped through, and the stops of its joint.
   bool steps(int body) const { return contacts_->steps(body); }
-  /// True if another method steps this body, whose contacts act only at the end of that step.
-  bool acts_after_step(int body) const { return contacts_->is_stepped(body); }
+  /// What is known of a stop since the last step; null: it had no force, and the joint does not rest on it.
+  const SteppedContact* at_stop(int joint, int dof, int sign) const;
+  /// True if the joint hit its stop in the last step.
+  bool struck(int joint, int dof, int sign) const;
+  void set_resting(const SteppedStop& stop, bool rests);
 
   /// The usual length of a step (s). Forces are the means over that time: impulses of shorter steps say little.
   void set_usual_step(double h) { usual_step_ = h; }
@@ -60,26 +69,30 @@ class ContactSteps final : public StepContacts {
   void forget_parted();
 
  private:
-  struct Stop {
-    int body, dof;
-    double sign, limit;  ///< sign 1: the upper stop
+  struct NearStop {
+    SteppedStop stop;
+    double gap, velocity, acceleration;  ///< as those of points
   };
   double reach(double h) const;
   void find_near() { near_.clear(), contacts_->add_near(reach(usual_step_), near_); }
   bool is_near(const SteppedContact& point) const;
-  void add_stops();
+  void find_stops(double h);
   void find_points(double within);
   SteppedContact point_at(std::size_t i, const Vec3& force, const std::vector<double>& velocity) const;
   void guess(double h);
+  bool approach(std::size_t point, double gap, double v, double a, double restitution, double slow, double h);
   void set_law(double h);
+  void solve(double h);
+  bool jammed();
   double energy() const;
   void move(State& state, EnergyLedger& ledger);
   void take_back_work(double t, EnergyLedger& ledger, double h);
   void displace(State& state, contact::LinksMotion& by);
   void note_overlaps(contact::LinksMotion& moved);
-  bool lay_there(std::size_t point, double h) const;
+  bool lay_there(double v, double a, double h) const;
   void remember(double h);
   void hold(const std::vector<SteppedContact>& points);
+  void show_stops(const std::vector<SteppedContact>& points);
 
   World* world_;
   Evaluator* evaluate_;
@@ -90,13 +103,15 @@ class ContactSteps final : public StepContacts {
   ContactRows rows_;
   contact::ManyPoints many_;
   std::vector<double> reached_;  // by point: the time since it was reached (s)
+  std::vector<bool> hit_;        // by point: it was hit in the step
   std::vector<double> carried_;  // by point: three components of the force before (N)
   std::vector<double> after_, gaps_, pushes_, packed_;
   std::vector<double> free_q_, free_u_;  // the motion at the end of the step without contacts
   Power free_power_;                     // there
   double usual_step_ = 0;
-  std::vector<Stop> stops_;
-  std::vector<SteppedContact> points_;
+  std::vector<SteppedStop> stops_;
+  std::vector<NearStop> near_stops_;
+  std::vector<SteppedContact> points_, resting_;
   bool released_ = true, has_forces_ = false;
   std::vector<SteppedContact> points_at_start_;  // of the present step
   bool released_at_start_ = false;

@@ -1,7 +1,10 @@
 // Stops of joints that are hit, or transmit impulses, while bodies touch: one impact, in closed form.
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -298,5 +301,118 @@ TEST_CASE("a motion that presses a body on the floor by a joint at its stop is s
     REQUIRE(!warnings.empty());  // bodies may overlap until the joint gives way
     CHECK(warnings[0].find("joint 'arm' is 0.6") != std::string::npos);
     for (const std::string& warning : warnings) CHECK(warning.find("a prescribed motion has forced this") != std::string::npos);
+    CHECK(sim.events().size() < 20);
+  }
+}
+
+namespace {
+
+// A slider that its weight presses on its lower stop, and a ball that comes from below, where it has the speed `v`.
+struct Hit {
+  const char* method;
+  double v, step = 1e-3;
+  double stop_restitution = 0;
+  double until = 0.25;
+};
+constexpr double slider_mass = 2, ball_mass = 5;
+Simulation simulation(const Hit& hit) {
+  Model model;
+  const BodyId a =
+      model.add({.name = "slider",
+                 .mass = slider_mass,
+                 .inertia = diagonal(0.02),
+                 .joint = Prismatic{.axis = {0, 0, 1}, .limits = {.lower = 0.5, .restitution = hit.stop_restitution}},
+                 .q = {0.5}});
+  const BodyId b = model.add({.name = "ball",
+                              .mass = ball_mass,
+                              .inertia = diagonal(0.02),
+                              .joint = Prismatic{.axis = {0, 0, 1}},
+                              .q = {0.25},
+                              .v = {hit.v}});
+  for (const BodyId body : {a, b}) model.add_collider({.body = body, .solid = contact::box({0.2, 0.2, 0.2})});
+  return Simulation(model, {.method = hit.method, .step = hit.step});
+}
+long events(const Simulation& sim, std::string_view text) {
+  return std::ranges::count_if(sim.events(),
+                               [&](const Event& event) { return event.name == "stop" && event.actions[0].text() == text; });
+}
+
+}  // namespace
+
+TEST_CASE("contact and stops: what rests on a stop flies off when it is hit from below, and leaves its stop") {
+  constexpr double v = 3, rise = 0.05;  // 0.25 m, without the size of the bodies
+  const double at_hit = std::sqrt(v * v - 2 * g * rise), common = ball_mass * at_hit / (slider_mass + ball_mass);
+  const double hit = (v - at_hit) / g, until = 0.25;
+  const double speed_then = common - g * (until - hit), q = 0.5 + (until - hit) * (common + speed_then) / 2;
+  for (const auto& [method, step] : {std::pair{"dop853", 1e-3}, {"rk4", 1e-3}, {"stepping", 1e-3}, {"stepping", 1e-4}}) {
+    CAPTURE(method);
+    Simulation sim = simulation(Hit{.method = method, .v = v, .step = step});
+    REQUIRE(sim.run_until(until));
+    const double error = std::fabs(sim.world().joint(sim.world().model().joint("slider")).q[0] - q);
+    const bool stepped = std::string_view(method) == "stepping";
+    CHECK(error < (stepped ? 2 * common * step : 1e-8));
+    CHECK(events(sim, "rest slider lower") == 1);
+    CHECK(events(sim, "leave slider lower") == 1);
+    CHECK(std::fabs(sim.energy().error) < 1e-9);
+    CHECK(sim.energy().lost_in_impacts ==
+          doctest::Approx(0.5 * slider_mass * ball_mass / (slider_mass + ball_mass) * at_hit * at_hit)
+              .epsilon(stepped ? 0.02 : 1e-8));
+  }
+}
+
+TEST_CASE("stepping: a joint bounces on its stop with its restitution, rests there, and the stop carries it") {
+  constexpr double drop = 0.2, e = 0.5;
+  Model model;
+  const BodyId slider = model.add({.name = "slider",
+                                   .mass = slider_mass,
+                                   .inertia = diagonal(0.02),
+                                   .joint = Prismatic{.axis = {0, 0, 1}, .limits = {.lower = 0, .restitution = e}},
+                                   .q = {drop}});
+  model.add_collider({.body = slider, .solid = contact::sphere(0.1)});
+  model.add_contact_rule({});
+  const BodyId other = model.add({.name = "other", .mass = 1, .inertia = diagonal(1), .at = {9, 0, 0}});
+  model.add_collider({.body = other, .solid = contact::sphere(0.1)});
+  Simulation sim(model, {.method = "stepping", .step = 1e-4});
+  const double fall = std::sqrt(2 * drop / g);
+  REQUIRE(sim.run_until((1 + e) * fall));  // at the top of the first bounce
+  CHECK(sim.world().joint(sim.world().model().joint("slider")).q[0] == doctest::Approx(e * e * drop).epsilon(0.01));
+  REQUIRE(sim.run_until(2));
+  const JointView at_rest = sim.world().joint(sim.world().model().joint("slider"));
+  CHECK(std::fabs(at_rest.q[0]) < 1e-9);
+  CHECK(at_rest.resting == 1);
+  CHECK(at_rest.locked == 0);
+  CHECK(events(sim, "rest slider lower") == 1);
+  CHECK(events(sim, "hit slider lower") > 5);
+  CHECK(sim.energy().lost_in_impacts == doctest::Approx(slider_mass * g * drop).epsilon(1e-6));
+  CHECK(std::fabs(sim.energy().error) < 1e-9);
+  CHECK(sim.world().joint_forces(sim.world().model().joint("slider")).effort[0] ==
+        doctest::Approx(slider_mass * g).epsilon(1e-6));
+  CHECK(std::fabs(sim.world().joint_forces(sim.world().model().joint("slider")).a[0]) < 1e-6);
+}
+
+TEST_CASE("contact and stops: a moving carriage sets what rests on its stop on the floor, and goes on") {
+  constexpr double speed = 0.2, height = 0.4;  // of the load above the floor
+  for (const char* method : {"dop853", "rk4", "stepping"}) {
+    CAPTURE(method);
+    Model model;
+    BodySpec carriage{.name = "carriage", .mass = 2, .inertia = diagonal(0.02), .joint = Prismatic{.axis = {0, 0, 1}}};
+    carriage.joint.parameters.drive = motion_drive(Signal::ramp(-speed, 1));
+    const BodyId upper = model.add(carriage);
+    const BodyId load = model.add({.name = "load",
+                                   .mass = 1,
+                                   .inertia = diagonal(0.01),
+                                   .parent = upper,
+                                   .joint = Prismatic{.axis = {0, 0, 1}, .limits = {.lower = -0.5}},
+                                   .q = {-0.5}});
+    model.add_collider({.body = load, .solid = contact::sphere(0.1)});
+    model.add_collider({.plane = true});
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    REQUIRE(sim.run_until(3));
+    CHECK(sim.warnings().empty());
+    CHECK(events(sim, "leave load lower") == 1);
+    const double q = sim.world().joint(sim.world().model().joint("load")).q[0];
+    CHECK(q == doctest::Approx(-0.5 + speed * (3 - height / speed)).epsilon(1e-3));
+    CHECK(sim.events().size() < 6);
+    CHECK(std::fabs(sim.energy().error) < 1e-9);
   }
 }

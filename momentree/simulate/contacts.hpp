@@ -63,6 +63,9 @@ class Contacts {
   /// Resolves the present instant: impacts, and which contacts are closed from now on.
   std::optional<Unresolved> resolve(std::vector<Event>& events);
 
+  /// The joint forces, packed as p, of unit forces at points that approach each other although no impulse can change that.
+  std::vector<double> rigid_pushes();
+
   /// More points at once are stepped through: their forces follow from dense systems of equations.
   static constexpr std::size_t most_points = 32;
 
@@ -98,8 +101,10 @@ class Contacts {
   bool is_stepped(int body) const {
     return body >= 0 && static_cast<std::size_t>(body) < stepped_.size() && stepped_[static_cast<std::size_t>(body)];
   }
+  /// The method steps through all contacts.
+  void set_all_stepped(bool all) { all_stepped_ = all; }
   /// True if the contacts of this body are stepped through, in steps that do so for all bodies or for some.
-  bool steps(int body) const { return stepped_.empty() || is_stepped(body); }
+  bool steps(int body) const { return all_stepped_ || is_stepped(body); }
   /// Joins the islands of bodies that touch at present, or whose contacts are closed.
   void join_touching(Islands& islands);
   std::vector<int> touching_bodies();
@@ -275,6 +280,7 @@ class Contacts {
   int bodies_ = -1;   // of the model when any_ was found
   bool any_ = false;  // two bodies can touch
   std::vector<bool> stepped_;
+  bool all_stepped_ = false;
   Pairs pairs_;
   mutable contact::BroadPhase broad_phase_;
   mutable contact::OverlapPoints overlap_;

@@ -9,15 +9,18 @@
 
 namespace momentree {
 
-/// A point of contact in the last step.
+/// A point of contact in the last step, or a joint at its hard stop.
 struct SteppedContact {
-  int pair = -1;           ///< number of the pair of solids, or of the cable
-  std::uint64_t id = 0;    ///< of its features in that pair
+  int pair = -1;           ///< number of the pair of solids, or of the cable; −1: a stop
+  std::uint64_t id = 0;    ///< of its features in that pair; of a stop the degree of freedom
   int a = -1, b = -1;      ///< bodies; −1: the ground
   Vec3 point{}, normal{};  ///< in the world (m); the normal points from b to a
   Vec3 force{};            ///< on a: mean over the step (N), world axes
   Vec3 slip{};             ///< velocity of a, less that of b, along the surface at the end of the step (m/s)
   int cable = -1;          ///< the spring of the model that is taut; −1: bodies touch
+  int joint = -1;          ///< of a stop, whose force (N or N m) is the first number of `force`, positive
+  int side = 0;            ///< of a stop: 1: the upper one, −1: the lower one
+  bool rests = false;      ///< the joint rests on it
   friend bool operator==(const SteppedContact&, const SteppedContact&) = default;
 };
 

@@ -43,6 +43,7 @@ bool Simulation::Impl::step_towards(double end) {
 // of a full step.
 bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point start) {
   double most = h;
+  stops.share();
   if (some_step()) {
     // The evaluation of the state has the forces of contacts in the last step: this one is made without them.
     contact_steps.release();
@@ -53,8 +54,7 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   const std::span<const Watch> watched = watches(most);
   const bool closed = !world.tree_.contacts().empty();
   if (closed) note_before_contact_step();
-  ContactSteps* const through = contacts.any() && (steps_through() || some_step()) ? &contact_steps : nullptr;
-  const bool pressing = through != nullptr && has_motions();
+  const bool pressing = contacts.any() && (steps_through() || some_step()) && has_motions();
   const double scale = pressing ? energy_scale() : 0, taken = ledger.impacts, projected = ledger.projection;
   // Where prescribed motions press bodies against others that cannot give way, contacts bring in energy without bounds.
   const auto exploded = [&] {
@@ -66,7 +66,7 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
     return true;
   };
   if (pressing && !closed) note_before_contact_step();
-  const std::optional<double> stepped = stops.step(present_method(), ledger, most, watched, through);
+  const std::optional<double> stepped = stops.step(present_method(), ledger, most, watched);
   if (stepped && exploded()) return false;
   if (closed && (!stepped || contacts_gained_energy())) {
     const std::vector<int> where = contacts.most_loaded();

@@ -6,7 +6,6 @@
 
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/loop_system.hpp>
-#include <momentree/simulate/contact_steps.hpp>
 #include <momentree/simulate/stops.hpp>
 
 namespace momentree {
@@ -281,39 +280,12 @@ void Stops::put_on_stop(const Watched& w) {
 // A joint that is at the stop, not moving away: rounding must not make this an impact.
 bool Stops::touches(const Side& s) const { return at_stop(s) && speed(s) >= -no_speed * s.rest_speed; }
 
-// Joints that stand on stops: contacts act at the end of the step only, and may press them there or keep them off. Where motions
-// are prescribed, only those that other forces press: what these motions press together by contacts may be unable to give way.
-// Loop joints are located all the same.
-void Stops::find_pressed(ContactSteps& through) {
-  through.clear_stops();
-  const auto left_to_it = [&](const Side& s) {
-    return !is_loop({s.joint}) && !locked(s) && touches(s) && through.steps(world_->tree_.carrier(s.joint));
-  };
-  if (std::ranges::none_of(sides_, left_to_it)) return;
-  const bool moved = !world_->tree_.driven_joints().empty() || world_->tree_.loop_motions() > 0;
-  if (moved) {
-    through.release();
-    (*evaluate_)(world_->state_);
-    accelerate(world_->tree_, world_->state_, world_->workspace_);
-  }
-  for (const Side& s : sides_) {
-    if (!left_to_it(s) || (moved && !(acceleration(s) > 0))) continue;
-    through.add_stop(world_->tree_.carrier(s.joint), s.dof, s.sign, s.limit);
-    pressed_.push_back({&s, nullptr, s.sign * s.limit});
-  }
-}
-
-std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches,
-                                  ContactSteps* through) {
+std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches) {
   (*evaluate_)(world_->state_);
-  watched_.clear(), pressed_.clear();
-  if (through != nullptr) find_pressed(*through);
+  watched_.clear();
   bool holding = false;
   for (Side& s : sides_) {
-    if (locked(s) && !holds(s)) continue;
-    const bool tree_joint = !is_loop({s.joint});
-    if (holds(s) && tree_joint && through != nullptr && through->acts_after_step(world_->tree_.carrier(s.joint))) continue;
-    if (std::ranges::any_of(pressed_, [&](const Watched& w) { return w.side == &s; })) continue;
+    if ((locked(s) && !holds(s)) || is_stepped(s)) continue;
     // A joint that is at the stop or beyond it at the start moves away from there: only its return counts.
     const double q = s.sign * coordinate(s);
     if (q < s.sign * s.limit) s.edge = -HUGE_VAL;
@@ -350,8 +322,6 @@ std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, doub
   }
   if (fine && trial.at != end) fine = trial.go(end);
   if (fine && first != nullptr && first->side != nullptr && !first->held) put_on_stop(*first);
-  for (const Watched& w : pressed_)
-    if (fine && (at_stop(*w.side) || std::fabs(speed(*w.side)) <= no_speed * w.side->rest_speed)) put_on_stop(w);
   trial.done = fine;
   return fine ? std::optional(end) : std::nullopt;
 }

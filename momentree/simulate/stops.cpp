@@ -8,6 +8,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/simulate/arguments.hpp>
+#include <momentree/simulate/contact_steps.hpp>
 
 namespace momentree {
 
@@ -91,6 +92,16 @@ double Stops::acceleration(const Side& s) const {
   return s.sign * world_->workspace_.a[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.dof)];
 }
 bool Stops::locked(const Side& s) const { return (joint_of(world_->tree_, s.joint).locked >> s.dof & 1u) != 0; }
+bool Stops::is_stepped(const Side& s) const {
+  return steps_ != nullptr && !is_loop({s.joint}) && steps_->steps(world_->tree_.carrier(s.joint));
+}
+bool Stops::stands(const Side& s) const {
+  constexpr double touching = 1e-6;  // of 1 + |limit|: in rad or m
+  return s.sign * (s.limit - coordinate(s)) <= touching * (1 + std::fabs(s.limit)) && speed(s) >= -s.rest_speed;
+}
+SteppedStop Stops::as_stop(const Side& s) const {
+  return {s.joint, world_->tree_.carrier(s.joint), s.dof, s.sign, s.limit, s.restitution, s.rest_speed, stands(s)};
+}
 bool Stops::holds(const Side& s) const { return locked(s) && world_->held(s.joint, s.dof) == s.sign; }
 
 // The stop exerts the total force along the locked DoF, Eᵀ Tr, minus the force of its spring and its drive.
@@ -122,14 +133,23 @@ double Stops::rest_speed(const Side& s) const {
   return std::max({s.rest_speed, 8 * tolerance_ * a, std::sqrt(2 * a * lowest_flight * (1 + std::fabs(s.limit)))});
 }
 
-void Stops::act(std::vector<Event>& events, const Side& s, LimitEvent deed, double restitution) {
+Event Stops::begin_event(const Side& s, LimitEvent deed) const {
   static constexpr const char* verbs[] = {"hit", "rest", "leave"};
-  TopologyEditor editor(*world_);
   Event event;
   event.time = world_->time();
   event.name = "stop";
   event.mechanisms_before = event.mechanisms_after = world_->mechanism_names();
-  event.before = world_->totals();
+  event.before = event.after = world_->totals();
+  const std::string joint(world_->joint_name({s.joint}));
+  const int nv = info(joint_of(world_->tree_, s.joint).kind).nv;
+  const std::string side = (nv > 1 ? " [" + std::to_string(s.dof) + "]" : std::string()) + (s.sign > 0 ? " upper" : " lower");
+  event.actions = {{verbs[static_cast<int>(deed)], joint + side, joint, {}, {}, {}}};
+  return event;
+}
+
+void Stops::act(std::vector<Event>& events, const Side& s, LimitEvent deed, double restitution) {
+  TopologyEditor editor(*world_);
+  Event event = begin_event(s, deed);
   editor.begin(event, "");
   switch (deed) {
     case LimitEvent::hit: editor.apply_restitution(s.joint, s.dof, restitution); break;
@@ -137,21 +157,58 @@ void Stops::act(std::vector<Event>& events, const Side& s, LimitEvent deed, doub
     case LimitEvent::leave: editor.release_limit(s.joint, s.dof); break;
   }
   event.after = world_->totals();
-  const int nv = info(editor.declared(s.joint).kind).nv;
-  const std::string& joint = editor.joint_name(s.joint);
-  const std::string side = (nv > 1 ? " [" + std::to_string(s.dof) + "]" : std::string()) + (s.sign > 0 ? " upper" : " lower");
-  event.actions = {{verbs[static_cast<int>(deed)], joint + side, joint, {}, {}, {}}};
   editor.certify(event);
   revision_ = world_->tree_.revision();  // locks change no limits
   events.push_back(std::move(event));
 }
 
-bool Stops::release_pulled(const std::vector<Event>& events, bool pressed) {
-  bool found = false;
+void Stops::share() {
+  steps_->clear_stops();
+  if (!any()) return;
+  bool changed = false;
+  for (const Side& s : sides_) {
+    if (is_loop({s.joint})) continue;
+    const bool stepped = is_stepped(s), held = holds(s);
+    const SteppedContact* const known = stepped || held ? nullptr : steps_->at_stop(s.joint, s.dof, s.sign);
+    if (stepped ? held : known != nullptr && known->rests && !locked(s)) {
+      Event scratch;
+      TopologyEditor editor(*world_);
+      editor.begin(scratch, "");
+      if (held)
+        editor.release_limit(s.joint, s.dof);
+      else
+        editor.engage_limit(s.joint, s.dof, s.sign);
+      steps_->set_resting(as_stop(s), held);
+      changed = true;
+    }
+    if (stepped && !locked(s)) steps_->add_stop(as_stop(s));
+  }
+  if (!changed) return;
+  revision_ = world_->tree_.revision();
+  world_->take_variables(world_->own_variables());
+  (*evaluate_)(world_->state_);
+}
+
+// A joint rests while its stop presses it without a rebound, and until it is seen to have left.
+void Stops::report_stepped(std::vector<Event>& events) {
+  if (!any()) return;
+  (*evaluate_)(world_->state_);
+  for (const Side& s : sides_) {
+    if (!is_stepped(s) || locked(s)) continue;
+    if (steps_->struck(s.joint, s.dof, s.sign)) events.push_back(begin_event(s, LimitEvent::hit));
+    const SteppedContact* const known = steps_->at_stop(s.joint, s.dof, s.sign);
+    if (known == nullptr || known->rests == stands(s)) continue;
+    events.push_back(begin_event(s, known->rests ? LimitEvent::leave : LimitEvent::rest));
+    steps_->set_resting(as_stop(s), !known->rests);
+  }
+}
+
+bool Stops::release_pulled(const std::vector<Event>& happened, std::vector<Event>& events, bool pressed) {
+  const std::size_t count = events.size();
   for (const Side& s : sides_) {
     if (!holds(s)) continue;
     double through = 0, size = 0;
-    for (const Event& event : events) {
+    for (const Event& event : happened) {
       for (const auto& [name, S] : event.impulse) {
         if (world_->find_joint(name) != s.joint) continue;
         const Joint& joint = joint_of(world_->tree_, s.joint);
@@ -161,21 +218,28 @@ bool Stops::release_pulled(const std::vector<Event>& events, bool pressed) {
         size += norm(Vec3{S[0], S[1], S[2]}) * norm(v) + norm(Vec3{S[3], S[4], S[5]}) * norm(w);
       }
     }
-    for (const Event& event : events)  // a coupling's impulse on the joint is not the stop's
+    for (const Event& event : happened)  // a coupling's impulse on the joint is not the stop's
       for (const Event::OfCoupling& each : event.coupling_impulse) {
         const double own = (world_->find_joint(each.joint) == s.joint ? each.on_joint : 0.0) +
                            (world_->find_joint(each.follows) == s.joint ? each.on_follows : 0.0);
         through -= own, size += std::fabs(own);
       }
-    if ((pressed ? std::fabs(through) : s.sign * through) <= 1e-10 * size) continue;
-    Event scratch;
-    TopologyEditor editor(*world_);
-    editor.begin(scratch, "");
-    editor.release_limit(s.joint, s.dof);
-    found = true;
+    if ((pressed ? std::fabs(through) : s.sign * through) > 1e-10 * size) act(events, s, LimitEvent::leave, 0);
   }
   revision_ = world_->tree_.revision();
-  return found;
+  return events.size() != count;
+}
+
+bool Stops::release_pushed(const std::vector<double>& forces, std::vector<Event>& events) {
+  const std::size_t count = events.size();
+  double size = 0;
+  for (const double force : forces) size = std::max(size, std::fabs(force));
+  for (const Side& s : sides_) {
+    if (!holds(s) || is_loop({s.joint})) continue;
+    const int place = world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.dof;
+    if (s.sign * forces[static_cast<std::size_t>(place)] < -1e-10 * size) act(events, s, LimitEvent::leave, 0);
+  }
+  return events.size() != count;
 }
 
 std::vector<std::string> Stops::passed() const {
@@ -197,7 +261,8 @@ const Stops::Side* Stops::fastest_hit() {
   const Side* hit = nullptr;
   bool accelerated = false;
   for (const Side& s : sides_) {
-    if (locked(s) || !at_stop(s) || !(speed(s) > s.rest_speed) || (hit != nullptr && !(speed(s) > speed(*hit)))) continue;
+    if (is_stepped(s) || locked(s) || !at_stop(s) || !(speed(s) > s.rest_speed) || (hit != nullptr && !(speed(s) > speed(*hit))))
+      continue;
     if (!accelerated) accelerate(world_->tree_, world_->state_, world_->workspace_);
     accelerated = true;
     if (speed(s) > rest_speed(s)) hit = &s;
@@ -233,7 +298,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
   // Where prescribed motions or other stops leave nothing that can give way, only rounding limits the impulse. Prescribed motions
   // may do more work than the kinetic energy, but not 1e10 times as much.
   const auto exceeds = [](const Event& e) { return !(std::fabs(e.lost) <= 1e10 * (e.before.kinetic + e.after.kinetic)); };
-  const std::size_t count = events.size();
+  std::size_t count = events.size();
   const auto give_up = [&](const Side& side) {
     events.resize(count);
     revision_ = world_->tree_.revision();
@@ -258,18 +323,21 @@ bool Stops::one_thing(std::vector<Event>& events) {
       const WorldSnapshot after = world_->snapshot();
       world_->restore(before);
       const bool blocked = exceeds(last[0]);
-      if (!release_pulled(last, blocked)) {
+      events.resize(count);
+      if (!release_pulled(last, events, blocked)) {
         if (blocked) return give_up(side);
         world_->restore(after);
         revision_ = world_->tree_.revision();
+        events.push_back(last[0]);
         return true;
       }
       before = world_->snapshot();  // released joints stay released: another one may be pulled next
-      events.resize(count);
+      count = events.size();
     }
   }
   bool candidates = false;
-  for (const Side& s : sides_) candidates = candidates || holds(s) || (!locked(s) && at_stop(s) && speed(s) >= -s.rest_speed);
+  for (const Side& s : sides_)
+    candidates = candidates || holds(s) || (!is_stepped(s) && !locked(s) && at_stop(s) && speed(s) >= -s.rest_speed);
   if (!candidates) return false;
   accelerate(world_->tree_, world_->state_, world_->workspace_);
   for (Side& s : sides_) {
@@ -278,7 +346,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
     return true;
   }
   for (const Side& s : sides_) {
-    if (locked(s) || !at_stop(s) || speed(s) < -1e-3 * s.rest_speed) continue;
+    if (is_stepped(s) || locked(s) || !at_stop(s) || speed(s) < -1e-3 * s.rest_speed) continue;
     const bool pressed = acceleration(s) > 0;
     if (!pressed && speed(s) <= no_speed * s.rest_speed) continue;  // pulled off, or touching at zero speed
     const Side side = s;

@@ -17,8 +17,6 @@
 
 namespace momentree {
 
-class ContactSteps;
-
 /// A condition to be located within a step: when it is met; for a condition that holds and has to last, when it ceases to hold;
 /// for a condition to be armed again, when the quantity is back far enough.
 struct Watch {
@@ -36,6 +34,9 @@ struct Watch {
     return found ? std::optional(sign * *found) : std::nullopt;
   }
 };
+
+class ContactSteps;
+struct SteppedStop;
 
 class Stops {
  public:
@@ -57,18 +58,22 @@ class Stops {
   bool would_strike() { return any() && fastest_hit() != nullptr; }
 
   /// One step of at most h seconds, which ends early if a stop is hit or must release its joint, or one of `watches` fires.
-  /// Returns the length of the step (s), or nothing if the method failed (the state is then restored). `through`: what the method
-  /// steps through contacts with, if it does. Joints that stand on stops are left to that.
-  std::optional<double> step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches = {},
-                             ContactSteps* through = nullptr);
+  /// Returns the length of the step (s), or nothing if the method failed (the state is then restored).
+  std::optional<double> step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches = {});
 
-  /// Adds the stops on which joints stand, and may be pressed, to those that `through` solves with the contacts. The present
-  /// state has been evaluated.
-  void find_pressed(ContactSteps& through);
+  /// What solves stops with the contacts, of joints of the tree whose contacts it steps through. Their DoFs are not locked.
+  void use(ContactSteps& steps) { steps_ = &steps; }
+  /// Gives it the stops of these joints. Those that rest on stops are unlocked there, and locked where contacts are located
+  /// again.
+  void share();
+  /// The events of these stops in the last step.
+  void report_stepped(std::vector<Event>& events);
 
-  /// Releases the joints resting on stops that transmitted impulses at `event` which a stop cannot exert (it would have pulled),
-  /// and with `pressed` those that transmitted any. False: there are none.
-  bool release_pulled(const std::vector<Event>& events, bool pressed = false);
+  /// Releases the joints resting on stops that transmitted impulses at `happened` which a stop cannot exert (it would have
+  /// pulled), and with `pressed` those that transmitted any, with an event of each. False: there are none.
+  bool release_pulled(const std::vector<Event>& happened, std::vector<Event>& events, bool pressed = false);
+  /// Releases the joints that these joint forces, packed as p, push off their stops. False: there are none.
+  bool release_pushed(const std::vector<double>& forces, std::vector<Event>& events);
 
   /// The joint that a stop can't stop at present, because nothing that it moves can give way; −1: none.
   int blocked() const { return blocked_; }
@@ -119,8 +124,11 @@ class Stops {
   static double rounding(const Side& side);     // of the coordinate at the stop
   double speed(const Side& side) const;         // towards the stop
   double acceleration(const Side& side) const;  // towards the stop; the workspace holds accelerations
-  double pull(const Side& side) const;          // force with which the stop would have to pull
-  double rest_speed(const Side& side) const;    // slower impacts come to rest; the workspace holds accelerations
+  bool is_stepped(const Side& side) const;
+  bool stands(const Side& side) const;  // as exactly as steps through contacts see it
+  SteppedStop as_stop(const Side& side) const;
+  double pull(const Side& side) const;        // force with which the stop would have to pull
+  double rest_speed(const Side& side) const;  // slower impacts come to rest; the workspace holds accelerations
   bool holds(const Side& side) const;
   bool locked(const Side& side) const;
   bool touches(const Side& side) const;
@@ -130,6 +138,7 @@ class Stops {
   const Side* fastest_hit();
   bool one_thing(std::vector<Event>& events);
   enum class LimitEvent { hit, rest, leave };
+  Event begin_event(const Side& side, LimitEvent deed) const;
   void act(std::vector<Event>& events, const Side& side, LimitEvent deed, double restitution);
 
   /// Speeds below this fraction of rest_speed count as zero.
@@ -138,12 +147,12 @@ class Stops {
   World* world_;
   Evaluator* evaluate_;
   double tolerance_;  // s
+  ContactSteps* steps_ = nullptr;
   std::vector<Side> sides_;
   int blocked_ = -1;
   // Buffers of one step, kept so that the next step allocates nothing.
   std::vector<Watched> watched_;
-  std::vector<Watched> pressed_;  // stops that steps through contacts take part in
-  double slopes_of_ = 0;          // the end of the step for which the slopes were found
+  double slopes_of_ = 0;  // the end of the step for which the slopes were found
   State start_, end_;
   std::optional<std::uint64_t> revision_;
 };

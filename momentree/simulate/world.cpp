@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <momentree/dynamics/contacts.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/momentum.hpp>
@@ -306,7 +307,7 @@ JointView World::joint(JointId number) const {
           reversed ? inner : outer,
           reversed,
           j.locked & ~held(number.index),
-          held(number.index),
+          held(number.index) | rests_in_steps(number.index),
           driven,
           j.at,
           j.child_at,
@@ -394,6 +395,14 @@ int World::held(int joint, int dof) const {
   for (const ActiveLimit& h : active_limits_)
     if (h.joint == joint && h.dof == dof) return h.sign;
   return 0;
+}
+
+unsigned World::rests_in_steps(int joint) const {
+  unsigned bits = 0;
+  if (workspace_.contacts != nullptr)
+    for (const HeldStop& stop : workspace_.contacts->stops)
+      if (stop.joint == joint && stop.rests) bits |= 1u << stop.dof;
+  return bits;
 }
 
 unsigned World::held(int joint) const {

@@ -317,6 +317,7 @@ class World {
   void set_gravity(Vec3 gravity);
   int held(int joint, int dof) const;
   unsigned held(int joint) const;
+  unsigned rests_in_steps(int joint) const;  // on stops that are stepped through, which lock nothing
   void forget_active_limits();
   const Connections& connections() const {
     connections_.update(tree_);
