@@ -28,7 +28,7 @@ auto* find_stop(auto& points, int joint, int dof, int sign) {
 SteppedContact point_of(const SteppedStop& stop, double force) {
   SteppedContact point;
   point.id = static_cast<std::uint64_t>(stop.dof), point.a = stop.body, point.force = {force, 0, 0};
-  point.joint = stop.joint, point.side = stop.sign;
+  point.joint = stop.joint, point.side = stop.sign, point.rests = stop.rests;
   return point;
 }
 
@@ -66,7 +66,7 @@ void ContactSteps::find_stops(double h) {
     const double q = world_->state_.q()[static_cast<std::size_t>(tree.first_q(stop.body) + stop.dof)];
     const double v = -stop.sign * world_->workspace_.v[static_cast<std::size_t>(tree.first_p(stop.body) + stop.dof)];
     const double gap = stop.sign * (stop.limit - q);
-    if (stop.touched || gap <= touch_distance + h * std::fabs(v)) near_stops_.push_back({stop, gap, v, 0});
+    if (stop.touched || stop.rests || gap <= touch_distance + h * std::fabs(v)) near_stops_.push_back({stop, gap, v, 0});
   }
 }
 
@@ -91,10 +91,7 @@ void ContactSteps::guess(double h) {
     for (std::size_t k = 0; k < 3; ++k) carried_[3 * i + k] += sign * dot(known.force, row_direction(rows_.touches[i], k));
   }
   for (std::size_t i = 0; i < near_.size(); ++i) carried_[3 * i] = std::max(0.0, carried_[3 * i]);
-  for (std::size_t i = 0; i < near_stops_.size(); ++i) {
-    const SteppedStop& stop = near_stops_[i].stop;
-    if (const SteppedContact* known = at_stop(stop.joint, stop.dof, stop.sign)) carried_[3 * (near_.size() + i)] = known->force.x;
-  }
+  for (std::size_t i = 0; i < near_stops_.size(); ++i) carried_[3 * (near_.size() + i)] = near_stops_[i].stop.force;
   many_.r = carried_;
   for (double& r : many_.r) r *= h;
 }
@@ -254,24 +251,15 @@ void ContactSteps::remember(double h) {
   }
   for (std::size_t i = 0; before > 0 && i < near_stops_.size(); ++i) {
     const NearStop& at = near_stops_[i];
-    if (lay_there(at.velocity, at.acceleration, h) && at_stop(at.stop.joint, at.stop.dof, at.stop.sign) == nullptr)
-      carry(near_.size() + i);
+    if (lay_there(at.velocity, at.acceleration, h) && at.stop.force == 0) carry(near_.size() + i);
   }
-  resting_.clear();
-  std::ranges::copy_if(points_, std::back_inserter(resting_), &SteppedContact::rests);
   points_.clear();
   for (std::size_t i = 0; i < near_stops_.size(); ++i) {
     const std::size_t row = 3 * (near_.size() + i);
     const double force = (many_.r[row] + before * carried_[row]) / over;
     const bool parts = near_stops_[i].gap > touch_distance || after_[row] > slow_impact;
-    if (force > 0 && !(parts && !(many_.r[row] > 0))) points_.push_back(point_of(near_stops_[i].stop, force));
-  }
-  for (SteppedContact& was : resting_) {
-    was.force = {};
-    if (SteppedContact* now = find_stop(points_, was.joint, static_cast<int>(was.id), was.side))
-      now->rests = true;
-    else
-      points_.push_back(was);
+    const bool presses = force > 0 && !(parts && !(many_.r[row] > 0));
+    if (presses || near_stops_[i].stop.rests) points_.push_back(point_of(near_stops_[i].stop, presses ? force : 0));
   }
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const auto force = [&](std::size_t k) { return (many_.r[3 * i + k] + before * carried_[3 * i + k]) / over; };
@@ -323,13 +311,8 @@ void ContactSteps::find_forces() {
       if (r[0] > 0) found.push_back(point_at(i, {r[0] / h, r[1] / h, r[2] / h}, rows_.velocity));
     }
     for (std::size_t i = 0; i < near_stops_.size(); ++i) {
-      const SteppedStop& stop = near_stops_[i].stop;
-      const SteppedContact* known = at_stop(stop.joint, stop.dof, stop.sign);
-      const bool rests = known != nullptr && known->rests;
-      if (const double r = many_.r[3 * (near_.size() + i)]; r > 0 || rests) {
-        found.push_back(point_of(stop, r / h));
-        found.back().rests = rests;
-      }
+      const double r = many_.r[3 * (near_.size() + i)];
+      if (r > 0 || near_stops_[i].stop.rests) found.push_back(point_of(near_stops_[i].stop, r / h));
     }
     std::stable_sort(found.begin(), found.end(), earlier);
   }
@@ -366,11 +349,11 @@ bool ContactSteps::struck(int joint, int dof, int sign) const {
   return false;
 }
 
-void ContactSteps::set_resting(const SteppedStop& stop, bool rests) {
+void ContactSteps::set_resting(const SteppedStop& stop) {
   if (SteppedContact* const known = find_stop(points_, stop.joint, stop.dof, stop.sign))
-    known->rests = rests;
-  else if (rests)
-    points_.insert(points_.begin(), point_of(stop, 0))->rests = true;
+    known->rests = stop.rests;
+  else
+    points_.insert(points_.begin(), point_of(stop, 0));
   show_stops(points_);
 }
 
@@ -421,7 +404,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   hits_.clear(), touching_.clear(), overlapping_.clear();
   for (;;) {
     if (near_.empty() && near_stops_.empty()) {
-      std::erase_if(points_, [](const SteppedContact& point) { return !point.rests; });
+      points_.clear();
       released_ = false, has_forces_ = true;
       return;
     }

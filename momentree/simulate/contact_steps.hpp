@@ -19,7 +19,9 @@ namespace momentree {
 struct SteppedStop {
   int joint, body, dof, sign;  ///< sign 1: the upper stop
   double limit, restitution, rest_speed;
-  bool touched;  ///< the joint is there at the start of the step, and does not move away
+  bool touched;        ///< the joint is there at the start of the step, and does not move away
+  bool rests = false;  ///< it rests there
+  double force = 0;    ///< in the step before (N or N m)
 };
 
 class ContactSteps final : public StepContacts {
@@ -40,7 +42,8 @@ class ContactSteps final : public StepContacts {
   const SteppedContact* at_stop(int joint, int dof, int sign) const;
   /// True if the joint hit its stop in the last step.
   bool struck(int joint, int dof, int sign) const;
-  void set_resting(const SteppedStop& stop, bool rests);
+  /// Notes whether the joint rests on it.
+  void set_resting(const SteppedStop& stop);
 
   /// The usual length of a step (s). Forces are the means over that time: impulses of shorter steps say little.
   void set_usual_step(double h) { usual_step_ = h; }
@@ -111,7 +114,7 @@ class ContactSteps final : public StepContacts {
   double usual_step_ = 0;
   std::vector<SteppedStop> stops_;
   std::vector<NearStop> near_stops_;
-  std::vector<SteppedContact> points_, resting_;
+  std::vector<SteppedContact> points_;
   bool released_ = true, has_forces_ = false;
   std::vector<SteppedContact> points_at_start_;  // of the present step
   bool released_at_start_ = false;

@@ -100,7 +100,10 @@ bool Stops::stands(const Side& s) const {
   return s.sign * (s.limit - coordinate(s)) <= touching * (1 + std::fabs(s.limit)) && speed(s) >= -s.rest_speed;
 }
 SteppedStop Stops::as_stop(const Side& s) const {
-  return {s.joint, world_->tree_.carrier(s.joint), s.dof, s.sign, s.limit, s.restitution, s.rest_speed, stands(s)};
+  SteppedStop stop{s.joint, world_->tree_.carrier(s.joint), s.dof, s.sign, s.limit, s.restitution, s.rest_speed, stands(s)};
+  if (const SteppedContact* const known = steps_->at_stop(s.joint, s.dof, s.sign))
+    stop.rests = known->rests, stop.force = known->force.x;
+  return stop;
 }
 bool Stops::holds(const Side& s) const { return locked(s) && world_->held(s.joint, s.dof) == s.sign; }
 
@@ -169,8 +172,9 @@ void Stops::share() {
   for (const Side& s : sides_) {
     if (is_loop({s.joint})) continue;
     const bool stepped = is_stepped(s), held = holds(s);
-    const SteppedContact* const known = stepped || held ? nullptr : steps_->at_stop(s.joint, s.dof, s.sign);
-    if (stepped ? held : known != nullptr && known->rests && !locked(s)) {
+    if (locked(s) && !(stepped && held)) continue;
+    SteppedStop stop = as_stop(s);
+    if (stepped ? held : stop.rests) {
       Event scratch;
       TopologyEditor editor(*world_);
       editor.begin(scratch, "");
@@ -178,10 +182,10 @@ void Stops::share() {
         editor.release_limit(s.joint, s.dof);
       else
         editor.engage_limit(s.joint, s.dof, s.sign);
-      steps_->set_resting(as_stop(s), held);
-      changed = true;
+      stop.rests = held, changed = true;
+      steps_->set_resting(stop);
     }
-    if (stepped && !locked(s)) steps_->add_stop(as_stop(s));
+    if (stepped) steps_->add_stop(stop);
   }
   if (!changed) return;
   revision_ = world_->tree_.revision();
@@ -196,10 +200,11 @@ void Stops::report_stepped(std::vector<Event>& events) {
   for (const Side& s : sides_) {
     if (!is_stepped(s) || locked(s)) continue;
     if (steps_->struck(s.joint, s.dof, s.sign)) events.push_back(begin_event(s, LimitEvent::hit));
-    const SteppedContact* const known = steps_->at_stop(s.joint, s.dof, s.sign);
-    if (known == nullptr || known->rests == stands(s)) continue;
-    events.push_back(begin_event(s, known->rests ? LimitEvent::leave : LimitEvent::rest));
-    steps_->set_resting(as_stop(s), !known->rests);
+    SteppedStop stop = as_stop(s);
+    if ((stop.force == 0 && !stop.rests) || stop.rests == stop.touched) continue;
+    stop.rests = stop.touched;
+    events.push_back(begin_event(s, stop.rests ? LimitEvent::rest : LimitEvent::leave));
+    steps_->set_resting(stop);
   }
 }
 
