@@ -199,7 +199,10 @@ void Stops::report_stepped(std::vector<Event>& events) {
   (*evaluate_)(world_->state_);
   for (const Side& s : sides_) {
     if (!is_stepped(s) || locked(s)) continue;
-    if (steps_->struck(s.joint, s.dof, s.sign)) events.push_back(begin_event(s, LimitEvent::hit));
+    if (steps_->struck(s.joint, s.dof, s.sign)) {  // where it stays, it rests from the next step on
+      events.push_back(begin_event(s, LimitEvent::hit));
+      continue;
+    }
     SteppedStop stop = as_stop(s);
     if ((stop.force == 0 && !stop.rests) || stop.rests == stop.touched) continue;
     stop.rests = stop.touched;
