@@ -42,6 +42,8 @@ class ContactSteps final : public StepContacts {
   const SteppedContact* at_stop(int joint, int dof, int sign) const;
   /// True if the joint hit its stop in the last step.
   bool struck(int joint, int dof, int sign) const;
+  /// Until the next step, no joint did.
+  void forget_hits() { hit_.clear(); }
   /// Notes whether the joint rests on it.
   void set_resting(const SteppedStop& stop);
 

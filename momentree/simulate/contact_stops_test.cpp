@@ -416,3 +416,34 @@ TEST_CASE("contact and stops: a moving carriage sets what rests on its stop on t
     CHECK(std::fabs(sim.energy().error) < 1e-9);
   }
 }
+
+TEST_CASE("contact and stops: a hit in an island that is stepped through is one event") {
+  // A flood of changes at a column of boxes, whose topmost carries a slider that falls onto its stop: it is stepped through.
+  Model model;
+  BodyId top;
+  for (int k = 0; k < 10; ++k) {
+    const double z = 0.1 + 0.2 * k;
+    top = model.add(
+        {.name = "box" + std::to_string(k), .mass = 1, .inertia = diagonal(0.01), .joint = Free{}, .q = {0, 0, z, 1, 0, 0, 0}});
+    model.add_collider({.body = top, .solid = contact::box({0.2, 0.2, 0.2})});
+  }
+  model.add({.name = "slider",
+             .mass = 1,
+             .inertia = diagonal(0.01),
+             .parent = top,
+             .joint = Prismatic{.axis = {0, 0, 1}, .limits = {.lower = 0, .restitution = 0.5}},
+             .q = {0.05}});
+  const BodyId far =
+      model.add({.name = "far", .mass = 1, .inertia = diagonal(0.01), .joint = Free{}, .q = {9, 0, 2, 1, 0, 0, 0}});
+  model.add_collider({.body = far, .solid = contact::sphere(0.1)});
+  model.add_collider({.plane = true});
+  Simulation sim(model, {.method = "dop853", .step = 1e-3});
+  REQUIRE(sim.run_until(0.5));
+  REQUIRE(std::ranges::any_of(sim.events(), [](const Event& event) { return event.name == "stepping"; }));
+  std::vector<double> times;
+  for (const Event& event : sim.events())
+    if (event.name == "stop" && event.actions[0].kind == "hit") times.push_back(event.time);
+  CHECK(times.size() > 2);
+  CHECK(std::ranges::adjacent_find(times) == times.end());
+  CHECK(events(sim, "rest slider lower") == 1);
+}

@@ -209,6 +209,7 @@ void Stops::report_stepped(std::vector<Event>& events) {
     events.push_back(begin_event(s, stop.rests ? LimitEvent::rest : LimitEvent::leave));
     steps_->set_resting(stop);
   }
+  steps_->forget_hits();
 }
 
 bool Stops::release_pulled(const std::vector<Event>& happened, std::vector<Event>& events, bool pressed) {

@@ -199,6 +199,8 @@ TEST_CASE("an impact elsewhere does not pull on a stop") {
   CHECK(down.world().motions()[0].linear.z == doctest::Approx(-1));  // −3 N s on 3 kg: the load stays behind
   CHECK(down.world().motions()[1].linear.z == doctest::Approx(0));
   CHECK(down.world().joint({1}).resting == 0);
+  CHECK(of(down, "leave").size() == 1);
+  CHECK(of(up, "leave").empty());
 }
 
 TEST_CASE("an impact that pulls joints off several stops ends") {
