@@ -30,9 +30,12 @@ struct Solid {
   double thickness = 0;                  ///< nothing that moves less than this passes through (m)
   double rim = 0;                        ///< radius of a cylinder (m); 0: not a cylinder
   std::array<Vec3, 2> ends{};            ///< of a cylinder: the centres of its ends (m)
+  /// Its surface runs around this axis, as that of a conveyor belt, a roller or a track does: where its outward normal is n, with
+  /// belt × n relative to the body (m/s).
+  Vec3 belt{};
 
   friend bool operator==(const Solid& a, const Solid& b) {
-    return a.vertices == b.vertices && a.radius == b.radius && a.rim == b.rim;
+    return a.vertices == b.vertices && a.radius == b.radius && a.rim == b.rim && a.belt == b.belt;
   }
 };
 

@@ -135,14 +135,22 @@ void add_held_stops(const Tree& tree, const Workspace<double>& workspace, double
       tau[tree.first_p(b) + stop.dof] += stop.force;
 }
 
+Vec3 belt_velocity(const Contact& contact, const contact::Touch& touch, const contact::Place& a, const contact::Place& b) {
+  return cross(touch.normal, a.R * contact.belt_a + b.R * contact.belt_b);  // the outward normal of a is −n
+}
+
 void place_contacts(const Tree& tree, const Workspace<double>& workspace, std::span<const Contact> contacts, ContactRows& rows) {
-  rows.touches.resize(contacts.size()), rows.velocity.resize(3 * contacts.size());
+  rows.touches.resize(contacts.size()), rows.velocity.resize(3 * contacts.size()), rows.belts.resize(3 * contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact& c = contacts[i];
     const contact::Place a = place_of(tree, workspace, c.a), b = place_of(tree, workspace, c.b);
     rows.touches[i] = contact::touch(c.features, a, b);
-    const Vec3 v = contact::relative_velocity(rows.touches[i], a, b);
-    for (std::size_t k = 0; k < 3; ++k) rows.velocity[3 * i + k] = dot(direction(rows.touches[i], k), v);
+    const Vec3 v = contact::relative_velocity(rows.touches[i], a, b), belts = belt_velocity(c, rows.touches[i], a, b);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& along = direction(rows.touches[i], k);
+      rows.belts[3 * i + k] = k == 0 ? 0 : dot(along, belts);
+      rows.velocity[3 * i + k] = dot(along, v) + rows.belts[3 * i + k];
+    }
   }
 }
 
@@ -229,8 +237,11 @@ void find_contact_accelerations(const Tree& tree, const double* q, const Workspa
     rows.acceleration[3 * i] = dot(touch.normal, rate) + dot(touch.normal_rate, v);
     // The tangents turn with the normal only: n × ṅ. Across a contact that sticks the velocity is zero.
     const Vec3 spin = cross(touch.normal, touch.normal_rate);
+    const Vec3 belt_a = a.R * contacts[i].belt_a, belt_b = b.R * contacts[i].belt_b;
+    const Vec3 of_belts =
+        cross(touch.normal_rate, belt_a + belt_b) + cross(touch.normal, cross(a.w, belt_a) + cross(b.w, belt_b));
     for (std::size_t k = 0; k < 2; ++k)
-      rows.acceleration[3 * i + k + 1] = dot(touch.tangent[k], rate) + dot(cross(spin, touch.tangent[k]), v);
+      rows.acceleration[3 * i + k + 1] = dot(touch.tangent[k], rate + of_belts) + dot(cross(spin, touch.tangent[k]), v);
   }
 }
 
@@ -359,8 +370,11 @@ void add_contact_loads(const Tree& tree, Workspace<double>& workspace) noexcept 
     for (std::size_t k = 0; k < 3; ++k) force += rows.forces[3 * i + k] * direction(touch, k);
     if (contacts[i].a >= 0) workspace.loads[at(contacts[i].a)] += contact_wrench(workspace, contacts[i].a, force, touch.point);
     if (contacts[i].b >= 0) workspace.loads[at(contacts[i].b)] += contact_wrench(workspace, contacts[i].b, -force, touch.point);
-    if (contacts[i].mode == Contact::Mode::slip)
-      for (std::size_t k = 1; k < 3; ++k) workspace.power.dissipated -= rows.forces[3 * i + k] * rows.velocity[3 * i + k];
+    for (std::size_t k = 1; k < 3; ++k) {
+      if (contacts[i].mode == Contact::Mode::slip)
+        workspace.power.dissipated -= rows.forces[3 * i + k] * rows.velocity[3 * i + k];
+      workspace.power.work -= rows.forces[3 * i + k] * rows.belts[3 * i + k];
+    }
   }
 }
 

@@ -6,6 +6,7 @@
 // (loops included) and w the relative accelerations without contacts, the forces r follow from J Y B r = −w, where B r are the
 // forces along the rows. Redundant contacts are the rule, such as four corners of a box: of all forces with the same effect the
 // least ones are taken that press and are within their cones of friction (contact/shared_forces.hpp).
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,9 @@ inline constexpr double slowest_slip = 1e-9;
 
 /// True for a contact that has just begun to slip, which keeps its direction: see Contact. `v`: its slip (m/s, world axes).
 bool keeps_direction(const Contact& contact, const Vec3& v);
+
+/// The velocity of the surface of a, less that of b, relative to their bodies (m/s, world axes): it is along the surfaces.
+Vec3 belt_velocity(const Contact& contact, const contact::Touch& touch, const contact::Place& a, const contact::Place& b);
 
 /// Three rows of each contact: along the normal and the tangents of contact::Touch.
 struct ContactRows {
@@ -39,12 +43,16 @@ struct ContactRows {
   std::vector<std::size_t> group_of, place;  ///< by contact: its group, and its place among the members of that
   std::vector<int> dof;                      ///< places in arrays packed as p, group by group, in ascending order
   std::vector<double> J, Y, A;               ///< A = J Y, by group
-  std::vector<double> velocity;              ///< J u
+  std::vector<double> velocity;              ///< J u, and that of belts
+  std::vector<double> belts;                 ///< the part of it that is that of belts
   std::vector<double> acceleration;          ///< its time derivative without forces of contacts
   std::vector<double> forces;                ///< along the rows, on body a
   std::vector<bool> determined;              ///< by contact: no other forces have the same effect; of states, not of stages
   std::vector<Vec3> slip;                    ///< by contact: direction of slip
   std::size_t contacts() const { return touches.size(); }
+  bool has_belts() const {
+    return std::ranges::any_of(belts, [](double v) { return v != 0; });
+  }
   std::span<const std::size_t> of_group(const Group& group) const { return {members.data() + group.first, group.count}; }
   /// The element of A for two rows.
   double mobility(std::size_t row, std::size_t column) const;
@@ -145,7 +153,7 @@ void for_held_forces(const Tree& tree, const Workspace<double>& workspace, Add a
 /// slip are chosen; stages keep to their half-plane.
 void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& workspace, bool at_state);
 
-/// Adds these forces to workspace.loads, and what friction dissipates to workspace.power.
+/// Adds these forces to workspace.loads, and what friction dissipates and belts do to workspace.power.
 void add_contact_loads(const Tree& tree, Workspace<double>& workspace) noexcept;
 
 /// Closes the contacts after a step: sets gaps to zero and removes the velocities that contacts do not allow, in place, by the

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/io/contact_columns.hpp>
+#include <momentree/io/convert/convert.hpp>
 #include <momentree/io/report/contact_rows.hpp>
 #include <momentree/io/schedule.hpp>
 #include <momentree/io/session.hpp>
@@ -50,6 +51,29 @@ TEST_CASE("contact: shapes, the floor and rules are read") {
   CHECK(model.contact_law({0}, {1}).friction == 0.2);
   CHECK(model.contact_law({1}, ground).off);
   CHECK(!model.contact_law({2}, {1}).off);
+}
+
+TEST_CASE("contact: belts of bodies and of the floor are read, and written again") {
+  const Scenario scenario = read("[world]\nfloor = { belt = { axis = [0, 2, 0], speed = \"50 cm/s\" } }\n" +
+                                 ball("a", 3,
+                                      "shape = { sphere = 0.1 }\ncollision = [{ sphere = 0.1 }, { box = [1, 1, 1] }]\n"
+                                      "belt = { axis = [3, 0, 4], speed = -1 }\n") +
+                                 ball("b", 9));
+  const std::string text = to_toml(scenario.model, scenario.shapes, true);
+  for (const Scenario& each : {scenario, read(text.substr(text.find('\n') + 1))}) {
+    REQUIRE(each.model.colliders().size() == 4);
+    CHECK(norm(each.model.colliders()[0].solid.belt - Vec3{0, 0.5, 0}) < 1e-15);
+    for (const std::size_t i : {1u, 2u}) CHECK(norm(each.model.colliders()[i].solid.belt - Vec3{-0.6, 0, -0.8}) < 1e-15);
+    CHECK(each.model.colliders()[3].solid.belt == Vec3{});
+  }
+  const auto refused = [](const std::string& what) { return refusal(ball("a", 1, what + "\n")); };
+  CHECK(
+      refused("belt = { axis = [0, 1, 0], speed = 1 }").find("s.toml:10:8: error: belt: the body has no collision; give it one") !=
+      std::string::npos);
+  CHECK(refused("collision = { sphere = 1 }\nbelt = { axis = [0, 0, 0], speed = 1 }").find("axis: must not be zero") !=
+        std::string::npos);
+  CHECK(refused("collision = { sphere = 1 }\nbelt = { axis = [0, 1, 0] }").find("speed") != std::string::npos);
+  CHECK(refused("conveyor = 1").find("belt = { axis = [0, 1, 0], speed = 0.5 }") != std::string::npos);
 }
 
 TEST_CASE("contact: links of a chain touch, neighbours do not") {

@@ -22,6 +22,7 @@ constexpr Key body_entries[] = {
     {"collision",
      other(R"({"anyOf": [{"enum": ["shape", "none"]}, @, {"type": "array", "items": @, "minItems": 1}]})", shape_table),
      "What it touches other bodies with: shapes, \"shape\" (those drawn) or \"none\"", R"("none")"},
+    {"belt", table(belt_table), "The surface of its collision runs"},
 };
 
 }  // namespace
@@ -87,6 +88,12 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
     body.rooted = true;
   if (const Value* shape = fields.find("shape")) body.shape = read_shape(*shape, reading);
   if (const Value* collision = fields.find("collision")) read_collision(*collision, body, reading);
+  if (const Value* belt = fields.find("belt")) {
+    const Vec3 runs = read_belt(*belt, out);
+    for (contact::Solid& solid : body.collision) solid.belt = runs;
+    if (body.collision.empty() && errors == out.errors())
+      out.error(belt->place, "belt: the body has no collision", "give it one: it is the surface that runs");
+  }
   fields.finish();
 
   if (body.bare_name.empty()) return body;

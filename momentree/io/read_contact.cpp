@@ -21,11 +21,18 @@ constexpr Key friction_entries[] = {
 };
 constexpr KeyTable friction_table{"friction", "", "Static and kinetic friction", friction_entries};
 
+constexpr Key belt_entries[] = {
+    {"axis", vector(dimension::number), "Around which the surface runs; of a body in its own axes", nullptr,
+     "for example axis = [0, 1, 0], around which the upper side runs along x"},
+    {"speed", number(dimension::speed), "Of the surface, relative to its body", nullptr, "for example speed = 0.5"},
+};
+
 constexpr Key floor_entries[] = {
     {"height", number(dimension::length), "Height of the floor along its normal", "0"},
     {"normal", vector(dimension::number), "Its normal; default: against gravity"},
     {"friction", other(friction_schema, friction_table), "Friction of bodies on the floor", "0.5"},
     {"restitution", number(dimension::number, Range::not_negative), "Restitution of bodies on the floor, 0 to 1", "0"},
+    {"belt", table(belt_table), "The floor runs"},
 };
 
 constexpr Key contact_entries[] = {
@@ -89,6 +96,19 @@ std::string text_of_length(double metres) {
 
 constinit const KeyTable contact_table{"[[contact]]", "contact", "Friction and restitution of contacts", contact_entries};
 constinit const KeyTable floor_table{"floor", "", "A plane with the ground below it", floor_entries};
+constinit const KeyTable belt_table{"belt", "belt", "The surface runs, as that of a conveyor belt, a roller or a track",
+                                    belt_entries};
+
+Vec3 read_belt(const Value& value, Diagnostics& out) {
+  Fields fields(value, belt_table, out, "belt");
+  fields.require("axis"), fields.require("speed");
+  const Vec3 axis = fields.vec3("axis").value_or(z_axis);
+  const double speed = fields.number("speed").value_or(0);
+  fields.finish();
+  if (axis != Vec3{}) return speed * unit(axis);
+  out.error(fields.place_of("axis"), "axis: must not be zero");
+  return {};
+}
 
 void read_collision(const Value& value, BodyEntry& body, Reading& reading) {
   const auto add = [&](const Shape& shape) {
@@ -149,6 +169,7 @@ void read_floor(const Value& value, Reading& reading) {
   }
   floor.point = fields.number("height").value_or(0) * floor.normal;
   read_law(fields, rule.law, reading);
+  if (const Value* belt = fields.find("belt")) floor.solid.belt = read_belt(*belt, reading.out);
   fields.finish();
   if (errors != reading.out.errors()) return;
   model.add_collider(floor);

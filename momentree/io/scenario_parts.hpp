@@ -208,6 +208,8 @@ void read_cable(const Value& table, Reading& reading);
 
 /// The value of a body's `collision`; it has its shape already.
 void read_collision(const Value& value, BodyEntry& body, Reading& reading);
+/// See contact::Solid::belt.
+Vec3 read_belt(const Value& value, Diagnostics& out);
 void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model& model);
 /// What a shape touches with, in the body's frame. If it has no volume or cannot be read: nothing, and `refuse` is called.
 /// `warn` is called where a mesh differs from its hull.

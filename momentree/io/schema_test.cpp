@@ -68,6 +68,7 @@ const std::vector<Table>& tables() {
       {"/properties/world/properties/floor/anyOf/1", {one_body + "[world]\nfloor = { " + value + " }"}},
       {"/properties/world/properties/floor/anyOf/1/properties/friction/anyOf/1",
        {one_body + "[world]\nfloor = { friction = { kinetic = 1, " + value + " } }"}},
+      {d + "belt", {one_body + "collision = { sphere = 1 }\nbelt = { axis = [0, 1, 0], speed = 1, " + value + " }"}},
       {d + "contact", {one_body + "[[contact]]\n" + value}},
       {d + "contact/properties/friction/anyOf/1", {one_body + "[[contact]]\nfriction = { kinetic = 1, " + value + " }"}},
       {d + "mechanism", {head + value + "\n" + one_body.substr(head.size())}},

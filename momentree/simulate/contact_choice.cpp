@@ -242,6 +242,7 @@ void Contacts::note_ended_slip() {
       const contact::Place at = place(body);
       speeds += norm(at.v + cross(at.w, point - at.r));
     }
+    speeds += norm(closed[i].belt_a) + norm(closed[i].belt_b);
     const double noise = std::max(creeping, 1e-8 * speeds);
     if (norm(slip_velocity(static_cast<int>(i))) < noise) slowest_ = std::max(slowest_, noise);
   }

@@ -197,8 +197,8 @@ void Contacts::apply(const Impulses& impulses, const std::vector<double>& r, Top
   const double lost = event.lost;
   editor.apply_contact_impulses(impulses.generalised, impulses.on_bodies, impulses.on_ground);
   event.after = world_->totals();
-  if (world_->tree_.driven_joints().empty() && world_->tree_.loop_motions() == 0) return;
-  // What the contacts did not take, prescribed motions brought in.
+  if (world_->tree_.driven_joints().empty() && world_->tree_.loop_motions() == 0 && !rows_.has_belts()) return;
+  // What the contacts did not take, prescribed motions and belts brought in.
   double taken = 0;
   for (std::size_t i = 0; i < r.size(); ++i) {
     taken -= r[i] * rows_.velocity[i];

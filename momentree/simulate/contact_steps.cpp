@@ -163,15 +163,16 @@ double ContactSteps::energy() const {
 // overlaps is removed. The energy that each of this takes or brings is measured.
 void ContactSteps::move(State& state, EnergyLedger& ledger) {
   const Tree& tree = world_->tree_;
-  const double before = energy(), driven = tree.driven_joints().empty() ? 0.0 : world_->totals().kinetic;
+  const bool driven = !tree.driven_joints().empty() || (!near_.empty() && rows_.has_belts());
+  const double before = energy(), kinetic = driven ? world_->totals().kinetic : 0.0;
   {
     const State::Edit edit = state.edit();
     parts_.add_to(tree, many_, many_.change(), edit.u.data());
   }
   double by_drives = 0;
-  if (!tree.driven_joints().empty()) {
-    // Prescribed motions take up impulses without moving differently: what the other bodies gain is their work.
-    by_drives = world_->totals().kinetic - driven;
+  if (driven) {
+    // Prescribed motions and belts take up impulses without moving differently: what the other bodies gain is their work.
+    by_drives = world_->totals().kinetic - kinetic;
     for (std::size_t row = 0; row < many_.r.size(); ++row) by_drives -= 0.5 * many_.r[row] * (many_.b[row] + after_[row]);
   }
   contact::LinksMotion& moved = many_.displacement(reached_);

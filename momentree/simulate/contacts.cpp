@@ -151,7 +151,8 @@ Contact Contacts::contact_of(const Pair& pair, int number, const contact::Candid
   Contact c;
   c.features = candidate.features, c.id = candidate.id, c.pair = number;
   c.a = pair.a, c.b = pair.b, c.cable = pair.cable;
-  if (candidate.swapped) std::swap(c.a, c.b);
+  if (pair.cable < 0) c.belt_a = pair.one->solid.belt, c.belt_b = pair.other->solid.belt;
+  if (candidate.swapped) std::swap(c.a, c.b), std::swap(c.belt_a, c.belt_b);
   c.friction = pair.law.friction;
   return c;
 }
@@ -395,7 +396,7 @@ std::string Contacts::name_of(int body) const { return world_->model_.body_name(
 Vec3 Contacts::slip_velocity(const Contact& contact) const {
   const contact::Place a = place(contact.a), b = place(contact.b);
   const contact::Touch touch = contact::touch(contact.features, a, b);
-  const Vec3 v = contact::relative_velocity(touch, a, b);
+  const Vec3 v = contact::relative_velocity(touch, a, b) + belt_velocity(contact, touch, a, b);
   return v - dot(v, touch.normal) * touch.normal;
 }
 

@@ -38,6 +38,7 @@ ColliderId Model::add_collider(Collider collider) {
     if (!(collider.solid.radius >= 0) || !std::isfinite(collider.solid.radius) || !(collider.solid.thickness > 0))
       throw_error({"the size of a collider must be greater than 0", "collision", ""});
   }
+  if (!is_finite(collider.solid.belt)) throw_error({"the speed of a belt is not finite", "belt", ""});
   colliders_.push_back(std::move(collider));
   return {static_cast<int>(colliders_.size()) - 1};
 }

@@ -26,7 +26,7 @@ struct ContactLaw {
 /// A solid of a body in its user frame, or of the ground in the world; or a plane of the ground.
 struct Collider {
   BodyId body = ground;
-  contact::Solid solid{};         ///< unused by a plane
+  contact::Solid solid{};         ///< of a plane only its `belt` counts
   bool plane = false;             ///< a plane with the ground below it
   Vec3 point{}, normal{0, 0, 1};  ///< of the plane: a point (m), and its normal
   friend bool operator==(const Collider&, const Collider&) = default;

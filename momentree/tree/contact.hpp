@@ -16,6 +16,7 @@ struct Contact {
   };
   contact::Features features;  ///< in the bodies' user frames; of the ground, in the world
   int a = -1, b = -1;          ///< bodies; −1: the ground
+  Vec3 belt_a{}, belt_b{};     ///< of their solids: see contact::Solid
   Mode mode = Mode::smooth;
   double friction = 0;  ///< coefficient: kinetic, or static of one that sticks
   Vec3 direction{};     ///< of slip where the velocity is zero: a unit vector, world axes

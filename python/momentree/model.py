@@ -20,6 +20,8 @@ Shape = Union[Mapping[str, Any], Sequence[Mapping[str, Any]]]
 """As in scenario files: ``{"box": [x, y, z]}``, ``{"sphere": r}`` …, or a list of them."""
 Collision = Union[Literal["shape", "none"], Shape]
 """What a body touches others with: shapes, or ``"shape"`` for those drawn."""
+Belt = Mapping[str, Any]
+"""A surface that runs: ``{"axis": [0, 1, 0], "speed": 0.5}``."""
 Friction = Union[Number, Mapping[str, Number]]
 """A coefficient, or ``{"static": …, "kinetic": …}``."""
 Axes = Literal["world", "body"]
@@ -57,6 +59,7 @@ def body_fields(
     joint_name: str | None,
     shape: Shape | None,
     collision: Collision | None = None,
+    belt: Belt | None = None,
 ) -> dict[str, Any]:
     """The arguments of ``add`` as a body's table of a scenario file."""
     if joint is not None and not isinstance(joint, JointSpec):
@@ -64,7 +67,7 @@ def body_fields(
     spec = joint.scenario_value() if joint is not None else {"kind": "weld"}
     bare = joint_name.rsplit("/", 1)[-1] if joint_name is not None else None
     table = {**spec, **given(at=pose(at), child_at=pose(child_at), q=q, v=v, name=bare)}
-    return given(mass=mass, com=com, inertia=_inertia(inertia), shape=shape, collision=collision, joint=table)
+    return given(mass=mass, com=com, inertia=_inertia(inertia), shape=shape, collision=collision, belt=belt, joint=table)
 
 
 def checked(model: Any) -> Any:
@@ -107,6 +110,7 @@ class Model(_core.ModelBase):
         joint_name: str | None = None,
         shape: Shape | None = None,
         collision: Collision | None = None,
+        belt: Belt | None = None,
     ) -> _core.ModelBody:
         """Add a body with its inboard joint.
 
@@ -127,6 +131,8 @@ class Model(_core.ModelBase):
             shape: For pictures and reports: ``{"box": [x, y, z]}``, ``{"sphere": r}`` … (m).
             collision: What it touches other bodies and the floor with: shapes in the same way, or ``"shape"`` for those drawn;
                 default: nothing.
+            belt: Its surface runs, as that of a conveyor belt, a roller or a track: ``{"axis": …, "speed": …}``. Where the outward
+                normal is n, it moves with speed · axis × n (m/s; body axes).
 
         Returns:
             The body, to be the parent of others.
@@ -134,7 +140,7 @@ class Model(_core.ModelBase):
         Raises:
             Error: A value is impossible or a name unknown or used twice; the model is unchanged.
         """
-        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape, collision)
+        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape, collision, belt)
         return self._add(name, parent, fields)
 
     def add_floor(
@@ -144,6 +150,7 @@ class Model(_core.ModelBase):
         normal: Vector | None = None,
         friction: Friction | None = None,
         restitution: Number | None = None,
+        belt: Belt | None = None,
     ) -> None:
         """Add a plane with the ground below it.
 
@@ -152,11 +159,12 @@ class Model(_core.ModelBase):
             normal: Of any length but zero; default: against gravity.
             friction: Of bodies on it: a coefficient, or ``{"static": …, "kinetic": …}``; default 0.5.
             restitution: Of bodies on it, from 0 (default) to 1.
+            belt: It runs, as in :meth:`add`; world axes.
 
         Raises:
             Error: A value is impossible; the model is unchanged.
         """
-        self._add_floor(given(height=height, normal=normal, friction=friction, restitution=restitution) or True)
+        self._add_floor(given(height=height, normal=normal, friction=friction, restitution=restitution, belt=belt) or True)
 
     def add_contact(
         self,

@@ -28,7 +28,7 @@ from momentree._vocabulary import (
     Vector,
     portable,
 )
-from momentree.model import Collision, Model, Parent, Shape, body_fields, checked
+from momentree.model import Belt, Collision, Model, Parent, Shape, body_fields, checked
 from momentree.run import Run
 
 Trigger = Union[Condition, Onset, Callable[[World], float]]
@@ -340,6 +340,7 @@ class Simulation(_core.SimulationBase):
         joint_name: str | None = None,
         shape: Shape | None = None,
         collision: Collision | None = None,
+        belt: Belt | None = None,
     ) -> Body:
         """Add a body to the running world. The velocities of other bodies do not change.
 
@@ -352,7 +353,7 @@ class Simulation(_core.SimulationBase):
         Raises:
             Error: A value is impossible, a name unknown or used twice, or contact not supported; the world is unchanged.
         """
-        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape, collision)
+        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape, collision, belt)
         self._add(name, parent, fields)
         return self.world.bodies[name]
 

@@ -242,6 +242,28 @@ def test_pickles_go_on_with_closed_contacts() -> None:
 
 
 @pytest.mark.parametrize("method", ["dop853", "stepping"])
+def test_belts(method: str) -> None:
+    belt = {"axis": [0, 1, 0], "speed": 1.5}
+    box = dict(mass=2, inertia=0.02, joint=mt.Free(), collision={"box": [0.4, 0.4, 0.2]})
+    bed, floor = mt.Model(), mt.Model()
+    bed.add("bed", mass=1, at=[0, 0, -0.5], collision={"box": [40, 2, 1]}, belt=belt)
+    bed.add_contact(friction=0.4)
+    floor.add_floor(friction=0.4, belt=belt)
+    for model in (bed, floor):
+        model.add("load/box", q=[0, 0, 0.1, 1, 0, 0, 0], **box)
+        for each in (model, pickle.loads(pickle.dumps(model))):
+            sim = mt.Simulation(each, method=method)
+            sim.add("load/other", q=[0, 0.7, 0.1, 1, 0, 0, 0], **box)
+            sim.run(1)
+            for name in ("load/box", "load/other"):
+                np.testing.assert_allclose(sim.world.bodies[name].linear, [1.5, 0, 0], atol=1e-6)
+    sim = mt.Simulation(bed)
+    sim.add("tracked", q=[0, 0.7, 0.1, 1, 0, 0, 0], belt={"axis": [0, 1, 0], "speed": 2}, **box)
+    sim.run(2)
+    np.testing.assert_allclose(sim.world.bodies["tracked"].linear, [3.5, 0, 0], atol=1e-6)
+
+
+@pytest.mark.parametrize("method", ["dop853", "stepping"])
 def test_contacts_after_a_state_is_written(method: str) -> None:
     model = mt.Model()
     model.add("box/box", mass=2, inertia=0.02, joint=mt.Free(), q=[0, 0, 0.1, 1, 0, 0, 0], collision={"box": [0.4, 0.4, 0.2]})

@@ -150,7 +150,8 @@ void fields(Archive& archive, Part<Archive, contact::Features>& f) {
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Contact>& c) {
   auto mode = static_cast<unsigned>(c.mode);
-  archive(c.features, c.a, c.b, mode, c.friction, c.direction, c.keeps_direction, c.pair, c.id, c.settles, c.cable, c.pending);
+  archive(c.features, c.a, c.b, c.belt_a, c.belt_b, mode, c.friction, c.direction, c.keeps_direction, c.pair, c.id, c.settles,
+          c.cable, c.pending);
   if constexpr (!Archive::writes) {
     archive.require(mode <= static_cast<unsigned>(Contact::Mode::slip));
     c.mode = static_cast<Contact::Mode>(mode);

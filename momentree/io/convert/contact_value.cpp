@@ -1,6 +1,7 @@
 // What bodies touch with, the floor and the laws of contacts, as parts of a scenario.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <momentree/base/error.hpp>
@@ -63,6 +64,12 @@ Shape shape_of(const contact::Solid& solid, const std::string& body) {
     throw_error({"the collision of '" + body + "' is a mesh, which a scenario names by its file", "",
                  "write a scenario with collision = { mesh = … }, or use boxes, spheres, capsules and cylinders"});
   return box;
+}
+
+Value::Table belt_entries_of(const Vec3& belt) {
+  Value::Table table;
+  if (belt != Vec3{}) add(table, "axis", list(belt)), add(table, "speed", number(norm(belt)));
+  return table;
 }
 
 Value describe_friction(const ContactLaw& law) {
@@ -135,6 +142,18 @@ Value describe_collision(const Model& model, BodyId body, const std::vector<Shap
   return value(std::move(all));
 }
 
+Value::Table describe_belt(const Model& model, BodyId body) {
+  std::optional<Vec3> belt;
+  for (const Collider& collider : model.colliders()) {
+    if (collider.body != body) continue;
+    if (belt && *belt != collider.solid.belt)
+      throw_error({"only some of the shapes with which '" + model[body].name + "' touches have a belt", "",
+                   "weld a body with these shapes to it"});
+    belt = collider.solid.belt;
+  }
+  return belt_entries_of(belt.value_or(Vec3{}));
+}
+
 Value::Table describe_floor(const Model& model) {
   Value::Table table;
   int planes = 0;
@@ -144,6 +163,7 @@ Value::Table describe_floor(const Model& model) {
       throw_error({"the ground of a scenario has one plane", "", "give a fixed body the collision"});
     add(table, "height", number(dot(collider.normal, collider.point)));
     add(table, "normal", list(collider.normal));
+    if (Value::Table belt = belt_entries_of(collider.solid.belt); !belt.empty()) add(table, "belt", value(std::move(belt)));
   }
   if (table.empty() || !begins_with_rule_of_floor(model)) return table;
   const ContactLaw& law = model.contact_rules().front().law;

@@ -283,6 +283,8 @@ void add_collisions(const Model& model, const std::vector<int>& bodies, const st
     Value all = describe_collision(model, {bodies[i]}, shapes);
     Value::Table& body = *tables[i].table();
     if (!all.array()->empty()) body.insert(body.end() - 1, {"collision", {}, std::move(all)});
+    if (Value::Table belt = describe_belt(model, {bodies[i]}); !belt.empty())
+      body.insert(body.end() - 1, {"belt", {}, value(std::move(belt))});
   }
 }
 

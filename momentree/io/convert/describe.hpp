@@ -47,6 +47,8 @@ Value::Table describe_mechanism(const std::string& name, const Model& model, std
 /// What a body touches with, a list; the floor, an empty table if there is none; and the [[contact]] tables: one for each pair of
 /// bodies that has a law. Throws Error for what a scenario can only name by a file, or not at all.
 Value describe_collision(const Model& model, BodyId body, const std::vector<Shape>& collision_shapes);
+/// Of its colliders; an empty table if their surfaces do not run.
+Value::Table describe_belt(const Model& model, BodyId body);
 Value::Table describe_floor(const Model& model);
 Value describe_contacts(const Model& model);
 Value::Table describe_force(const BodyForce& force, const Model& model);

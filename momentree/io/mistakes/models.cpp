@@ -77,6 +77,10 @@ constexpr Mistake mistakes_in_models[] = {
     {"[[mechanism.body]]", "fixed static", "", "write kind = \"weld\" in its joint; a root body without a joint is fixed anyway"},
     {"[[mechanism.body]]", "collider colliders collisions", "collision", "collision = { box = [1, 0.1, 0.1] }, or \"shape\"",
      false},
+    {"[[mechanism.body]]|floor", "surfacevelocity surfacespeed conveyor conveyorbelt track roller", "belt",
+     "belt = { axis = [0, 1, 0], speed = 0.5 }", false},
+    {"[[contact]]", "belt surfacevelocity surfacespeed conveyor", "",
+     "a body, or the floor, has the surface that runs: belt = { axis = [0, 1, 0], speed = 0.5 }"},
     {"[[mechanism.body]]", "contact", "", "bodies touch with their collision; [[contact]] gives pairs their friction"},
 
     {"[mechanism.body.joint]", "id label", "name", "name = \"elbow\""},
