@@ -8,6 +8,7 @@
 #include <momentree/contact/candidates_impl.hpp>
 #include <momentree/contact/cylinder.hpp>
 #include <momentree/contact/cylinder_pair.hpp>
+#include <momentree/contact/ellipsoid.hpp>
 
 namespace momentree::contact {
 
@@ -208,6 +209,13 @@ bool is_ball(const Solid& solid) { return solid.vertices.size() == 1; }
 void face_plane(const Solid& solid, const Place& place, const Vec3& point, const Vec3& normal, const Place& of_plane,
                 double within, std::vector<Candidate>& out) {
   if (solid.rim > 0) return cylinder_on_plane(solid, place, point, normal, of_plane, within, out);
+  if (solid.is_ellipsoid()) {
+    Features f{FeaturePair::ellipsoid_plane, solid.centre, {}, point, normal};
+    f.axes_a = solid.axes;
+    const double gap = touch(f, place, of_plane).gap;
+    if (gap < within) out.push_back({f, false, id_of(f.pair, false, 0, 0), gap});
+    return;
+  }
   for (std::size_t i = 0; i < solid.vertices.size(); ++i) {
     const Features f{FeaturePair::point_plane, solid.vertices[i], {}, point, normal, solid.radius, 0};
     const double gap = touch(f, place, of_plane).gap;
@@ -219,6 +227,13 @@ void face_each_other(const Solid& one, const Place& place_one, const Solid& othe
                      std::vector<Candidate>& out) {
   const Vec3 apart = out_of(place_one, one.centre) - out_of(place_other, other.centre);
   if (norm(apart) > one.reach + other.reach + within) return;
+  if (one.is_ellipsoid() || other.is_ellipsoid()) {
+    const bool swapped = !one.is_ellipsoid();
+    const Candidate nearest = swapped ? nearest_of_ellipsoid(other, place_other, one, place_one, true)
+                                      : nearest_of_ellipsoid(one, place_one, other, place_other);
+    if (nearest.gap < within) out.push_back(nearest);
+    return;
+  }
   if (is_ball(one) && other.rim > 0) return ball_before_cylinder(one, place_one, other, place_other, false, within, out);
   if (is_ball(other) && one.rim > 0) return ball_before_cylinder(other, place_other, one, place_one, true, within, out);
   if (one.rim > 0 && other.rim > 0) return cylinders_face(one, place_one, other, place_other, within, out);

@@ -8,6 +8,7 @@
 #include <momentree/contact/cylinder.hpp>
 #include <momentree/contact/cylinder_overlap.hpp>
 #include <momentree/contact/cylinder_pair.hpp>
+#include <momentree/contact/ellipsoid.hpp>
 
 namespace momentree::contact {
 
@@ -155,6 +156,10 @@ NearestPoints cylinder_to_edged(const Solid& cylinder, const Place& of_cylinder,
   return best;
 }
 
+NearestPoints turned(const NearestPoints& nearest) {
+  return {nearest.distance, nearest.on_other, nearest.on_one, -nearest.normal};
+}
+
 bool is_edged(const Solid& other) { return other.rim == 0 && other.vertices.size() > 1; }
 
 bool is_round(const Solid& ball, const Solid& cylinder) { return ball.vertices.size() == 1 && cylinder.rim > 0; }
@@ -162,19 +167,13 @@ bool is_round(const Solid& ball, const Solid& cylinder) { return ball.vertices.s
 }  // namespace
 
 NearestPoints distance(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other) {
+  if (one.is_ellipsoid()) return ellipsoid_distance(one, place_one, other, place_other);
+  if (other.is_ellipsoid()) return turned(ellipsoid_distance(other, place_other, one, place_one));
   if (is_round(one, other)) return ball_to_cylinder(one, place_one, other, place_other);
-  if (is_round(other, one)) {
-    NearestPoints turned = ball_to_cylinder(other, place_other, one, place_one);
-    std::swap(turned.on_one, turned.on_other);
-    turned.normal = -turned.normal;
-    return turned;
-  }
+  if (is_round(other, one)) return turned(ball_to_cylinder(other, place_other, one, place_one));
   if (one.rim > 0 && other.rim > 0) return cylinders_distance(one, place_one, other, place_other);
   if (one.rim > 0 && is_edged(other)) return cylinder_to_edged(one, place_one, other, place_other);
-  if (other.rim > 0 && is_edged(one)) {
-    const NearestPoints turned = cylinder_to_edged(other, place_other, one, place_one);
-    return {turned.distance, turned.on_other, turned.on_one, -turned.normal};
-  }
+  if (other.rim > 0 && is_edged(one)) return turned(cylinder_to_edged(other, place_other, one, place_one));
   return distance_of_polyhedra(one, place_one, other, place_other);
 }
 
@@ -223,6 +222,12 @@ NearestPoints distance_to_plane(const Solid& solid, const Place& place, const Ve
     const double above = dot(normal, at - point);
     if (above < result.distance) result.distance = above, result.on_one = at;
   };
+  if (solid.is_ellipsoid()) {
+    std::vector<Candidate> one;
+    face_plane(solid, place, point, normal, {}, HUGE_VAL, one);
+    const Touch t = touch(one.front().features, place, {});
+    return {t.gap, t.point, t.point - t.gap * normal, normal};
+  }
   if (solid.rim > 0) {
     const Vec3 axis = place.R * normalized(solid.ends[1] - solid.ends[0]), across = normal - dot(normal, axis) * axis;
     const double sine = norm(across);

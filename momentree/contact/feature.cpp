@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <momentree/contact/circle.hpp>
+#include <momentree/contact/ellipsoid.hpp>
 
 namespace momentree::contact {
 
@@ -110,6 +111,12 @@ Touch touch(const Features& f, const Place& a, const Place& b) noexcept {
     }
     case FeaturePair::circle_line:
       (f.length > 0 ? circle_before_circle : circle_before_line)(f, a, b, out, surface_rate);
+      surface = out.point;
+      break;
+    case FeaturePair::ellipsoid_plane:
+    case FeaturePair::ellipsoid_line:
+    case FeaturePair::ellipsoids:
+      ellipsoid_before(f, a, b, out, surface_rate);
       surface = out.point;
       break;
   }

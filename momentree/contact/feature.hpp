@@ -1,6 +1,8 @@
 #pragma once
 // Pairs of features of two bodies that can touch, with their gap, the point and the normal of the contact, and how these move.
 // Everything is smooth as long as the same features are nearest, and in closed form or solved to rounding.
+#include <array>
+
 #include <momentree/math/vec.hpp>
 
 namespace momentree::contact {
@@ -11,10 +13,13 @@ enum class FeaturePair : unsigned char {
   point_point,
   point_line,  ///< a point of body a, a line of body b
   line_line,
-  circle_plane,  ///< the lowest point of a circle of body a, a plane of body b
-  point_circle,  ///< a point of body a, a circle of body b
-  cable,         ///< two points that are never farther apart than a length
-  circle_line    ///< a circle of body a, a line of body b; or two circles, if there is a `length`
+  circle_plane,     ///< the lowest point of a circle of body a, a plane of body b
+  point_circle,     ///< a point of body a, a circle of body b
+  cable,            ///< two points that are never farther apart than a length
+  circle_line,      ///< a circle of body a, a line of body b; or two circles, if there is a `length`
+  ellipsoid_plane,  ///< an ellipsoid of body a, a plane of body b
+  ellipsoid_line,
+  ellipsoids  ///< of body b also a point, which is one without extent; with a `rim`, the circle at the point of b
 };
 
 /// Two features, each in the frame of its body.
@@ -26,8 +31,9 @@ struct Features {
   /// Of line_line: the sign with which side·(line_a × line_b) points from b to a. Of circle_line: above zero if the line of b is
   /// before the half of the circle ahead along line_a; of two circles, the sign of the nearest point along line_a × line_b.
   double side = 1;
-  double rim = 0;     ///< radius of a circle, whose centre is the point and whose axis is the line (m)
-  double length = 0;  ///< of a cable; of two circles, the radius of that of b (m)
+  double rim = 0;                          ///< radius of a circle, whose centre is the point and whose axis is the line (m)
+  double length = 0;                       ///< of a cable; of two circles, the radius of that of b (m)
+  std::array<Vec3, 3> axes_a{}, axes_b{};  ///< semi-axes of ellipsoids, whose centres are the points (m)
 };
 
 /// Pose and velocity of a body's frame, in world axes.

@@ -102,6 +102,14 @@ Solid box(const Vec3& size, const Pose& at_pose) {
   return solid;
 }
 
+Solid ellipsoid(const Vec3& semi_axes, const Pose& at_pose) {
+  Solid solid = sphere(std::min({semi_axes.x, semi_axes.y, semi_axes.z}), at_pose);
+  solid.reach = std::max({semi_axes.x, semi_axes.y, semi_axes.z});
+  const Mat3 R = rotation_matrix(at_pose.rotation);
+  solid.axes = {R * Vec3{semi_axes.x, 0, 0}, R * Vec3{0, semi_axes.y, 0}, R * Vec3{0, 0, semi_axes.z}};
+  return solid;
+}
+
 Solid cylinder(double radius, double length, const Pose& at_pose) {
   Solid solid;
   // Edges outside by as much as the sides are inside.

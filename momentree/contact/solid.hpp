@@ -1,6 +1,6 @@
 #pragma once
 // Convex solids that can touch: a point, a line or a polyhedron, rounded by a radius. A sphere is a rounded point, a capsule a
-// rounded line, a box and a convex mesh are polyhedra. A cylinder has a prism for rough tests.
+// rounded line, a box and a convex mesh are polyhedra. A cylinder has a prism for rough tests, an ellipsoid the ball in it.
 #include <array>
 #include <span>
 #include <vector>
@@ -30,12 +30,14 @@ struct Solid {
   double thickness = 0;                  ///< nothing that moves less than this passes through (m)
   double rim = 0;                        ///< radius of a cylinder (m); 0: not a cylinder
   std::array<Vec3, 2> ends{};            ///< of a cylinder: the centres of its ends (m)
+  std::array<Vec3, 3> axes{};            ///< the semi-axes of an ellipsoid (m); zero: not an ellipsoid
   /// Its surface runs around this axis, as that of a conveyor belt, a roller or a track does: where its outward normal is n, with
   /// belt × n relative to the body (m/s).
   Vec3 belt{};
 
+  bool is_ellipsoid() const { return axes[0] != Vec3{}; }
   friend bool operator==(const Solid& a, const Solid& b) {
-    return a.vertices == b.vertices && a.radius == b.radius && a.rim == b.rim && a.belt == b.belt;
+    return a.vertices == b.vertices && a.radius == b.radius && a.rim == b.rim && a.axes == b.axes && a.belt == b.belt;
   }
 };
 
@@ -44,6 +46,7 @@ Solid sphere(double radius, const Pose& at = {});
 /// Along z, of that length between the centres of its caps.
 Solid capsule(double radius, double length, const Pose& at = {});
 Solid box(const Vec3& size, const Pose& at = {});
+Solid ellipsoid(const Vec3& semi_axes, const Pose& at = {});
 /// Along z. Its polyhedron is a prism of `cylinder_sides` sides, which are as far inside of it as its edges are outside.
 Solid cylinder(double radius, double length, const Pose& at = {});
 inline constexpr int cylinder_sides = 16;

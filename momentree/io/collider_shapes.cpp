@@ -22,12 +22,25 @@ Pose along_z(const Vec3& from, const Vec3& to) {
   return {0.5 * (from + to), from_axes(across[0], across[1], z)};
 }
 
-/// The shape of a solid; none for a hull.
+bool can_be_drawn(const Shape& shape) {
+  const auto one = [](const Shape& each) {
+    return each.kind != Shape::Kind::none && (each.kind != Shape::Kind::mesh || each.source != nullptr);
+  };
+  return one(shape) || std::any_of(shape.more.begin(), shape.more.end(), one);
+}
+
+}  // namespace
+
 Shape solid_shape(const contact::Solid& solid) {
   const std::vector<Vec3>& points = solid.vertices;
   Shape shape;
   shape.radius = solid.radius;
-  if (solid.rim > 0) {
+  if (solid.is_ellipsoid()) {
+    const auto& axes = solid.axes;
+    shape.kind = Shape::Kind::ellipsoid, shape.radius = 0;
+    shape.size = {norm(axes[0]), norm(axes[1]), norm(axes[2])};
+    shape.at = {solid.centre, from_axes(normalized(axes[0]), normalized(axes[1]), normalized(axes[2]))};
+  } else if (solid.rim > 0) {
     shape.kind = Shape::Kind::cylinder;
     shape.radius = solid.rim, shape.length = norm(solid.ends[1] - solid.ends[0]);
     shape.at = along_z(solid.ends[0], solid.ends[1]);
@@ -46,15 +59,6 @@ Shape solid_shape(const contact::Solid& solid) {
   }
   return shape;
 }
-
-bool can_be_drawn(const Shape& shape) {
-  const auto one = [](const Shape& each) {
-    return each.kind != Shape::Kind::none && (each.kind != Shape::Kind::mesh || each.source != nullptr);
-  };
-  return one(shape) || std::any_of(shape.more.begin(), shape.more.end(), one);
-}
-
-}  // namespace
 
 std::vector<Shape> drawn_shapes(const Model& model, const std::vector<Shape>& shapes) {
   std::vector<Shape> drawn = shapes, touching(static_cast<std::size_t>(model.size()));

@@ -2,10 +2,14 @@
 // The shapes of colliders, for pictures of bodies that have no others.
 #include <vector>
 
+#include <momentree/contact/solid.hpp>
 #include <momentree/io/shape.hpp>
 #include <momentree/tree/model.hpp>
 
 namespace momentree::io {
+
+/// The shape of a solid; none for a hull.
+Shape solid_shape(const contact::Solid& solid);
 
 /// By body, its shape, or those of its colliders if it has none but meshes that do not exist. Hulls of meshes are not drawn.
 /// `shapes`: by body; may be shorter than the list of bodies.

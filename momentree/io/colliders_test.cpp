@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/io/collider_shapes.hpp>
 #include <momentree/io/convert/convert.hpp>
 #include <momentree/io/mesh/source.hpp>
 #include <momentree/io/test_support.hpp>
@@ -260,6 +261,73 @@ TEST_CASE("colliders: exclusions of an MJCF file name the world and bodies; othe
   REQUIRE(sdf.scenario);
   INFO(rendered(sdf.diagnostics));
   CHECK(rendered(sdf.diagnostics).find("<bounce> is ignored; [[contact]] gives pairs their restitution") != std::string::npos);
+}
+
+TEST_CASE("colliders: ellipsoids of MJCF, SDF and scenarios are read, drawn, written, and touch") {
+  test::TemporaryFolder folder;
+  write(folder / "m.xml",
+        "<mujoco><worldbody><body name='a' pos='0 0 1'><freejoint/>"
+        "<geom type='ellipsoid' size='0.3 0.2 0.1' pos='1 0 0' euler='0 0 90' mass='5'/></body></worldbody></mujoco>");
+  write(folder / "m.sdf",
+        "<sdf version='1.10'><model name='m'><link name='a'><pose>0 0 1 0 0 0</pose><inertial><mass>5</mass></inertial>"
+        "<collision name='c'><pose>1 0 0 0 0 1.5707963267948966</pose><geometry><ellipsoid><radii>0.3 0.2 0.1</radii></ellipsoid>"
+        "</geometry></collision></link></model></sdf>");
+  const std::string own =
+      "[[mechanism]]\nname = \"m\"\nroot = \"free\"\npose = { xyz = [0, 0, 1] }\n[[mechanism.body]]\nname = \"a\"\nmass = 5\n"
+      "inertia = 0.1\ncollision = { ellipsoid = [0.3, 0.2, 0.1], at = { xyz = [1, 0, 0], rpy = [0, 0, \"90 deg\"] } }\n";
+  const auto of_file = [](const char* file) { return "[[mechanism]]\nname = \"m\"\nmodel = \"" + std::string(file) + "\"\n"; };
+  for (const std::string& mechanism : {of_file("m.xml"), of_file("m.sdf"), own}) {
+    CAPTURE(mechanism);
+    write(folder / "s.toml", a_floor + mechanism);
+    const ReadResult result = read_scenario(folder / "s.toml");
+    INFO(rendered(result.diagnostics));
+    REQUIRE(result.scenario);
+    const Model& model = result.scenario->model;
+    REQUIRE(model.colliders().size() == 2);
+    const contact::Solid& egg = model.colliders()[model.colliders()[0].plane ? 1 : 0].solid;
+    CHECK(norm(egg.centre - Vec3{1, 0, 0}) < 1e-12);
+    CHECK(norm(egg.axes[0] - Vec3{0, 0.3, 0}) < 1e-12);
+    CHECK(norm(egg.axes[1] - Vec3{-0.2, 0, 0}) < 1e-12);
+    CHECK(norm(egg.axes[2] - Vec3{0, 0, 0.1}) < 1e-12);
+    const std::string again = to_toml(model, {}, true);
+    const ReadResult second = read_scenario_text(again, "again.toml");
+    INFO(again);
+    REQUIRE(second.scenario);
+    REQUIRE(second.scenario->model.colliders().size() == 2);
+    for (std::size_t k = 0; k < 3; ++k) CHECK(norm(second.scenario->model.colliders()[1].solid.axes[k] - egg.axes[k]) < 1e-12);
+    const std::vector<Shape> drawn = drawn_shapes(model, result.scenario->shapes);
+    REQUIRE(!drawn.empty());
+    CHECK(drawn[0].kind == Shape::Kind::ellipsoid);
+    CHECK(norm(drawn[0].size - Vec3{0.3, 0.2, 0.1}) < 1e-12);
+  }
+  CHECK(rendered(read_scenario_text(
+                     "format = 1\n" + own.substr(0, own.find("collision")) + "collision = { ellipsoid = [1, 1, 0] }\n", "s.toml")
+                     .diagnostics)
+            .find("ellipsoid: its three semi-axes must be greater than 0") != std::string::npos);
+}
+
+TEST_CASE("colliders: what of the world of an MJCF file is left out is said, with its place") {
+  const auto said_of = [](const std::string& geom) {
+    return warnings(read_scenario_text(
+        "<mujoco><worldbody>\n" + geom + "<body name='a' pos='0 0 1'><freejoint/><geom size='0.1'/></body></worldbody></mujoco>",
+        "m.xml"));
+  };
+  CHECK(said_of("<geom type='plane' size='1 1 1'/>").empty());
+  CHECK(said_of("<geom type='plane' size='1 1 1' pos='3 0 0'/>").empty());
+  CHECK(said_of("<geom type='plane' size='1 1 1' pos='0 0 0.5' euler='0 90 0' contype='0' conaffinity='0'/>").empty());
+  CHECK(said_of("<geom type='plane' size='1 1 1' pos='2 0 7' euler='0 90 0'/>") ==
+        "m.xml:2:1: warning: the plane is left out: a scenario has one plane, its floor; in [world]: floor = { height = 2, "
+        "normal = "
+        "[1, 0, 0] }\n");
+  for (const char* const type : {"type='box' size='1 1 1'", "type='hfield' hfield='h'", "type='sphere' size='1'"})
+    CHECK(said_of("<geom " + std::string(type) + "/>") ==
+          "m.xml:2:1: warning: geoms of <worldbody> other than planes are left out: nothing touches them; give the scenario a "
+          "fixed "
+          "body with such a collision\n");
+  CHECK(warnings(read_scenario_text("<mujoco><worldbody>\n<body name='a'>\n<freejoint/><geom size='0.1'/><geom type='hfield' "
+                                    "hfield='h'/></body></worldbody></mujoco>",
+                                    "m.xml"))
+            .find("m.xml:3:31: warning: geoms of type hfield are not supported") != std::string::npos);
 }
 
 TEST_CASE("colliders: contype and conaffinity decide which bodies touch, as in MuJoCo") {

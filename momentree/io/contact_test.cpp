@@ -67,9 +67,8 @@ TEST_CASE("contact: belts of bodies and of the floor are read, and written again
     CHECK(each.model.colliders()[3].solid.belt == Vec3{});
   }
   const auto refused = [](const std::string& what) { return refusal(ball("a", 1, what + "\n")); };
-  CHECK(
-      refused("belt = { axis = [0, 1, 0], speed = 1 }").find("s.toml:10:8: error: belt: the body has no collision; give it one") !=
-      std::string::npos);
+  CHECK(refused("belt = { axis = [0, 1, 0], speed = 1 }")
+            .find("s.toml:10:8: error: belt: the body has no collision; give it one") != std::string::npos);
   CHECK(refused("collision = { sphere = 1 }\nbelt = { axis = [0, 0, 0], speed = 1 }").find("axis: must not be zero") !=
         std::string::npos);
   CHECK(refused("collision = { sphere = 1 }\nbelt = { axis = [0, 1, 0] }").find("speed") != std::string::npos);

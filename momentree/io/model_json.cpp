@@ -64,9 +64,9 @@ void write_shape(JsonWriter& json, const Shape& shape, const MeshNumbers& number
     json.null();
     return;
   }
-  constexpr const char* names[] = {"none", "box", "sphere", "cylinder", "capsule", "mesh"};
+  constexpr const char* names[] = {"none", "box", "sphere", "cylinder", "capsule", "ellipsoid", "mesh"};
   json.begin_object().member("kind", names[static_cast<int>(shape.kind)]);
-  if (shape.kind == Kind::box) json.member("size", shape.size);
+  if (shape.kind == Kind::box || shape.kind == Kind::ellipsoid) json.member("size", shape.size);
   if (shape.kind == Kind::sphere || shape.kind == Kind::cylinder || shape.kind == Kind::capsule)
     json.member("radius", shape.radius);
   if (shape.kind == Kind::cylinder || shape.kind == Kind::capsule) json.member("length", shape.length);

@@ -29,6 +29,7 @@ constexpr Key shape_entries[] = {
     {"sphere", number(dimension::length, Range::positive), "A sphere: its radius"},
     {"cylinder", table(cylinder_table), ""},
     {"capsule", table(capsule_table), ""},
+    {"ellipsoid", vector(dimension::length), "An ellipsoid: its three semi-axes"},
     {"mesh", string, "A mesh: a file in the scenario's folder or below it"},
     {"scale", other(R"({"anyOf": [{"type": ["number", "string"]},
       {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 3, "maxItems": 3}]})"),
@@ -114,12 +115,16 @@ Shape read_one(const Value& value, bool drawn, Reading& reading) {
   Fields fields(value, shape_table, out);
   Shape shape;
   int kinds = 0;
-  if (const Value* box = fields.find("box"); box && ++kinds) {
-    shape.kind = Shape::Kind::box;
-    shape.size = read_vec3(*box, dimension::length, "box", out).value_or(Vec3{1, 1, 1});
+  const auto read_size = [&](const char* key, Shape::Kind kind, const char* sizes) {
+    const Value* const value_of = fields.find(key);
+    if (value_of == nullptr) return;
+    ++kinds, shape.kind = kind;
+    shape.size = read_vec3(*value_of, dimension::length, key, out).value_or(Vec3{1, 1, 1});
     if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0))
-      out.error(box->place, "box: its three edges must be greater than 0");
-  }
+      out.error(value_of->place, std::string(key) + ": its three " + sizes + " must be greater than 0");
+  };
+  read_size("box", Shape::Kind::box, "edges");
+  read_size("ellipsoid", Shape::Kind::ellipsoid, "semi-axes");
   if (const Value* sphere = fields.find("sphere"); sphere && ++kinds) {
     shape.kind = Shape::Kind::sphere;
     shape.radius = read_number(*sphere, dimension::length, "sphere", out).value_or(1);
@@ -137,7 +142,7 @@ Shape read_one(const Value& value, bool drawn, Reading& reading) {
       out.error(scale->place, "scale: only a mesh is scaled", "give the shape its size");
   }
   if (kinds != 1 && value.table())
-    out.error(fields.place(), "a shape is one of box, sphere, cylinder, capsule and mesh",
+    out.error(fields.place(), "a shape is one of box, sphere, cylinder, capsule, ellipsoid and mesh",
               kinds > 1 ? "make the others further entries of a list" : "for example { sphere = 0.1 }");
   shape.at = fields.pose("at").value_or(Pose{});
   read_colour(fields, "colour", shape.colour, out);
@@ -148,8 +153,11 @@ Shape read_one(const Value& value, bool drawn, Reading& reading) {
 
 }  // namespace
 
-constinit const KeyTable shape_table{
-    "shape", "shape", "A shape, for pictures only", shape_entries, {{KeyRule::How::one, "box sphere cylinder capsule mesh"}}};
+constinit const KeyTable shape_table{"shape",
+                                     "shape",
+                                     "A shape, for pictures only",
+                                     shape_entries,
+                                     {{KeyRule::How::one, "box sphere cylinder capsule ellipsoid mesh"}}};
 
 Shape read_shape(const Value& value, Reading& reading, bool drawn) {
   const Value::Array* several = value.array();

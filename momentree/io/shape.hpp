@@ -12,9 +12,9 @@ struct MeshSource;
 
 /// The optional `shape` of a body in a scenario, or one of the visuals of a model file; SI units.
 struct Shape {
-  enum class Kind { none, box, sphere, cylinder, capsule, mesh };
+  enum class Kind { none, box, sphere, cylinder, capsule, ellipsoid, mesh };
   Kind kind = Kind::none;
-  Vec3 size{};          ///< box: its three edges (m)
+  Vec3 size{};          ///< box: its three edges; ellipsoid: its semi-axes (m)
   double radius = 0;    ///< sphere, cylinder, capsule (m)
   double length = 0;    ///< cylinder: its height; capsule: between the centres of its caps (m). Both lie along z of `at`
   std::string mesh;     ///< a file, relative to the folder of the file that names it

@@ -108,7 +108,8 @@ std::optional<contact::Solid> hull_of(const Shape& shape, const ReportOnShape& r
 }  // namespace
 
 std::optional<contact::Solid> solid_of(const Shape& shape, const ReportOnShape& refuse, const ReportOnShape& warn) {
-  const bool has_size = shape.kind == Shape::Kind::box    ? shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0
+  const bool by_size = shape.kind == Shape::Kind::box || shape.kind == Shape::Kind::ellipsoid;
+  const bool has_size = by_size                           ? shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0
                         : shape.kind == Shape::Kind::mesh ? true
                                                           : shape.radius > 0;
   if (!has_size || (shape.kind == Shape::Kind::cylinder && !(shape.length > 0))) {
@@ -121,6 +122,7 @@ std::optional<contact::Solid> solid_of(const Shape& shape, const ReportOnShape& 
       return shape.length > 0 ? contact::capsule(shape.radius, shape.length, shape.at) : contact::sphere(shape.radius, shape.at);
     case Shape::Kind::cylinder: return contact::cylinder(shape.radius, shape.length, shape.at);
     case Shape::Kind::box: return contact::box(shape.size, shape.at);
+    case Shape::Kind::ellipsoid: return contact::ellipsoid(shape.size, shape.at);
     case Shape::Kind::mesh: return hull_of(shape, refuse, warn);
     case Shape::Kind::none: break;
   }

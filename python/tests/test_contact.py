@@ -68,7 +68,8 @@ def test_pickles_touch_as_the_model_does_and_impacts_have_their_impulse():
 def test_a_model_that_is_written_touches_as_before():
     model = box_above_floor()
     for name, x, shape in (("ball", 1, {"sphere": 0.1}), ("rod", 2, {"capsule": {"radius": 0.1, "length": 0.5}}),
-                           ("drum", 3, {"cylinder": {"radius": 0.2, "length": 0.3}, "at": {"rpy": [0.1, 0.2, 0.3]}})):  # fmt: skip
+                           ("drum", 3, {"cylinder": {"radius": 0.2, "length": 0.3}, "at": {"rpy": [0.1, 0.2, 0.3]}}),
+                           ("egg", 4, {"ellipsoid": [0.2, 0.15, 0.1], "at": {"rpy": [0.1, 0.2, 0.3]}})):  # fmt: skip
         model.add(f"{name}/{name}", mass=1, inertia=0.01, joint=mt.Free(), q=[x, 0, 1, 1, 0, 0, 0], collision=shape)
     model.add_contact(("ball", "floor"), name="bounce", restitution=0.5, friction={"static": 0.6, "kinetic": 0.4})
     model.add_contact(("rod", "drum"), off=True)

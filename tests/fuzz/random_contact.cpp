@@ -8,18 +8,22 @@ std::string random_collision(Choices& choose) {
   const auto rod = [&] { return braces({{"radius", size()}, {"length", size()}}); };
   const auto solid = [&] {
     Entries shape;
-    switch (choose.integer(0, 4)) {
+    const auto three = [&] { return "[" + size() + ", " + size() + ", " + size() + "]"; };
+    switch (choose.integer(0, 5)) {
       case 0: shape = {{"sphere", size()}}; break;
       case 1: shape = {{"capsule", rod()}}; break;
       case 2: shape = {{"cylinder", rod()}}; break;
       case 3: shape = {{"mesh", quoted("wedge.obj")}, {"scale", size()}}; break;
-      default: shape = {{"box", "[" + size() + ", " + size() + ", " + size() + "]"}};
+      case 4: shape = {{"ellipsoid", three()}}; break;
+      default: shape = {{"box", three()}};
     }
     if (choose.chance(0.5)) shape.emplace_back("at", braces({{"xyz", choose.vector(0.1)}, {"rpy", choose.vector(1)}}));
     return braces(shape);
   };
   const std::string one = solid();
-  return "collision = " + (choose.chance(0.2) ? "[" + one + ", " + solid() + "]" : one) + "\n";
+  std::string all = "collision = " + (choose.chance(0.2) ? "[" + one + ", " + solid() + "]" : one) + "\n";
+  if (choose.chance(0.1)) all += "belt = " + braces({{"axis", choose.vector(1)}, {"speed", choose.number(-1, 1)}}) + "\n";
+  return all;
 }
 
 Entries random_contact_law(Choices& choose) {

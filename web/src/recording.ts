@@ -11,7 +11,7 @@ export interface Pose {
 
 /** The shape of a body; cylinders and capsules extend along z of `at`, the lengths of capsules exclude their caps. */
 export interface Shape {
-  readonly kind: "box" | "sphere" | "cylinder" | "capsule" | "mesh";
+  readonly kind: "box" | "sphere" | "cylinder" | "capsule" | "ellipsoid" | "mesh";
   readonly size?: Vec3;
   readonly radius?: number;
   readonly length?: number;

@@ -142,8 +142,9 @@ template <class Archive>
 void fields(Archive& archive, Part<Archive, contact::Features>& f) {
   auto pair = static_cast<unsigned>(f.pair);
   archive(pair, f.point_a, f.line_a, f.point_b, f.line_b, f.radius_a, f.radius_b, f.side, f.rim, f.length);
+  for (std::size_t k = 0; k < 3; ++k) archive(f.axes_a[k], f.axes_b[k]);
   if constexpr (!Archive::writes) {
-    archive.require(pair <= static_cast<unsigned>(contact::FeaturePair::circle_line));
+    archive.require(pair <= static_cast<unsigned>(contact::FeaturePair::ellipsoids));
     f.pair = static_cast<contact::FeaturePair>(pair);
   }
 }

@@ -1,11 +1,11 @@
 // What bodies touch with, the floor and the laws of contacts, as parts of a scenario.
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 
 #include <momentree/base/error.hpp>
 #include <momentree/base/wildcard.hpp>
+#include <momentree/io/collider_shapes.hpp>
 #include <momentree/io/convert/describe.hpp>
 #include <momentree/tree/contact_rules.hpp>
 
@@ -15,55 +15,12 @@ using namespace document_values;
 
 namespace {
 
-constexpr double right_angle = 1e-12;  // of angles, and of sizes relative to the largest
-
-Pose along_z(const Vec3& low, const Vec3& high) {
-  const Vec3 z = normalized(high - low), x = normalized(cross(std::fabs(z.x) < 0.6 ? x_axis : y_axis, z)), y = cross(z, x);
-  return {0.5 * (low + high), quaternion_of(Mat3{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z})};
-}
-
-Shape shape_along(Shape::Kind kind, double radius, const Vec3& low, const Vec3& high) {
-  Shape shape;
-  shape.kind = kind, shape.radius = radius, shape.length = norm(high - low), shape.at = along_z(low, high);
-  return shape;
-}
-
-// The box with these corners, in the order of contact::box; none if they are not those of a box.
-Shape box_of(const std::vector<Vec3>& v) {
-  if (v.size() != 8) return {};
-  const Vec3 edges[3] = {v[1] - v[0], v[2] - v[0], v[4] - v[0]};
-  Vec3 axes[3];
-  for (int k = 0; k < 3; ++k) {
-    if (!(norm(edges[k]) > 0)) return {};
-    axes[k] = normalized(edges[k]);
-  }
-  if (norm(cross(axes[0], axes[1]) - axes[2]) > right_angle) return {};
-  const double size = norm(v[7] - v[0]);
-  for (std::size_t i = 0; i < 8; ++i) {
-    Vec3 corner = v[0];
-    for (std::size_t k = 0; k < 3; ++k) corner += (i >> k & 1u) != 0 ? edges[k] : Vec3{};
-    if (norm(corner - v[i]) > right_angle * size) return {};
-  }
-  const Mat3 R{axes[0].x, axes[1].x, axes[2].x, axes[0].y, axes[1].y, axes[2].y, axes[0].z, axes[1].z, axes[2].z};
-  Shape shape;
-  shape.kind = Shape::Kind::box, shape.size = {norm(edges[0]), norm(edges[1]), norm(edges[2])};
-  shape.at = {0.5 * (v[0] + v[7]), quaternion_of(R)};
-  return shape;
-}
-
 Shape shape_of(const contact::Solid& solid, const std::string& body) {
-  if (solid.rim > 0) return shape_along(Shape::Kind::cylinder, solid.rim, solid.ends[0], solid.ends[1]);
-  if (solid.vertices.size() == 1) {
-    Shape ball;
-    ball.kind = Shape::Kind::sphere, ball.radius = solid.radius, ball.at.position = solid.vertices[0];
-    return ball;
-  }
-  if (solid.vertices.size() == 2) return shape_along(Shape::Kind::capsule, solid.radius, solid.vertices[0], solid.vertices[1]);
-  Shape box = box_of(solid.vertices);
-  if (box.kind == Shape::Kind::none)
+  Shape shape = solid_shape(solid);
+  if (shape.kind == Shape::Kind::none)
     throw_error({"the collision of '" + body + "' is a mesh, which a scenario names by its file", "",
-                 "write a scenario with collision = { mesh = … }, or use boxes, spheres, capsules and cylinders"});
-  return box;
+                 "write a scenario with collision = { mesh = … }, or use boxes, spheres, capsules, cylinders and ellipsoids"});
+  return shape;
 }
 
 Value::Table belt_entries_of(const Vec3& belt) {

@@ -206,8 +206,14 @@ class UrdfWriter {
       ++moved_;
     }
     if (k < scenario_.shapes.size()) {
-      add_shape(link, scenario_.shapes[k], back);
-      for (const Shape& shape : scenario_.shapes[k].more) add_shape(link, shape, back);
+      const auto add = [&](const Shape& shape) {
+        if (shape.kind == Shape::Kind::ellipsoid)
+          lost_["ellipsoids"].push_back({spec.joint_name, "shape"});
+        else
+          add_shape(link, shape, back);
+      };
+      add(scenario_.shapes[k]);
+      for (const Shape& shape : scenario_.shapes[k].more) add(shape);
     }
     return link;
   }

@@ -41,7 +41,8 @@ std::string mesh_name(const Shape& shape, const MeshFolders& folders) {
 
 Value::Table one_shape(const Shape& shape, const MeshFolders& folders, LeftOut& left_out) {
   Value::Table table;
-  const bool flat = (shape.kind == Shape::Kind::box && !(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0)) ||
+  const bool by_size = shape.kind == Shape::Kind::box || shape.kind == Shape::Kind::ellipsoid;
+  const bool flat = (by_size && !(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0)) ||
                     (shape.kind == Shape::Kind::cylinder && !(shape.radius > 0 && shape.length > 0)) ||
                     ((shape.kind == Shape::Kind::sphere || shape.kind == Shape::Kind::capsule) && !(shape.radius > 0));
   if (flat) {
@@ -51,6 +52,7 @@ Value::Table one_shape(const Shape& shape, const MeshFolders& folders, LeftOut& 
   switch (shape.kind) {
     case Shape::Kind::none: break;
     case Shape::Kind::box: add(table, "box", list(shape.size)); break;
+    case Shape::Kind::ellipsoid: add(table, "ellipsoid", list(shape.size)); break;
     case Shape::Kind::sphere: add(table, "sphere", number(shape.radius)); break;
     case Shape::Kind::cylinder: add(table, "cylinder", round_shape(shape)); break;
     case Shape::Kind::capsule:

@@ -55,7 +55,8 @@ void write_shape(std::string& text, const Shape& shape) {
                  shape.colour);
   };
   switch (shape.kind) {
-    case Shape::Kind::none: break;
+    case Shape::Kind::none:
+    case Shape::Kind::ellipsoid: break;  // which convert_urdf leaves out
     case Shape::Kind::box: write_visual(text, shape.at, "<box size=\"" + three(shape.size) + "\"/>", shape.colour); break;
     case Shape::Kind::sphere: sphere(0); break;
     case Shape::Kind::cylinder: cylinder(); break;

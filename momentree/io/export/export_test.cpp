@@ -132,6 +132,34 @@ TEST_CASE("the solids of an exported run are in their places when another reader
   for (const Vec3& p : surface) CHECK(norm(p - centre) == doctest::Approx(0.25).epsilon(1e-5));
 }
 
+TEST_CASE("an ellipsoid is drawn with its semi-axes, also from what is only its collision") {
+  const test::TemporaryFolder folder;
+  const std::string egg = "{ ellipsoid = [0.3, 0.2, 0.1], at = { xyz = [1, 0, 0] } }";
+  for (const char* const key : {"shape", "collision"}) {
+    CAPTURE(key);
+    const ReadResult read = read_scenario_text(
+        "format = 1\n[[mechanism]]\nname = \"m\"\nroot = \"free\"\n[[mechanism.body]]\n"
+        "name = \"a\"\nmass = 1\ninertia = 0.1\n" +
+            std::string(key) + " = " + egg + "\n",
+        "s.toml");
+    INFO(rendered(read.diagnostics));
+    REQUIRE(read.scenario);
+    const std::string out = folder / key;
+    Simulation simulation(read.scenario->model, read.scenario->integration);
+    Recorder recorder(simulation, {}, model_json(simulation.world(), "an egg", read.scenario->shapes),
+                      {.directory = out, .joints = joints_of(simulation, simulation.dry_run(), {})});
+    simulation.observe(0, [&](const World& world) { return recorder.observe(world); });
+    REQUIRE(simulation.run_until(0.01) == Status::ok);
+    recorder.finish("done", {});
+    const Drawing drawing = read_drawing(out);
+    REQUIRE(drawing.solids.size() == 1);
+    REQUIRE(!drawing.solids[0].empty());
+    CHECK(drawing.solids[0].front().kind == Solid::Kind::ellipsoid);
+    CHECK(norm(drawing.solids[0].front().size - Vec3{0.6, 0.4, 0.2}) < 1e-12);
+    CHECK(norm(drawing.solids[0].front().at.position - Vec3{1, 0, 0}) < 1e-12);
+  }
+}
+
 TEST_CASE("a drawing has the colours, solids and status of its run") {
   const test::TemporaryFolder folder;
   write_export_input(folder / "r", 0.2);

@@ -92,6 +92,10 @@ class SolidBuilder {
       case Shape::Kind::none: return;
       case Shape::Kind::box: solid.size = shape.size, reach = 0.5 * norm(shape.size); break;
       case Shape::Kind::sphere: solid.kind = Solid::Kind::ellipsoid, solid.size = {d, d, d}, reach = shape.radius; break;
+      case Shape::Kind::ellipsoid:
+        solid.kind = Solid::Kind::ellipsoid, solid.size = 2 * shape.size;
+        reach = std::max({shape.size.x, shape.size.y, shape.size.z});
+        break;
       case Shape::Kind::cylinder:
         solid.kind = Solid::Kind::cylinder, solid.size = {d, d, shape.length};
         reach = std::hypot(shape.radius, 0.5 * shape.length);

@@ -64,7 +64,7 @@ constexpr Mistake mistakes_in_models[] = {
      "inertia = [0.002, 0.04, 0.04], for xx, yy and zz", false},
     {"[mechanism.chain]|[[mechanism.body]]", "shapes visual visuals geometry geometries geom geoms", "shape",
      "shape = { box = [1, 0.1, 0.1], colour = \"red\" }", false},
-    {"[[mechanism.body]]", "color colour rgba material size radius length box cylinder capsule sphere", "", shaped},
+    {"[[mechanism.body]]", "color colour rgba material size radius length box cylinder capsule ellipsoid sphere", "", shaped},
     {"[mechanism.chain]|[[mechanism.body]]", "mesh stl obj", "",
      "bodies are drawn with a shape: shape = { mesh = \"part.stl\" }"},
     {"[[mechanism.body]]", "joints", "joint", "[mechanism.body.joint]"},

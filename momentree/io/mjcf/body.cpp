@@ -6,6 +6,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/mjcf/parts.hpp>
+#include <momentree/io/number_text.hpp>
 
 namespace momentree::io::mjcf {
 
@@ -357,11 +358,27 @@ class BodyReader {
   XmlElement inertial_{}, without_inertia_{};
 };
 
-// A plane of the world stands for the floor of the scenario; other geoms there are left out.
+// A plane of the world stands for the floor of the scenario, if it is where that is; other geoms there are left out.
 void read_world_geom(XmlElement element, const std::string& childclass, std::optional<CollisionMask>& planes, Reading& reading) {
   Attributes attributes(element, childclass, reading);
-  if (attributes.string("type") != "plane") return;
+  XmlFile& file = reading.file_of(element);
+  if (attributes.string("type") != "plane") {
+    if (attributes.number("contype") != 0 || attributes.number("conaffinity") != 0)
+      file.once(Severity::warning, "geoms of <worldbody> other than planes are left out: nothing touches them",
+                "give the scenario a fixed body with such a collision", {element});
+    return;
+  }
   const Geom geom = read_geom(element, childclass, reading);
+  const Pose pose = attributes.pose();
+  const Vec3 normal = rotation_matrix(pose.rotation) * z_axis;
+  const double height = dot(normal, pose.position);
+  const bool touches = geom.mask.own != 0 || geom.mask.others != 0;
+  if (touches && (norm(normal - z_axis) > 1e-9 || std::fabs(height) > 1e-9)) {
+    const auto text = [](double x) { return rounded_text(std::round(1e9 * x) / 1e9 + 0.0, 9); };
+    file.warning({element}, "the plane is left out: a scenario has one plane, its floor",
+                 "in [world]: floor = { height = " + text(height) + ", normal = [" + text(normal.x) + ", " + text(normal.y) +
+                     ", " + text(normal.z) + "] }");
+  }
   if (!planes) planes = {0, 0};
   planes->own |= geom.mask.own, planes->others |= geom.mask.others;
   if (const auto name = element.find("name")) reading.geoms[std::string(element.attribute(*name))] = {-1, geom.friction};

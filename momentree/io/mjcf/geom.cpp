@@ -119,11 +119,12 @@ Shape shape_of(Type type, const Placed& placed) {
     case Type::capsule: shape.kind = Shape::Kind::capsule; break;
     case Type::cylinder: shape.kind = Shape::Kind::cylinder; break;
     case Type::box: shape.kind = Shape::Kind::box; break;
+    case Type::ellipsoid: shape.kind = Shape::Kind::ellipsoid; break;
     default: return shape;
   }
   shape.radius = placed.size.x;
   shape.length = 2 * placed.size.y;
-  shape.size = 2 * placed.size;
+  shape.size = (type == Type::box ? 2 : 1) * placed.size;
   return shape;
 }
 
@@ -150,6 +151,11 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
   geom.mask = {read_bits(attributes, "contype"), read_bits(attributes, "conaffinity")};
   if (const auto friction = attributes.numbers("friction", 1, 3)) geom.friction = friction->front();
   geom.plane = type == Type::plane;
+  if (type == Type::hfield || type == Type::sdf)
+    reading.file_of(element).once(Severity::warning,
+                                  std::string("geoms of type ") + type_names[static_cast<std::size_t>(type)] +
+                                      " are not supported: they are not drawn, and touch nothing",
+                                  "use a mesh, or shapes", {element});
   if (type == Type::plane || type == Type::hfield) return geom;  // they belong to the ground
   const Placed placed = read_placement(attributes, type);
   geom.shape = shape_of(type, placed);

@@ -35,6 +35,7 @@ Shape read_shape(const Value& value, Diagnostics& out) {
   Shape shape;
   const std::string kind = record.text("kind");
   if (kind == "box") shape.kind = Shape::Kind::box, shape.size = record.vec("size");
+  if (kind == "ellipsoid") shape.kind = Shape::Kind::ellipsoid, shape.size = record.vec("size");
   if (kind == "sphere") shape.kind = Shape::Kind::sphere;
   if (kind == "cylinder") shape.kind = Shape::Kind::cylinder;
   if (kind == "capsule") shape.kind = Shape::Kind::capsule;

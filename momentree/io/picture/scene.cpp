@@ -54,11 +54,23 @@ void add_cylinder(double radius, double length, std::vector<Patch>& patches) {
   patches.insert(patches.end(), {side, caps[0], caps[1]});
 }
 
+void add_ellipsoid(const Vec3& axes, std::vector<Patch>& patches) {
+  constexpr int around = 32;
+  Patch& skin = patches.emplace_back();
+  for (int i = 0; i <= around / 2; ++i)
+    for (int k = 0; k < around; ++k) {
+      const double down = 2 * std::numbers::pi * i / around, a = 2 * std::numbers::pi * k / around;
+      skin.points.push_back(
+          {axes.x * std::sin(down) * std::cos(a), axes.y * std::sin(down) * std::sin(a), axes.z * std::cos(down)});
+    }
+}
+
 /// The parts of a shape, in its own axes. Empty for a mesh.
 std::vector<Patch> patches_of(const Shape& shape) {
   std::vector<Patch> patches;
   const double half = 0.5 * shape.length;
   if (shape.kind == Shape::Kind::box) add_box(shape.size, patches);
+  if (shape.kind == Shape::Kind::ellipsoid) add_ellipsoid(shape.size, patches);
   if (shape.kind == Shape::Kind::sphere) patches.push_back({{{0, 0, 0}}, shape.radius});
   if (shape.kind == Shape::Kind::capsule) patches.push_back({{{0, 0, -half}, {0, 0, half}}, shape.radius});
   if (shape.kind == Shape::Kind::cylinder) add_cylinder(shape.radius, shape.length, patches);

@@ -62,14 +62,18 @@ double positive(Texts& texts, const char* name, XmlElement of, XmlFile& file) {
 
 void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& file) {
   XmlFields fields(geometry, file);
-  if (const XmlElement box = fields.child("box")) {
-    Texts texts(box, file);
-    shape.kind = Shape::Kind::box;
-    shape.size = texts.vec3("size").value_or(Vec3{1, 1, 1});
+  const auto sized = [&](const char* tag, const char* sizes, Shape::Kind kind) {
+    const XmlElement element = fields.child(tag);
+    if (!element) return;
+    Texts texts(element, file);
+    shape.kind = kind;
+    shape.size = texts.vec3(sizes).value_or(Vec3{1, 1, 1});
     if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0))
-      file.error(texts.location(), "size: must be greater than 0"), shape.size = {1, 1, 1};
+      file.error(texts.location(), std::string(sizes) + ": must be greater than 0"), shape.size = {1, 1, 1};
     texts.fields.finish();
-  }
+  };
+  sized("box", "size", Shape::Kind::box);
+  sized("ellipsoid", "radii", Shape::Kind::ellipsoid);
   const auto round = [&](const char* tag, Shape::Kind kind) {
     const XmlElement element = fields.child(tag);
     if (!element) return;
@@ -104,8 +108,7 @@ void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& f
       file.error({mesh}, "<mesh> has no <uri>");
   }
   fields.known_children({"empty"});
-  fields.leave_out({"ellipsoid", "plane", "heightmap", "polyline", "image", "cone"},
-                   "pictures do not show it, and it touches nothing");
+  fields.leave_out({"plane", "heightmap", "polyline", "image", "cone"}, "pictures do not show it, and it touches nothing");
   fields.finish();
 }
 

@@ -15,6 +15,8 @@ function geometriesOf(shape: Shape): { geometry: THREE.BufferGeometry; colour?: 
       return [{ geometry: new THREE.BoxGeometry(...(shape.size ?? [0, 0, 0])) }];
     case "sphere":
       return [{ geometry: new THREE.SphereGeometry(radius, 28, 18) }];
+    case "ellipsoid":
+      return [{ geometry: new THREE.SphereGeometry(1, 28, 18).scale(...(shape.size ?? [0, 0, 0])) }];
     case "cylinder":
       return [{ geometry: new THREE.CylinderGeometry(radius, radius, length, 28).rotateX(Math.PI / 2) }];
     case "capsule":
