@@ -21,7 +21,7 @@ bool ImpactLaw::expand(const System& compressed, const std::vector<double>& rest
   for (std::size_t i = 0; i < compressed.points(); ++i)
     expansion_.laws[i].least = s * restitution[i] * std::max(0.0, compression_[3 * i]);
   std::fill(expansion_.r.begin(), expansion_.r.end(), 0.0);
-  return expansion_.solve(Effort::little);
+  return expansion_.solve();
 }
 
 bool ImpactLaw::fits(double most_work, double energy_lost, double tolerance) const {
@@ -117,7 +117,7 @@ ImpactResult ImpactLaw::in_turn(System& system, const std::vector<double>& resti
     for (const double x : velocity_) left = std::max(left, std::fabs(x));
     system.b.swap(velocity_);
     std::fill(system.r.begin(), system.r.end(), 0.0);
-    result.solved = system.solve(Effort::full, std::max(1e-11, approach / left));
+    result.solved = system.solve(std::max(1e-11, approach / left));
     system.b.swap(velocity_);
     for (std::size_t i = 0; i < n; ++i) total_[i] += system.r[i];
   }

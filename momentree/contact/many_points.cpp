@@ -5,16 +5,19 @@
 #include <cstdint>
 #include <iterator>
 #include <numeric>
-#include <type_traits>
 #include <utility>
+
+#include <momentree/contact/indices.hpp>
 
 namespace momentree::contact {
 
 namespace {
 
-constexpr int sweeps_in_a_round = 8, most_rounds = 3;
-constexpr int most_gradients = 30;  // steps of conjugate gradients in a round
+constexpr int most_sweeps = 64;
 constexpr double converged = 1e-5;  // change of a velocity in one sweep, relative to the largest one before
+constexpr double in_motion = 1e-3;  // residual of the law where it is not reached
+constexpr double at_rest = 1e-3;    // speed, relative to that
+constexpr double stays = 1e-10;     // residual of what rests: then it moves by less than 1e-9 m in 10 s
 constexpr int bisections = 8;       // of the part of the expansion that the energy permits
 
 // Of a symmetric 3×3 block; zero if it is nearly singular.
@@ -26,15 +29,6 @@ std::array<double, 9> inverse_of(const std::array<double, 9>& A) {
   return {d * a, d * (A[2] * A[7] - A[1] * A[8]), d * (A[1] * A[5] - A[2] * A[4]),
           d * b, d * (A[0] * A[8] - A[2] * A[6]), d * (A[2] * A[3] - A[0] * A[5]),
           d * c, d * (A[1] * A[6] - A[0] * A[7]), d * (A[0] * A[4] - A[1] * A[3])};
-}
-
-// Calls f with a number of degrees of freedom: for a free body with a constant, so that its loops are unrolled.
-template <class F>
-void sized(int count, F f) {
-  if (count == 6)
-    f(std::integral_constant<std::size_t, 6>{});
-  else
-    f(static_cast<std::size_t>(count));
 }
 
 // Adds three rows of n numbers, times a factor each. Told that they do not overlap, compilers use vector instructions.
@@ -142,7 +136,7 @@ void ManyPoints::all_along(std::size_t point, LinksMotion& motion, double* w) {
   for (const Part& part : points[point].parts) {
     if (part.link >= 0) links.walk(motion, part.link);
     const double *const j = J.data() + part.at, *const x = motion.x.data() + part.first;
-    sized(part.count, [&](auto n) {
+    sized(at(part.count), [&](auto n) {
       double s0 = 0, s1 = 0, s2 = 0;
       for (std::size_t k = 0; k < n; ++k) s0 += j[k] * x[k], s1 += j[n + k] * x[k], s2 += j[2 * n + k] * x[k];
       sum[0] += s0, sum[1] += s1, sum[2] += s2;
@@ -160,7 +154,7 @@ void ManyPoints::add(std::size_t point, const double* impulse, LinksMotion& moti
     }
     const double* const y = Y.data() + part.at;
     double* const of = motion.x.data() + part.first;
-    sized(part.count, [&](auto n) { add_rows(n, y, impulse[0], impulse[1], impulse[2], of); });
+    sized(at(part.count), [&](auto n) { add_rows(n, y, impulse[0], impulse[1], impulse[2], of); });
   }
 }
 
@@ -219,113 +213,46 @@ double ManyPoints::relax(std::size_t point, double least, const std::vector<doub
   }
   const double change[3] = {own[0] - before[0], own[1] - before[1], own[2] - before[2]};
   add(point, change, change_);
-  return std::max({std::fabs(change[0]) * A[0], std::fabs(change[1]) * size, std::fabs(change[2]) * size});
+  const double left = own[0] > least ? std::fabs(w[0]) : -w[0];  // by friction; it may press harder than the normal force does
+  return std::max({std::fabs(change[0]) * A[0], std::fabs(change[1]) * size, std::fabs(change[2]) * size, left});
 }
 
-// Sweeps in both directions, which carry loads down and up a pile, find which points press and which of them slip. Then the
-// impulses of these follow together (Silcowitz, Niebe & Erleben 2010): a stack of boxes takes hundreds of sweeps without that.
-void ManyPoints::sweep(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                       std::vector<double>& impulses) {
-  double scale = 0;
+// Sweeps in both directions carry loads down and up a pile, from the impulses of the last step. Where they do not converge, and
+// where all that is pressed comes to rest, so that it stays where it is, Newton's method goes on.
+void ManyPoints::find_impulses(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                               std::vector<double>& impulses) {
+  double scale = 0, change = 0;
   for (const std::size_t* p = first; p != last; ++p)
     for (std::size_t k = 0; k < 3; ++k) scale = std::max(scale, std::fabs(start[3 * *p + k]));
-  const double most = converged * scale;
-  for (int round = 0; round < most_rounds; ++round) {
-    double change = 0;
-    const auto visit = [&](std::size_t i) { change = std::max(change, relax(i, least_[i], start, impulses.data() + 3 * i)); };
-    for (int k = 0; k < sweeps_in_a_round; ++k) {
-      change = 0;
-      if (k % 2 == 0)
-        std::for_each(first, last, visit);
-      else
-        std::for_each(std::make_reverse_iterator(last), std::make_reverse_iterator(first), visit);
-      if (!(change > most)) return;
-    }
-    if (round + 1 < most_rounds) solve_pressing(first, last, start, impulses, most);
+  const auto visit = [&](std::size_t i) {
+    const double own = relax(i, least_[i], start, impulses.data() + 3 * i);
+    change = std::max(change, own - LawNewton::round_off * blocks_[i][0] * impulses[3 * i]);
+  };
+  for (int k = 0; k < most_sweeps; ++k) {
+    change = 0;
+    if (k % 2 == 0)
+      std::for_each(first, last, visit);
+    else
+      std::for_each(std::make_reverse_iterator(last), std::make_reverse_iterator(first), visit);
+    if (!(change > converged * scale)) break;
   }
+  if (change > converged * scale) {
+    const double left = solve_exactly(first, last, start, impulses, in_motion);
+    residual_ = std::max(residual_, left), change = scale * left;
+  }
+  if (change > stays * scale && comes_to_rest(first, last, start, impulses, at_rest * scale))
+    solve_exactly(first, last, start, impulses, stays);
 }
 
-// The impulses of points that press, and stick if they do, with which their velocities are zero to `accuracy`, by conjugate
-// gradients; other impulses stay. Points that would pull are left open, and friction is limited to what the normal force allows.
-void ManyPoints::solve_pressing(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                                std::vector<double>& impulses, double accuracy) {
-  const auto size_of = [&](std::size_t i, std::size_t k) { return k == 0 ? blocks_[i][0] : tangential_[i]; };
-  double square = 0, worst = 0;
-  pressing_.clear();
-  for (const std::size_t* p = first; p != last; ++p) {
-    const double* const own = impulses.data() + 3 * *p;
-    const double most = points[*p].friction * own[0];
-    const bool presses = own[0] > least_[*p] && blocks_[*p][0] > 0;
-    if (!presses) continue;
-    pressing_.push_back(*p);
-    const bool sticks = tangential_[*p] > 0 && own[1] * own[1] + own[2] * own[2] < most * most * (1 - 1e-9);
+// True if no point that is pressed moves faster than that.
+bool ManyPoints::comes_to_rest(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                               const std::vector<double>& impulses, double speed) {
+  return std::all_of(first, last, [&](std::size_t i) {
+    if (!(impulses[3 * i] > 0)) return true;
     double w[3];
-    all_along(*p, change_, w);
-    w[0] += points[*p].slack;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const bool free = k == 0 || sticks;
-      missing_[3 * *p + k] = free ? -(w[k] + start[3 * *p + k]) : 0;
-      direction_[3 * *p + k] = free ? missing_[3 * *p + k] / size_of(*p, k) : 0;
-      free_[3 * *p + k] = free ? 1 : 0;
-      step_[3 * *p + k] = 0;
-      square += missing_[3 * *p + k] * direction_[3 * *p + k];
-      worst = std::max(worst, std::fabs(missing_[3 * *p + k]));
-    }
-  }
-  const auto each = [&](const auto& f) {
-    for (const std::size_t p : pressing_) f(p);
-  };
-  for (int k = 0; k < most_gradients && worst > accuracy && square > 0; ++k) {
-    each([&](std::size_t i) {
-      for (const Part& part : points[i].parts) forget(part, moved_);
-    });
-    each([&](std::size_t i) { add(i, direction_.data() + 3 * i, moved_); });
-    double curvature = 0;
-    each([&](std::size_t i) {
-      double* const product = product_.data() + 3 * i;
-      all_along(i, moved_, product);
-      for (std::size_t n = 0; n < 3; ++n) curvature += direction_[3 * i + n] * product[n];
-    });
-    if (!(curvature > 0)) break;
-    double length = square / curvature;
-    // Not farther than until the first point stops pressing, which is open from there on.
-    std::size_t opens = SIZE_MAX;
-    each([&](std::size_t i) {
-      const double fall = -direction_[3 * i], left = impulses[3 * i] + step_[3 * i] - least_[i];
-      if (free_[3 * i] != 0 && fall > 0 && left < length * fall) length = left / fall, opens = i;
-    });
-    double next = 0;
-    worst = 0;
-    each([&](std::size_t i) {
-      for (std::size_t n = 3 * i; n < 3 * i + 3; ++n) {
-        if (free_[n] == 0) continue;
-        step_[n] += length * direction_[n], missing_[n] -= length * product_[n];
-        next += missing_[n] * missing_[n] / size_of(i, n - 3 * i);
-        worst = std::max(worst, std::fabs(missing_[n]));
-      }
-    });
-    double ratio = next / square;
-    if (opens != SIZE_MAX) {
-      for (std::size_t n = 0; n < 3; ++n) {
-        if (free_[3 * opens + n] != 0) next -= missing_[3 * opens + n] * missing_[3 * opens + n] / size_of(opens, n);
-        free_[3 * opens + n] = direction_[3 * opens + n] = missing_[3 * opens + n] = 0;
-      }
-      ratio = 0;
-    }
-    square = next;
-    each([&](std::size_t i) {
-      for (std::size_t n = 3 * i; n < 3 * i + 3; ++n)
-        if (free_[n] != 0) direction_[n] = missing_[n] / size_of(i, n - 3 * i) + ratio * direction_[n];
-    });
-  }
-  each([&](std::size_t i) {
-    double* const own = impulses.data() + 3 * i;
-    double* const step = step_.data() + 3 * i;
-    double to[3] = {std::max(least_[i], own[0] + step[0]), own[1] + step[1], own[2] + step[2]};
-    const double most = points[i].friction * to[0], size = std::hypot(to[1], to[2]);
-    if (size > most) to[1] *= most / size, to[2] *= most / size;
-    for (std::size_t n = 0; n < 3; ++n) step[n] = to[n] - own[n], own[n] = to[n];
-    add(i, step, change_);
+    all_along(i, change_, w);
+    w[0] += points[i].slack;
+    return std::all_of(w, w + 3, [&, k = 3 * i](const double& each) { return std::fabs(each + start[k + (&each - w)]) < speed; });
   });
 }
 
@@ -393,7 +320,7 @@ void ManyPoints::expand(const std::size_t* first, const std::size_t* last) {
       rebound_[3 * *p] = least_[*p];
     }
     restart(first, last, rebound_);
-    sweep(first, last, after_, rebound_);
+    find_impulses(first, last, after_, rebound_);
     double work = 0;
     for (const std::size_t* p = first; p != last; ++p) work += rebound_[3 * *p] * (after_[3 * *p] + 0.5 * along(*p, 0, change_));
     return work <= std::max(most_work, 0.0) + tolerance && energy_change(first, last, after_, rebound_) <= lost + tolerance;
@@ -419,44 +346,53 @@ void ManyPoints::expand(const std::size_t* first, const std::size_t* last) {
   restart(first, last, r);
 }
 
-void ManyPoints::solve() {
-  r.resize(3 * points.size());
+void ManyPoints::prepare() {
   find_islands();
   find_blocks();
+}
+
+void ManyPoints::solve() {
+  r.resize(3 * points.size());
+  prepare();
+  residual_ = 0;
   links.start(change_, dofs_);
   least_.assign(points.size(), 0.0);
-  for (std::vector<double>* scratch : {&direction_, &missing_, &step_, &product_, &free_}) scratch->resize(b.size());
   links.start(moved_, dofs_);
   after_.assign(b.size(), 0.0), rebound_.assign(b.size(), 0.0), best_.assign(b.size(), 0.0);
   std::size_t begin = 0;
   for (const std::size_t end : ends_) {
     const std::size_t *const first = order_.data() + begin, *const last = order_.data() + end;
     restart(first, last, r);
-    sweep(first, last, b, r);
+    find_impulses(first, last, b, r);
     lose_energy(first, last, b, r);
     expand(first, last);
     begin = end;
   }
 }
 
-LinksMotion& ManyPoints::separate(const std::vector<double>& gaps, std::vector<double>& pushes, double accuracy, int sweeps) {
-  if (blocks_.size() != points.size()) find_blocks();
+// The displacements along the normals obey the law of impulses without friction, with gaps for velocities.
+LinksMotion& ManyPoints::separate(const std::vector<double>& gaps, std::vector<double>& pushes, double accuracy) {
+  if (blocks_.size() != points.size()) prepare();
   links.start(moved_, dofs_);
   pushes.assign(points.size(), 0.0);
-  const double deepest = -std::min(0.0, *std::min_element(gaps.begin(), gaps.end()));
   double push[3] = {};
-  for (int k = 0; k < sweeps; ++k) {
-    double most = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double a = blocks_[i][0];
-      if (!(a > 0)) continue;
-      const double after = std::max(0.0, pushes[i] - (gaps[i] + along(i, 0, moved_)) / a);
-      push[0] = after - std::exchange(pushes[i], after);
-      if (push[0] == 0) continue;
-      add(i, push, moved_);
-      most = std::max(most, std::fabs(push[0]) * a);
+  std::size_t begin = 0;
+  for (const std::size_t end : ends_) {
+    const std::size_t *const first = order_.data() + begin, *const last = order_.data() + end;
+    double deepest = 0, most = HUGE_VAL;
+    for (const std::size_t* p = first; p != last; ++p) deepest = std::max(deepest, -gaps[*p]);
+    for (int k = 0; k < most_sweeps && most > accuracy * deepest; ++k) {
+      most = 0;
+      for (const std::size_t* p = first; p != last; ++p) {
+        const double a = blocks_[*p][0];
+        if (!(a > 0)) continue;
+        const double after = std::max(0.0, pushes[*p] - (gaps[*p] + along(*p, 0, moved_)) / a);
+        push[0] = after - std::exchange(pushes[*p], after);
+        if (push[0] != 0) add(*p, push, moved_), most = std::max(most, std::fabs(push[0]) * a);
+      }
     }
-    if (!(most > accuracy * deepest)) break;
+    if (most > accuracy * deepest) separate_exactly(first, last, gaps, pushes, accuracy);
+    begin = end;
   }
   return moved_;
 }

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include <momentree/contact/law_newton.hpp>
 #include <momentree/contact/links.hpp>
 
 namespace momentree::contact {
@@ -38,6 +39,9 @@ class ManyPoints {
 
   /// Finds the impulses of an impact, islands one by one.
   void solve();
+  /// The largest violation of the law that solve() left where sweeps did not converge, as a velocity relative to the largest one
+  /// of the island before.
+  double residual() const { return residual_; }
   /// M⁻¹ Jᵀ r, the change of all velocities.
   LinksMotion& change() { return change_; }
   /// Velocities after the impact, three of each point.
@@ -49,12 +53,13 @@ class ManyPoints {
   /// What a unit impulse along each row of a point does along each of them.
   std::array<double, 9> block(std::size_t point);
 
-  /// The smallest motion that removes negative gaps (m, one of each point), by displacements along the normals. `pushes`: its
-  /// multipliers (kg m, rad in generalised terms), one of each point; returns the displacement of all degrees of freedom. It is
-  /// solved in at most `sweeps` sweeps, until the last of them moves points by less than `accuracy` times the deepest gap.
-  LinksMotion& separate(const std::vector<double>& gaps, std::vector<double>& pushes, double accuracy = 1e-3, int sweeps = 50);
+  /// The smallest motion that removes negative gaps (m, one of each point), by displacements along the normals, to `accuracy`
+  /// times the deepest gap. `pushes`: its multipliers (kg m, rad in generalised terms), one of each point; returns the
+  /// displacement of all degrees of freedom.
+  LinksMotion& separate(const std::vector<double>& gaps, std::vector<double>& pushes, double accuracy = 1e-3);
 
  private:
+  void prepare();
   void find_islands();
   void find_blocks();
   int root(int group);
@@ -63,14 +68,21 @@ class ManyPoints {
   void all_along(std::size_t point, LinksMotion& motion, double* w);
   void add(std::size_t point, const double* r, LinksMotion& motion);
   double relax(std::size_t point, double least, const std::vector<double>& start, double* own);
-  void sweep(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, std::vector<double>& impulses);
-  void solve_pressing(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                      std::vector<double>& impulses, double accuracy);
+  void find_impulses(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                     std::vector<double>& impulses);
+  bool comes_to_rest(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                     const std::vector<double>& impulses, double speed);
   double energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                        const std::vector<double>& impulses);
   void lose_energy(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                    std::vector<double>& impulses);
   void restart(const std::size_t* first, const std::size_t* last, const std::vector<double>& impulses);
+  void find_link_responses(const std::vector<int>& touched, std::vector<double>& responses);
+  void begin_newton(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, bool gaps);
+  double solve_exactly(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                       std::vector<double>& impulses, double accuracy);
+  void separate_exactly(const std::size_t* first, const std::size_t* last, const std::vector<double>& gaps,
+                        std::vector<double>& pushes, double accuracy);
   void expand(const std::size_t* first, const std::size_t* last);
 
   int dofs_ = 0;
@@ -80,7 +92,11 @@ class ManyPoints {
   std::vector<std::array<double, 9>> blocks_, inverses_;  // A of each point, and its inverse
   std::vector<double> tangential_;                        // the larger eigenvalue of its tangential part
   LinksMotion change_, moved_, shift_;
-  std::vector<double> least_, after_, rebound_, best_, direction_, missing_, step_, product_, free_;
+  LawNewton newton_;
+  std::vector<int> block_of_, place_of_;  // in newton_: by group, its block; by link, where its motion begins there
+  std::vector<double> wide_, exact_;
+  double residual_ = 0;
+  std::vector<double> least_, after_, rebound_, best_;
 };
 
 }  // namespace momentree::contact

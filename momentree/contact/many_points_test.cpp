@@ -103,12 +103,12 @@ TEST_CASE("many points: impulses are those of the exact solver") {
     ++compared;
   }
   CHECK(compared == 2000);
-  CHECK(worst < 2e-4);  // sweeps end where they no longer halve the changes
+  CHECK(worst < 2e-4);
 }
 
 TEST_CASE("many points: no impact gains energy, none pulls, and friction keeps to its cone") {
   Prng random(2);
-  int bounced = 0;
+  int bounced = 0, unsolved = 0;
   for (int k = 0; k < 3000; ++k) {
     const double friction = random.uniform(0, 1.2), e = k % 3 == 0 ? 0.0 : random.uniform(0, 1);
     ManyPoints many = random_points(random, 1 + k % 6, 1 + k % 15, friction, e);
@@ -122,6 +122,8 @@ TEST_CASE("many points: no impact gains energy, none pulls, and friction keeps t
     double size = 0;
     for (const double b : many.b) size = std::max(size, b * b);
     CHECK(outcome.energy_change() <= 1e-9 * size);
+    unsolved += e == 0 && outcome.residual() > 2e-3 ? 1 : 0;
+    CHECK((outcome.residual() <= 2e-3 || e > 0 || many.residual() > 1e-3));  // it is said
     bool leaves = false;
     std::vector<double> w, expected;
     many.velocities(w);
@@ -137,6 +139,7 @@ TEST_CASE("many points: no impact gains energy, none pulls, and friction keeps t
     bounced += leaves ? 1 : 0;
   }
   CHECK(bounced > 300);
+  CHECK(unsolved < 10);
 }
 
 TEST_CASE("many points: overlaps are removed, and nothing else is overlapped instead") {

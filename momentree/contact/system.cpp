@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <momentree/contact/law_newton.hpp>
 #include <momentree/contact/linear.hpp>
 #include <momentree/contact/point.hpp>
 
@@ -290,7 +291,34 @@ bool System::solve_at_rest() {
   return false;
 }
 
-bool System::solve(Effort effort, double acceptable) {
+// Newton's method on the law itself, as one block, with the identity for J and A for Y (C4).
+bool System::newton() {
+  static constexpr double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const std::size_t n = unknowns();
+  newton_.clear({static_cast<int>(n)});
+  kept_.clear();
+  for (std::size_t i = 0; i < points(); ++i) {
+    double* const own = r.data() + 3 * i;
+    if (element(3 * i, 3 * i) > 0) {
+      newton_.add({.parts = {{{0, static_cast<int>(3 * i), 3, identity, A.data() + 3 * i * n}, {}}},
+                   .friction = laws[i].friction,
+                   .least = laws[i].least,
+                   .slipping = laws[i].slipping,
+                   .direction = laws[i].direction,
+                   .b = {b[3 * i], b[3 * i + 1], b[3 * i + 2]}});
+      kept_.insert(kept_.end(), own, own + 3);
+    } else {
+      own[0] = laws[i].least, own[1] = own[2] = 0;
+    }
+  }
+  newton_.solve(kept_.data(), solved);
+  const double* next = kept_.data();
+  for (std::size_t i = 0; i < points(); ++i)
+    if (element(3 * i, 3 * i) > 0) std::copy_n(next, 3, r.data() + 3 * i), next += 3;
+  return polish() || accept();
+}
+
+bool System::solve(double acceptable) {
   acceptable_ = acceptable;
   for (std::size_t i = 0; i < points(); ++i) r[3 * i] = std::max(r[3 * i], laws[i].least);
   if (scale() == 0) {
@@ -304,13 +332,12 @@ bool System::solve(Effort effort, double acceptable) {
   if (points() == 1 && solve_point(A.data(), b.data(), laws[0], r.data())) return true;
   if (solve_at_rest()) return true;
   const double size = scale();
-  for (int k = 0; k < (effort == Effort::little ? 50 : 500) && descend() > 1e-6 * size; ++k) {
+  for (int k = 0; k < 50 && descend() > 1e-6 * size; ++k) {
   }
   if (polish()) return true;
-  if (sweep(100) || proximal_points(effort == Effort::little ? 10 : 40)) return true;
-  if (effort == Effort::little) return false;
+  if (sweep(100) || newton()) return true;
   for (std::size_t i = 0; i < points(); ++i) r[3 * i] = laws[i].least, r[3 * i + 1] = r[3 * i + 2] = 0;
-  return proximal_points(40) || sweep(1000);
+  return newton() || sweep(1000);
 }
 
 }  // namespace momentree::contact

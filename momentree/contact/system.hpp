@@ -1,6 +1,6 @@
 #pragma once
-// The forces at simultaneous contacts: unilateral normals and Coulomb friction. The same system gives impulses from velocities
-// and forces from accelerations.
+// The forces at simultaneous contacts: unilateral normals and Coulomb friction, (C1) and (C2) of docs/theory.md. The same system
+// gives impulses from velocities and forces from accelerations.
 //
 // Of each point i the unknowns are r_i = (N, t1, t2), and w = b + A r are the relative velocities (or accelerations) along the
 // same directions, where A = J M⁻¹ Jᵀ is symmetric and positive semidefinite. The law of a point:
@@ -15,6 +15,8 @@
 #include <cstddef>
 #include <vector>
 
+#include <momentree/contact/law_newton.hpp>
+
 namespace momentree::contact {
 
 /// The law of one point.
@@ -28,9 +30,6 @@ struct PointLaw {
 /// How a point of a solution behaves.
 enum class PointState : unsigned char { open, stick, slip };
 
-/// How long the solver tries.
-enum class Effort : unsigned char { little, full };
-
 class System {
  public:
   /// Makes room for that many points; A, b and r are then zero, laws are without friction.
@@ -43,7 +42,7 @@ class System {
 
   /// Finds r, from the present one. Returns false if no solution was found: r is then an iterate. `acceptable`: the
   /// residual of a solution that cannot be improved, such as where redundant rows contradict each other by rounding.
-  [[nodiscard]] bool solve(Effort effort = Effort::full, double acceptable = 1e-11);
+  [[nodiscard]] bool solve(double acceptable = 1e-11);
 
   /// w_i of all unknowns at the present r.
   void velocities(std::vector<double>& w) const;
@@ -74,10 +73,7 @@ class System {
   void classify();
   bool newton_step();
   double scale() const;
-  // Of proximal.cpp.
-  double natural_map(bool with_derivatives);
-  bool damped_newton(int most_steps);
-  bool proximal_points(int most_problems);
+  bool newton();
 
   static constexpr double solved = 5e-14;  // residual of a solution
 
@@ -85,7 +81,7 @@ class System {
   std::vector<PointState> guess_;
   std::vector<bool> pressed_;
   std::vector<double> matrix_, right_, kept_;
-  std::vector<double> map_, start_, rigid_, diagonal_, centre_, best_;  // of proximal.cpp
+  LawNewton newton_;
   std::vector<std::size_t> column_of_;
 };
 

@@ -278,6 +278,7 @@ std::string summary_json(const RunOrigin& origin, const std::string& status, con
   else
     json.null();
   json.member("worst_step", run.worst_step_seconds);
+  if (run.contact_residual > 0) json.member("contact_residual", run.contact_residual);
   json.key("energy").begin_object();
   json.member("initial", energy.initial).member("final", energy.final);
   json.member("dissipated", energy.dissipated).member("work", energy.work);

@@ -175,7 +175,7 @@ bool Contacts::solve_weakened(double part, std::vector<double>& all) {
     system_.laws[i].friction *= less;
     for (std::size_t k = 1; k < 3; ++k) system_.r[3 * i + k] *= less;
   }
-  const bool solved = system_.solve(contact::Effort::little, 1e-3 * part);
+  const bool solved = system_.solve(1e-3 * part);
   if (solved) {
     std::vector<double> found;
     system_.velocities(found);
@@ -209,14 +209,14 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
   // Contacts that are nearly at rest contradict each other by what is left of their velocities. The result only tells states
   // apart.
   constexpr double acceptable = 1e-8;
-  if (system_.solve(contact::Effort::little, acceptable)) return true;
+  if (system_.solve(acceptable)) return true;
   // With many points that slip the solver may cycle. The velocities after a very short time obey a law without given directions.
   constexpr double soon = 1e-6;  // s
   for (std::size_t i = 0; i < system_.unknowns(); ++i) system_.b[i] = rows_.velocity[i] + soon * rows_.acceleration[i];
   for (std::size_t i = 0; i < contacts.size(); ++i) system_.b[3 * i] = soon * rows_.acceleration[3 * i];
   for (contact::PointLaw& law : system_.laws) law.slipping = false;
   std::fill(system_.r.begin(), system_.r.end(), 0.0);
-  const bool solved = system_.solve(contact::Effort::full, acceptable);
+  const bool solved = system_.solve(acceptable);
   for (double& x : system_.b) x /= soon;  // as accelerations and forces again
   for (double& x : system_.r) x /= soon;
   for (std::size_t i = 0; i < contacts.size(); ++i) {

@@ -134,6 +134,8 @@ void Simulation::Impl::after_contact_step() {
   report_passes();
   note_overlaps();
   stops.report_stepped(events);
+  if (contact_steps.residual() > statistics.contact_residual)
+    statistics.contact_residual = contact_steps.residual(), statistics.contact_residual_at = world.time();
   if (!stepping.on) return;  // the method itself steps
   const auto of = [&](int body) -> SteppedBody& { return stepping.bodies[static_cast<std::size_t>(body)]; };
   for (const int body : contact_steps.hits()) of(body).since_impact = world.time();
@@ -156,9 +158,8 @@ void Simulation::Impl::after_contact_step() {
   for (const Contact& c : near) islands.join(c.a, c.b);
   for (const auto& [number, island] : find_due()) {
     if (!of(number).on) continue;
-    const auto here = [&](const SteppedContact& point) { return islands.of(point.a >= 0 ? point.a : point.b) == number; };
-    const std::vector<SteppedContact>& points = contact_steps.points();
-    if (static_cast<std::size_t>(std::count_if(points.begin(), points.end(), here)) > Contacts::most_points) continue;
+    const auto here = [&](const Contact& c) { return islands.of(c.a >= 0 ? c.a : c.b) == number; };
+    if (static_cast<std::size_t>(std::ranges::count_if(near, here)) > Contacts::most_points) continue;
     try_to_locate(islands, number);
     if (!stepping.on) return;
   }

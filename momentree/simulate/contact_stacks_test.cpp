@@ -77,3 +77,35 @@ TEST_CASE("contact points: there are none without contact, nor after a contact o
   REQUIRE(sim.run_until(0.7));
   CHECK(sim.world().contacts().empty());
 }
+
+// A light box below a heavy one carries a thousand times its weight, or a million times.
+TEST_CASE("stepping: light boxes carry heavy ones, and nothing at rest moves") {
+  for (const double ratio : {0.5, 1.0, 2.0, 10.0}) {
+    CAPTURE(ratio);
+    const int boxes = ratio == 10 ? 6 : 20;
+    Model model;
+    double weight = 0;
+    for (int k = 0; k < boxes; ++k) {
+      const double mass = std::pow(ratio, k);
+      const BodyId box = model.add({.name = "box/" + std::to_string(k),
+                                    .mass = mass,
+                                    .inertia = diagonal(mass / 150),
+                                    .joint = Free{},
+                                    .q = {0.002 * (7 * k % 5), 0.003 * (3 * k % 5), 0.1 + 0.2 * k, 1, 0, 0, 0}});
+      add_box(model, box, {0.2, 0.2, 0.2});
+      weight += mass * g;
+    }
+    model.add_collider({.plane = true});
+    model.add_contact_rule({.law = {.friction = 0.5, .static_friction = 0.5}});
+    Simulation sim(model, {.method = "stepping", .step = 1e-3});
+    REQUIRE(sim.run_until(0.5));
+    CHECK(sim.warnings().empty());
+    for (int k = 0; k < boxes; ++k) {
+      const Vec3 at = sim.world().motions()[static_cast<std::size_t>(k)].pose.position;
+      CHECK(norm(at - Vec3{0.002 * (7 * k % 5), 0.003 * (3 * k % 5), 0.1 + 0.2 * k}) < 2e-10);
+    }
+    double carried = 0;
+    for (const ContactPoint& point : sim.world().contacts()) carried += point.other == ground ? point.force.z : 0;
+    CHECK(std::fabs(carried - weight) < 1e-8 * weight);
+  }
+}

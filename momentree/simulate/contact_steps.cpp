@@ -13,7 +13,7 @@ namespace {
 
 constexpr double slow_impact = 1e-3;     // m/s: bodies that approach more slowly do not hit each other
 constexpr double touch_distance = 1e-6;  // m
-constexpr double least_depth = 1e-9;     // m, relative to coordinates: deeper overlaps are removed after a step
+constexpr double least_depth = 1e-9;     // m, relative to coordinates: smaller overlaps and gaps stay
 
 bool earlier(const SteppedContact& x, const SteppedContact& y) { return x.pair != y.pair ? x.pair < y.pair : x.id < y.id; }
 
@@ -99,16 +99,20 @@ void ContactSteps::guess(double h) {
 // When a point was reached, and its restitution; true if it was hit, with more than a `slow` speed.
 bool ContactSteps::approach(std::size_t i, double gap, double v, double a, double restitution, double slow, double h) {
   const double fast = std::max(0.25 * norm(world_->model_.gravity()) * h, 1e-6);  // so that the time of touching is known
-  const double depth = -gap;
-  if (gap > 0) {
-    // It must not be reached in the next step by what others do to it in this one.
-    many_.points[i].slack = v >= -gap / h ? gap / h : HUGE_VAL;
-    if (v < -gap / h) std::fill_n(many_.r.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, 0.0);  // a hit of the next step
+  const double tiny = least_depth * (i < near_.size() ? std::max(1.0, norm(rows_.touches[i].point)) : 1.0);
+  if (gap > tiny) {
+    // It must not be reached in the next step by what others do to it in this one, unless it will hit anyway.
+    const bool will_hit = v < -std::max(gap / h, slow_impact);
+    many_.points[i].slack = will_hit ? HUGE_VAL : gap / h;
+    if (will_hit) std::fill_n(many_.r.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, 0.0);
     return false;
   }
+  const double depth = std::max(0.0, -gap);
+  // What lay on it falls with it: a heavy load would turn the smallest difference of these times into a motion.
+  const bool lay_on_it = std::fabs(gap - (v - 0.5 * a * h) * h) < tiny;
+  if (!lay_on_it && v < -fast) reached_[i] = std::min(h, depth / -v);
   // The speed with which it was reached: the approach since then was accelerated, and so is the flight until the end.
   const double square = v < 0 ? v * v + 2 * a * depth : 0.0, speed = square > 0 ? std::sqrt(square) : 0.0;
-  if (v < -fast) reached_[i] = std::min(h, depth / -v);
   if (!(speed > std::max(slow, std::fabs(a) * h))) return false;
   const double since = std::min(h, 2 * depth / (speed - v)), leaves = restitution * speed + a * since;
   if (restitution > 0 && leaves > 0) many_.points[i].restitution = leaves / -v, reached_[i] = since;

@@ -56,6 +56,8 @@ class ContactSteps final : public StepContacts {
 
   /// The bodies that hit others in the last step, rather than to lie on them.
   const std::vector<int>& hits() const { return hits_; }
+  /// See ManyPoints::residual().
+  double residual() const { return many_.residual(); }
   /// Pairs of bodies that touched in the last step; −1: the ground.
   const std::vector<std::pair<int, int>>& touching() const { return touching_; }
   /// The pairs that the last step could not keep from overlapping by more than `left_by_steps`, each with its depth (m).

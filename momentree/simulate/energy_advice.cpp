@@ -21,7 +21,8 @@ constexpr double rounding = 1e-12;           // of all energies that were turned
 // Where hardly anything moves, errors are compared with the energies that bodies get by falling their own size: coordinates are
 // known to about the first fraction of it, and what rests on contacts that are stepped through falls a little in every step.
 constexpr double at_rest = 1e-10, at_rest_in_steps = 1e-4;
-constexpr double nothing = 1e-40;  // J: energies below are round-off, whatever the scale of the model
+constexpr double tolerated_residual = 1e-2;  // of the law of contact in a step: 1e-3 is what is aimed at where bodies move
+constexpr double nothing = 1e-40;            // J: energies below are round-off, whatever the scale of the model
 
 std::string formatted(const char* pattern, double a) {
   char buffer[64];
@@ -82,6 +83,9 @@ std::vector<std::string> Simulation::warnings() const {
     joint = "at the end joint " + joint +
             ": a prescribed motion has forced this, or steps are too long; results since it began are not valid";
   if (std::string advice = energy().advice(integration()); !advice.empty() && !forced) all.push_back(std::move(advice));
+  if (const RunStatistics& run = statistics(); run.contact_residual > tolerated_residual)
+    all.push_back("at " + formatted("t = %.9g s", run.contact_residual_at) + " the impulses of contacts obey their law to " +
+                  formatted("%.2g %%", 100 * run.contact_residual) + " only, of the speeds before; use a smaller step");
   for (const Event& event : events())
     if (event.name == passed_through)
       all.push_back("'" + event.contact.one + (event.contact.normal == Vec3{} ? "' passes through '" : "' passed through '") +

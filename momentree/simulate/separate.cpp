@@ -15,7 +15,6 @@ namespace {
 constexpr double exact = 1e-12;       // depths that are left, relative to coordinates
 constexpr double rounding = 1e-13;    // of gaps, relative to coordinates: such bodies touch
 constexpr double accuracy = 1e-13;    // of the motion, relative to the deepest overlap
-constexpr double most_work = 2e7;     // sweeps times points of one try
 constexpr double longest_turn = 0.2;  // of one try (rad): turns are not linear
 constexpr double almost = 1e-3;       // of the first depth
 constexpr int most_tries_from_start = 30, most_tries = 200;
@@ -100,9 +99,8 @@ double Separator::find_step(bool from_start) {
   place_contacts(tree, world_->workspace_, near_, rows_);
   for (std::size_t i = 0; i < near_.size(); ++i) gaps_[i] -= rows_.velocity[3 * i];  // the gaps at the start
   static_cast<void>(world_->state_.edit());  // the workspace no longer holds its evaluation
-  const double sweeps = std::clamp(most_work / static_cast<double>(near_.size()), 200.0, 20'000.0);
   step_.assign(moved_.size(), 0.0);
-  parts_.add_to(tree, many_, many_.separate(gaps_, pushes_, accuracy, static_cast<int>(sweeps)), step_.data());
+  parts_.add_to(tree, many_, many_.separate(gaps_, pushes_, accuracy), step_.data());
   double largest = 0;
   for (std::size_t i = 0; i < step_.size(); ++i) {
     step_[i] -= moved_[i];

@@ -124,6 +124,7 @@ nb::dict statistics_of(const SimulationPtr& self) {
   all["evaluation_seconds"] = s.evaluation_seconds[0] + s.evaluation_seconds[1];
   all["total_seconds"] = s.total_seconds[0] + s.total_seconds[1], all["topology_seconds"] = s.topology_seconds;
   all["worst_step_seconds"] = s.worst_step_seconds;
+  all["contact_residual"] = s.contact_residual;
   return all;
 }
 

@@ -1,0 +1,387 @@
+#include <momentree/contact/law_newton.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <momentree/contact/indices.hpp>
+
+namespace momentree::contact {
+
+namespace {
+
+constexpr double first_yield = 1e-3, least_yield = 1e-12;  // ε
+constexpr double vanishing = 1e-14;                        // velocity, relative to the largest one before
+constexpr double minimal = 1e-6;                           // how near a minimum is enough, relative to the forces
+constexpr double far = 1e-3;                               // where it was not found
+constexpr int most_problems = 60, most_idle = 20;          // in all, and those that hardly improve the residual
+constexpr int most_steps = 30, most_steps_of_law = 30, most_flat = 10, most_halvings = 12;
+
+double length_of(double x, double y) { return std::sqrt(x * x + y * y); }  // a tenth of the time of std::hypot
+
+// The nearest point of the cone of friction with N ≥ least, and its derivative H.
+void project(const LawNewton::Point& law, const double* y, double* r, std::array<double, 9>& H) {
+  const double mu = law.friction, t = length_of(y[1], y[2]);
+  H = {};
+  if (!(mu > 0)) {
+    r[0] = std::max(law.least, y[0]), r[1] = r[2] = 0;
+    H[0] = y[0] > law.least ? 1 : 0;
+    return;
+  }
+  const double s[2] = {t > 0 ? y[1] / t : 1, t > 0 ? y[2] / t : 0};
+  const double N = t <= mu * y[0] ? y[0] : (y[0] + mu * t) / (1 + mu * mu);
+  if (N > law.least && t <= mu * y[0]) {
+    std::copy_n(y, 3, r);
+    H[0] = H[4] = H[8] = 1;
+  } else if (N > law.least) {
+    r[0] = N, r[1] = mu * N * s[0], r[2] = mu * N * s[1];
+    const double along[3] = {1, mu * s[0], mu * s[1]}, turn = mu * N / t;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) {
+        H[3 * i + j] = along[i] * along[j] / (1 + mu * mu);
+        if (i > 0 && j > 0) H[3 * i + j] += turn * ((i == j ? 1 : 0) - s[i - 1] * s[j - 1]);
+      }
+  } else {
+    const double most = mu * law.least, shorten = t > most ? most / t : most > 0 ? 1 : 0;
+    r[0] = law.least, r[1] = shorten * y[1], r[2] = shorten * y[2];
+    for (std::size_t i = 1; i < 3; ++i)
+      for (std::size_t j = 1; j < 3; ++j) H[3 * i + j] = shorten * ((i == j ? 1 : 0) - (t > most ? s[i - 1] * s[j - 1] : 0));
+  }
+}
+
+}  // namespace
+
+void LawNewton::clear(const std::vector<int>& sizes) {
+  sizes_ = sizes;
+  points_.clear();
+  prepared_ = false;
+}
+
+void LawNewton::prepare() {
+  if (std::exchange(prepared_, true)) return;
+  matrix_.clear(sizes_);
+  A_.assign(points_.size(), {}), K_.assign(points_.size(), {}), tangential_.resize(points_.size());
+  scale_ = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Point& point = points_[i];
+    if (point.parts[0].block >= 0 && point.parts[1].block >= 0) matrix_.connect(point.parts[0].block, point.parts[1].block);
+    std::array<double, 9>& A = A_[i];
+    for (const Part& one : point.parts)
+      for (const Part& other : point.parts) {
+        if (one.block < 0 || one.block != other.block) continue;
+        const std::size_t n = at(one.count), whole = size_of(one);
+        for (std::size_t row = 0; row < 3; ++row)
+          for (std::size_t column = 0; column < 3; ++column)
+            for (std::size_t k = 0; k < n; ++k)
+              A[3 * row + column] += one.J[row * n + k] * other.Y[column * whole + at(one.first) + k];
+      }
+    tangential_[i] = 0.5 * (A[4] + A[8] + length_of(A[4] - A[8], A[5] + A[7]));
+    for (const double b : point.b) scale_ = std::max(scale_, std::fabs(b));
+    scale_ = std::max(scale_, point.least * A[0]);
+  }
+  matrix_.analyse();
+  x_.resize(matrix_.unknowns()), w_.resize(3 * points_.size()), c_.resize(3 * points_.size()), shift_.resize(points_.size());
+}
+
+// (C1): w_ = b + J Σ Y r.
+void LawNewton::find_velocities(const double* r) {
+  for (std::size_t i = 0; i < points_.size(); ++i) std::copy_n(points_[i].b.data(), 3, w_.data() + 3 * i);
+  find_change(r, w_.data());
+}
+
+// Adds J Σ Y r to w.
+void LawNewton::find_change(const double* r, double* w) {
+  std::fill(x_.begin(), x_.end(), 0.0);
+  for (std::size_t i = 0; i < points_.size(); ++i) add_motion(points_[i], r + 3 * i);
+  for (std::size_t i = 0; i < points_.size(); ++i) add_velocity(points_[i], w + 3 * i);
+}
+
+// Adds Σ Y r of a point to x_.
+void LawNewton::add_motion(const Point& point, const double* r) {
+  for (const Part& part : point.parts)
+    if (part.block >= 0)
+      sized(size_of(part), [&](auto n) {
+        double* const x = x_.data() + matrix_.first(part.block);
+        for (std::size_t k = 0; k < n; ++k) x[k] += part.Y[k] * r[0] + part.Y[n + k] * r[1] + part.Y[2 * n + k] * r[2];
+      });
+}
+
+// Adds J x_ of a point to w.
+void LawNewton::add_velocity(const Point& point, double* w) const {
+  for (const Part& part : point.parts)
+    if (part.block >= 0)
+      sized(at(part.count), [&](auto n) {
+        const double* const x = x_.data() + matrix_.first(part.block) + part.first;
+        double sum[3] = {};
+        for (std::size_t k = 0; k < n; ++k)
+          sum[0] += part.J[k] * x[k], sum[1] += part.J[n + k] * x[k], sum[2] += part.J[2 * n + k] * x[k];
+        for (std::size_t row = 0; row < 3; ++row) w[row] += sum[row];
+      });
+}
+
+// Adds Y K J of a point to the matrix.
+void LawNewton::add_matrix(const Point& point, const std::array<double, 9>& K) {
+  for (const Part& other : point.parts) {
+    if (other.block < 0) continue;
+    sized(at(other.count), [&](auto n) {
+      const std::size_t columns = size_of(other);
+      KJ_.resize(3 * n);
+      double *const one = KJ_.data(), *const two = one + n, *const three = two + n;
+      for (std::size_t j = 0; j < n; ++j) {
+        const double a = other.J[j], b = other.J[n + j], c = other.J[2 * n + j];
+        one[j] = K[0] * a + K[1] * b + K[2] * c, two[j] = K[3] * a + K[4] * b + K[5] * c,
+        three[j] = K[6] * a + K[7] * b + K[8] * c;
+      }
+      for (const Part& part : point.parts) {
+        if (part.block < 0) continue;
+        double* block = matrix_.block(part.block, other.block) + other.first;
+        const std::size_t rows = size_of(part);
+        for (std::size_t k = 0; k < rows; ++k, block += columns) {
+          const double a = part.Y[k], b = part.Y[rows + k], c = part.Y[2 * rows + k];
+          for (std::size_t j = 0; j < n; ++j) block[j] += a * one[j] + b * two[j] + c * three[j];
+        }
+      }
+    });
+  }
+}
+
+// (C3) with yield (C5): F = a (r − P(r − w/a)). Returns Σ |F|²/a. With c_ and K_ its derivative: F vanishes for Δr = c − K Δw, to
+// first order.
+double LawNewton::natural_map(const double* r, bool linearise) {
+  find_velocities(r);
+  double square = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Point& point = points_[i];
+    const double *const own = r + 3 * i, a = A_[i][0], d = tangential_[i], mu = point.friction;
+    double w[3];
+    for (std::size_t k = 0; k < 3; ++k)
+      w[k] = w_[3 * i + k] + (yield_ > 0 ? yield_ * (k == 0 ? a : d) * (own[k] - centre_[3 * i + k]) : 0);
+    const double free = own[0] - w[0] / a, N = std::max(point.least, free), most = mu * N;
+    const bool pressed = free > point.least;
+    double F[3] = {pressed ? w[0] : a * (own[0] - point.least), d * own[1], d * own[2]};
+    double* const c = c_.data() + 3 * i;
+    std::array<double, 9>& K = K_[i];
+    if (linearise) {
+      K = {};
+      c[0] = pressed ? -w[0] / (yield_ * a) : point.least - own[0], c[1] = -own[1], c[2] = -own[2];
+      K[0] = pressed ? 1 / (yield_ * a) : 0;
+    }
+    if (point.slipping) {
+      for (std::size_t k = 0; k < 2; ++k) {
+        const double s = -point.direction[k];
+        F[k + 1] = (d > 0 ? d : a) * (own[k + 1] - most * s);
+        if (!linearise) continue;
+        c[k + 1] = mu * (own[0] + c[0]) * s - own[k + 1];
+        K[3 * (k + 1)] = mu * K[0] * s;
+      }
+      for (const double f : F) square += f * f / a;
+      continue;
+    }
+    const double speed = length_of(w[1], w[2]);
+    if (!(mu > 0) || (!(d > 0) && !(speed > 0))) {
+    } else if (const double t[2] = {d > 0 ? own[1] - w[1] / d : -w[1], d > 0 ? own[2] - w[2] / d : -w[2]},
+               size = length_of(t[0], t[1]);
+               d > 0 && size <= most && most > 0) {  // sticks
+      F[1] = w[1], F[2] = w[2];
+      if (linearise)
+        for (std::size_t k = 1; k < 3; ++k) c[k] = -w[k] / (yield_ * d), K[4 * k] = 1 / (yield_ * d);
+    } else if (size > 0) {  // slips: t = μ N s, and s turns with what is across it
+      const double s[2] = {t[0] / size, t[1] / size};
+      const double unit = d > 0 ? d : a;
+      for (std::size_t k = 0; k < 2; ++k) F[k + 1] = unit * (own[k + 1] - most * s[k]);
+      if (linearise) {
+        const double ratio = d > 0 ? most / size : 0, across = -s[1] * own[1] + s[0] * own[2];
+        const double yields = 1 - ratio + ratio * yield_;
+        const double turn = d > 0 ? ratio / (d * yields) : 0, missing = -across / yields;
+        const double along = mu * (own[0] + c[0]);
+        for (std::size_t k = 0; k < 2; ++k) {
+          const double p = k == 0 ? -s[1] : s[0];
+          c[k + 1] = along * s[k] - (s[0] * own[1] + s[1] * own[2]) * s[k] + missing * p;
+          K[3 * (k + 1)] = mu * K[0] * s[k];
+          for (std::size_t l = 0; l < 2; ++l) K[3 * (k + 1) + l + 1] = turn * p * (l == 0 ? -s[1] : s[0]);
+        }
+      }
+    }
+    const double weight = 1 / a;
+    for (const double f : F) square += weight * f * f;
+  }
+  return square;
+}
+
+// The largest violation of (C3).
+double LawNewton::residual(const double* r) {
+  prepare();
+  find_velocities(r);
+  double worst = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Point& point = points_[i];
+    const double *const own = r + 3 * i, *const w = w_.data() + 3 * i, a = A_[i][0], d = tangential_[i];
+    const double most = point.friction * std::max(own[0], 0.0), unit = d > 0 ? d : a;
+    const double t1 = own[1] - w[1] / unit, t2 = own[2] - w[2] / unit, size = length_of(t1, t2);
+    const double shorten = size > most ? most / size : 1;
+    const double normal = std::fabs(own[0] - std::max(point.least, own[0] - w[0] / a)) * a;
+    double tangential = length_of(own[1] - shorten * t1, own[2] - shorten * t2) * unit;
+    if (point.slipping) tangential = length_of(own[1] + most * point.direction[0], own[2] + most * point.direction[1]) * unit;
+    worst = std::max(worst, std::max(normal, tangential) - round_off * a * own[0]);
+  }
+  return scale_ > 0 ? worst / scale_ : worst;
+}
+
+// (C4): Δr of the linearised law, in step_.
+bool LawNewton::find_step() {
+  matrix_.reset();
+  std::fill(x_.begin(), x_.end(), 0.0);
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    add_motion(points_[i], c_.data() + 3 * i);
+    if (K_[i] != std::array<double, 9>{}) add_matrix(points_[i], K_[i]);
+  }
+  if (!matrix_.factorise()) return false;
+  matrix_.solve(x_.data());
+  step_ = c_;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    double dw[3] = {};
+    add_velocity(points_[i], dw);
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t l = 0; l < 3; ++l) step_[3 * i + k] -= K_[i][3 * k + l] * dw[l];
+  }
+  return std::ranges::all_of(step_, [](double x) { return std::isfinite(x); });
+}
+
+// The law itself, with yield about centre_: steps from r_ are halved until |F| decreases.
+void LawNewton::newton() {
+  double inertia = 0;  // Σ 1/a
+  for (const std::array<double, 9>& A : A_) inertia += 1 / A[0];
+  const double small = std::max(vanishing, 0.1 * accuracy_) * scale_;
+  double now = natural_map(r_.data(), true);
+  for (int k = 0, flat = 0; k < most_steps_of_law && now > small * small * inertia && flat < most_flat && find_step(); ++k) {
+    const std::vector<double>& from = from_ = r_;
+    const auto step_to = [&](double length) {
+      for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = from[i] + length * step_[i];
+    };
+    double best = HUGE_VAL, best_length = 1, length = 1;
+    for (int j = 0; j < most_halvings; ++j, length *= 0.5) {
+      step_to(length);
+      const double next = natural_map(r_.data(), false);
+      if (next < best) best = next, best_length = length;
+      if (next < (1 - 1e-4 * length) * now) break;
+    }
+    flat += best > 0.999 * now ? 1 : 0;
+    step_to(best_length);
+    now = natural_map(r_.data(), true);
+  }
+}
+
+// (C6) of a point with velocity w; with K_ the derivative.
+void LawNewton::find_nearest(std::size_t point, const double* w, double* r, bool linearise) {
+  const double delta = yield_ * std::max(A_[point][0], tangential_[point]);
+  double y[3];
+  for (std::size_t k = 0; k < 3; ++k) y[k] = centre_[3 * point + k] - (w[k] + (k == 0 ? shift_[point] : 0)) / delta;
+  std::array<double, 9> H{};
+  if (const Point& law = points_[point]; law.slipping) {  // with the friction of the last solution
+    r[0] = std::max(law.least, y[0]), H[0] = y[0] > law.least ? 1 : 0;
+    for (std::size_t k = 0; k < 2; ++k) r[k + 1] = -law.friction * std::max(law.least, centre_[3 * point]) * law.direction[k];
+  } else {
+    project(law, y, r, H);
+  }
+  if (!linearise) return;
+  for (std::size_t k = 0; k < 9; ++k) K_[point][k] = H[k] / delta;
+}
+
+// The slope of the function that (C6) minimises, that far along the step: (r − Π)ᵀ Δw.
+double LawNewton::slope(double length) {
+  double sum = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    double w[3], to[3];
+    for (std::size_t k = 0; k < 3; ++k) w[k] = w_[3 * i + k] + length * moved_[3 * i + k];
+    find_nearest(i, w, to, false);
+    for (std::size_t k = 0; k < 3; ++k) sum += (r_[3 * i + k] + length * step_[3 * i + k] - to[k]) * moved_[3 * i + k];
+  }
+  return sum;
+}
+
+// The length of the step at which that slope is nearly zero, at most 1.
+double LawNewton::find_length() {
+  constexpr double nearly = 0.1;  // of the slope at the start
+  constexpr int most_tries = 20;
+  double low = 0, high = 1, at_low = slope(0), at_high = slope(1), length = 1;
+  const double zero = nearly * std::fabs(at_low);
+  if (!(at_high > zero)) return 1;
+  for (int k = 0; k < most_tries; ++k) {
+    length = k % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
+    const double now = slope(length);
+    if (std::fabs(now) < zero) break;
+    (now < 0 ? low : high) = length, (now < 0 ? at_low : at_high) = now;
+  }
+  return length;
+}
+
+// (C6) of all points, from r_. Returns how far r_ is from them, relative to the forces.
+double LawNewton::minimise() {
+  double off = 0;
+  for (int step = 0; step < most_steps; ++step) {
+    find_velocities(r_.data());
+    double size = 0;
+    off = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      double to[3];
+      find_nearest(i, w_.data() + 3 * i, to, true);
+      for (std::size_t k = 0; k < 3; ++k) {
+        c_[3 * i + k] = to[k] - r_[3 * i + k];
+        off = std::max(off, std::fabs(c_[3 * i + k])), size = std::max(size, std::fabs(to[k]));
+      }
+    }
+    if (size > 0) off /= size;
+    if (off < minimal || !find_step()) break;
+    moved_.assign(r_.size(), 0.0);
+    find_change(step_.data(), moved_.data());
+    const double length = find_length();
+    for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += length * step_[i];
+  }
+  return off;
+}
+
+double LawNewton::solve(double* r, double accuracy) {
+  if (points_.empty()) return 0;
+  prepare();
+  best_.assign(r, r + 3 * points_.size()), r_ = best_;
+  double best = residual(r);
+  const auto note = [&] {
+    const double now = residual(r_.data());
+    if (now < best) best = now, best_ = r_;
+    return now;
+  };
+  yield_ = first_yield, accuracy_ = accuracy;
+  double shrink = 0.1;
+  bool nearby = std::any_of(r_.begin(), r_.end(), [](double x) { return x != 0; });  // Newton's method converges from r_
+  for (int k = 0, idle = 0; k < most_problems && best > accuracy && idle < most_idle; ++k) {
+    const double before = best;
+    centre_ = r_;
+    if (!nearby) {
+      find_velocities(r_.data());
+      for (std::size_t i = 0; i < points_.size(); ++i) shift_[i] = points_[i].friction * length_of(w_[3 * i + 1], w_[3 * i + 2]);
+      if (minimise() > far) {  // more slowly
+        r_ = centre_, yield_ = std::min(5 * yield_, 1.0), shrink = 0.4;
+        continue;
+      }
+    }
+    minimum_ = r_;
+    const double associated = nearby ? best : note();
+    if (best <= accuracy) break;
+    newton();
+    const double now = note();
+    if (!(now < associated)) r_ = minimum_;
+    if (std::exchange(nearby, now < (nearby ? 0.3 : 0.1) * before) && !nearby) continue;
+    idle = best < 0.9 * before ? 0 : idle + 1;
+    yield_ = std::max(shrink * yield_, least_yield);
+  }
+  for (std::size_t i = 0; i < points_.size(); ++i) {  // rounding leaves no pull and no friction beyond the cone
+    double* const own = best_.data() + 3 * i;
+    own[0] = std::max(own[0], points_[i].least);
+    const double most = points_[i].friction * own[0], size = length_of(own[1], own[2]);
+    if (size > most) own[1] *= most / size, own[2] *= most / size;
+  }
+  std::copy(best_.begin(), best_.end(), r);
+  return best;
+}
+
+}  // namespace momentree::contact

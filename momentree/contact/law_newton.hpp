@@ -1,0 +1,72 @@
+#pragma once
+// The law of contact (C2) at the points of an island, by Newton's method on its projections (C3) (Alart & Curnier 1991).
+//
+// Linearised about an iterate, the law at each point is Δr = c − K Δw, which leaves a sparse system for the motion (C4). Points
+// that carry a load together make it singular, so each of them yields a little about the last solution, less and less (C5). Where
+// Newton's method fails, it starts again from the minimum of a convex function (C6). Equations are those of docs/theory.md.
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <momentree/contact/block_elimination.hpp>
+
+namespace momentree::contact {
+
+class LawNewton {
+ public:
+  /// Of velocities, relative to what the impulse of a point does to it alone.
+  static constexpr double round_off = 1e-14;
+
+  /// The rows of a point in the motion of a mechanism.
+  struct Part {
+    int block = -1;             ///< of the mechanism; −1: none
+    int first = 0, count = 0;   ///< J acts on these components of its motion
+    const double* J = nullptr;  ///< three rows of `count`
+    const double* Y = nullptr;  ///< three rows of the size of the block
+  };
+  struct Point {
+    std::array<Part, 2> parts{};
+    double friction = 0, least = 0;  ///< see PointLaw
+    bool slipping = false;
+    std::array<double, 2> direction{};
+    std::array<double, 3> b{};
+  };
+
+  /// Begins with a problem without points. `sizes`: of the motion of each mechanism.
+  void clear(const std::vector<int>& sizes);
+  void add(const Point& point) { points_.push_back(point); }
+  std::size_t size() const { return points_.size(); }
+
+  /// Improves the impulses r, three of each point. Returns the residual of the best ones found, which are left in r: the largest
+  /// violation of the law, as a velocity relative to the largest one of the problem.
+  double solve(double* r, double accuracy);
+  /// The residual at r.
+  double residual(const double* r);
+
+ private:
+  void prepare();
+  void find_velocities(const double* r);
+  void find_change(const double* r, double* w);
+  std::size_t size_of(const Part& part) const { return static_cast<std::size_t>(sizes_[static_cast<std::size_t>(part.block)]); }
+  void add_motion(const Point& point, const double* r);
+  void add_velocity(const Point& point, double* w) const;
+  void add_matrix(const Point& point, const std::array<double, 9>& K);
+  double natural_map(const double* r, bool linearise);
+  bool find_step();
+  void newton();
+  void find_nearest(std::size_t point, const double* w, double* r, bool linearise);
+  double slope(double length);
+  double find_length();
+  double minimise();
+
+  std::vector<int> sizes_;
+  std::vector<Point> points_;
+  bool prepared_ = false;
+  double scale_ = 0, yield_ = 0, accuracy_ = 0;
+  std::vector<std::array<double, 9>> A_, K_;  // of each point: its own mobility; the law's derivative
+  std::vector<double> tangential_;            // the larger eigenvalue of its tangential part
+  std::vector<double> x_, w_, c_, r_, centre_, from_, step_, best_, shift_, minimum_, moved_, KJ_;
+  BlockElimination matrix_;
+};
+
+}  // namespace momentree::contact

@@ -1,0 +1,122 @@
+// An island of ManyPoints as a problem of LawNewton. What moves together is a mechanism, or all links of a large tree that have
+// points.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <momentree/contact/many_points.hpp>
+
+namespace momentree::contact {
+
+// How each of these links moves by wrenches on each of them: the motion of links[j] by unit wrenches on links[i] is in six
+// columns.
+void ManyPoints::find_link_responses(const std::vector<int>& touched, std::vector<double>& responses) {
+  const std::size_t n = 6 * touched.size();
+  responses.resize(n * n);
+  for (std::size_t i = 0; i < touched.size(); ++i) {
+    const Link& link = links.all[static_cast<std::size_t>(touched[i])];
+    for (std::size_t k = 0; k < 6; ++k) {
+      const std::size_t own = 6 * static_cast<std::size_t>(touched[i]);
+      links.forget(link.group, moved_);
+      links.walk(moved_, touched[i]);
+      moved_.sum[own + k] = 1;
+      std::copy_n(link.whole.data() + 6 * k, 6, moved_.x.data() + own);
+      for (std::size_t j = 0; j < touched.size(); ++j) {
+        links.walk(moved_, touched[j]);
+        std::copy_n(moved_.x.data() + 6 * touched[j], 6, responses.data() + (6 * i + k) * n + 6 * j);
+      }
+    }
+    links.forget(link.group, moved_);
+  }
+}
+
+// The points of an island that anything can press: with the velocities `start` without impulses, or with these gaps and normal
+// directions alone.
+void ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, bool gaps) {
+  block_of_.resize(parent_.size()), place_of_.resize(links.all.size());
+  pressing_.clear();
+  for (const std::size_t* p = first; p != last; ++p) {
+    if (!(blocks_[*p][0] > 0) || (!gaps && points[*p].slack == HUGE_VAL)) continue;
+    pressing_.push_back(*p);
+    for (const Part& part : points[*p].parts) {
+      if (part.group >= 0) block_of_[static_cast<std::size_t>(part.group)] = -1;
+      if (part.link >= 0) place_of_[static_cast<std::size_t>(part.link)] = -1;
+    }
+  }
+  std::vector<int> sizes;
+  std::vector<std::vector<int>> touched;
+  std::size_t wide = 0;  // rows of Y that act on several links
+  for (const std::size_t p : pressing_)
+    for (const Part& part : points[p].parts) {
+      if (part.group < 0) continue;
+      int& block = block_of_[static_cast<std::size_t>(part.group)];
+      if (block < 0)
+        block = static_cast<int>(sizes.size()), sizes.push_back(part.link < 0 ? part.count : 0), touched.emplace_back();
+      if (part.link < 0 || place_of_[static_cast<std::size_t>(part.link)] >= 0) continue;
+      place_of_[static_cast<std::size_t>(part.link)] = sizes[static_cast<std::size_t>(block)];
+      sizes[static_cast<std::size_t>(block)] += 6, touched[static_cast<std::size_t>(block)].push_back(part.link);
+    }
+  for (const std::size_t p : pressing_)
+    for (const Part& part : points[p].parts)
+      if (part.link >= 0)
+        wide += 3 * static_cast<std::size_t>(sizes[static_cast<std::size_t>(block_of_[static_cast<std::size_t>(part.group)])]);
+  wide_.assign(wide, 0.0);
+  std::vector<std::vector<double>> responses(sizes.size());
+  for (std::size_t i = 0; i < sizes.size(); ++i)
+    if (!touched[i].empty()) find_link_responses(touched[i], responses[i]);
+  newton_.clear(sizes);
+  double* next = wide_.data();
+  for (const std::size_t p : pressing_) {
+    LawNewton::Point point;
+    if (gaps) {
+      point.b[0] = start[p];
+    } else {
+      point.friction = points[p].friction, point.least = least_[p];
+      point.b = {start[3 * p] + points[p].slack, start[3 * p + 1], start[3 * p + 2]};
+    }
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Part& part = points[p].parts[side];
+      if (part.group < 0) continue;
+      const int block = block_of_[static_cast<std::size_t>(part.group)];
+      LawNewton::Part& to = point.parts[side];
+      to = {block, 0, part.count, J.data() + part.at, Y.data() + part.at};
+      if (part.link < 0) continue;
+      const auto n = static_cast<std::size_t>(sizes[static_cast<std::size_t>(block)]);
+      to.first = place_of_[static_cast<std::size_t>(part.link)], to.Y = next;
+      const double* const response = responses[static_cast<std::size_t>(block)].data() + static_cast<std::size_t>(to.first) * n;
+      for (std::size_t row = 0; row < 3; ++row, next += n)
+        for (std::size_t k = 0; k < 6; ++k)
+          for (std::size_t i = 0; i < n; ++i) next[i] += to.J[6 * row + k] * response[k * n + i];
+    }
+    newton_.add(point);
+  }
+}
+
+// Improves impulses that sweeps have found, as does separate_exactly() with pushes. Returns the residual of the law.
+double ManyPoints::solve_exactly(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                                 std::vector<double>& impulses, double accuracy) {
+  begin_newton(first, last, start, false);
+  exact_.clear();
+  for (const std::size_t p : pressing_) exact_.insert(exact_.end(), {impulses[3 * p], impulses[3 * p + 1], impulses[3 * p + 2]});
+  const double residual = newton_.solve(exact_.data(), accuracy);
+  for (std::size_t k = 0; k < pressing_.size(); ++k)
+    for (std::size_t row = 0; row < 3; ++row) impulses[3 * pressing_[k] + row] = exact_[3 * k + row];
+  restart(first, last, impulses);
+  return residual;
+}
+
+void ManyPoints::separate_exactly(const std::size_t* first, const std::size_t* last, const std::vector<double>& gaps,
+                                  std::vector<double>& pushes, double accuracy) {
+  begin_newton(first, last, gaps, true);
+  exact_.clear();
+  for (const std::size_t p : pressing_) exact_.insert(exact_.end(), {pushes[p], 0.0, 0.0});
+  newton_.solve(exact_.data(), accuracy);
+  for (const std::size_t* p = first; p != last; ++p)
+    for (const Part& part : points[*p].parts) forget(part, moved_);
+  for (std::size_t k = 0; k < pressing_.size(); ++k) {
+    pushes[pressing_[k]] = exact_[3 * k];
+    add(pressing_[k], exact_.data() + 3 * k, moved_);
+  }
+}
+
+}  // namespace momentree::contact
