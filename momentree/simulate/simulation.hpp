@@ -62,8 +62,8 @@ struct RunStatistics {
   long evaluations[2]{};
   long steps = 0, changes = 0;
   double worst_step_seconds = 0;
-  /// The largest violation of the law of contact that a step through contacts left, as a velocity relative to the largest one of its
-  /// island before the impulses; and when (s).
+  /// The largest violation of the law of contact that a step through contacts left, as a velocity relative to the largest one of
+  /// its island before the impulses; and when (s).
   double contact_residual = 0, contact_residual_at = 0;
 };
 
