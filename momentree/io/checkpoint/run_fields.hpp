@@ -41,8 +41,7 @@ void fields(Archive& archive, Part<Archive, EnergyBalance>& e) {
 template <class Archive>
 void fields(Archive& archive, Part<Archive, RunStatistics>& s) {
   for (const int after : {0, 1}) archive(s.evaluation_seconds[after], s.total_seconds[after], s.evaluations[after]);
-  archive(s.topology_seconds, s.steps, s.changes, s.worst_step_seconds, s.contact_residual,
-          s.contact_residual_at);
+  archive(s.topology_seconds, s.steps, s.changes, s.worst_step_seconds, s.contact_residual, s.contact_residual_at);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, ProgressMonitor::Mark>& m) {
