@@ -17,7 +17,7 @@ constexpr int most_sweeps = 64;
 constexpr double converged = 1e-5;  // change of a velocity in one sweep, relative to the largest one before
 constexpr double in_motion = 1e-3;  // residual of the law where it is not reached
 constexpr double at_rest = 1e-3;    // speed, relative to that
-constexpr double stays = 1e-10;     // residual of what rests: then it moves by less than 1e-9 m in 10 s
+constexpr double stays = 2e-11;     // residual of what rests: then it moves by less than 1e-9 m in 10 s
 constexpr int bisections = 8;       // of the part of the expansion that the energy permits
 
 // Of a symmetric 3×3 block; zero if it is nearly singular.
