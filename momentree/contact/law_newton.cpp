@@ -15,7 +15,7 @@ constexpr double vanishing = 1e-14;                        // velocity, relative
 constexpr double minimal = 1e-6;                           // how near a minimum is enough, relative to the forces
 constexpr double far = 1e-3;                               // where it was not found
 constexpr int most_problems = 60, most_idle = 20;          // in all, and those that hardly improve the residual
-constexpr int most_steps = 30, most_steps_of_law = 30, most_flat = 10, most_halvings = 12;
+constexpr int most_newton_steps = 30, most_steps_of_law = 30, most_flat = 10, most_shorter = 12;
 
 double length_of(double x, double y) { return std::sqrt(x * x + y * y); }  // a tenth of the time of std::hypot
 
@@ -259,7 +259,7 @@ void LawNewton::newton() {
       for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = from[i] + length * step_[i];
     };
     double best = HUGE_VAL, best_length = 1, length = 1;
-    for (int j = 0; j < most_halvings; ++j, length *= 0.5) {
+    for (int j = 0; j < most_shorter; ++j, length *= 0.5) {
       step_to(length);
       const double next = natural_map(r_.data(), false);
       if (next < best) best = next, best_length = length;
@@ -318,7 +318,7 @@ double LawNewton::find_length() {
 // (C6) of all points, from r_. Returns how far r_ is from them, relative to the forces.
 double LawNewton::minimise() {
   double off = 0;
-  for (int step = 0; step < most_steps; ++step) {
+  for (int step = 0; step < most_newton_steps; ++step) {
     find_velocities(r_.data());
     double size = 0;
     off = 0;

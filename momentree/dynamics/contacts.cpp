@@ -115,12 +115,6 @@ void add_wrench_row(const Tree& tree, const double* q, const Workspace<double>& 
   add_joint_forces_of(tree, q, workspace, body, wrench, 1, row);
 }
 
-bool keeps_direction(const Contact& contact, const Vec3& v) {
-  const double keeps = contact.keeps_direction, speed = norm(v), along = dot(v, contact.direction);
-  if (!(keeps > 0)) return false;
-  return speed <= slowest_slip + 1e-3 * keeps || (speed < 2 * keeps && along > 0 && along >= 0.5 * (speed - 0.1 * keeps));
-}
-
 ContactWorkspace& contact_memory(Workspace<double>& workspace) {
   if (workspace.contacts == nullptr) workspace.contacts = {new ContactWorkspace, [](ContactWorkspace* all) { delete all; }};
   return *workspace.contacts;
@@ -266,16 +260,21 @@ void share_forces(std::span<const Contact> contacts, ContactRows::Group& group, 
   if (at_state) group.margin = all.shared.margin();
 }
 
-// A force is determined if it is one of the equations, which are orthonormal: its part in them has the length 1.
-void note_determined(ContactWorkspace& all) {
+// Forces without effect: what the equations, which are orthonormal, leave of forces that have nothing to do with them. A contact
+// that has no part in these is determined.
+void note_open(ContactWorkspace& all) {
   constexpr double rounding = 1e-7;
   const std::size_t n = all.unknowns.size();
   if (all.independent.empty()) return;
-  for (std::size_t i = 0; i < n; ++i) {
-    double square = 0;
-    for (std::size_t k = i; k < all.independent.size(); k += n) square += all.independent[k] * all.independent[k];
-    if (square < 1 - rounding) all.rows.determined[all.unknowns[i] / 3] = false;
+  std::vector<double>& free = all.change;
+  free.resize(n);
+  for (std::size_t i = 0; i < n; ++i) free[i] = std::sin(1.0 + static_cast<double>(i));
+  for (std::size_t k = 0; k < all.independent.size(); k += n) {
+    double along = 0;
+    for (std::size_t i = 0; i < n; ++i) along += all.independent[k + i] * free[i];
+    for (std::size_t i = 0; i < n; ++i) free[i] -= along * all.independent[k + i];
   }
+  for (std::size_t i = 0; i < n; ++i) all.rows.open[all.unknowns[i]] = std::fabs(free[i]) > rounding ? free[i] : 0;
 }
 
 // Redundant equations may contradict each other: no forces keep contacts that a prescribed motion pulls apart. What the forces
@@ -317,11 +316,12 @@ void find_forces_of_group(std::span<const Contact> contacts, ContactRows::Group&
   else
     share_forces(contacts, group, all, at_state);
   for (std::size_t j = 0; j < n; ++j) rows.forces[of[j]] = all.right[j];
-  if (at_state) note_determined(all);
+  if (at_state) note_open(all);
   for (const std::size_t i : rows.of_group(group)) {
     if (contacts[i].mode != Contact::Mode::slip) continue;
     for (std::size_t k = 0; k < 2; ++k)
-      rows.forces[3 * i + k + 1] = -contacts[i].friction * rows.forces[3 * i] * dot(rows.slip[i], rows.touches[i].tangent[k]);
+      for (std::vector<double>* all_of : {&rows.forces, &rows.open})
+        (*all_of)[3 * i + k + 1] = -contacts[i].friction * (*all_of)[3 * i] * dot(rows.slip[i], rows.touches[i].tangent[k]);
   }
   if (at_state && !all.independent.empty()) note_contradiction(group, all);
 }
@@ -338,7 +338,7 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
   const bool known = all.topology == tree.revision();
   if (at_state || !known) {
     all.topology = tree.revision();
-    all.chosen_slip.resize(contacts.size()), all.keeps.assign(contacts.size(), false);
+    all.chosen_slip.resize(contacts.size());
     for (std::size_t i = 0; i < contacts.size(); ++i) all.chosen_slip[i] = contacts[i].direction;
   }
   rows.slip.resize(contacts.size());
@@ -348,16 +348,13 @@ void find_contact_forces(const Tree& tree, const double* q, Workspace<double>& w
     const Vec3 v = rows.velocity[3 * i + 1] * touch.tangent[0] + rows.velocity[3 * i + 2] * touch.tangent[1];
     const double speed = norm(v);
     const bool moves = speed > slowest_slip && (at_state || dot(v, all.chosen_slip[i]) > 0);
-    // As if it slipped a little faster in its own direction, without which the sideways motion of slow slip is unstable.
     const double keeps = contacts[i].keeps_direction;
-    if (at_state) all.keeps[i] = momentree::keeps_direction(contacts[i], v);
-    Vec3 s = all.keeps[i] ? v + keeps * contacts[i].direction : moves ? (1 / speed) * v : all.chosen_slip[i];
+    Vec3 s = keeps > 0 ? v + keeps * contacts[i].direction : moves ? (1 / speed) * v : all.chosen_slip[i];
     s -= dot(s, touch.normal) * touch.normal;
     rows.slip[i] = norm(s) > 0 ? normalized(s) : touch.tangent[0];
     if (at_state) all.chosen_slip[i] = rows.slip[i];
   }
-  rows.forces.assign(3 * contacts.size(), 0.0);
-  if (at_state) rows.determined.assign(contacts.size(), true);
+  rows.forces.assign(3 * contacts.size(), 0.0), rows.open.assign(3 * contacts.size(), 0.0);
   for (ContactRows::Group& group : rows.groups) find_forces_of_group(contacts, group, all, at_state);
 }
 

@@ -19,9 +19,6 @@ namespace momentree {
 /// Slower slip has no direction of its own (m/s).
 inline constexpr double slowest_slip = 1e-9;
 
-/// True for a contact that has just begun to slip, which keeps its direction: see Contact. `v`: its slip (m/s, world axes).
-bool keeps_direction(const Contact& contact, const Vec3& v);
-
 /// The velocity of the surface of a, less that of b, relative to their bodies (m/s, world axes): it is along the surfaces.
 Vec3 belt_velocity(const Contact& contact, const contact::Touch& touch, const contact::Place& a, const contact::Place& b);
 
@@ -47,11 +44,15 @@ struct ContactRows {
   std::vector<double> belts;                 ///< the part of it that is that of belts
   std::vector<double> acceleration;          ///< its time derivative without forces of contacts
   std::vector<double> forces;                ///< along the rows, on body a
-  std::vector<bool> determined;              ///< by contact: no other forces have the same effect; of states, not of stages
+  std::vector<double> open;                  ///< forces that move nothing, which others have in common; of states, not of stages
   std::vector<Vec3> slip;                    ///< by contact: direction of slip
   std::size_t contacts() const { return touches.size(); }
   bool has_belts() const {
     return std::ranges::any_of(belts, [](double v) { return v != 0; });
+  }
+  /// No other force of this contact has the same effect, whatever the others exert.
+  bool determined(std::size_t contact) const {
+    return open[3 * contact] == 0 && open[3 * contact + 1] == 0 && open[3 * contact + 2] == 0;
   }
   std::span<const std::size_t> of_group(const Group& group) const { return {members.data() + group.first, group.count}; }
   /// The element of A for two rows.
@@ -104,7 +105,6 @@ struct ContactWorkspace {
   std::vector<int> joined, touched;    ///< islands that contacts join; scratch of find_contact_mobility
   std::vector<std::size_t> group_of;   ///< by number of an island: its group; scratch
   std::vector<Vec3> chosen_slip;       ///< by contact: direction of slip at the last state
-  std::vector<bool> keeps;             ///< by contact: it keeps to its direction until the next state
   std::uint64_t topology = 0;          ///< Tree::revision() for which it was chosen
 };
 

@@ -154,7 +154,7 @@ double ResultColumn::value(const Simulation& simulation) const {
   const int number = world.find_joint(owner_);
   if (number < 0) return NAN;
   if (group_ == 'f' || group_ == 'm') {
-    const auto [force, torque] = world.joint_forces(JointId{number}).reaction;
+    const auto [force, torque] = world.reaction(JointId{number});
     const Vec3& v = group_ == 'f' ? force : torque;
     return place_ == 0 ? v.x : place_ == 1 ? v.y : v.z;
   }

@@ -177,7 +177,7 @@ void JointColumns::row(std::string& text, const World& world) {
     append_cells(text, joint.v, group.nv);
     append_cells(text, joint.p, group.nv);
     if (!reactions_) continue;
-    const auto& [force, torque] = world.joint_forces(JointId{number}).reaction;
+    const auto& [force, torque] = world.reaction(JointId{number});
     for (const double x : {force.x, force.y, force.z, torque.x, torque.y, torque.z}) append_cell(text, x);
   }
   text += '\n';

@@ -70,7 +70,7 @@ void write_joint(JsonWriter& json, const World& world, int number, const StepMem
   json.member("a", forces.a).key("reaction").begin_object();
   const auto& [force, torque] = forces.reaction;  // documents: about the origin of the child's frame
   json.member("force", force).member("torque", torque + cross(joint.child_at.position, force));
-  if (world.tree().has_loops()) json.member("determined", forces.determined);
+  if (world.tree().has_loops() || !world.tree().contacts().empty()) json.member("determined", forces.determined);
   json.end_object().end_object();
 }
 

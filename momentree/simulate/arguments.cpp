@@ -146,7 +146,7 @@ std::optional<Error> open_reaction(const World& world, const Condition& conditio
   if (!what.is_reaction() || condition.least_norm || !world.tree().has_loops()) return std::nullopt;
   for (const std::string& name : what.joints()) {
     const int number = world.find_joint(name);
-    if (number >= 0 && !world.joint_forces({number}).determined)
+    if (number >= 0 && !world.loops_determine({number}))
       return Error{
           std::string(what.key()) + ": the closed loops do not determine the reaction of joint '" + name + "'", "",
           "add undetermined = \"least_norm\" to take the least of all possible reactions, or let loops block fewer "

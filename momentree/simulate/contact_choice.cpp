@@ -19,6 +19,8 @@ constexpr double more_at_limit = 1e-4, nearly_all = 0.99;
 bool at_limit(const Contact& c) { return c.keeps_direction > 0 && c.direction == Vec3{}; }
 void note_limit(Contact& c) { c.direction = {}, c.keeps_direction = 1e-12; }
 
+bool keeps_direction(const Contact& c, const Vec3& v) { return c.keeps_direction > 0 && dot(v, c.direction) > 0; }
+
 double largest(const std::vector<double>& all) {
   double most = 0;
   for (const double x : all) most = std::max(most, std::fabs(x));
@@ -50,7 +52,12 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   find_contact_accelerations(tree, q, workspace, staying, rows_);
   find_contact_mobility(tree, q, workspace, staying, rows_);
   forget_evaluation_with_loops();
-  if (!solve_states(staying)) return false;
+  set_law(staying);
+  const bool still = std::ranges::none_of(system_.laws, [](const contact::PointLaw& law) { return law.slipping; });
+  bool rests = still && system_.solve();
+  for (std::size_t i = 0; i < staying.size(); ++i) rests = rests && system_.state(i) != contact::PointState::slip;
+  rests = rests || (still && can_rest(staying));
+  if (!rests && !solve_states(staying)) return false;
   system_.velocities(after_);
   weakened_ = false;
   const double noise = 1e-12 * largest(system_.r), inexact = motion_from_residual * system_.residual() * largest(system_.b);
@@ -63,15 +70,14 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
     if (!law.slipping) c.keeps_direction = 0;
     if (law.slipping) {
       c.mode = Contact::Mode::slip;
-      const Vec3 v =
-          rows_.velocity[3 * i + 1] * rows_.touches[i].tangent[0] + rows_.velocity[3 * i + 2] * rows_.touches[i].tangent[1];
-      if (!keeps_direction(c, v)) {
+      if (!keeps_direction(c, slip_at(i))) {
         c.direction = law.direction[0] * rows_.touches[i].tangent[0] + law.direction[1] * rows_.touches[i].tangent[1];
-        if (norm(v) >= 2 * c.keeps_direction) c.keeps_direction = 0;
+        c.keeps_direction = 0;
       }
     } else if (!(own.static_friction > 0)) {
       c.mode = Contact::Mode::smooth;
-    } else if (system_.state(i) == contact::PointState::slip && std::hypot(after_[3 * i + 1], after_[3 * i + 2]) > inexact) {
+    } else if (!rests && system_.state(i) == contact::PointState::slip &&
+               std::hypot(after_[3 * i + 1], after_[3 * i + 2]) > inexact) {
       if (!weakened_) weaken_friction();
       if (moves_along(staying, i)) {
         c.mode = Contact::Mode::stick;
@@ -80,7 +86,7 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
         const double a1 = weaker_[3 * i + 1], a2 = weaker_[3 * i + 2], size = std::hypot(a1, a2);
         c.mode = Contact::Mode::slip;
         c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
-        c.keeps_direction = 2 * own.friction * pressing_acceleration(staying, i) * slow_slip_;
+        c.keeps_direction = (step_ > 0 ? step_ / 2 : slow_slip) * turning_at(i);
       }
     } else {
       c.mode = Contact::Mode::stick;
@@ -90,8 +96,25 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
     c.friction = friction_of(c);
     closed.push_back(c);
   }
-  share_directions(closed);
   return true;
+}
+
+// turning() of contacts of which system_ has the forces.
+double Contacts::turning_at(std::size_t i) const {
+  const std::size_t n = system_.unknowns();
+  double sum = 0;
+  for (std::size_t j = 0; j < system_.points(); ++j) {
+    double change[2] = {};
+    for (std::size_t d = 0; d < 2; ++d)
+      for (std::size_t e = 1; e < 3; ++e) change[d] += system_.A[(3 * i + 1 + d) * n + 3 * j + e] * system_.r[3 * j + e];
+    sum += std::hypot(change[0], change[1]);
+  }
+  return sum;
+}
+
+// The slip of a contact that is placed (m/s, world axes).
+Vec3 Contacts::slip_at(std::size_t i) const {
+  return rows_.velocity[3 * i + 1] * rows_.touches[i].tangent[0] + rows_.velocity[3 * i + 2] * rows_.touches[i].tangent[1];
 }
 
 // The coefficient of a contact in its mode.
@@ -99,28 +122,6 @@ double Contacts::friction_of(const Contact& c) const {
   const ContactLaw& law = pairs_[static_cast<std::size_t>(c.pair)].law;
   if (c.mode != Contact::Mode::stick) return law.friction;
   return at_limit(c) ? (1 + more_at_limit) * law.static_friction : law.static_friction;
-}
-
-// Points of a pair that has just begun to slip keep their directions all together: also those that close only now.
-void Contacts::share_directions(std::vector<Contact>& closed) const {
-  for (Contact& c : closed) {
-    if (c.mode != Contact::Mode::slip || c.keeps_direction > 0) continue;
-    double keeps = 0;
-    for (const Contact& other : closed)
-      if (other.pair == c.pair && other.mode == Contact::Mode::slip) keeps = std::max(keeps, other.keeps_direction);
-    const Vec3 v = slip_velocity(c);
-    if (!(norm(v) > slowest_slip && norm(v) < 2 * keeps)) continue;
-    c.direction = normalized(v), c.keeps_direction = keeps;
-  }
-}
-
-// The normal acceleration with which a contact is pressed together, or, between bodies that fall together, that of the forces of
-// its pair.
-double Contacts::pressing_acceleration(const std::vector<Contact>& contacts, std::size_t i) const {
-  double by_pair = 0;
-  for (std::size_t j = 0; j < contacts.size(); ++j)
-    if (contacts[j].pair == contacts[i].pair) by_pair += system_.A[9 * contacts.size() * i + 3 * j] * system_.r[3 * j];
-  return std::max(std::fabs(rows_.acceleration[3 * i]), by_pair);
 }
 
 // Accelerations with a little less friction, in weaker_: where bodies begin to slip, their accelerations are nearly zero, and so
@@ -187,29 +188,82 @@ bool Contacts::solve_weakened(double part, std::vector<double>& all) {
   return solved;
 }
 
-// The forces of contacts that are placed, with their accelerations and mobility.
-bool Contacts::solve_states(const std::vector<Contact>& contacts) {
+// True if slip has a direction: not if it turns back soon after it has begun.
+bool Contacts::slips(const Contact& c, const Vec3& v) const {
+  constexpr double soon = 1e-3;
+  if (!(pairs_[static_cast<std::size_t>(c.pair)].law.friction > 0) || !(norm(v) > slowest_)) return false;
+  return !(norm(v) < soon * c.keeps_direction) || dot(v, c.direction) > 0;
+}
+
+// True if all contacts that are placed can stay as they are. Their forces are then those of system_.
+bool Contacts::can_rest(std::vector<Contact> contacts) {
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    Contact& c = contacts[i];
+    const ContactLaw& law = pairs_[static_cast<std::size_t>(c.pair)].law;
+    if (slips(c, slip_at(i))) return false;
+    c.mode = law.static_friction > 0 ? Contact::Mode::stick : Contact::Mode::smooth;
+    c.friction = friction_of(c);
+  }
+  set(contacts);
+  const bool rests = excess_of_forces() <= 0;
+  if (rests) {
+    set_law(contacts);
+    system_.r = world_->workspace_.contacts->rows.forces;
+  }
+  set({});
+  return rests;
+}
+
+// The law of contacts that are placed, with their accelerations and mobility.
+void Contacts::set_law(const std::vector<Contact>& contacts) {
   system_.resize(contacts.size());
   system_.A = rows_.matrix(), system_.b = rows_.acceleration;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const ContactLaw& own = pairs_[static_cast<std::size_t>(contacts[i].pair)].law;
     contact::PointLaw& law = system_.laws[i];
-    const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
     const contact::Touch& touch = rows_.touches[i];
-    const Vec3 v = v1 * touch.tangent[0] + v2 * touch.tangent[1];
-    const bool keeps = keeps_direction(contacts[i], v), ahead = dot(v, contacts[i].direction) > slowest_slip;
-    law.slipping = (keeps ? ahead : speed > slowest_) && own.friction > 0;
+    const Vec3 v = slip_at(i);
+    law.slipping = slips(contacts[i], v);
     law.friction = law.slipping ? own.friction : own.static_friction;
     if (at_limit(contacts[i])) law.friction *= 1 + more_at_limit;
     if (!law.slipping) continue;
-    const Vec3 s = keeps ? v + contacts[i].keeps_direction * contacts[i].direction : v;
+    const Vec3 s = keeps_direction(contacts[i], v) ? v + contacts[i].keeps_direction * contacts[i].direction : v;
     const double along_1 = dot(s, touch.tangent[0]), along_2 = dot(s, touch.tangent[1]), size = std::hypot(along_1, along_2);
     law.direction = {along_1 / size, along_2 / size};
   }
+}
+
+// Bodies that hardly begin to slip: with a little less friction the directions are clear, from which those with all of it follow.
+bool Contacts::solve_hardly_slipping() {
+  constexpr int most = 10;
+  constexpr double exact = 1e-11, clear = 1e-6;
+  const std::vector<contact::PointLaw> laws = system_.laws;
+  if (std::ranges::any_of(laws, [](const contact::PointLaw& law) { return law.slipping; })) return false;
+  for (contact::PointLaw& law : system_.laws) law.friction *= 1 - less_friction;
+  bool solved = system_.solve(), follows = false;
+  for (int k = 0; k < most && solved && !follows; ++k) {
+    system_.velocities(after_);
+    system_.laws = laws;
+    for (std::size_t i = 0; i < laws.size(); ++i) {
+      const double a1 = after_[3 * i + 1], a2 = after_[3 * i + 2], size = std::hypot(a1, a2);
+      if (!(size > clear * largest(system_.b))) continue;  // also points that need not press
+      system_.laws[i].slipping = true, system_.laws[i].direction = {a1 / size, a2 / size};
+    }
+    solved = system_.solve();
+    system_.laws = laws;
+    follows = solved && system_.residual() < exact;
+  }
+  system_.laws = laws;
+  return follows;
+}
+
+// The forces of contacts that are placed.
+bool Contacts::solve_states(const std::vector<Contact>& contacts) {
+  set_law(contacts);
   // Contacts that are nearly at rest contradict each other by what is left of their velocities. The result only tells states
   // apart.
   constexpr double acceptable = 1e-8;
-  if (system_.solve(acceptable)) return true;
+  if (solve_hardly_slipping() || system_.solve() || system_.solve(acceptable)) return true;
   // With many points that slip the solver may cycle. The velocities after a very short time obey a law without given directions.
   constexpr double soon = 1e-6;  // s
   for (std::size_t i = 0; i < system_.unknowns(); ++i) system_.b[i] = rows_.velocity[i] + soon * rows_.acceleration[i];
@@ -234,8 +288,8 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
 // Where slip ends, the error of the step is left of it, with any direction.
 void Contacts::note_ended_slip() {
   const std::span<const Contact> closed = world_->tree_.contacts();
-  for (std::size_t i = 0; i < closed.size() && i < slow_.size(); ++i) {
-    if (closed[i].mode != Contact::Mode::slip || slow_[i]) continue;
+  for (std::size_t i = 0; i < closed.size() && i < speed_.size(); ++i) {
+    if (closed[i].mode != Contact::Mode::slip || speed_[i] < creeping) continue;
     const Vec3 point = contact::touch(closed[i].features, place(closed[i].a), place(closed[i].b)).point;
     double speeds = 0;
     for (const int body : {closed[i].a, closed[i].b}) {

@@ -14,22 +14,14 @@ namespace momentree {
 
 namespace {
 
-// Slip that has just begun keeps its direction for times of this order. Shorter ones take thousands of steps; with longer ones
-// slip turns too late where its force turns.
-constexpr double slow_slip = 1e-5;  // s, for methods that adapt their steps
-constexpr double slow_slip_in_steps = 0.1;
+constexpr double stable = 4;                    // steps that adapt are not longer than these times in which friction turns slip
+constexpr double most_turned = 2e-9;            // m/s: it turns by less than that speed if it keeps more
 constexpr double shortest_step_of_slip = 0.05;  // of the given step
 
 }  // namespace
 
 Contacts::Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how, double step)
-    : world_(&world),
-      evaluate_(&evaluate),
-      tolerance_(tolerance),
-      step_(step),
-      slow_slip_(step > 0 ? slow_slip_in_steps * step : slow_slip),
-      simultaneous_(how),
-      pairs_(world.model_) {}
+    : world_(&world), evaluate_(&evaluate), tolerance_(tolerance), step_(step), simultaneous_(how), pairs_(world.model_) {}
 Contacts::~Contacts() = default;
 
 bool Contacts::any() {
@@ -318,17 +310,16 @@ std::span<const Watch> Contacts::watches(double& h) {
     conditions_.emplace_back(std::make_shared<Apart>(*this, i), 0.0, true);
   }
   const std::span<const Contact> closed = world.tree_.contacts();
-  slow_.assign(closed.size(), false);
+  speed_.assign(closed.size(), 0.0), turning_.assign(closed.size(), 0.0);
   started_ = world.time();
   if (!closed.empty()) conditions_.emplace_back(std::make_shared<Hold>(*this), 0.0, true);
   for (std::size_t i = 0; i < closed.size(); ++i)
     if (closed[i].mode == Contact::Mode::slip) {
       const Vec3 v = slip_velocity(static_cast<int>(i));
-      slow_[i] = norm(v) < creeping;
-      // The direction of slow slip changes quickly: fixed steps are limited to the time in which friction would stop it.
-      if (const double keeps = closed[i].keeps_direction; keeps > 0 && step_ > 0)
-        h = std::min(h, 2 * slow_slip_ * (norm(v) + keeps) / keeps);
-      h = std::min(h, step_ > 0 ? std::max(slip_time(i), shortest_step_of_slip * step_) : slip_change_time(i));
+      speed_[i] = norm(v), turning_[i] = turning(i);
+      const double shortest = step_ > 0 ? shortest_step_of_slip * step_ : 0;
+      h = std::min(h, std::max(shortest, std::min(slip_change_time(i),
+                                                  (step_ > 0 ? 1 : stable) * (speed_[i] + most_kept(i)) / turning_[i])));
       if (norm(v) > slowest_slip)
         conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), normalized(v)), 0.0, true);
     }
@@ -338,6 +329,7 @@ std::span<const Watch> Contacts::watches(double& h) {
     if (pair.cable >= 0 || pair.other->plane) continue;  // a plane has no edges
     conditions_.emplace_back(std::make_shared<Leaves>(*this, closed[i].pair), 0.0, true);
   }
+  keep_directions(h);
   for (const Condition& condition : conditions_) {
     const double excess = condition.excess(world, {}).value_or(-1);
     Watch watch{&condition, 0};
@@ -369,13 +361,10 @@ bool Contacts::must_resolve() {
     const Vec3 v = slip_velocity(static_cast<int>(i));
     // Slip that came to an end just before a step did has no direction left that could be watched.
     if (norm(v) <= slowest_slip && dot(v, closed[i].direction) < 0) return true;
-    // It no longer slips in the direction that it keeps.
-    const double keeps = closed[i].keeps_direction;
-    if (keeps > 0 && norm(v) > slowest_slip && !keeps_direction(closed[i], v)) return true;
-    if (i >= slow_.size() || !slow_[i] || !(norm(v) < creeping)) continue;
-    // It is about to stick or to slip anew. Where slip has just begun, only if steps cannot follow it.
-    creeps = creeps || keeps == 0;
-    in_short_step = in_short_step || (world_->time() - started_) * keeps < 2 * slow_slip_ * creeping;
+    if (i >= speed_.size() || !(std::max(norm(v), speed_[i]) < creeping)) continue;
+    // It is about to stick or to slip anew; or it has just begun, and steps cannot follow it.
+    creeps = creeps || norm(v) < 0.5 * speed_[i];
+    in_short_step = in_short_step || (world_->time() - started_) * turning_[i] < creeping;
   }
   constexpr int most_short_steps = 20;
   short_steps_ = in_short_step ? short_steps_ + 1 : 0;
@@ -400,21 +389,84 @@ Vec3 Contacts::slip_velocity(const Contact& contact) const {
   return v - dot(v, touch.normal) * touch.normal;
 }
 
-// The shortest time (s) in which the velocity of slip at a contact can turn into another direction of friction.
-double Contacts::slip_time(std::size_t contact) const {
+// By how much the frictions of its island accelerate the slip of a contact if they turn from its side (m/s²).
+double Contacts::turning(std::size_t contact) const {
   world_->evaluate();
   const ContactRows& rows = world_->workspace_.contacts->rows;
   const std::span<const Contact> closed = world_->tree_.contacts();
-  double rate = 0;
+  double sum = 0;
   for (const std::size_t j : rows.of_group(rows.groups[rows.group_of[contact]])) {
     if (closed[j].mode != Contact::Mode::slip) continue;
     const double f1 = rows.forces[3 * j + 1], f2 = rows.forces[3 * j + 2];
     const auto change = [&](std::size_t k) {
       return rows.mobility(3 * contact + k, 3 * j + 1) * f1 + rows.mobility(3 * contact + k, 3 * j + 2) * f2;
     };
-    rate += std::hypot(change(1), change(2)) / std::hypot(rows.velocity[3 * j + 1], rows.velocity[3 * j + 2]);
+    sum += std::hypot(change(1), change(2));
   }
-  return 1 / rate;
+  return sum;
+}
+
+// Slip that is slow for a step of h seconds keeps its direction in it, without which its sideways motion would be unstable.
+void Contacts::keep_directions(double h) {
+  std::vector<Contact> all(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
+  bool any = false;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].mode != Contact::Mode::slip) continue;
+    const double begun = step_ == 0 && least_kept(i) > slowest_slip ? least_kept(i) : 0;
+    const double keeps = std::clamp(turning_[i] * (step_ > 0 ? step_ : h) / 2 - speed_[i], begun, most_kept(i));
+    any = any || keeps > 0 || all[i].keeps_direction > 0;
+    all[i].direction = world_->workspace_.contacts->rows.slip[i], all[i].keeps_direction = keeps;
+  }
+  if (any) set(std::move(all)), (*evaluate_)(world_->state_);
+}
+
+// Fixed steps keep the direction of slip that has begun. Methods that adapt theirs keep more and more of it while it goes
+// straight on.
+double Contacts::most_kept(std::size_t contact) const {
+  constexpr double more = 5;
+  const double now = kept(contact), least = least_kept(contact);
+  if (step_ > 0) return now > 0 ? HUGE_VAL : 0;
+  if (turned(contact) > most_turned) return least;
+  return std::max(least, turned(contact) * more < most_turned ? more * now : now);
+}
+
+// What a contact keeps, or, if it has closed since its pair began to slip, what others of the pair do (m/s).
+double Contacts::kept(std::size_t contact) const {
+  const std::span<const Contact> closed = world_->tree_.contacts();
+  double most = closed[contact].keeps_direction;
+  if (most > 0) return most;
+  for (const ContactsByPair::Entry& entry : closed_of(closed[contact].pair))
+    if (closed[entry.second].mode == Contact::Mode::slip) most = std::max(most, closed[entry.second].keeps_direction);
+  return most;
+}
+
+// What slip keeps that turns (m/s): next to nothing, unless it has just begun.
+double Contacts::least_kept(std::size_t contact) const {
+  const double slow = slow_slip * turning_[contact];
+  return speed_[contact] < 2 * slow && kept(contact) > 0.5 * slow ? slow : slowest_slip;
+}
+
+// By how much slip has turned less because it has kept its direction (m/s).
+double Contacts::turned(std::size_t contact) const {
+  const Contact& c = world_->tree_.contacts()[contact];
+  return c.keeps_direction * norm(world_->workspace_.contacts->rows.slip[contact] - c.direction);
+}
+
+bool Contacts::kept_too_much() const {
+  const std::span<const Contact> closed = world_->tree_.contacts();
+  if (step_ > 0) return false;
+  world_->evaluate();
+  for (std::size_t i = 0; i < closed.size(); ++i)
+    if (closed[i].mode == Contact::Mode::slip && turned(i) > most_turned && closed[i].keeps_direction > least_kept(i))
+      return true;
+  return false;
+}
+
+void Contacts::keep_less() {
+  std::vector<Contact> all(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all[i].mode == Contact::Mode::slip) all[i].keeps_direction = std::min(all[i].keeps_direction, least_kept(i));
+  set(std::move(all));
 }
 
 // The time (s) in which the slip velocity of a contact changes by its own size, at its present rate; for slip too slow to be

@@ -134,6 +134,11 @@ class Contacts {
   void add_near(double within, std::vector<Contact>& out) const;
   const ContactLaw& law_of(int pair) const { return pairs_[static_cast<std::size_t>(pair)].law; }
 
+  /// True after a step in which slip would have turned if it had not kept its direction: it is taken back, and repeated with
+  /// less.
+  bool kept_too_much() const;
+  void keep_less();
+
   /// True after a step that ended at such an instant.
   bool must_resolve();
 
@@ -222,7 +227,14 @@ class Contacts {
   double noise_of(int pair) const;
   Vec3 slip_velocity(int contact) const { return slip_velocity(world_->tree_.contacts()[static_cast<std::size_t>(contact)]); }
   Vec3 slip_velocity(const Contact& contact) const;
-  double slip_time(std::size_t contact) const;
+  Vec3 slip_at(std::size_t i) const;
+  double turning_at(std::size_t i) const;
+  double turning(std::size_t contact) const;
+  double turned(std::size_t contact) const;
+  double kept(std::size_t contact) const;
+  double most_kept(std::size_t contact) const;
+  double least_kept(std::size_t contact) const;
+  void keep_directions(double h);
   double slip_change_time(std::size_t contact) const;
   bool is_closed(int pair, std::uint64_t id) const;
   bool is_gone(int body) const { return body >= 0 && !world_->alive({body}); }
@@ -231,12 +243,14 @@ class Contacts {
   std::vector<double> accelerations_on_others(const std::vector<Contact>& contacts, double slow);
   bool impact(const std::vector<Contact>& contacts, std::vector<Event>& events, std::string& failure);
   bool choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed);
+  bool slips(const Contact& c, const Vec3& v) const;
+  bool can_rest(std::vector<Contact> contacts);
+  void set_law(const std::vector<Contact>& contacts);
+  bool solve_hardly_slipping();
   [[nodiscard]] bool solve_states(const std::vector<Contact>& contacts);
   double friction_of(const Contact& c) const;
-  double pressing_acceleration(const std::vector<Contact>& contacts, std::size_t i) const;
   void weaken_friction();
   bool solve_weakened(double part, std::vector<double>& all);
-  void share_directions(std::vector<Contact>& closed) const;
   struct Friction {
     double force = 0, limit = 0;  // N
   };
@@ -275,7 +289,6 @@ class Contacts {
   World* world_;
   Evaluator* evaluate_;
   double tolerance_, step_;
-  double slow_slip_;  // s: slip keeps its direction until friction would stop it in four of these times
   contact::Simultaneous simultaneous_;
   int bodies_ = -1;   // of the model when any_ was found
   bool any_ = false;  // two bodies can touch
@@ -303,7 +316,8 @@ class Contacts {
   double lost_ = 0;
   std::vector<double> restitution_, after_, weaker_, much_weaker_;
   bool weakened_ = false;
-  std::vector<bool> slow_;         // by closed contact: it crept at the start of the step
+  // By closed contact, of those that slip at the start of the step: speed (m/s), and turning() (m/s²).
+  std::vector<double> speed_, turning_;
   double started_ = 0;             // when the step began (s)
   int short_steps_ = 0;            // in a row in which a contact crept
   double slowest_approach_ = 0;    // slower approaches count as rest (m/s)

@@ -104,3 +104,26 @@ TEST_CASE("open forces: those of four legs are marked, those of three without fr
     CHECK(point.force.z == doctest::Approx(2 * g * 0.2 / 0.5));
   }
 }
+
+TEST_CASE("open forces: a joint that carries what redundant contacts leave open is marked, a joint beyond it is not") {
+  for (const bool two_feet : {false, true}) {
+    CAPTURE(two_feet);
+    Model model({.gravity = {0, 0, -g}});
+    const BodyId table = model.add({.name = "table", .mass = 2, .inertia = diagonal(0.1), .joint = Prismatic{.axis = z_axis}});
+    const BodyId rider = model.add({.name = "rider", .mass = 1, .inertia = diagonal(0.1), .parent = table, .joint = Revolute{}});
+    model.add_collider({.body = table, .solid = contact::sphere(0.1, Pose(Vec3{0.3, 0, 0.1}))});
+    if (two_feet) model.add_collider({.body = table, .solid = contact::sphere(0.1, Pose(Vec3{-0.3, 0, 0.1}))});
+    model.add_collider({.plane = true});
+    model.add_contact_rule({.law = {.friction = 0, .static_friction = 0}});
+    Simulation sim(model, {.method = "rk4", .step = 1e-3});
+    REQUIRE(sim.run_until(0.01));
+    const World& world = sim.world();
+    CHECK(world.joint_forces({table.index}).determined == !two_feet);
+    CHECK(world.joint_forces({rider.index}).determined);
+    Vec3 force{}, torque{};
+    for (const ContactPoint& point : world.contacts()) force += point.force, torque += cross(point.point, point.force);
+    const Wrench reaction = world.joint_forces({table.index}).reaction;
+    CHECK(norm(force + reaction.force - Vec3{0, 0, 3 * g}) < 1e-9 * g);
+    CHECK(norm(torque + reaction.torque) < 1e-9 * g);
+  }
+}

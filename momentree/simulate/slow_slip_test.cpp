@@ -234,3 +234,30 @@ TEST_CASE("slow slip: slip that a constant force turns ends at the instant, what
         CHECK(std::fabs(sim.energy().error) < 1e-6 * sim.energy().largest_kinetic);
       }
 }
+
+TEST_CASE("slow slip: a box on an incline slides or rests, however near its friction is to the one that holds it") {
+  for (const char* const method : {"rk4", "dop853"})
+    for (const double slope : {10.0, 20.0, 45.0})
+      for (const double off : {1e-2, 1e-4, 1e-6, 1e-7, -1e-2, -1e-4, -1e-6, -1e-7}) {
+        CAPTURE(std::string(method));
+        CAPTURE(slope);
+        CAPTURE(off);
+        const double a = slope * std::numbers::pi / 180, mu = std::tan(a) * (1 + off);
+        const Vec3 normal{std::sin(a), 0, std::cos(a)}, centre = 0.1 * normal;
+        Model model({.gravity = {0, 0, -g}});
+        const BodyId box = model.add({.name = "box",
+                                      .mass = 2,
+                                      .inertia = diagonal(0.02),
+                                      .joint = Free{},
+                                      .q = {centre.x, 0, centre.z, std::cos(a / 2), 0, std::sin(a / 2), 0}});
+        model.add_collider({.body = box, .solid = contact::box({0.4, 0.4, 0.2})});
+        model.add_collider({.plane = true, .normal = normal});
+        model.add_contact_rule({.law = {.friction = mu, .static_friction = mu}});
+        Simulation sim(model, {.method = method, .step = 1e-2});
+        REQUIRE(sim.run_until(2));
+        const double slid = dot(sim.world().motions()[0].pose.position - centre, Vec3{std::cos(a), 0, -std::sin(a)});
+        const double expected = std::max(0.0, 2 * g * (std::sin(a) - mu * std::cos(a)));
+        CHECK(std::fabs(slid - expected) < 1e-6 * expected + 1e-12);
+        CHECK(sim.statistics().steps < 250);
+      }
+}

@@ -66,7 +66,12 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
     return true;
   };
   if (pressing && !closed) note_before_contact_step();
-  const std::optional<double> stepped = stops.step(present_method(), ledger, most, watched);
+  std::optional<double> stepped = stops.step(present_method(), ledger, most, watched);
+  if (closed && stepped && contacts.kept_too_much()) {
+    undo_contact_step();
+    contacts.keep_less();
+    stepped = stops.step(present_method(), ledger, most, watched);
+  }
   if (stepped && exploded()) return false;
   if (closed && (!stepped || contacts_gained_energy())) {
     const std::vector<int> where = contacts.most_loaded();

@@ -256,7 +256,12 @@ Wrench at_joint(const Pose& child_at, const Wrench& on_child) {
 }  // namespace
 
 JointForces World::joint_forces(JointId number) const {
-  if (is_loop(number)) return loop_forces(number);
+  const bool determined = loops_determine(number) && contacts_determine(number);
+  if (is_loop(number)) {
+    JointForces forces = loop_forces(number);
+    forces.determined = determined;
+    return forces;
+  }
   const int b = carrier(number);
   accelerate(tree_, state_, workspace_);
   Values effort;
@@ -267,7 +272,14 @@ JointForces World::joint_forces(JointId number) const {
           at_joint(tree_.joint(b).child_at, momentree::reaction(tree_, state_, workspace_, number)),
           at_joint(tree_.joint(b).child_at, pure_reaction(tree_, state_, workspace_, number)),
           effort,
-          !tree_.has_loops() || joint_determined(tree_, workspace_, b)};
+          determined};
+}
+
+bool World::loops_determine(JointId number) const {
+  if (!tree_.has_loops()) return true;
+  accelerate(tree_, state_, workspace_);
+  return is_loop(number) ? loop_determined(tree_, workspace_, tree_.loop_place(number))
+                         : joint_determined(tree_, workspace_, carrier(number));
 }
 
 Wrench World::reaction(JointId number) const {

@@ -51,7 +51,8 @@ struct JointForces {
   /// Effort along each DoF (nv numbers, N m or N): momentree::joint_effort; for a driven joint the effort that its motion
   /// requires.
   Values effort;
-  /// False if the loops of the mechanism leave the reaction open: other reactions cause the same motion, and this is one of them.
+  /// False if loops or redundant contacts leave the reaction open: other reactions cause the same motion, and this is one of
+  /// them.
   bool determined = true;
 };
 
@@ -193,6 +194,8 @@ class World {
   const std::vector<BodyAcceleration>& accelerations() const;
   JointForces joint_forces(JointId joint) const;
   Wrench reaction(JointId joint) const;  ///< the reaction alone
+  /// Whether the equations of loops determine it.
+  bool loops_determine(JointId joint) const;
   /// A spring of the model, with its length and tension. Only the tension of a cable needs an evaluation.
   SpringView spring(SpringId spring) const;
   /// The points at which bodies touch at present, with their forces. Redundant points, such as the corners of a box, share the
@@ -302,6 +305,7 @@ class World {
   double cable_tension(int cable) const;
   JointView loop_view(JointId joint) const;
   JointForces loop_forces(JointId joint) const;
+  bool contacts_determine(JointId joint) const;
   int carrier(JointId joint) const;
   BodyId add(BodySpec spec, std::vector<contact::Solid> collision);
   void remove(BodyId body);
@@ -332,13 +336,14 @@ class World {
   Names declared_, names_;  // as in the model, and now
   std::vector<ActiveLimit> active_limits_;
   std::vector<Contact> former_contacts_;
+  mutable std::vector<int> open_joints_;  // by redundant contacts
   std::vector<int> overlapping_;
   Tree tree_;
   State state_;
   mutable Workspace<double> workspace_;
   mutable CheckedVector<BodyMotion> motions_;
   mutable std::vector<BodyAcceleration> accelerations_;  // empty until they are first requested
-  mutable Stamp motions_of_, accelerations_of_;
+  mutable Stamp motions_of_, accelerations_of_, open_joints_of_;
   mutable Connections connections_;         // of the tree when they were last asked for
   mutable MechanismNames mechanism_names_;  // when they were last asked for
   struct LoopValues {

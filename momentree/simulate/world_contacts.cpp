@@ -5,6 +5,7 @@
 #include <momentree/dynamics/contacts.hpp>
 #include <momentree/simulate/contact_bodies.hpp>
 #include <momentree/simulate/overlap.hpp>
+#include <momentree/simulate/topology_record.hpp>
 #include <momentree/simulate/world.hpp>
 
 namespace momentree {
@@ -28,7 +29,7 @@ std::vector<ContactPoint> World::contacts() const {
     const contact::Touch& touch = own.rows.touches[i];
     ContactPoint point{
         {closed[i].a},         {closed[i].b}, touch.point, touch.normal, {}, {}, closed[i].mode == Contact::Mode::slip,
-        own.rows.determined[i]};
+        own.rows.determined(i)};
     for (std::size_t k = 0; k < 3; ++k)
       point.force += own.rows.forces[3 * i + k] * (k == 0 ? touch.normal : touch.tangent[k - 1]);
     for (std::size_t k = 1; k < 3; ++k) point.slip += own.rows.velocity[3 * i + k] * touch.tangent[k - 1];
@@ -40,6 +41,38 @@ std::vector<ContactPoint> World::contacts() const {
     all.push_back(in_order({{held.a}, {held.b}, held.point, held.normal, held.force, held.slip, norm(held.slip) > 1e-6}));
   }
   return all;
+}
+
+// False if other forces of redundant contacts, which move nothing, change the reaction of a joint.
+bool World::contacts_determine(JointId number) const {
+  constexpr double rounding = 1e-7;  // of forces of about 1 N
+  evaluate();
+  if (workspace_.contacts == nullptr || tree_.contacts().empty()) return true;
+  if (!(open_joints_of_ == state_.stamp())) {
+    const ContactRows& rows = workspace_.contacts->rows;
+    std::vector<HeldForce>& held = workspace_.contacts->held;
+    const std::size_t count = held.size();
+    std::vector<HeldForce> open;
+    for (std::size_t i = 0; i < rows.contacts(); ++i) {
+      if (rows.determined(i)) continue;
+      open.push_back({.a = tree_.contacts()[i].a, .b = tree_.contacts()[i].b, .point = rows.touches[i].point});
+      for (std::size_t k = 0; k < 3; ++k)
+        open.back().force += rows.open[3 * i + k] * (k == 0 ? rows.touches[i].normal : rows.touches[i].tangent[k - 1]);
+    }
+    open_joints_.clear();
+    std::vector<std::pair<JointId, Wrench>> before;
+    if (!open.empty())
+      for (const JointId joint : present_joints(*this)) before.emplace_back(joint, reaction(joint));
+    const auto again = [this] { workspace_.evaluated = workspace_.accelerated = {}; };
+    held.insert(held.end(), open.begin(), open.end()), again();
+    for (const auto& [joint, W] : before) {
+      const Wrench other = reaction(joint);
+      if (norm(other.force - W.force) > rounding || norm(other.torque - W.torque) > rounding) open_joints_.push_back(joint.index);
+    }
+    held.resize(count), again();
+    open_joints_of_ = state_.stamp();
+  }
+  return std::ranges::find(open_joints_, number.index) == open_joints_.end();
 }
 
 double World::cable_tension(int cable) const {

@@ -55,7 +55,6 @@ JointForces World::loop_forces(JointId number) const {
   JointForces forces;
   forces.reaction = wrench(found.total), forces.pure = wrench(found.constraint);
   for (int k = 0; k < info(loop.joint.kind).nv; ++k) forces.effort.push_back(found.effort[k]);
-  forces.determined = loop_determined(tree_, workspace_, i);
   return forces;
 }
 

@@ -20,8 +20,8 @@ struct Contact {
   Mode mode = Mode::smooth;
   double friction = 0;  ///< coefficient: kinetic, or static of one that sticks
   Vec3 direction{};     ///< of slip where the velocity is zero: a unit vector, world axes
-  /// Slip that is not much faster keeps to `direction` (m/s): the direction of its friction changes more quickly than a step can
-  /// follow. For contacts that began to slip; of one that sticks, with all that it touches, at the limit of its friction:
+  /// The direction of friction is that of the slip and this speed (m/s) along `direction` together: friction of slow slip turns
+  /// more quickly than a step can follow. Of a contact that sticks, with all that it touches, at the limit of its friction:
   /// positive, without a direction.
   double keeps_direction = 0;
   int pair = -1;         ///< number of the pair of solids
