@@ -13,6 +13,7 @@ namespace {
 constexpr double first_yield = 1e-3, least_yield = 1e-12;  // ε
 constexpr double vanishing = 1e-14;                        // velocity, relative to the largest one before
 constexpr double minimal = 1e-6;                           // how near a minimum is enough, relative to the forces
+constexpr double worthwhile = 0.9;                         // of a residual, to be worth other impulses
 constexpr double far = 1e-3;                               // where it was not found
 constexpr int most_problems = 60, most_idle = 20;          // in all, and those that hardly improve the residual
 constexpr int most_newton_steps = 30, most_steps_of_law = 30, most_flat = 10, most_shorter = 12;
@@ -347,7 +348,7 @@ double LawNewton::solve(double* r, double accuracy) {
   double best = residual(r);
   const auto note = [&] {
     const double now = residual(r_.data());
-    if (now < best) best = now, best_ = r_;
+    if (now < worthwhile * best) best = now, best_ = r_;  // where rows contradict each other, forces grow for next to nothing
     return now;
   };
   yield_ = first_yield, accuracy_ = accuracy;
@@ -371,7 +372,7 @@ double LawNewton::solve(double* r, double accuracy) {
     const double now = note();
     if (!(now < associated)) r_ = minimum_;
     if (std::exchange(nearby, now < (nearby ? 0.3 : 0.1) * before) && !nearby) continue;
-    idle = best < 0.9 * before ? 0 : idle + 1;
+    idle = best < before ? 0 : idle + 1;
     yield_ = std::max(shrink * yield_, least_yield);
   }
   for (std::size_t i = 0; i < points_.size(); ++i) {  // rounding leaves no pull and no friction beyond the cone
