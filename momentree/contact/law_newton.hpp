@@ -15,7 +15,7 @@ namespace momentree::contact {
 class LawNewton {
  public:
   /// Of velocities, relative to what the impulse of a point does to it alone.
-  static constexpr double round_off = 1e-14;
+  static constexpr double round_off = 2e-15;
 
   /// The rows of a point in the motion of a mechanism.
   struct Part {
