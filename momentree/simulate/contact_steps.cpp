@@ -98,7 +98,7 @@ void ContactSteps::guess(double h) {
 
 // When a point was reached, and its restitution; true if it was hit, with more than a `slow` speed.
 bool ContactSteps::approach(std::size_t i, double gap, double v, double a, double restitution, double slow, double h) {
-  const double falls = norm(world_->model_.gravity()) * h, fast = std::max(0.25 * falls, 1e-6);  // so that the time is known
+  const double fast = std::max(0.25 * norm(world_->model_.gravity()) * h, 1e-6);  // so that the time of touching is known
   const double tiny = least_depth * (i < near_.size() ? std::max(1.0, norm(rows_.touches[i].point)) : 1.0);
   if (gap > tiny) {
     // It must not be reached in the next step by what others do to it in this one, unless it will hit anyway.
@@ -113,8 +113,7 @@ bool ContactSteps::approach(std::size_t i, double gap, double v, double a, doubl
   if (!lay_on_it && v < -fast) reached_[i] = std::min(h, depth / -v);
   // The speed with which it was reached: the approach since then was accelerated, and so is the flight until the end.
   const double square = v < 0 ? v * v + 2 * a * depth : 0.0, speed = square > 0 ? std::sqrt(square) : 0.0;
-  // Forces of the step may accelerate it by as much, also where both fall alike without these.
-  if (!(speed > std::max({slow, std::fabs(a) * h, falls}))) return false;
+  if (!(speed > std::max(slow, std::fabs(a) * h))) return false;
   const double since = std::min(h, 2 * depth / (speed - v)), leaves = restitution * speed + a * since;
   if (restitution > 0 && leaves > 0) many_.points[i].restitution = leaves / -v, reached_[i] = since;
   return hit_[i] = true;
@@ -137,7 +136,9 @@ void ContactSteps::set_law(double h) {
   for (std::size_t i = 0; i < near_stops_.size(); ++i) {
     const NearStop& at = near_stops_[i];
     const double gap = at.stop.touched ? std::min(at.gap, 0.0) : at.gap;
-    approach(near_.size() + i, gap, at.velocity, at.acceleration, at.stop.restitution, at.stop.rest_speed, h);
+    // What contacts do in the step may accelerate it by as much as gravity, though both bodies fall alike without these.
+    const double slow = std::max(at.stop.rest_speed, norm(world_->model_.gravity()) * h);
+    approach(near_.size() + i, gap, at.velocity, at.acceleration, at.stop.restitution, slow, h);
   }
 }
 
