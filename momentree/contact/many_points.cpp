@@ -14,8 +14,7 @@ namespace momentree::contact {
 namespace {
 
 constexpr int most_sweeps = 64;
-constexpr double converged = 1e-5;  // change of a velocity in one sweep, relative to the largest one before
-constexpr double in_motion = 1e-3;  // residual of the law where it is not reached
+constexpr double converged = 1e-5;  // residual, and change of a velocity in one sweep, relative to the largest one before
 constexpr double at_rest = 1e-3;    // speed, relative to that
 constexpr double stays = 2e-11;     // residual of what rests: then it moves by less than 1e-9 m in 10 s
 constexpr int bisections = 8;       // of the part of the expansion that the energy permits
@@ -237,7 +236,7 @@ void ManyPoints::find_impulses(const std::size_t* first, const std::size_t* last
     if (!(change > converged * scale)) break;
   }
   if (change > converged * scale) {
-    const double left = solve_exactly(first, last, start, impulses, in_motion);
+    const double left = solve_exactly(first, last, start, impulses, converged);
     residual_ = std::max(residual_, left), change = scale * left;
   }
   if (change > stays * scale && comes_to_rest(first, last, start, impulses, at_rest * scale))
