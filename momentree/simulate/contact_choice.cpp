@@ -57,7 +57,6 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   bool rests = still && system_.solve();
   for (std::size_t i = 0; i < staying.size(); ++i) rests = rests && system_.state(i) != contact::PointState::slip;
   rests = rests || (still && can_rest(staying));
-  begins_.assign(staying.size(), false);
   if (!rests && !solve_states(staying)) return false;
   system_.velocities(after_);
   weakened_ = false;
@@ -77,8 +76,8 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
       }
     } else if (!(own.static_friction > 0)) {
       c.mode = Contact::Mode::smooth;
-    } else if (!rests && (begins_[i] || (system_.state(i) == contact::PointState::slip &&
-                                         std::hypot(after_[3 * i + 1], after_[3 * i + 2]) > inexact))) {
+    } else if (!rests && system_.state(i) == contact::PointState::slip &&
+               std::hypot(after_[3 * i + 1], after_[3 * i + 2]) > inexact) {
       if (!weakened_) weaken_friction();
       if (moves_along(staying, i)) {
         c.mode = Contact::Mode::stick;
@@ -251,12 +250,10 @@ bool Contacts::solve_hardly_slipping() {
       system_.laws[i].slipping = true, system_.laws[i].direction = {a1 / size, a2 / size};
     }
     solved = system_.solve();
-    for (std::size_t i = 0; i < laws.size(); ++i) begins_[i] = system_.laws[i].slipping;
     system_.laws = laws;
     follows = solved && system_.residual() < exact;
   }
   system_.laws = laws;
-  if (!follows) begins_.assign(laws.size(), false);
   return follows;
 }
 
@@ -266,7 +263,7 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
   // Contacts that are nearly at rest contradict each other by what is left of their velocities. The result only tells states
   // apart.
   constexpr double acceptable = 1e-8;
-  if (system_.solve() || solve_hardly_slipping() || system_.solve(acceptable)) return true;
+  if (solve_hardly_slipping() || system_.solve() || system_.solve(acceptable)) return true;
   // With many points that slip the solver may cycle. The velocities after a very short time obey a law without given directions.
   constexpr double soon = 1e-6;  // s
   for (std::size_t i = 0; i < system_.unknowns(); ++i) system_.b[i] = rows_.velocity[i] + soon * rows_.acceleration[i];

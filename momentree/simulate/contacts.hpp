@@ -316,7 +316,6 @@ class Contacts {
   double lost_ = 0;
   std::vector<double> restitution_, after_, weaker_, much_weaker_;
   bool weakened_ = false;
-  std::vector<bool> begins_;  // by contact that is placed: it begins to slip, however slowly
   // By closed contact, of those that slip at the start of the step: speed (m/s), and turning() (m/s²).
   std::vector<double> speed_, turning_;
   double started_ = 0;             // when the step began (s)
