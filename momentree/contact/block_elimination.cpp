@@ -27,7 +27,8 @@ void BlockElimination::clear(const std::vector<int>& sizes) {
   first_.resize(sizes.size() + 1), first_[0] = 0;
   for (std::size_t i = 0; i < sizes.size(); ++i) first_[i + 1] = first_[i] + at(sizes[i]);
   at_.assign(sizes.size() * sizes.size(), SIZE_MAX);
-  neighbours_.assign(sizes.size(), {});
+  if (neighbours_.size() < sizes.size()) neighbours_.resize(sizes.size());
+  for (std::size_t i = 0; i < sizes.size(); ++i) neighbours_[i].clear();
 }
 
 void BlockElimination::connect(int one, int other) {
@@ -37,31 +38,28 @@ void BlockElimination::connect(int one, int other) {
 }
 
 // The block with the fewest unknowns in its neighbours comes next (Tinney & Walker 1967).
-double BlockElimination::analyse() {
+void BlockElimination::analyse() {
   const int n = static_cast<int>(sizes_.size());
-  std::vector<bool> done(sizes_.size(), false);
+  done_.assign(sizes_.size(), false);
   const auto unknowns_of = [&](int i) {
-    double sum = 0;
+    int sum = 0;
     for (const int j : neighbours_[at(i)]) sum += sizes_[at(j)];
     return sum;
   };
-  std::vector<double> degree;
-  for (int i = 0; i < n; ++i) degree.push_back(unknowns_of(i));
+  degree_.clear();
+  for (int i = 0; i < n; ++i) degree_.push_back(unknowns_of(i));
   order_.clear();
-  double products = 0;
   for (int k = 0; k < n; ++k) {
     int next = -1;
     for (int i = 0; i < n; ++i)
-      if (!done[at(i)] && (next < 0 || degree[at(i)] < degree[at(next)])) next = i;
-    done[at(next)] = true, order_.push_back(next);
-    const double own = sizes_[at(next)], others = degree[at(next)];
-    products += own * (own + others) * (own + others);
+      if (!done_[at(i)] && (next < 0 || degree_[at(i)] < degree_[at(next)])) next = i;
+    done_[at(next)] = true, order_.push_back(next);
     const std::vector<int>& around = neighbours_[at(next)];
     for (std::size_t i = 0; i < around.size(); ++i) {
       std::erase(neighbours_[at(around[i])], next);
       for (std::size_t j = 0; j < i; ++j) connect(around[i], around[j]);
     }
-    for (const int i : around) degree[at(i)] = unknowns_of(i);
+    for (const int i : around) degree_[at(i)] = unknowns_of(i);
   }
   std::size_t size = 0;
   for (int i = 0; i < n; ++i)
@@ -69,7 +67,6 @@ double BlockElimination::analyse() {
       if (std::size_t& place = at_[index(i, j)]; i == j || place != SIZE_MAX)
         place = std::exchange(size, size + at(sizes_[at(i)]) * at(sizes_[at(j)]));
   values_.resize(size), pivots_.resize(first_.back());
-  return products;
 }
 
 void BlockElimination::reset() {

@@ -13,8 +13,8 @@ class BlockElimination {
   void clear(const std::vector<int>& sizes);
   /// A block will not be zero, nor the transposed one.
   void connect(int one, int other);
-  /// Finds the order, and the blocks that elimination fills. Returns how many products it will make.
-  double analyse();
+  /// Finds the order, and the blocks that elimination fills.
+  void analyse();
   /// The matrix becomes the identity.
   void reset();
   /// A block by rows: `one` == `other`, or connected.
@@ -32,7 +32,8 @@ class BlockElimination {
   }
   void solve_block(int block, double* x, std::size_t columns) const;
 
-  std::vector<int> sizes_, order_;
+  std::vector<int> sizes_, order_, degree_;  // degree_: unknowns of the neighbours
+  std::vector<bool> done_;
   std::vector<std::size_t> first_, at_;       // of unknowns; of blocks in values_, SIZE_MAX: zero
   std::vector<std::vector<int>> neighbours_;  // after analyse(): those that are eliminated later
   std::vector<double> values_;

@@ -16,7 +16,8 @@ constexpr double minimal = 1e-6;                           // how near a minimum
 constexpr double worthwhile = 0.9;                         // of a residual, to be worth other impulses
 constexpr double far = 1e-3;                               // where it was not found
 constexpr int most_problems = 60, most_idle = 20;          // in all, and those that hardly improve the residual
-constexpr int most_newton_steps = 30, most_steps_of_law = 30, most_flat = 10, most_shorter = 12;
+constexpr int most_newton_steps = 30, most_flat = 10;      // in a problem, and those that hardly improve it
+constexpr int most_shorter = 12;                           // halvings of a step
 
 double length_of(double x, double y) { return std::sqrt(x * x + y * y); }  // a tenth of the time of std::hypot
 
@@ -155,56 +156,40 @@ double LawNewton::natural_map(const double* r, bool linearise) {
     const Point& point = points_[i];
     const double *const own = r + 3 * i, a = A_[i][0], d = tangential_[i], mu = point.friction;
     double w[3];
-    for (std::size_t k = 0; k < 3; ++k)
-      w[k] = w_[3 * i + k] + (yield_ > 0 ? yield_ * (k == 0 ? a : d) * (own[k] - centre_[3 * i + k]) : 0);
+    for (std::size_t k = 0; k < 3; ++k) w[k] = w_[3 * i + k] + yield_ * (k == 0 ? a : d) * (own[k] - centre_[3 * i + k]);
     const double free = own[0] - w[0] / a, N = std::max(point.least, free), most = mu * N;
     const bool pressed = free > point.least;
-    double F[3] = {pressed ? w[0] : a * (own[0] - point.least), d * own[1], d * own[2]};
     double* const c = c_.data() + 3 * i;
     std::array<double, 9>& K = K_[i];
+    double F[3] = {pressed ? w[0] : a * (own[0] - point.least), d * own[1], d * own[2]};
     if (linearise) {
       K = {};
       c[0] = pressed ? -w[0] / (yield_ * a) : point.least - own[0], c[1] = -own[1], c[2] = -own[2];
       K[0] = pressed ? 1 / (yield_ * a) : 0;
     }
-    if (point.slipping) {
-      for (std::size_t k = 0; k < 2; ++k) {
-        const double s = -point.direction[k];
-        F[k + 1] = (d > 0 ? d : a) * (own[k + 1] - most * s);
-        if (!linearise) continue;
-        c[k + 1] = mu * (own[0] + c[0]) * s - own[k + 1];
-        K[3 * (k + 1)] = mu * K[0] * s;
-      }
-      for (const double f : F) square += f * f / a;
-      continue;
-    }
-    const double speed = length_of(w[1], w[2]);
-    if (!(mu > 0) || (!(d > 0) && !(speed > 0))) {
-    } else if (const double t[2] = {d > 0 ? own[1] - w[1] / d : -w[1], d > 0 ? own[2] - w[2] / d : -w[2]},
-               size = length_of(t[0], t[1]);
-               d > 0 && size <= most && most > 0) {  // sticks
+    // The force of friction without its bound; of a prescribed motion, its direction.
+    const double t[2] = {d > 0 ? own[1] - w[1] / d : -w[1], d > 0 ? own[2] - w[2] / d : -w[2]}, size = length_of(t[0], t[1]);
+    const bool sticks = !point.slipping && d > 0 && size <= most && most > 0;
+    if (mu > 0 && sticks) {
       F[1] = w[1], F[2] = w[2];
       if (linearise)
         for (std::size_t k = 1; k < 3; ++k) c[k] = -w[k] / (yield_ * d), K[4 * k] = 1 / (yield_ * d);
-    } else if (size > 0) {  // slips: t = μ N s, and s turns with what is across it
-      const double s[2] = {t[0] / size, t[1] / size};
-      const double unit = d > 0 ? d : a;
-      for (std::size_t k = 0; k < 2; ++k) F[k + 1] = unit * (own[k + 1] - most * s[k]);
+    } else if (mu > 0 && (point.slipping || size > 0)) {  // t = μ N s
+      const bool turns = !point.slipping && d > 0;        // s, with what is across it
+      const double s[2] = {point.slipping ? -point.direction[0] : t[0] / size,
+                           point.slipping ? -point.direction[1] : t[1] / size};
+      for (std::size_t k = 0; k < 2; ++k) F[k + 1] = (d > 0 ? d : a) * (own[k + 1] - most * s[k]);
       if (linearise) {
-        const double ratio = d > 0 ? most / size : 0, across = -s[1] * own[1] + s[0] * own[2];
-        const double yields = 1 - ratio + ratio * yield_;
-        const double turn = d > 0 ? ratio / (d * yields) : 0, missing = -across / yields;
-        const double along = mu * (own[0] + c[0]);
+        const double across[2] = {-s[1], s[0]}, ratio = turns ? most / size : 0, yields = 1 - ratio + ratio * yield_;
+        const double N_next = own[0] + c[0], off = (across[0] * own[1] + across[1] * own[2]) * (1 / yields - 1);
         for (std::size_t k = 0; k < 2; ++k) {
-          const double p = k == 0 ? -s[1] : s[0];
-          c[k + 1] = along * s[k] - (s[0] * own[1] + s[1] * own[2]) * s[k] + missing * p;
+          c[k + 1] = mu * N_next * s[k] - own[k + 1] - off * across[k];
           K[3 * (k + 1)] = mu * K[0] * s[k];
-          for (std::size_t l = 0; l < 2; ++l) K[3 * (k + 1) + l + 1] = turn * p * (l == 0 ? -s[1] : s[0]);
+          for (std::size_t l = 0; turns && l < 2; ++l) K[3 * (k + 1) + l + 1] = ratio / (d * yields) * across[k] * across[l];
         }
       }
     }
-    const double weight = 1 / a;
-    for (const double f : F) square += weight * f * f;
+    for (const double f : F) square += f * f / a;
   }
   return square;
 }
@@ -254,10 +239,10 @@ void LawNewton::newton() {
   for (const std::array<double, 9>& A : A_) inertia += 1 / A[0];
   const double small = std::max(vanishing, 0.1 * accuracy_) * scale_;
   double now = natural_map(r_.data(), true);
-  for (int k = 0, flat = 0; k < most_steps_of_law && now > small * small * inertia && flat < most_flat && find_step(); ++k) {
-    const std::vector<double>& from = from_ = r_;
+  for (int k = 0, flat = 0; k < most_newton_steps && now > small * small * inertia && flat < most_flat && find_step(); ++k) {
+    from_ = r_;
     const auto step_to = [&](double length) {
-      for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = from[i] + length * step_[i];
+      for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = from_[i] + length * step_[i];
     };
     double best = HUGE_VAL, best_length = 1, length = 1;
     for (int j = 0; j < most_shorter; ++j, length *= 0.5) {

@@ -26,19 +26,18 @@ class LawNewton {
   };
   struct Point {
     std::array<Part, 2> parts{};
-    double friction = 0, least = 0;  ///< see PointLaw
+    double friction = 0, least = 0;  ///< see PointLaw, as the next two
     bool slipping = false;
     std::array<double, 2> direction{};
-    std::array<double, 3> b{};
+    std::array<double, 3> b{};  ///< velocities without impulses, along the rows
   };
 
   /// Begins with a problem without points. `sizes`: of the motion of each mechanism.
   void clear(const std::vector<int>& sizes);
   void add(const Point& point) { points_.push_back(point); }
-  std::size_t size() const { return points_.size(); }
 
-  /// Improves the impulses r, three of each point. Returns the residual of the best ones found, which are left in r: the largest
-  /// violation of the law, as a velocity relative to the largest one of the problem.
+  /// Improves the impulses r, three of each point, until their residual is at most `accuracy`. Leaves the best ones that it found
+  /// in r and returns their residual: the largest violation of the law, as a velocity relative to the largest one of the problem.
   double solve(double* r, double accuracy);
   /// The residual at r.
   double residual(const double* r);

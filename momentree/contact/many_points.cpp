@@ -212,15 +212,20 @@ double ManyPoints::relax(std::size_t point, double least, const std::vector<doub
   }
   const double change[3] = {own[0] - before[0], own[1] - before[1], own[2] - before[2]};
   add(point, change, change_);
-  const double left = own[0] > least ? std::fabs(w[0]) : -w[0];  // by friction; it may press harder than the normal force does
-  return std::max({std::fabs(change[0]) * A[0], std::fabs(change[1]) * size, std::fabs(change[2]) * size, left});
+  // The normal force and friction may press against each other, so that they change no more and yet don't obey the law.
+  const double normal = own[0] > least ? std::fabs(w[0]) : -w[0];
+  const double t1 = own[1] - w[1] / size, t2 = own[2] - w[2] / size, most = friction * own[0], length = std::hypot(t1, t2);
+  const double shorten = length > most ? most / length : 1;
+  const double tangential = size > 0 ? std::hypot(own[1] - shorten * t1, own[2] - shorten * t2) * size : 0;
+  return std::max({std::fabs(change[0]) * A[0], std::fabs(change[1]) * size, std::fabs(change[2]) * size, normal, tangential});
 }
 
 // Sweeps in both directions carry loads down and up a pile, from the impulses of the last step. Where they do not converge, and
-// where all that is pressed comes to rest, so that it stays where it is, Newton's method goes on.
-void ManyPoints::find_impulses(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                               std::vector<double>& impulses) {
-  double scale = 0, change = 0;
+// where all that is pressed comes to rest, so that it stays where it is, Newton's method goes on. Returns the residual that it
+// leaves; 0, if sweeps converge.
+double ManyPoints::find_impulses(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                                 std::vector<double>& impulses) {
+  double scale = 0, change = 0, residual = 0;
   for (const std::size_t* p = first; p != last; ++p)
     for (std::size_t k = 0; k < 3; ++k) scale = std::max(scale, std::fabs(start[3 * *p + k]));
   const auto visit = [&](std::size_t i) {
@@ -236,23 +241,26 @@ void ManyPoints::find_impulses(const std::size_t* first, const std::size_t* last
     if (!(change > converged * scale)) break;
   }
   if (change > converged * scale) {
-    const double left = solve_exactly(first, last, start, impulses, converged);
-    residual_ = std::max(residual_, left), change = scale * left;
+    residual = solve_exactly(first, last, start, impulses, converged);
+    change = scale * residual;
   }
   if (change > stays * scale && comes_to_rest(first, last, start, impulses, at_rest * scale))
     solve_exactly(first, last, start, impulses, stays);
+  return residual;
 }
 
 // True if no point that is pressed moves faster than that.
 bool ManyPoints::comes_to_rest(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                                const std::vector<double>& impulses, double speed) {
-  return std::all_of(first, last, [&](std::size_t i) {
-    if (!(impulses[3 * i] > 0)) return true;
+  for (const std::size_t* p = first; p != last; ++p) {
+    if (!(impulses[3 * *p] > 0)) continue;
     double w[3];
-    all_along(i, change_, w);
-    w[0] += points[i].slack;
-    return std::all_of(w, w + 3, [&, k = 3 * i](const double& each) { return std::fabs(each + start[k + (&each - w)]) < speed; });
-  });
+    all_along(*p, change_, w);
+    w[0] += points[*p].slack;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (!(std::fabs(start[3 * *p + k] + w[k]) < speed)) return false;
+  }
+  return true;
 }
 
 double ManyPoints::energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
@@ -270,10 +278,10 @@ void ManyPoints::restart(const std::size_t* first, const std::size_t* last, cons
   for (const std::size_t* p = first; p != last; ++p) add(*p, impulses.data() + 3 * *p, change_);
 }
 
-// Sweeps that did not converge may leave impulses that add energy: then less of them is applied.
-void ManyPoints::lose_energy(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                             std::vector<double>& impulses) {
-  if (!(energy_change(first, last, start, impulses) > 0)) return;
+// Impulses that were not found exactly may add energy: then less of them is applied. Returns the part that is left out.
+double ManyPoints::lose_energy(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                               std::vector<double>& impulses) {
+  if (!(energy_change(first, last, start, impulses) > 0)) return 0;
   double rate = 0, size = 0;
   for (const std::size_t* p = first; p != last; ++p)
     for (std::size_t k = 0; k < 3; ++k)
@@ -282,6 +290,7 @@ void ManyPoints::lose_energy(const std::size_t* first, const std::size_t* last, 
   for (const std::size_t* p = first; p != last; ++p)
     for (std::size_t k = 0; k < 3; ++k) impulses[3 * *p + k] *= part;
   restart(first, last, impulses);
+  return 1 - part;
 }
 
 void ManyPoints::velocities(std::vector<double>& w) {
@@ -319,10 +328,13 @@ void ManyPoints::expand(const std::size_t* first, const std::size_t* last) {
       rebound_[3 * *p] = least_[*p];
     }
     restart(first, last, rebound_);
-    find_impulses(first, last, after_, rebound_);
+    const double residual = find_impulses(first, last, after_, rebound_);
     double work = 0;
     for (const std::size_t* p = first; p != last; ++p) work += rebound_[3 * *p] * (after_[3 * *p] + 0.5 * along(*p, 0, change_));
-    return work <= std::max(most_work, 0.0) + tolerance && energy_change(first, last, after_, rebound_) <= lost + tolerance;
+    if (!(work <= std::max(most_work, 0.0) + tolerance && energy_change(first, last, after_, rebound_) <= lost + tolerance))
+      return false;
+    residual_ = std::max(residual_, residual);
+    return true;
   };
   const auto keep = [&] {
     for (const std::size_t* p = first; p != last; ++p)
@@ -362,8 +374,8 @@ void ManyPoints::solve() {
   for (const std::size_t end : ends_) {
     const std::size_t *const first = order_.data() + begin, *const last = order_.data() + end;
     restart(first, last, r);
-    find_impulses(first, last, b, r);
-    lose_energy(first, last, b, r);
+    residual_ = std::max(residual_, find_impulses(first, last, b, r));
+    residual_ = std::max(residual_, lose_energy(first, last, b, r));
     expand(first, last);
     begin = end;
   }

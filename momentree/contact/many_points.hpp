@@ -68,14 +68,14 @@ class ManyPoints {
   void all_along(std::size_t point, LinksMotion& motion, double* w);
   void add(std::size_t point, const double* r, LinksMotion& motion);
   double relax(std::size_t point, double least, const std::vector<double>& start, double* own);
-  void find_impulses(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                     std::vector<double>& impulses);
+  double find_impulses(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                       std::vector<double>& impulses);
   bool comes_to_rest(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                      const std::vector<double>& impulses, double speed);
   double energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                        const std::vector<double>& impulses);
-  void lose_energy(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                   std::vector<double>& impulses);
+  double lose_energy(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
+                     std::vector<double>& impulses);
   void restart(const std::size_t* first, const std::size_t* last, const std::vector<double>& impulses);
   void find_link_responses(const std::vector<int>& touched, std::vector<double>& responses);
   void begin_newton(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, bool gaps);
@@ -93,7 +93,10 @@ class ManyPoints {
   std::vector<double> tangential_;                        // the larger eigenvalue of its tangential part
   LinksMotion change_, moved_, shift_;
   LawNewton newton_;
-  std::vector<int> block_of_, place_of_;  // in newton_: by group, its block; by link, where its motion begins there
+  std::vector<int> block_of_, place_of_;        // in newton_: by group, its block; by link, where its motion begins there
+  std::vector<int> sizes_;                      // of the blocks there
+  std::vector<std::vector<int>> touched_;       // by block: the links that have points
+  std::vector<std::vector<double>> responses_;  // by block: find_link_responses()
   std::vector<double> wide_, exact_;
   double residual_ = 0;
   std::vector<double> least_, after_, rebound_, best_;

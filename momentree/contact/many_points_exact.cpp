@@ -2,8 +2,8 @@
 // points.
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
+#include <momentree/contact/indices.hpp>
 #include <momentree/contact/many_points.hpp>
 
 namespace momentree::contact {
@@ -14,9 +14,9 @@ void ManyPoints::find_link_responses(const std::vector<int>& touched, std::vecto
   const std::size_t n = 6 * touched.size();
   responses.resize(n * n);
   for (std::size_t i = 0; i < touched.size(); ++i) {
-    const Link& link = links.all[static_cast<std::size_t>(touched[i])];
+    const Link& link = links.all[at(touched[i])];
     for (std::size_t k = 0; k < 6; ++k) {
-      const std::size_t own = 6 * static_cast<std::size_t>(touched[i]);
+      const std::size_t own = 6 * at(touched[i]);
       links.forget(link.group, moved_);
       links.walk(moved_, touched[i]);
       moved_.sum[own + k] = 1;
@@ -39,32 +39,33 @@ void ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last,
     if (!(blocks_[*p][0] > 0) || (!gaps && points[*p].slack == HUGE_VAL)) continue;
     pressing_.push_back(*p);
     for (const Part& part : points[*p].parts) {
-      if (part.group >= 0) block_of_[static_cast<std::size_t>(part.group)] = -1;
-      if (part.link >= 0) place_of_[static_cast<std::size_t>(part.link)] = -1;
+      if (part.group >= 0) block_of_[at(part.group)] = -1;
+      if (part.link >= 0) place_of_[at(part.link)] = -1;
     }
   }
-  std::vector<int> sizes;
-  std::vector<std::vector<int>> touched;
-  std::size_t wide = 0;  // rows of Y that act on several links
+  sizes_.clear();
   for (const std::size_t p : pressing_)
     for (const Part& part : points[p].parts) {
       if (part.group < 0) continue;
-      int& block = block_of_[static_cast<std::size_t>(part.group)];
-      if (block < 0)
-        block = static_cast<int>(sizes.size()), sizes.push_back(part.link < 0 ? part.count : 0), touched.emplace_back();
-      if (part.link < 0 || place_of_[static_cast<std::size_t>(part.link)] >= 0) continue;
-      place_of_[static_cast<std::size_t>(part.link)] = sizes[static_cast<std::size_t>(block)];
-      sizes[static_cast<std::size_t>(block)] += 6, touched[static_cast<std::size_t>(block)].push_back(part.link);
+      int& block = block_of_[at(part.group)];
+      if (block < 0) {
+        block = static_cast<int>(sizes_.size());
+        sizes_.push_back(part.link < 0 ? part.count : 0);
+        if (touched_.size() < sizes_.size()) touched_.emplace_back(), responses_.emplace_back();
+        touched_[at(block)].clear();
+      }
+      if (part.link < 0 || place_of_[at(part.link)] >= 0) continue;
+      place_of_[at(part.link)] = sizes_[at(block)];
+      sizes_[at(block)] += 6, touched_[at(block)].push_back(part.link);
     }
+  std::size_t wide = 0;  // rows of Y that act on several links
   for (const std::size_t p : pressing_)
     for (const Part& part : points[p].parts)
-      if (part.link >= 0)
-        wide += 3 * static_cast<std::size_t>(sizes[static_cast<std::size_t>(block_of_[static_cast<std::size_t>(part.group)])]);
+      if (part.link >= 0) wide += 3 * at(sizes_[at(block_of_[at(part.group)])]);
   wide_.assign(wide, 0.0);
-  std::vector<std::vector<double>> responses(sizes.size());
-  for (std::size_t i = 0; i < sizes.size(); ++i)
-    if (!touched[i].empty()) find_link_responses(touched[i], responses[i]);
-  newton_.clear(sizes);
+  for (std::size_t i = 0; i < sizes_.size(); ++i)
+    if (!touched_[i].empty()) find_link_responses(touched_[i], responses_[i]);
+  newton_.clear(sizes_);
   double* next = wide_.data();
   for (const std::size_t p : pressing_) {
     LawNewton::Point point;
@@ -77,13 +78,13 @@ void ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last,
     for (std::size_t side = 0; side < 2; ++side) {
       const Part& part = points[p].parts[side];
       if (part.group < 0) continue;
-      const int block = block_of_[static_cast<std::size_t>(part.group)];
+      const int block = block_of_[at(part.group)];
       LawNewton::Part& to = point.parts[side];
       to = {block, 0, part.count, J.data() + part.at, Y.data() + part.at};
       if (part.link < 0) continue;
-      const auto n = static_cast<std::size_t>(sizes[static_cast<std::size_t>(block)]);
-      to.first = place_of_[static_cast<std::size_t>(part.link)], to.Y = next;
-      const double* const response = responses[static_cast<std::size_t>(block)].data() + static_cast<std::size_t>(to.first) * n;
+      const std::size_t n = at(sizes_[at(block)]);
+      to.first = place_of_[at(part.link)], to.Y = next;
+      const double* const response = responses_[at(block)].data() + at(to.first) * n;
       for (std::size_t row = 0; row < 3; ++row, next += n)
         for (std::size_t k = 0; k < 6; ++k)
           for (std::size_t i = 0; i < n; ++i) next[i] += to.J[6 * row + k] * response[k * n + i];
@@ -92,7 +93,7 @@ void ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last,
   }
 }
 
-// Improves impulses that sweeps have found, as does separate_exactly() with pushes. Returns the residual of the law.
+// Improves impulses that sweeps have found. Returns the residual of the law.
 double ManyPoints::solve_exactly(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                                  std::vector<double>& impulses, double accuracy) {
   begin_newton(first, last, start, false);
@@ -105,6 +106,7 @@ double ManyPoints::solve_exactly(const std::size_t* first, const std::size_t* la
   return residual;
 }
 
+// Improves pushes that sweeps have found, and moved_ with them.
 void ManyPoints::separate_exactly(const std::size_t* first, const std::size_t* last, const std::vector<double>& gaps,
                                   std::vector<double>& pushes, double accuracy) {
   begin_newton(first, last, gaps, true);

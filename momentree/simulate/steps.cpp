@@ -58,7 +58,7 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   const double scale = pressing ? energy_scale() : 0, taken = ledger.impacts, projected = ledger.projection;
   // Where prescribed motions press bodies against others that cannot give way, contacts bring in energy without bounds.
   const auto exploded = [&] {
-    constexpr double most_gained = 1e3;
+    constexpr double most_gained = 1e3;  // impacts of what moves change the energy by its scale at most
     const double gained = std::fabs(ledger.impacts - taken) + std::fabs(ledger.projection - projected);
     if (!pressing || gained <= most_gained * scale) return false;
     undo_contact_step();
