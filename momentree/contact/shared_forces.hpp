@@ -38,15 +38,14 @@ class SharedForces {
   double project(double sign);
   void add_curvature(double factor);
   double find_gradient(double factor);
-  bool find_least();
-  double find_margin(double delta);
+  bool minimise(double sign, double curvature);
   double deepest(double smallest);
 
   std::vector<double> Q_, b_, e_, Qe_;
   std::vector<ForceCone> cones_;
   std::size_t unknowns_ = 0;
   double size_ = 0;          // of the forces given; all are relative to it
-  double least_margin_ = 0;  // of these
+  double known_margin_ = 0;  // of the forces chosen by (S2)
   bool possible_ = false;
   std::vector<double> lambda_, from_, x_, point_, gradient_, H_, factor_, step_, along_;
 };

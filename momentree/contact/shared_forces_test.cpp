@@ -118,6 +118,36 @@ TEST_CASE("of all forces that contacts can exert the least are chosen; where the
   CHECK(impossible > 50);
 }
 
+TEST_CASE("forces that contacts can hardly exert are found: at the limit of their friction, which is the same everywhere") {
+  Prng random(5);
+  for (int k = 0; k < 300; ++k) {
+    CAPTURE(k);
+    const int contacts = random.integer(4, 10);
+    Problem problem = random_problem(random, contacts, static_cast<std::size_t>(random.integer(1, 4)));
+    const std::size_t open = problem.null.size() / problem.x.size();
+    const double inside = std::pow(10.0, random.uniform(-8, -1)), friction = random.uniform(0.1, 1);
+    for (ForceCone& cone : problem.cones) {  // forces that are possible, by that much
+      const double along = random.uniform(0, 6.28), normal = random.uniform(0, 1);
+      double* const x = problem.x.data() + cone.normal;
+      x[0] = normal + inside;
+      if (!(cone.friction > 0)) continue;
+      cone.friction = friction;
+      x[1] = friction * normal * std::cos(along), x[2] = friction * normal * std::sin(along);
+    }
+    std::vector<double> y(open);
+    for (std::size_t j = 0; j < open; ++j)
+      y[j] = -dot(problem.x.data(), problem.null.data() + j * problem.x.size(), problem.x.size());
+    problem.x = problem.with(y);  // the least of them
+    double size = 0;
+    for (const double v : problem.x) size = std::max(size, std::fabs(v));
+    std::vector<double> chosen = problem.x;
+    SharedForces shared;
+    CHECK(shared.choose(chosen, problem.rows, problem.cones));
+    CHECK(margin(problem, chosen) >= -1e-12 * size);
+    CHECK(shared.margin() >= std::min(0.9 * inside / size, 1.0));
+  }
+}
+
 TEST_CASE("forces that press against each other at will have the largest margin") {
   // Between two walls: N1 − N2 = 1.
   std::vector<double> x{0.5, -0.5};

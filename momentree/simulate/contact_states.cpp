@@ -290,7 +290,12 @@ std::optional<Contacts::Unresolved> Contacts::close_island(std::vector<Contact>&
 
 std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events) {
   std::vector<Contact> before = std::exchange(world_->former_contacts_, {});
-  if (before.empty()) before.assign(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
+  if (before.empty()) {
+    before.assign(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
+    for (std::size_t i = 0; i < std::min(before.size(), slips_along_.size()); ++i)
+      if (before[i].keeps_direction == 0 && !(slips_along_[i] == Vec3{})) before[i].direction = slips_along_[i];
+  }
+  slips_along_.clear();
   std::erase_if(before, [this](const Contact& c) { return is_gone(c.a) || is_gone(c.b); });
   set({});
   settling_.clear(), jammed_.clear();
@@ -305,11 +310,19 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   std::vector<Contact> closed;
   Settled settled(*world_);
   const ContactsByPair before_by_pair(before);
-  for (std::vector<Contact>& touching : islands)
-    if (std::optional<Unresolved> failed = close_island(touching, before, before_by_pair, closed, settled)) {
-      lost_ += settled.event.lost - settled.event.work;
-      return failed;
-    }
+  std::map<int, Vec3> impulses;
+  for (std::size_t jammed = 0;; jammed = jammed_.size()) {
+    closed.clear();
+    for (std::vector<Contact>& touching : islands)
+      if (std::optional<Unresolved> failed = close_island(touching, before, before_by_pair, closed, settled)) {
+        lost_ += settled.event.lost - settled.event.work;
+        return failed;
+      }
+    if (jammed > 0) break;
+    impulses = stop(closed, settled);
+    if (jammed_.empty()) break;  // what is stopped as it jams may begin to slip in another direction
+    (*evaluate_)(world_->state_);
+  }
   for (Contact& c : closed) {
     const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
     const auto then = before_by_pair.of(c.pair);
@@ -319,7 +332,6 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
     else if (known > world_->time())
       c.settles = known;
   }
-  const std::map<int, Vec3> impulses = stop(closed, settled);
   set(closed);
   (*evaluate_)(world_->state_);
   const std::size_t reported = events.size();
@@ -395,8 +407,9 @@ void Contacts::stop_creeping(std::vector<Contact> contacts, Settled& settled) {
   (*evaluate_)(world_->state_);
 }
 
-// Events of pairs whose contacts closed, opened, began to slip or to stick. A contact that bounces too low to be followed closes
-// when these bounces end. `first`: of the events of this instant. `impulses`: with which pairs came to rest.
+// Events of pairs whose contacts closed, opened, began to slip or to stick; slip that turns back, or that jams, begins anew. A
+// contact that bounces too low to be followed closes when these bounces end. `first`: of the events of this instant. `impulses`:
+// with which pairs came to rest.
 void Contacts::report_changes(const std::vector<Contact>& before, std::size_t first, const std::map<int, Vec3>& impulses,
                               std::vector<Event>& events) {
   enum class Now : unsigned char { open, still, slips };
@@ -411,6 +424,14 @@ void Contacts::report_changes(const std::vector<Contact>& before, std::size_t fi
   const std::vector<Contact> closed(world_->tree_.contacts().begin(), world_->tree_.contacts().end());
   for (const Contact& c : closed) note(pairs[c.pair].to, c, c.settles < 0);
   const ContactsByPair before_by_pair(before), closed_by_pair(closed);
+  for (const Contact& c : closed)
+    for (const auto& entry : before_by_pair.of(c.pair)) {
+      const Contact& then = before[entry.second];
+      if (c.keeps_direction > 0 && same_contact(then, c) && dot(then.direction, c.direction) < 0) pairs[c.pair].from = Now::still;
+    }
+  const auto jams = [&](int pair) { return std::ranges::find(jammed_, pair) != jammed_.end(); };
+  for (auto& [pair, change] : pairs)
+    if (change.to == Now::slips && jams(pair)) change.from = Now::still;
   locate_bodies(world_->tree_, world_->state_, world_->workspace_);
   for (const auto& [pair, change] : pairs) {
     if (change.from == change.to) continue;
@@ -431,7 +452,7 @@ void Contacts::report_changes(const std::vector<Contact>& before, std::size_t fi
     Event event = begin_event(what, pair);
     place_contacts(world_->tree_, world_->workspace_, of, rows_);
     locate_event(event, of, std::vector<double>(of.size(), 1.0), pair);
-    if (change.to == Now::still && std::find(jammed_.begin(), jammed_.end(), pair) != jammed_.end()) {
+    if (!opened && jams(pair)) {
       event.reason = "no finite force lets it slip on (Painlevé's paradox)";
       if (const auto found = impulses.find(pair); found != impulses.end()) event.contact.impulse = found->second;
     }

@@ -107,36 +107,47 @@ TEST_CASE("contact and stops: what rests on a stop takes part in a landing if th
   }
 }
 
-TEST_CASE("contact: slip that no finite force allows ends at once, by an impact") {
-  // A rod leans on the floor and slips slowly in the direction of its lean: Painlevé's example.
-  constexpr double mass = 2, half = 1, radius = 0.01, mu = 2, lean = 0.55, v = 1e-4, moment = mass * half * half / 3;
-  Model model;
-  const double z = half * std::cos(lean) + radius, x = half * std::sin(lean);  // the end is at −x
-  const BodyId rod = model.add({.name = "rod",
-                                .mass = mass,
-                                .inertia = diagonal(moment, moment, 0.01),
-                                .joint = Free{},
-                                .q = {0, 0, z, std::cos(lean / 2), 0, std::sin(lean / 2), 0},
-                                .v = {-v * std::cos(lean), 0, -v * std::sin(lean), 0, 0, 0}});
-  model.add_collider({.body = rod, .solid = contact::sphere(radius, {0, 0, -half})});
-  model.add_collider({.plane = true});
-  model.add_contact_rule({.law = {.friction = mu, .static_friction = mu}});
-  Simulation sim(model, {.method = "dop853", .step = 1e-3, .rtol = 1e-12, .atol = 1e-14});
-  const double nn = 1 / mass + x * x / moment, tt = 1 / mass + z * z / moment, nt = x * z / moment;
-  REQUIRE(nn < mu * nt);  // no finite force
-  REQUIRE(sim.run_until(0.05) == Status::ok);
-  const double impact = 0.5 * v * v * nn / (nn * tt - nt * nt);  // until it stops
-  CHECK(sim.energy().lost_in_impacts / impact == doctest::Approx(1).epsilon(1e-5));
-  const auto named = [](const Event& event) { return event.reason.find("Painlevé") != std::string::npos; };
-  CHECK(std::count_if(sim.events().begin(), sim.events().end(), named) == 1);
-  const Event& jam = *std::find_if(sim.events().begin(), sim.events().end(), named);
-  CHECK(jam.lost / impact == doctest::Approx(1).epsilon(1e-5));
-  CHECK(jam.before.kinetic - jam.lost == doctest::Approx(jam.after.kinetic).epsilon(1e-12));
-  CHECK(norm(jam.after.linear - jam.before.linear - jam.contact.impulse) < 1e-12 * mass * v);
-  CHECK(norm(jam.contact.impulse) > 0.1 * mass * v);
-  for (const ContactPoint& contact : sim.world().contacts()) CHECK(contact.force.z > 0);
-  CHECK(sim.world().contacts().size() == 1);
-  CHECK(std::fabs(sim.energy().error) < 1e-9);
+TEST_CASE("contact: slip that no finite force allows ends at once, by an impact, and may begin again in another direction") {
+  // A rod leans on the floor and slips slowly in the direction of its lean: Painlevé's example. It may also be pushed sideways.
+  for (const double push : {0.0, 60.0}) {
+    CAPTURE(push);
+    constexpr double mass = 2, half = 1, radius = 0.01, mu = 2, lean = 0.55, v = 1e-4, moment = mass * half * half / 3;
+    Model model;
+    const double z = half * std::cos(lean) + radius, x = half * std::sin(lean);  // the end is at −x
+    const BodyId rod = model.add({.name = "rod",
+                                  .mass = mass,
+                                  .inertia = diagonal(moment, moment, 0.01),
+                                  .joint = Free{},
+                                  .q = {0, 0, z, std::cos(lean / 2), 0, std::sin(lean / 2), 0},
+                                  .v = {-v * std::cos(lean), 0, -v * std::sin(lean), 0, 0, 0}});
+    model.add_collider({.body = rod, .solid = contact::sphere(radius, {0, 0, -half})});
+    model.add_collider({.plane = true});
+    model.add_contact_rule({.law = {.friction = mu, .static_friction = mu}});
+    model.add_force({.body = rod, .point = {0, 0, -half}, .force = {Signal{}, Signal{push}, Signal{}}});
+    Simulation sim(model, {.method = "dop853", .step = 1e-3, .rtol = 1e-12, .atol = 1e-14});
+    const double nn = 1 / mass + x * x / moment, tt = 1 / mass + z * z / moment, nt = x * z / moment;
+    REQUIRE(nn < mu * nt);  // no finite force
+    REQUIRE(sim.run_until(0.05) == Status::ok);
+    const double impact = 0.5 * v * v * nn / (nn * tt - nt * nt);  // until it stops
+    CHECK(sim.energy().lost_in_impacts / impact == doctest::Approx(1).epsilon(1e-5));
+    const auto named = [](const Event& event) { return event.reason.find("Painlevé") != std::string::npos; };
+    CHECK(std::count_if(sim.events().begin(), sim.events().end(), named) == 1);
+    const Event& jam = *std::find_if(sim.events().begin(), sim.events().end(), named);
+    CHECK(jam.lost / impact == doctest::Approx(1).epsilon(1e-5));
+    CHECK(jam.before.kinetic - jam.lost == doctest::Approx(jam.after.kinetic).epsilon(1e-12));
+    CHECK(norm(jam.after.linear - jam.before.linear - jam.contact.impulse) < 1e-12 * mass * v);
+    CHECK(norm(jam.contact.impulse) > 0.1 * mass * v);
+    for (const ContactPoint& contact : sim.world().contacts()) CHECK(contact.force.z > 0);
+    CHECK(std::fabs(sim.energy().error) < 1e-9);
+    CHECK(jam.name == (push > 0 ? "slip" : "rest"));
+    Simulation soon(model, {.method = "dop853", .step = 1e-3, .rtol = 1e-12, .atol = 1e-14});
+    REQUIRE(soon.run_until(1e-4) == Status::ok);
+    REQUIRE(soon.world().contacts().size() == 1);
+    const ContactPoint contact = soon.world().contacts().front();
+    CHECK(std::hypot(contact.force.x, contact.force.y) < mu * contact.force.z * (1 + 1e-9));
+    CHECK(contact.slips == (push > 0));
+    if (push > 0) CHECK(contact.slip.y > 0);
+  }
 }
 
 TEST_CASE("contact and stops: arms that fall on a floor come to rest, however slowly their last points slip") {

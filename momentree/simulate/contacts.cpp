@@ -310,7 +310,7 @@ std::span<const Watch> Contacts::watches(double& h) {
     conditions_.emplace_back(std::make_shared<Apart>(*this, i), 0.0, true);
   }
   const std::span<const Contact> closed = world.tree_.contacts();
-  speed_.assign(closed.size(), 0.0), turning_.assign(closed.size(), 0.0);
+  speed_.assign(closed.size(), 0.0), turning_.assign(closed.size(), 0.0), slips_along_.assign(closed.size(), {});
   started_ = world.time();
   if (!closed.empty()) conditions_.emplace_back(std::make_shared<Hold>(*this), 0.0, true);
   for (std::size_t i = 0; i < closed.size(); ++i)
@@ -320,8 +320,9 @@ std::span<const Watch> Contacts::watches(double& h) {
       const double shortest = step_ > 0 ? shortest_step_of_slip * step_ : 0;
       h = std::min(h, std::max(shortest, std::min(slip_change_time(i),
                                                   (step_ > 0 ? 1 : stable) * (speed_[i] + most_kept(i)) / turning_[i])));
-      if (norm(v) > slowest_slip)
-        conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), normalized(v)), 0.0, true);
+      if (!(norm(v) > slowest_slip)) continue;
+      slips_along_[i] = normalized(v);
+      conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), slips_along_[i]), 0.0, true);
     }
   for (std::size_t i = 0; i < closed.size(); ++i) {
     const Pair& pair = pairs_[static_cast<std::size_t>(closed[i].pair)];

@@ -316,8 +316,9 @@ class Contacts {
   double lost_ = 0;
   std::vector<double> restitution_, after_, weaker_, much_weaker_;
   bool weakened_ = false;
-  // By closed contact, of those that slip at the start of the step: speed (m/s), and turning() (m/s²).
+  // By closed contact, of those that slip at the start of the step: speed (m/s), turning() (m/s²), and the direction.
   std::vector<double> speed_, turning_;
+  std::vector<Vec3> slips_along_;
   double started_ = 0;             // when the step began (s)
   int short_steps_ = 0;            // in a row in which a contact crept
   double slowest_approach_ = 0;    // slower approaches count as rest (m/s)

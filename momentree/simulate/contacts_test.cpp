@@ -102,6 +102,62 @@ TEST_CASE("contact: a block on an incline stops, or slips on") {
   }
 }
 
+TEST_CASE("contact: slip that stops and turns back in one instant begins anew") {
+  const double a = 20 * std::numbers::pi / 180, up = 9.81 * (std::sin(a) + 0.2 * std::cos(a)), turn = 3 / up;
+  for (const char* method : {"rk4", "dopri5", "dop853"}) {
+    CAPTURE(method);
+    Model model({.gravity = {9.81 * std::sin(a), 0, -9.81 * std::cos(a)}});  // too steep for the block to stay
+    const BodyId block = model.add({.name = "block/block",
+                                    .mass = 2,
+                                    .inertia = diagonal(0.1, 0.2, 0.25),
+                                    .joint = Free{},
+                                    .q = {0, 0, 0.05, 1, 0, 0, 0},
+                                    .v = {-3, 0, 0, 0, 0, 0}});
+    model.add_collider({.body = block, .solid = contact::box({1, 0.8, 0.1})});
+    model.add_collider({.plane = true});
+    model.add_contact_rule({.law = {.friction = 0.2, .static_friction = 0.2}});
+    Simulation sim(model, {.method = method, .step = 1e-2});
+    int turned = 0;
+    REQUIRE(sim.run_until(1.5));
+    for (const Event& event : sim.events())
+      if (event.name == "slip" && event.time > 0) {
+        ++turned;
+        CHECK(std::fabs(event.time - turn) < 1e-9);
+      }
+    CHECK(turned == 1);
+    CHECK(first(sim, "stick") == nullptr);
+    const double down = 9.81 * (std::sin(a) - 0.2 * std::cos(a)), since = 1.5 - turn;
+    CHECK(std::fabs(sim.world().motions()[0].linear.x - down * since) < 1e-8);
+  }
+}
+
+TEST_CASE("contact: slip that swings to and fro on an arc turns back every half period") {
+  for (const char* method : {"rk4", "dop853"}) {
+    CAPTURE(method);
+    Model model({.gravity = {0, 0, -9.81}});
+    const BodyId arm = model.add({.name = "arm",
+                                  .mass = 1,
+                                  .com = {1, 0, 0},
+                                  .inertia = diagonal(0.01),
+                                  .joint = Cylindrical{.axis = {0, 0, 1}, .stiffness = {20, 0}},
+                                  .q = {2.0, 0.1}});
+    model.add_collider({.body = arm, .solid = contact::sphere(0.1, Pose(Vec3{1, 0, 0}))});
+    model.add_collider({.plane = true});
+    model.add_contact_rule({.law = {.friction = 0.1, .static_friction = 0.1}});
+    Simulation sim(model, {.method = method, .step = 1e-3});
+    const double half = std::numbers::pi * std::sqrt(1.01 / 20);
+    REQUIRE(sim.run_until(3.5 * half));
+    std::vector<double> turns;
+    for (const Event& event : sim.events())
+      if (event.name == "slip" && event.time > 0) turns.push_back(event.time);
+    REQUIRE(turns.size() == 3);
+    for (std::size_t k = 0; k < 3; ++k) CHECK(std::fabs(turns[k] - static_cast<double>(k + 1) * half) < 1e-7);
+    // Each swing is shorter by twice the angle at which the spring holds against friction.
+    const double shift = 0.1 * 9.81 / 20;
+    CHECK(std::fabs(sim.world().joint({0}).q[0] + shift) < 1e-5);
+  }
+}
+
 TEST_CASE("contact: a rimless wheel rolls down with the speeds and the period of its limit cycle") {
   const int n = 10;
   const double L = 0.8, J = 0.3, slope = 0.06, a = std::numbers::pi / n, g = 9.81;
