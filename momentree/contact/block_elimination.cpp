@@ -11,13 +11,16 @@ namespace momentree::contact {
 
 namespace {
 
-// C −= A B, of sizes rows × inner and inner × columns.
+// C −= A B, of sizes rows × inner and inner × columns. Told that they do not overlap, compilers use vector instructions.
+template <class Rows, class Inner, class Columns>
+void subtract(const double* __restrict A, const double* __restrict B, double* __restrict C, Rows rows, Inner inner,
+              Columns columns) {
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t k = 0; k < inner; ++k)
+      for (std::size_t j = 0; j < columns; ++j) C[i * columns + j] -= A[i * inner + k] * B[k * columns + j];
+}
 void subtract_product(const double* A, const double* B, double* C, std::size_t rows, std::size_t inner, std::size_t columns) {
-  sized(columns, [&](auto n) {
-    for (std::size_t i = 0; i < rows; ++i)
-      for (std::size_t k = 0; k < inner; ++k)
-        for (std::size_t j = 0; j < n; ++j) C[i * n + j] -= A[i * inner + k] * B[k * n + j];
-  });
+  all_sized([&](auto m, auto l, auto n) { subtract(A, B, C, m, l, n); }, rows, inner, columns);
 }
 
 }  // namespace
@@ -77,19 +80,21 @@ void BlockElimination::reset() {
 
 // x becomes D⁻¹ x, with the factors of a block D of the diagonal.
 void BlockElimination::solve_block(int own, double* x, std::size_t columns) const {
-  const std::size_t n = at(sizes_[at(own)]);
   const double* const D = values_.data() + at_[index(own, own)];
   const int* const pivots = pivots_.data() + first_[at(own)];
-  for (std::size_t k = 0; k < n; ++k)
-    if (at(pivots[k]) != k) std::swap_ranges(x + k * columns, x + (k + 1) * columns, x + at(pivots[k]) * columns);
-  for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t i = k + 1; i < n; ++i)
-      for (std::size_t j = 0; j < columns; ++j) x[i * columns + j] -= D[i * n + k] * x[k * columns + j];
-  for (std::size_t k = n; k-- > 0;) {
-    for (std::size_t j = 0; j < columns; ++j) x[k * columns + j] *= D[k * n + k];  // it holds the inverse
-    for (std::size_t i = 0; i < k; ++i)
-      for (std::size_t j = 0; j < columns; ++j) x[i * columns + j] -= D[i * n + k] * x[k * columns + j];
-  }
+  const auto solve = [&](auto n, auto m) {
+    for (std::size_t k = 0; k < n; ++k)
+      if (at(pivots[k]) != k) std::swap_ranges(x + k * m, x + (k + 1) * m, x + at(pivots[k]) * m);
+    for (std::size_t k = 0; k < n; ++k)
+      for (std::size_t i = k + 1; i < n; ++i)
+        for (std::size_t j = 0; j < m; ++j) x[i * m + j] -= D[i * n + k] * x[k * m + j];
+    for (std::size_t k = n; k-- > 0;) {
+      for (std::size_t j = 0; j < m; ++j) x[k * m + j] *= D[k * n + k];  // it holds the inverse
+      for (std::size_t i = 0; i < k; ++i)
+        for (std::size_t j = 0; j < m; ++j) x[i * m + j] -= D[i * n + k] * x[k * m + j];
+    }
+  };
+  all_sized(solve, at(sizes_[at(own)]), columns);
 }
 
 bool BlockElimination::factorise() {

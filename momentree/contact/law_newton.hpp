@@ -36,9 +36,11 @@ class LawNewton {
   void clear(const std::vector<int>& sizes);
   void add(const Point& point) { points_.push_back(point); }
 
-  /// Improves the impulses r, three of each point, until their residual is at most `accuracy`. Leaves the best ones that it found
-  /// in r and returns their residual: the largest violation of the law, as a velocity relative to the largest one of the problem.
-  double solve(double* r, double accuracy);
+  /// Improves the impulses r, three of each point, until their residual is at most `accuracy`; where that is hard to reach, at
+  /// most `enough`. Leaves the best ones that it found in r and returns their residual: the largest violation of the law, as a
+  /// velocity relative to the largest one of the problem.
+  double solve(double* r, double accuracy, double enough);
+  double solve(double* r, double accuracy) { return solve(r, accuracy, accuracy); }
   /// The residual at r.
   double residual(const double* r);
 
@@ -51,7 +53,10 @@ class LawNewton {
   void add_velocity(const Point& point, double* w) const;
   void add_matrix(const Point& point, const std::array<double, 9>& K);
   double natural_map(const double* r, bool linearise);
+  double violation(const double* r) const;
   bool find_step();
+  double take_whole_steps(double accuracy, double enough);
+  double take_shorter_steps(double best, double accuracy);
   void newton();
   void find_nearest(std::size_t point, const double* w, double* r, bool linearise);
   double slope(double length);

@@ -13,11 +13,8 @@ namespace momentree::contact {
 
 namespace {
 
-constexpr int most_sweeps = 64;
-constexpr double converged = 1e-5;  // residual, and change of a velocity in one sweep, relative to the largest one before
-constexpr double at_rest = 1e-3;    // speed, relative to that
-constexpr double stays = 2e-11;     // residual of what rests: then it moves by less than 1e-9 m in 10 s
-constexpr int bisections = 8;       // of the part of the expansion that the energy permits
+constexpr int most_sweeps = 3;
+constexpr int bisections = 8;  // of the part of the expansion that the energy permits
 
 // Of a symmetric 3×3 block; zero if it is nearly singular.
 std::array<double, 9> inverse_of(const std::array<double, 9>& A) {
@@ -82,7 +79,7 @@ void ManyPoints::find_blocks() {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::array<double, 9>& A = blocks_[i] = block(i);
     inverses_[i] = inverse_of(A);
-    tangential_[i] = 0.5 * (A[4] + A[8] + std::hypot(A[4] - A[8], A[5] + A[7]));
+    tangential_[i] = 0.5 * (A[4] + A[8] + length_of(A[4] - A[8], A[5] + A[7]));
   }
 }
 
@@ -197,7 +194,7 @@ double ManyPoints::relax(std::size_t point, double least, const std::vector<doub
     for (std::size_t k = 1; k < 3; ++k) w[k] += A[3 * k] * (own[0] - moved[0]);
     w[0] += A[0] * (own[0] - moved[0]);
     const double most = friction * own[0];
-    if (const double speed = std::hypot(w[1], w[2]); most > 0 && !(size > 0) && speed > 0) {
+    if (const double speed = length_of(w[1], w[2]); most > 0 && !(size > 0) && speed > 0) {
       own[1] = -most * w[1] / speed, own[2] = -most * w[2] / speed;  // against a prescribed motion
     } else if (!(most > 0) || !(size > 0)) {
       own[1] = own[2] = 0;
@@ -214,18 +211,19 @@ double ManyPoints::relax(std::size_t point, double least, const std::vector<doub
   add(point, change, change_);
   // The normal force and friction may press against each other, so that they change no more and yet don't obey the law.
   const double normal = own[0] > least ? std::fabs(w[0]) : -w[0];
-  const double t1 = own[1] - w[1] / size, t2 = own[2] - w[2] / size, most = friction * own[0], length = std::hypot(t1, t2);
+  const double t1 = own[1] - w[1] / size, t2 = own[2] - w[2] / size, most = friction * own[0], length = length_of(t1, t2);
   const double shorten = length > most ? most / length : 1;
-  const double tangential = size > 0 ? std::hypot(own[1] - shorten * t1, own[2] - shorten * t2) * size : 0;
+  const double tangential = size > 0 ? length_of(own[1] - shorten * t1, own[2] - shorten * t2) * size : 0;
   return std::max({std::fabs(change[0]) * A[0], std::fabs(change[1]) * size, std::fabs(change[2]) * size, normal, tangential});
 }
 
-// Sweeps in both directions carry loads down and up a pile, from the impulses of the last step. Where they do not converge, and
-// where all that is pressed comes to rest, so that it stays where it is, Newton's method goes on. Returns the residual that it
-// leaves; 0, if sweeps converge.
+// Sweeps in both directions carry loads down and up a pile, from the impulses of the last step. Where they do not converge at
+// once, Newton's method goes on. What rests must not move: what had no impulses before is exact at once, and otherwise the
+// residual of the guess is squared. Returns the residual.
 double ManyPoints::find_impulses(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                                  std::vector<double>& impulses) {
-  double scale = 0, change = 0, residual = 0;
+  double scale = 0, change = 0, wanted = at_rest;
+  const bool fresh = std::all_of(first, last, [&](std::size_t i) { return impulses[3 * i] == 0; });
   for (const std::size_t* p = first; p != last; ++p)
     for (std::size_t k = 0; k < 3; ++k) scale = std::max(scale, std::fabs(start[3 * *p + k]));
   const auto visit = [&](std::size_t i) {
@@ -238,29 +236,12 @@ double ManyPoints::find_impulses(const std::size_t* first, const std::size_t* la
       std::for_each(first, last, visit);
     else
       std::for_each(std::make_reverse_iterator(last), std::make_reverse_iterator(first), visit);
-    if (!(change > converged * scale)) break;
+    if (k == 0 && !fresh) wanted = std::clamp(change * change / (scale * scale), at_rest, accuracy_);
+    if (!(change > wanted * scale)) break;
   }
-  if (change > converged * scale) {
-    residual = solve_exactly(first, last, start, impulses, converged);
-    change = scale * residual;
-  }
-  if (change > stays * scale && comes_to_rest(first, last, start, impulses, at_rest * scale))
-    solve_exactly(first, last, start, impulses, stays);
-  return residual;
-}
-
-// True if no point that is pressed moves faster than that.
-bool ManyPoints::comes_to_rest(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                               const std::vector<double>& impulses, double speed) {
-  for (const std::size_t* p = first; p != last; ++p) {
-    if (!(impulses[3 * *p] > 0)) continue;
-    double w[3];
-    all_along(*p, change_, w);
-    w[0] += points[*p].slack;
-    for (std::size_t k = 0; k < 3; ++k)
-      if (!(std::fabs(start[3 * *p + k] + w[k]) < speed)) return false;
-  }
-  return true;
+  if (!(scale > 0)) return 0;
+  if (!(change > wanted * scale)) return change / scale;
+  return solve_exactly(first, last, start, impulses, wanted, fresh ? wanted : accuracy_);
 }
 
 double ManyPoints::energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
@@ -278,19 +259,23 @@ void ManyPoints::restart(const std::size_t* first, const std::size_t* last, cons
   for (const std::size_t* p = first; p != last; ++p) add(*p, impulses.data() + 3 * *p, change_);
 }
 
-// Impulses that were not found exactly may add energy: then less of them is applied. Returns the part that is left out.
+// Impulses that were not found exactly may add energy: then less of them is applied. Returns the largest velocity that is left
+// out, relative to the largest one before.
 double ManyPoints::lose_energy(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                                std::vector<double>& impulses) {
   if (!(energy_change(first, last, start, impulses) > 0)) return 0;
-  double rate = 0, size = 0;
+  double rate = 0, size = 0, fastest = 0, scale = 0;
   for (const std::size_t* p = first; p != last; ++p)
-    for (std::size_t k = 0; k < 3; ++k)
-      rate += impulses[3 * *p + k] * start[3 * *p + k], size += impulses[3 * *p + k] * along(*p, k, change_);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double before = start[3 * *p + k], gained = along(*p, k, change_);
+      rate += impulses[3 * *p + k] * before, size += impulses[3 * *p + k] * gained;
+      scale = std::max(scale, std::fabs(before)), fastest = std::max(fastest, std::fabs(gained));
+    }
   const double part = rate < 0 && size > 0 ? std::min(1.0, -rate / size) : 0.0;
   for (const std::size_t* p = first; p != last; ++p)
     for (std::size_t k = 0; k < 3; ++k) impulses[3 * *p + k] *= part;
   restart(first, last, impulses);
-  return 1 - part;
+  return scale > 0 ? (1 - part) * fastest / scale : 1 - part;
 }
 
 void ManyPoints::velocities(std::vector<double>& w) {
@@ -362,7 +347,8 @@ void ManyPoints::prepare() {
   find_blocks();
 }
 
-void ManyPoints::solve() {
+void ManyPoints::solve(double accuracy) {
+  accuracy_ = accuracy;
   r.resize(3 * points.size());
   prepare();
   residual_ = 0;

@@ -95,11 +95,11 @@ void ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last,
 
 // Improves impulses that sweeps have found. Returns the residual of the law.
 double ManyPoints::solve_exactly(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                                 std::vector<double>& impulses, double accuracy) {
+                                 std::vector<double>& impulses, double accuracy, double enough) {
   begin_newton(first, last, start, false);
   exact_.clear();
   for (const std::size_t p : pressing_) exact_.insert(exact_.end(), {impulses[3 * p], impulses[3 * p + 1], impulses[3 * p + 2]});
-  const double residual = newton_.solve(exact_.data(), accuracy);
+  const double residual = newton_.solve(exact_.data(), accuracy, enough);
   for (std::size_t k = 0; k < pressing_.size(); ++k)
     for (std::size_t row = 0; row < 3; ++row) impulses[3 * pressing_[k] + row] = exact_[3 * k + row];
   restart(first, last, impulses);

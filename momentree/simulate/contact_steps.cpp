@@ -124,21 +124,22 @@ void ContactSteps::set_law(double h) {
   reached_.assign(many_.points.size(), 0.5 * h);  // what lies on something falls with it before the impulse
   hit_.assign(many_.points.size(), false);
   guess(h);
+  // What contacts do in the step may accelerate bodies by as much as gravity, though they fall alike without these.
+  const double by_gravity = norm(world_->model_.gravity()) * h, slow = std::max(slow_impact, by_gravity);
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const Contact& c = near_[i];
     const ContactLaw& law = contacts_->law_of(c.pair);
     many_.points[i].friction = law.friction;
     const double v = rows_.velocity[3 * i], a = rows_.acceleration[3 * i];
-    if (!approach(i, rows_.touches[i].gap, v, a, law.restitution, slow_impact, h)) continue;
+    if (!approach(i, rows_.touches[i].gap, v, a, law.restitution, slow, h)) continue;
     for (const int body : {c.a, c.b})
       if (body >= 0) hits_.push_back(body);
   }
   for (std::size_t i = 0; i < near_stops_.size(); ++i) {
     const NearStop& at = near_stops_[i];
     const double gap = at.stop.touched ? std::min(at.gap, 0.0) : at.gap;
-    // What contacts do in the step may accelerate it by as much as gravity, though both bodies fall alike without these.
-    const double slow = std::max(at.stop.rest_speed, norm(world_->model_.gravity()) * h);
-    approach(near_.size() + i, gap, at.velocity, at.acceleration, at.stop.restitution, slow, h);
+    const double rests = std::max(at.stop.rest_speed, by_gravity);
+    approach(near_.size() + i, gap, at.velocity, at.acceleration, at.stop.restitution, rests, h);
   }
 }
 
@@ -312,7 +313,7 @@ void ContactSteps::find_forces() {
       double& b = many_.b[3 * (near_.size() + i)];
       b = std::max(0.0, b) + h * near_stops_[i].acceleration;
     }
-    many_.solve();
+    many_.solve(contact::ManyPoints::at_rest);
     for (std::size_t i = 0; i < near_.size(); ++i) {
       const double* const r = &many_.r[3 * i];
       if (r[0] > 0) found.push_back(point_at(i, {r[0] / h, r[1] / h, r[2] / h}, rows_.velocity));
