@@ -199,16 +199,23 @@ struct CylinderOverlap {
     }
   }
 
-  // Points of the other solid before an end.
+  // Points of the other solid before an end: of its face there, or the deepest one.
   void before_end(std::size_t end) const {
-    const Vec3 n = of_can.R * outward(end), own = transpose_times(of_other.R, n);
+    const Vec3 own = transpose_times(of_other.R, of_can.R * outward(end));
+    Features f{FeaturePair::point_plane, {}, {}, can.ends[end], outward(end), other.radius, 0};
+    const std::size_t first = out.size();
+    if (!other.faces.empty()) face_before_end(f, own, end);
+    if (out.size() > first) return;
+    f.point_a = *std::min_element(other.vertices.begin(), other.vertices.end(),
+                                  [&](const Vec3& a, const Vec3& b) { return dot(own, a) < dot(own, b); });
+    push(false, f);
+  }
+  void face_before_end(Features& f, const Vec3& own, std::size_t end) const {
     std::size_t plane = 0;
     for (std::size_t k = 1; k < other.faces.size(); ++k)
       if (dot(other.faces[k].normal, own) < dot(other.faces[plane].normal, own) - 1e-9) plane = k;
     plane = at(other.faces[plane].plane);
     const Solid::Face& face = other.faces[plane];
-    Features f{FeaturePair::point_plane, {}, {}, can.ends[end], outward(end), other.radius, 0};
-    const std::size_t first = out.size();
     const Vec3 local_axis = transpose_times(of_other.R, along), local_end = into(of_other, out_of(of_can, can.ends[end]));
     const auto flat = [&](const Vec3& v) { return v - dot(v, local_axis) * local_axis; };
     for (const Solid::Edge& edge : other.edges) {
@@ -229,11 +236,6 @@ struct CylinderOverlap {
       f.point_a = there - ((dot(face.normal, there) - face.offset) / falling) * local_axis;
       if (in_outline(other, plane, f.point_a)) push(false, f);
     }
-    if (out.size() > first) return;
-    const auto deepest = std::min_element(other.vertices.begin(), other.vertices.end(),
-                                          [&](const Vec3& a, const Vec3& b) { return dot(own, a) < dot(own, b); });
-    f.point_a = *deepest;
-    push(false, f);
   }
 
   // An edge that crosses the side or a rim, or a corner before the side; or an edge along the side.

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/contact/cylinder.hpp>
+#include <momentree/contact/cylinder_overlap.hpp>
 #include <momentree/contact/distance.hpp>
 #include <tests/oracle/prng.hpp>
 
@@ -182,4 +183,16 @@ TEST_CASE("cylinders: no gap is below the distance, which is exact") {
   CHECK(apart > 1000);
   CHECK(rounded > 300);
   CHECK(overlapping > 100);
+}
+
+TEST_CASE("cylinders: a capsule that pierces a disc is as deep as the way out at its nearer end") {
+  const Solid disc = cylinder(1, 0.05), pin = capsule(0.02, 0.4);
+  for (const double shift : {-0.05, 0.02, 0.1}) {
+    for (const bool second : {false, true}) {
+      std::vector<Candidate> found;
+      cylinder_overlap_points(disc, Place{}, pin, Place{.r = {0.1, 0, shift}}, second, 0, found);
+      REQUIRE(found.size() == 1);
+      CHECK(found[0].gap == doctest::Approx(std::fabs(shift) - 0.2 - 0.02 - 0.025).epsilon(1e-12));
+    }
+  }
 }

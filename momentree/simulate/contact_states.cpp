@@ -13,6 +13,8 @@ namespace momentree {
 namespace {
 
 constexpr int most_impacts = 200;  // at one instant
+constexpr int most_choices = 3;    // of what stays closed, after the first one
+constexpr double most_lacking = 1e-3;
 
 }  // namespace
 
@@ -311,29 +313,35 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   Settled settled(*world_);
   const ContactsByPair before_by_pair(before);
   std::map<int, Vec3> impulses;
-  for (std::size_t jammed = 0;; jammed = jammed_.size()) {
-    closed.clear();
+  double lacking = 0;
+  for (int left = most_choices;; --left) {
     for (std::vector<Contact>& touching : islands)
       if (std::optional<Unresolved> failed = close_island(touching, before, before_by_pair, closed, settled)) {
         lost_ += settled.event.lost - settled.event.work;
         return failed;
       }
-    if (jammed > 0) break;
-    impulses = stop(closed, settled);
-    if (jammed_.empty()) break;  // what is stopped as it jams may begin to slip in another direction
+    for (Contact& c : closed) {
+      const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
+      const auto then = before_by_pair.of(c.pair);
+      const double known = then.empty() ? 0 : before[then.front().second].settles;  // negative: it was closed, and stays so
+      if (now != settling_.end() && known >= 0)
+        c.settles = now->second;
+      else if (known > world_->time())
+        c.settles = known;
+    }
+    for (const auto& [pair, impulse] : stop(closed, settled)) impulses[pair] += impulse;
+    set(closed);
+    (*evaluate_)(world_->state_);
+    lacking = closed.empty() ? 0 : excess_of_forces();
+    if (left == 0 || !(lacking > 0)) break;
+    set({}), closed.clear();  // what is stopped leaves others with another slip, or may begin to slip anew
     (*evaluate_)(world_->state_);
   }
-  for (Contact& c : closed) {
-    const auto now = std::find_if(settling_.begin(), settling_.end(), [&](const auto& s) { return s.first == c.pair; });
-    const auto then = before_by_pair.of(c.pair);
-    const double known = then.empty() ? 0 : before[then.front().second].settles;  // negative: it was closed, and stays so
-    if (now != settling_.end() && known >= 0)
-      c.settles = now->second;
-    else if (known > world_->time())
-      c.settles = known;
+  if (lacking > most_lacking) {
+    lost_ += settled.event.lost - settled.event.work;
+    set({});
+    return Unresolved{"no forces were found that obey the law of contact", true, {closed.front().a, closed.front().b}};
   }
-  set(closed);
-  (*evaluate_)(world_->state_);
   const std::size_t reported = events.size();
   report_changes(before, first, impulses, events);
   if (!settled.any) return std::nullopt;

@@ -27,11 +27,12 @@ class InstantLaws {
     std::vector<BodyAcceleration> accelerations;
   };
   void require_equations_of_motion(const World& world);
-  void require_contact_law(const World& world);
+  void require_contact_law(const World& world, bool stepped);
   void require_nothing_below_floor(const World& world);
   void require_joints(const World& world, bool stepped);
   void require_cables(const World& world);
   void require_totals(const World& world);
+  void require_rest(const Simulation& simulation);
   void require_motion_follows_accelerations(const std::string& at);
 
   const io::Scenario& scenario_;
@@ -40,6 +41,8 @@ class InstantLaws {
   std::vector<Instant> last_;             // the last three without an event between them
   std::map<std::string, double> beyond_;  // by joint and DoF: how far it is beyond a stop that it was given there
   std::size_t followed_ = 0;              // events until the last step
+  std::vector<BodyMotion> at_rest_;       // at a row; it was the same at `rested_` rows, without events since
+  std::size_t rested_ = 0, rest_events_ = 0;
 };
 
 }  // namespace momentree::fuzz

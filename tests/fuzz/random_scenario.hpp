@@ -18,6 +18,9 @@ inline std::string random_scenario(Choices& choose) {
   return random_scenario(choose, mixed);
 }
 
+/// Stacks that stand or fall, with contact everywhere.
+std::string random_pile(Choices& choose);
+
 /// The parts written so far, for references to them.
 struct Draft {
   struct DraftJoint {
