@@ -13,8 +13,8 @@ namespace momentree::contact {
 
 namespace {
 
-constexpr int most_sweeps = 3;
-constexpr int bisections = 8;  // of the part of the expansion that the energy permits
+constexpr int first_sweeps = 3, most_sweeps = 64;  // before Newton's method, and without it
+constexpr int bisections = 8;                      // of the part of the expansion that the energy permits
 
 // Of a symmetric 3×3 block; zero if it is nearly singular.
 std::array<double, 9> inverse_of(const std::array<double, 9>& A) {
@@ -230,18 +230,18 @@ double ManyPoints::find_impulses(const std::size_t* first, const std::size_t* la
     const double own = relax(i, least_[i], start, impulses.data() + 3 * i);
     change = std::max(change, own - LawNewton::round_off * blocks_[i][0] * impulses[3 * i]);
   };
-  for (int k = 0; k < most_sweeps; ++k) {
+  for (int k = 1;; ++k) {
     change = 0;
-    if (k % 2 == 0)
+    if (k % 2 == 1)
       std::for_each(first, last, visit);
     else
       std::for_each(std::make_reverse_iterator(last), std::make_reverse_iterator(first), visit);
-    if (k == 0 && !fresh) wanted = std::clamp(change * change / (scale * scale), at_rest, accuracy_);
-    if (!(change > wanted * scale)) break;
+    if (!(scale > 0)) return 0;
+    if (k == 1 && !fresh) wanted = std::clamp(change * change / (scale * scale), at_rest, accuracy_);
+    if (!(change > wanted * scale) || k == most_sweeps) return change / scale;
+    if (k == first_sweeps && begin_newton(first, last, start, false))
+      return solve_exactly(first, last, impulses, wanted, fresh ? wanted : accuracy_);
   }
-  if (!(scale > 0)) return 0;
-  if (!(change > wanted * scale)) return change / scale;
-  return solve_exactly(first, last, start, impulses, wanted, fresh ? wanted : accuracy_);
 }
 
 double ManyPoints::energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
@@ -379,6 +379,10 @@ LinksMotion& ManyPoints::separate(const std::vector<double>& gaps, std::vector<d
     double deepest = 0, most = HUGE_VAL;
     for (const std::size_t* p = first; p != last; ++p) deepest = std::max(deepest, -gaps[*p]);
     for (int k = 0; k < most_sweeps && most > accuracy * deepest; ++k) {
+      if (k == first_sweeps && begin_newton(first, last, gaps, true)) {
+        separate_exactly(first, last, pushes, accuracy);
+        break;
+      }
       most = 0;
       for (const std::size_t* p = first; p != last; ++p) {
         const double a = blocks_[*p][0];
@@ -388,7 +392,6 @@ LinksMotion& ManyPoints::separate(const std::vector<double>& gaps, std::vector<d
         if (push[0] != 0) add(*p, push, moved_), most = std::max(most, std::fabs(push[0]) * a);
       }
     }
-    if (most > accuracy * deepest) separate_exactly(first, last, gaps, pushes, accuracy);
     begin = end;
   }
   return moved_;

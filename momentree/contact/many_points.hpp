@@ -78,11 +78,10 @@ class ManyPoints {
                      std::vector<double>& impulses);
   void restart(const std::size_t* first, const std::size_t* last, const std::vector<double>& impulses);
   void find_link_responses(const std::vector<int>& touched, std::vector<double>& responses);
-  void begin_newton(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, bool gaps);
-  double solve_exactly(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                       std::vector<double>& impulses, double accuracy, double enough);
-  void separate_exactly(const std::size_t* first, const std::size_t* last, const std::vector<double>& gaps,
-                        std::vector<double>& pushes, double accuracy);
+  bool begin_newton(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, bool gaps);
+  double solve_exactly(const std::size_t* first, const std::size_t* last, std::vector<double>& impulses, double accuracy,
+                       double enough);
+  void separate_exactly(const std::size_t* first, const std::size_t* last, std::vector<double>& pushes, double accuracy);
   void expand(const std::size_t* first, const std::size_t* last);
 
   int dofs_ = 0;

@@ -31,8 +31,8 @@ void ManyPoints::find_link_responses(const std::vector<int>& touched, std::vecto
 }
 
 // The points of an island that anything can press: with the velocities `start` without impulses, or with these gaps and normal
-// directions alone.
-void ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, bool gaps) {
+// directions alone. False if a tree has so many links with points that its dense matrix would take long.
+bool ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, bool gaps) {
   block_of_.resize(parent_.size()), place_of_.resize(links.all.size());
   pressing_.clear();
   for (const std::size_t* p = first; p != last; ++p) {
@@ -58,6 +58,9 @@ void ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last,
       place_of_[at(part.link)] = sizes_[at(block)];
       sizes_[at(block)] += 6, touched_[at(block)].push_back(part.link);
     }
+  constexpr int most_unknowns = 600;  // of a tree: then its factors take about 0.1 s, as long as hundreds of sweeps
+  for (std::size_t i = 0; i < sizes_.size(); ++i)
+    if (!touched_[i].empty() && sizes_[i] > most_unknowns) return false;
   std::size_t wide = 0;  // rows of Y that act on several links
   for (const std::size_t p : pressing_)
     for (const Part& part : points[p].parts)
@@ -91,12 +94,12 @@ void ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last,
     }
     newton_.add(point);
   }
+  return true;
 }
 
-// Improves impulses that sweeps have found. Returns the residual of the law.
-double ManyPoints::solve_exactly(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                                 std::vector<double>& impulses, double accuracy, double enough) {
-  begin_newton(first, last, start, false);
+// Improves impulses that sweeps have found, after begin_newton(). Returns the residual of the law.
+double ManyPoints::solve_exactly(const std::size_t* first, const std::size_t* last, std::vector<double>& impulses,
+                                 double accuracy, double enough) {
   exact_.clear();
   for (const std::size_t p : pressing_) exact_.insert(exact_.end(), {impulses[3 * p], impulses[3 * p + 1], impulses[3 * p + 2]});
   const double residual = newton_.solve(exact_.data(), accuracy, enough);
@@ -106,10 +109,9 @@ double ManyPoints::solve_exactly(const std::size_t* first, const std::size_t* la
   return residual;
 }
 
-// Improves pushes that sweeps have found, and moved_ with them.
-void ManyPoints::separate_exactly(const std::size_t* first, const std::size_t* last, const std::vector<double>& gaps,
-                                  std::vector<double>& pushes, double accuracy) {
-  begin_newton(first, last, gaps, true);
+// Improves pushes that sweeps have found, and moved_ with them, after begin_newton().
+void ManyPoints::separate_exactly(const std::size_t* first, const std::size_t* last, std::vector<double>& pushes,
+                                  double accuracy) {
   exact_.clear();
   for (const std::size_t p : pressing_) exact_.insert(exact_.end(), {pushes[p], 0.0, 0.0});
   newton_.solve(exact_.data(), accuracy);
