@@ -87,7 +87,7 @@ TEST_CASE("impact: a rod that falls on its end, with every restitution") {
     ImpactLaw law;
     REQUIRE(law.apply(system, all(e, 1)).solved);
     const double square = std::cos(angle) * std::cos(angle), N = un < 0 ? (1 + e) * -un / (1 + 3 * square) : 0;
-    CHECK(system.r[0] == doctest::Approx(N).epsilon(1e-14));
+    CHECK(std::fabs(system.r[0] - N) * (1 + 3 * square) < 1e-13 * std::max(std::fabs(system.b[0]), std::fabs(system.b[1])));
     const double lost = un < 0 ? (1 - e * e) * un * un / (2 * (1 + 3 * square)) : 0;
     CHECK(std::fabs(system.energy_change() + lost) < 1e-14 * (1 + lost));
   }

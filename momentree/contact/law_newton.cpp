@@ -19,7 +19,7 @@ constexpr double far = 1e-3;                               // where it was not f
 constexpr int most_problems = 60, most_idle = 20;          // in all, and those that hardly improve the residual
 constexpr int most_newton_steps = 30, most_flat = 10;      // in a problem, and those that hardly improve it
 constexpr int most_whole_steps = 40, most_idle_steps = 5;  // in all, and those that do not improve what is enough
-constexpr int most_shorter = 12;                           // halvings of a step
+constexpr int most_shorter = 2;                            // lengths of a step: more lead into local minima
 
 // Adds three columns of Y times three rows of KJ to a block. Told that they do not overlap, compilers use vector instructions.
 template <class Rows, class Columns, class N>
@@ -91,7 +91,7 @@ void LawNewton::prepare() {
     scale_ = std::max(scale_, point.least * A[0]);
   }
   matrix_.analyse();
-  x_.resize(matrix_.unknowns()), w_.resize(3 * points_.size()), c_.resize(3 * points_.size()), shift_.resize(points_.size());
+  x_.resize(matrix_.unknowns()), w_.resize(3 * points_.size()), c_.resize(3 * points_.size());
 }
 
 // (C1): w_ = b + J Σ Y r.
@@ -239,8 +239,9 @@ bool LawNewton::find_step() {
   return std::ranges::all_of(step_, [](double x) { return std::isfinite(x); });
 }
 
-// The law itself, with yield about centre_: steps from r_ are halved until |F| decreases.
-void LawNewton::newton() {
+// The law itself, with yield about centre_: steps from r_ are halved until |F| decreases. Where it hardly does, a whole step
+// leaves the local minimum. False if no solution was found.
+bool LawNewton::newton() {
   double inertia = 0;  // Σ 1/a
   for (const std::array<double, 9>& A : A_) inertia += 1 / A[0];
   const double small = std::max(vanishing, 0.1 * accuracy_) * scale_;
@@ -262,9 +263,10 @@ void LawNewton::newton() {
       if (next < (1 - 1e-4 * length) * now) break;
     }
     flat += best > 0.999 * now ? 1 : 0;
-    step_to(best_length);
+    step_to(best > 0.97 * now ? 1 : best_length);
     now = map(true);
   }
+  return now <= small * small * inertia;
 }
 
 // (C6) of a point with velocity w; with K_ the derivative.
@@ -365,6 +367,7 @@ double LawNewton::take_shorter_steps(double best, double accuracy) {
     return now;
   };
   yield_ = first_yield, accuracy_ = accuracy;
+  shift_.assign(points_.size(), 0.0);
   double shrink = 0.1;
   bool nearby = std::any_of(r_.begin(), r_.end(), [](double x) { return x != 0; });  // Newton's method converges from r_
   for (int k = 0, idle = 0; k < most_problems && best > accuracy && idle < most_idle; ++k) {
@@ -372,7 +375,9 @@ double LawNewton::take_shorter_steps(double best, double accuracy) {
     centre_ = r_;
     if (!nearby) {
       find_velocities(r_.data());
-      for (std::size_t i = 0; i < points_.size(); ++i) shift_[i] = points_[i].friction * length_of(w_[3 * i + 1], w_[3 * i + 2]);
+      // At first s = 0: where nothing slips then, the law is obeyed. Later half of the change, since s may alternate.
+      for (std::size_t i = 0; i < points_.size() && k > 0; ++i)
+        shift_[i] = 0.5 * (shift_[i] + points_[i].friction * length_of(w_[3 * i + 1], w_[3 * i + 2]));
       if (minimise() > far) {  // more slowly
         r_ = centre_, yield_ = std::min(5 * yield_, 1.0), shrink = 0.4;
         continue;
@@ -381,12 +386,12 @@ double LawNewton::take_shorter_steps(double best, double accuracy) {
     minimum_ = r_;
     const double associated = nearby ? best : note();
     if (best <= accuracy) break;
-    newton();
+    const bool found = newton();
     const double now = note();
     if (!(now < associated)) r_ = minimum_;
-    if (std::exchange(nearby, now < (nearby ? 0.3 : 0.1) * before) && !nearby) continue;
     idle = best < before ? 0 : idle + 1;
-    yield_ = std::max(shrink * yield_, least_yield);
+    if (std::exchange(nearby, found && yield_ > least_yield) && !nearby) continue;
+    yield_ = std::max((nearby && !(now < 0.3 * before) ? 0.01 : shrink) * yield_, least_yield);  // the law may be obeyed far away
   }
   return best;
 }

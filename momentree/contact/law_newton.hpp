@@ -57,7 +57,7 @@ class LawNewton {
   bool find_step();
   double take_whole_steps(double accuracy, double enough);
   double take_shorter_steps(double best, double accuracy);
-  void newton();
+  bool newton();
   void find_nearest(std::size_t point, const double* w, double* r, bool linearise);
   double slope(double length);
   double find_length();

@@ -158,8 +158,8 @@ bool find_blocks(const std::vector<double>& M, std::size_t n, std::vector<std::s
   return std::any_of(block_of.begin(), block_of.end(), [](std::size_t block) { return block != 0; });
 }
 
-bool solve_whole(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of, Solution which,
-                 double zero, std::vector<double>& rows) {
+bool solve_whole(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of, double zero,
+                 std::vector<double>& rows) {
   const std::size_t n = right.size();
   column_of.resize(n);
   for (std::size_t i = 0; i < n; ++i) column_of[i] = i;
@@ -171,7 +171,7 @@ bool solve_whole(std::vector<double>& M, std::vector<double>& right, std::vector
   for (std::size_t i = 0; i < factors.size(); ++i) factors[i] = by_column[column_of[i]];
   for (std::size_t i = 0; i < std::min(rank, factors.size()); ++i) right[i] *= factors[i];
   rows.clear();
-  if (which == Solution::least && rank < n) {
+  if (rank < n) {
     const std::vector<double> found = row_space(M, n, rank, factors);
     project(found, right);
     rows.resize(found.size());
@@ -190,12 +190,12 @@ bool solve_whole(std::vector<double>& M, std::vector<double>& right, std::vector
 
 }  // namespace
 
-bool solve_linear(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of, Solution which,
-                  double zero, std::vector<double>* rows) {
+bool solve_linear(std::vector<double>& M, std::vector<double>& right, std::vector<std::size_t>& column_of, double zero,
+                  std::vector<double>* rows) {
   const std::size_t n = right.size();
   std::vector<std::size_t> block_of;
   std::vector<double> own_rows;
-  if (!find_blocks(M, n, block_of)) return solve_whole(M, right, column_of, which, zero, rows != nullptr ? *rows : own_rows);
+  if (!find_blocks(M, n, block_of)) return solve_whole(M, right, column_of, zero, rows != nullptr ? *rows : own_rows);
   std::vector<double> block, own_right;
   std::vector<std::size_t> own;
   bool redundant = false;
@@ -207,7 +207,7 @@ bool solve_linear(std::vector<double>& M, std::vector<double>& right, std::vecto
       if (block_of[i] == first) own.push_back(i), own_right.push_back(right[i]);
     for (const std::size_t i : own)
       for (const std::size_t j : own) block.push_back(M[i * n + j]);
-    if (!solve_whole(block, own_right, column_of, which, zero, own_rows)) return false;
+    if (!solve_whole(block, own_right, column_of, zero, own_rows)) return false;
     for (std::size_t i = 0; i < own.size(); ++i) right[own[i]] = own_right[i];
     if (rows == nullptr) continue;
     redundant = redundant || !own_rows.empty();

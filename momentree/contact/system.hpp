@@ -9,8 +9,8 @@
 //   |t| ≤ μ N,  and t = −μ N w_t/|w_t| unless w_t = 0.
 //
 // N0 is zero except in the expansion of an impact. A point that slips already has a given direction s: t = −μ N s.
-// With friction at several points the solution need not be unique; the solver starts from `r` and visits points in their order,
-// so that equal input gives equal output.
+// With friction at several points the solution need not be unique; the solver starts from `r`, and equal input gives equal
+// output.
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -40,14 +40,14 @@ class System {
   double& element(std::size_t row, std::size_t column) { return A[row * unknowns() + column]; }
   double element(std::size_t row, std::size_t column) const { return A[row * unknowns() + column]; }
 
-  /// Finds r, from the present one. Returns false if no solution was found: r is then an iterate. `acceptable`: the
+  /// Finds r, from the present one. Returns false if no solution was found: r is then the best one that was. `acceptable`: the
   /// residual of a solution that cannot be improved, such as where redundant rows contradict each other by rounding.
   [[nodiscard]] bool solve(double acceptable = 1e-11);
 
   /// w_i of all unknowns at the present r.
   void velocities(std::vector<double>& w) const;
   /// Largest violation of the law at r, as a velocity relative to the largest one of the problem.
-  double residual() const;
+  double residual();
   PointState state(std::size_t point) const;
   /// ½ rᵀA r + bᵀr: the change of kinetic energy by impulses r.
   double energy_change() const;
@@ -58,31 +58,12 @@ class System {
 
  private:
   double velocity(std::size_t row) const;
-  double normal_mobility(std::size_t point) const;
-  double tangent_mobility(std::size_t point) const;
-  double violation(std::size_t point) const;
-  void relax(std::size_t point);
-  void relax_normal(std::size_t point);
-  void relax_friction(std::size_t point);
-  bool sweep(int sweeps);
-  double descend();
-  bool solve_at_rest();
-  bool polish();
-  void trim();
-  bool accept();
-  void classify();
-  bool newton_step();
   double scale() const;
-  bool newton();
+  bool moves(std::size_t point) const { return element(3 * point, 3 * point) > 0; }
+  void prepare();
 
-  static constexpr double solved = 5e-14;  // residual of a solution
-
-  double acceptable_ = 0;
-  std::vector<PointState> guess_;
-  std::vector<bool> pressed_;
-  std::vector<double> matrix_, right_, kept_;
   LawNewton newton_;
-  std::vector<std::size_t> column_of_;
+  std::vector<double> impulses_;  // of the points that move
 };
 
 }  // namespace momentree::contact

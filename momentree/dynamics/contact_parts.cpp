@@ -40,7 +40,7 @@ Force<double> wrench_along(const Tree& tree, const double* q, const Workspace<do
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j)
       for (std::size_t c = 0; c < 6; ++c) squares[n * i + j] += E[c][i] * E[c][j];
-  if (!contact::solve_linear(squares, of, columns, contact::Solution::least, 1e-12)) return {};
+  if (!contact::solve_linear(squares, of, columns, 1e-12)) return {};
   double W[6] = {};
   for (std::size_t c = 0; c < 6; ++c)
     for (std::size_t i = 0; i < n; ++i) W[c] += E[c][i] * of[i];

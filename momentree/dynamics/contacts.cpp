@@ -79,7 +79,7 @@ bool solve_rows(ContactWorkspace& all, std::span<const Contact> contacts, bool t
       for (std::size_t j = 0; j < n; ++j) all.matrix[i * n + j] = all.rows.mobility(rows[i], rows[j]);
       all.right[i] = right[rows[i]];
     }
-    if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant)) return false;
+    if (!contact::solve_linear(all.matrix, all.right, all.columns, redundant)) return false;
     for (std::size_t i = 0; i < n; ++i) x[rows[i]] = all.right[i];
   }
   return true;
@@ -311,7 +311,7 @@ void find_forces_of_group(std::span<const Contact> contacts, ContactRows::Group&
     }
     all.right[i] = -rows.acceleration[of[i]];
   }
-  if (!contact::solve_linear(all.matrix, all.right, all.columns, contact::Solution::least, redundant, &all.independent))
+  if (!contact::solve_linear(all.matrix, all.right, all.columns, redundant, &all.independent))
     std::fill(all.right.begin(), all.right.end(), NAN);  // the step then says that the motion diverged
   else
     share_forces(contacts, group, all, at_state);

@@ -52,12 +52,11 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   find_contact_accelerations(tree, q, workspace, staying, rows_);
   find_contact_mobility(tree, q, workspace, staying, rows_);
   forget_evaluation_with_loops();
-  set_law(staying);
-  const bool still = std::ranges::none_of(system_.laws, [](const contact::PointLaw& law) { return law.slipping; });
-  bool rests = still && system_.solve();
+  const bool solved = solve_states(staying);
+  bool rests = solved;
   for (std::size_t i = 0; i < staying.size(); ++i) rests = rests && system_.state(i) != contact::PointState::slip;
-  rests = rests || (still && can_rest(staying));
-  if (!rests && !solve_states(staying)) return false;
+  rests = rests || can_rest(staying);
+  if (!rests && !solved) return false;
   system_.velocities(after_);
   weakened_ = false;
   const double noise = 1e-12 * largest(system_.r), inexact = motion_from_residual * system_.residual() * largest(system_.b);
@@ -233,37 +232,13 @@ void Contacts::set_law(const std::vector<Contact>& contacts) {
   }
 }
 
-// Bodies that hardly begin to slip: with a little less friction the directions are clear, from which those with all of it follow.
-bool Contacts::solve_hardly_slipping() {
-  constexpr int most = 10;
-  constexpr double exact = 1e-11, clear = 1e-6;
-  const std::vector<contact::PointLaw> laws = system_.laws;
-  if (std::ranges::any_of(laws, [](const contact::PointLaw& law) { return law.slipping; })) return false;
-  for (contact::PointLaw& law : system_.laws) law.friction *= 1 - less_friction;
-  bool solved = system_.solve(), follows = false;
-  for (int k = 0; k < most && solved && !follows; ++k) {
-    system_.velocities(after_);
-    system_.laws = laws;
-    for (std::size_t i = 0; i < laws.size(); ++i) {
-      const double a1 = after_[3 * i + 1], a2 = after_[3 * i + 2], size = std::hypot(a1, a2);
-      if (!(size > clear * largest(system_.b))) continue;  // also points that need not press
-      system_.laws[i].slipping = true, system_.laws[i].direction = {a1 / size, a2 / size};
-    }
-    solved = system_.solve();
-    system_.laws = laws;
-    follows = solved && system_.residual() < exact;
-  }
-  system_.laws = laws;
-  return follows;
-}
-
 // The forces of contacts that are placed.
 bool Contacts::solve_states(const std::vector<Contact>& contacts) {
   set_law(contacts);
   // Contacts that are nearly at rest contradict each other by what is left of their velocities. The result only tells states
   // apart.
   constexpr double acceptable = 1e-8;
-  if (solve_hardly_slipping() || system_.solve() || system_.solve(acceptable)) return true;
+  if (system_.solve(acceptable)) return true;
   // With many points that slip the solver may cycle. The velocities after a very short time obey a law without given directions.
   constexpr double soon = 1e-6;  // s
   for (std::size_t i = 0; i < system_.unknowns(); ++i) system_.b[i] = rows_.velocity[i] + soon * rows_.acceleration[i];

@@ -246,7 +246,6 @@ class Contacts {
   bool slips(const Contact& c, const Vec3& v) const;
   bool can_rest(std::vector<Contact> contacts);
   void set_law(const std::vector<Contact>& contacts);
-  bool solve_hardly_slipping();
   [[nodiscard]] bool solve_states(const std::vector<Contact>& contacts);
   double friction_of(const Contact& c) const;
   void weaken_friction();
