@@ -402,14 +402,28 @@ double LawNewton::solve(double* r, double accuracy, double enough) {
   r_.assign(r, r + 3 * points_.size());
   double best = take_whole_steps(accuracy, enough);
   if (best > enough) best = take_shorter_steps(best, enough);
-  for (std::size_t i = 0; i < points_.size(); ++i) {  // rounding leaves no pull and no friction beyond the cone
+  take_best(r);
+  return best;
+}
+
+double LawNewton::solve_carefully(double* r, double accuracy) {
+  if (points_.empty()) return 0;
+  prepare();
+  best_.assign(r, r + 3 * points_.size());
+  const double best = take_shorter_steps(residual(r), accuracy);
+  take_best(r);
+  return best;
+}
+
+// Rounding leaves no pull and no friction beyond the cone.
+void LawNewton::take_best(double* r) {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
     double* const own = best_.data() + 3 * i;
     own[0] = std::max(own[0], points_[i].least);
     const double most = points_[i].friction * own[0], size = length_of(own[1], own[2]);
     if (size > most) own[1] *= most / size, own[2] *= most / size;
   }
   std::copy(best_.begin(), best_.end(), r);
-  return best;
 }
 
 }  // namespace momentree::contact

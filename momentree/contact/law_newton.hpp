@@ -40,7 +40,8 @@ class LawNewton {
   /// most `enough`. Leaves the best ones that it found in r and returns their residual: the largest violation of the law, as a
   /// velocity relative to the largest one of the problem.
   double solve(double* r, double accuracy, double enough);
-  double solve(double* r, double accuracy) { return solve(r, accuracy, accuracy); }
+  /// The same to round-off, with steps that are shortened from the start: for few points that are solved once.
+  double solve_carefully(double* r, double accuracy);
   /// The residual at r.
   double residual(const double* r);
 
@@ -57,6 +58,7 @@ class LawNewton {
   bool find_step();
   double take_whole_steps(double accuracy, double enough);
   double take_shorter_steps(double best, double accuracy);
+  void take_best(double* r);
   bool newton();
   void find_nearest(std::size_t point, const double* w, double* r, bool linearise);
   double slope(double length);

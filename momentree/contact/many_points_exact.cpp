@@ -114,7 +114,7 @@ void ManyPoints::separate_exactly(const std::size_t* first, const std::size_t* l
                                   double accuracy) {
   exact_.clear();
   for (const std::size_t p : pressing_) exact_.insert(exact_.end(), {pushes[p], 0.0, 0.0});
-  newton_.solve(exact_.data(), accuracy);
+  newton_.solve(exact_.data(), accuracy, accuracy);
   for (const std::size_t* p = first; p != last; ++p)
     for (const Part& part : points[*p].parts) forget(part, moved_);
   for (std::size_t k = 0; k < pressing_.size(); ++k) {

@@ -88,7 +88,7 @@ bool System::solve(double acceptable) {
       if (normal) r[i] = std::max(r[i], laws[i / 3].least);
     }
     prepare();
-    newton_.solve(impulses_.data(), solved);
+    newton_.solve_carefully(impulses_.data(), solved);
     const double* next = impulses_.data();
     for (std::size_t i = 0; i < points(); ++i)
       if (moves(i)) std::copy_n(next, 3, r.data() + 3 * i), next += 3;
