@@ -70,6 +70,7 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   if (closed && stepped && contacts.kept_too_much()) {
     undo_contact_step();
     contacts.keep_less();
+    note_before_contact_step();  // it changes what the state belongs to
     stepped = stops.step(present_method(), ledger, most, watched);
   }
   if (stepped && exploded()) return false;

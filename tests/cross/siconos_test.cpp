@@ -87,7 +87,7 @@ TEST_CASE("Siconos: impulses and forces of random mechanisms with loops, locks a
   }
   MESSAGE(problems, " problems, ", points, " points; violation ", worst_error, "; velocities ", worst_velocity, ", forces ",
           worst_force, "; other solutions ", other_solution, ", unsolved ", unsolved, ", by Siconos ", theirs_unsolved);
-  CHECK(worst_force <= 1e-10);
+  CHECK(worst_force <= 1e-9);  // velocities are found to 5e-14
   CHECK(problems > 4000);
   CHECK(loops > 1500);
   CHECK(locks > 1500);
@@ -128,7 +128,7 @@ TEST_CASE("Siconos: piles of boxes, by the solver of impacts") {
   }
   MESSAGE("taken in turn: ", separated, " of ", with_friction);
   CHECK(with_friction == 50);
-  CHECK(separated <= 5);
+  CHECK(separated == 0);
 }
 
 TEST_CASE("Siconos: piles of 30 to 100 boxes, by the solver of time steps") {
@@ -146,14 +146,14 @@ TEST_CASE("Siconos: piles of 30 to 100 boxes, by the solver of time steps") {
     most_points = std::max(most_points, ours.points.size());
     const double points = std::sqrt(static_cast<double>(ours.points.size())), error = siconos.error(ours.r) / points;
     MESSAGE(boxes, " boxes, ", ours.points.size(), " points, friction ", friction, ": violation ", error);
-    CHECK(error <= (friction > 0 ? 5e-4 : 1e-6));
+    CHECK(error <= 1e-11);
     if (friction > 0) continue;
     const Siconos::Answer theirs = siconos.solve(ours.r, 1000);
     REQUIRE(theirs.error <= 1e-10);
     Array w;
     ours.velocities(w);
     MESSAGE("velocities ", difference(w, theirs.w) / largest(ours.b));
-    CHECK(difference(w, theirs.w) <= 1e-4 * largest(ours.b));
+    CHECK(difference(w, theirs.w) <= 1e-9 * largest(ours.b));
   }
   CHECK(most_points > 300);
 }
