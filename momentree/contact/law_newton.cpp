@@ -10,16 +10,16 @@ namespace momentree::contact {
 
 namespace {
 
-constexpr double first_yield = 1e-3, least_yield = 1e-12;  // ε
-constexpr double most_yield = 1e-2, least_whole_yield = 1e-9;
-constexpr double vanishing = 1e-14;                        // velocity, relative to the largest one before
-constexpr double minimal = 1e-6;                           // how near a minimum is enough, relative to the forces
-constexpr double worthwhile = 0.9;                         // of a residual, to be worth other impulses
-constexpr double far = 1e-3;                               // where it was not found
-constexpr int most_problems = 60, most_idle = 20;          // in all, and those that hardly improve the residual
-constexpr int most_newton_steps = 30, most_flat = 10;      // in a problem, and those that hardly improve it
-constexpr int most_whole_steps = 40, most_idle_steps = 5;  // in all, and those that do not improve what is enough
-constexpr int most_shorter = 2;                            // lengths of a step: more lead into local minima
+constexpr double first_yield = 1e-3, least_yield = 1e-12;      // ε
+constexpr double most_yield = 1e-2, least_whole_yield = 1e-9;  // the same with whole steps
+constexpr double vanishing = 1e-14;                            // velocity, relative to the largest one before
+constexpr double minimal = 1e-6;                               // how near a minimum is enough, relative to the forces
+constexpr double worthwhile = 0.9;                             // of a residual, to be worth other impulses
+constexpr double far = 1e-3;                                   // where it was not found
+constexpr int most_problems = 60, most_idle = 20;              // in all, and those that hardly improve the residual
+constexpr int most_newton_steps = 30, most_flat = 10;          // in a problem, and those that hardly improve it
+constexpr int most_whole_steps = 40, most_idle_steps = 5;      // in all, and those that do not improve what is enough
+constexpr int most_shorter = 2;                                // lengths of a step: more lead into local minima
 
 // Adds three columns of Y times three rows of KJ to a block. Told that they do not overlap, compilers use vector instructions.
 template <class Rows, class Columns, class N>
@@ -338,9 +338,9 @@ double LawNewton::minimise() {
   return off;
 }
 
-// Newton's method without shorter steps, from r_: the law yields the less, the better it is obeyed. This solves all but one of
-// 2,770 islands of a pile of 100 boxes that fall on each other, in 3.5 steps each. Leaves the best impulses in best_ and returns
-// their residual.
+// Newton's method without shorter steps, from r_: the law yields the less, the better it is obeyed. Of 1,734 problems of a pile
+// of 100 boxes that fall on each other, two needed more, and 3.6 steps were enough on average. Leaves the best impulses in best_
+// and returns their residual.
 double LawNewton::take_whole_steps(double accuracy, double enough) {
   best_ = r_;
   double best = residual(r_.data()), now = best;

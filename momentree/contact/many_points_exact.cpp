@@ -58,7 +58,7 @@ bool ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last,
       place_of_[at(part.link)] = sizes_[at(block)];
       sizes_[at(block)] += 6, touched_[at(block)].push_back(part.link);
     }
-  constexpr int most_unknowns = 600;  // of a tree: then its factors take about 0.1 s, as long as hundreds of sweeps
+  constexpr int most_unknowns = 600;  // of a tree: then its factors take 10 ms
   for (std::size_t i = 0; i < sizes_.size(); ++i)
     if (!touched_[i].empty() && sizes_[i] > most_unknowns) return false;
   std::size_t wide = 0;  // rows of Y that act on several links

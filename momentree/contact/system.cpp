@@ -68,6 +68,10 @@ void System::prepare() {
 
 double System::residual() {
   prepare();
+  return prepared_residual();
+}
+
+double System::prepared_residual() {
   double worst = newton_.residual(impulses_.data());
   for (std::size_t i = 0; i < points(); ++i)
     if (!moves(i)) worst = std::max(worst, -b[3 * i] / scale());
@@ -75,15 +79,15 @@ double System::residual() {
 }
 
 bool System::solve(double acceptable) {
-  constexpr double solved = 5e-14;                         // residual
-  constexpr double first = 0, large[] = {first, 100, 10};  // further starts: normal forces, from what stops the fastest motion
+  constexpr double solved = 5e-14;           // residual
+  constexpr double starts[] = {0, 100, 10};  // from r; from normal forces of so many times what stops the fastest motion
   const double size = scale();
   double left = HUGE_VAL;
-  for (const double start : large) {
+  for (const double start : starts) {
     if (left <= acceptable) break;
     for (std::size_t i = 0; i < unknowns(); ++i) {
       const bool normal = i % 3 == 0;
-      if (start != first) r[i] = normal && moves(i / 3) ? start * size / element(i, i) : 0;
+      if (start > 0) r[i] = normal && moves(i / 3) ? start * size / element(i, i) : 0;
       if (size == 0 || !moves(i / 3)) r[i] = 0;
       if (normal) r[i] = std::max(r[i], laws[i / 3].least);
     }
@@ -92,7 +96,7 @@ bool System::solve(double acceptable) {
     const double* next = impulses_.data();
     for (std::size_t i = 0; i < points(); ++i)
       if (moves(i)) std::copy_n(next, 3, r.data() + 3 * i), next += 3;
-    left = residual();
+    left = prepared_residual();
   }
   return left <= acceptable;
 }

@@ -61,6 +61,7 @@ class System {
   double scale() const;
   bool moves(std::size_t point) const { return element(3 * point, 3 * point) > 0; }
   void prepare();
+  double prepared_residual();
 
   LawNewton newton_;
   std::vector<double> impulses_;  // of the points that move

@@ -278,19 +278,25 @@ void Contacts::note_ended_slip() {
 }
 
 // Of the present forces: how far they are outside of what contacts can exert, relative to the largest force of their island.
-double Contacts::excess_of_forces() {
+// `where`: a contact of that island.
+double Contacts::excess_of_forces(std::size_t* where) {
   constexpr double accuracy_of_margins = 1e-10;  // where friction is at its limit by construction
   constexpr double possible = 1e-9;  // inside the cones by this at least: if the least forces reach a cone, others are chosen
   world_->evaluate();
   const ContactRows& rows = world_->workspace_.contacts->rows;
   double worst = -1;
+  const auto note = [&](double excess, std::size_t contact) {
+    if (!(excess > worst)) return;
+    worst = excess;
+    if (where != nullptr) *where = contact;
+  };
   for (const ContactRows::Group& group : rows.groups)
-    if (group.shared) worst = std::max(worst, -group.margin - accuracy_of_margins);
+    if (group.shared) note(-group.margin - accuracy_of_margins, rows.of_group(group).front());
   for (const std::vector<std::size_t>& island : rows.islands()) {
     const ContactRows::Group& group = rows.groups[rows.group_of[island.front()]];
     if (group.shared) continue;
     const double excess = excess_of_island(island);
-    worst = std::max(worst, group.redundant ? std::min(excess, -possible) : excess);
+    note(group.redundant ? std::min(excess, -possible) : excess, island.front());
   }
   return worst;
 }

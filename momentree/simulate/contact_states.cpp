@@ -12,9 +12,9 @@ namespace momentree {
 
 namespace {
 
-constexpr int most_impacts = 200;  // at one instant
-constexpr int most_choices = 3;    // of what stays closed, after the first one
-constexpr double most_lacking = 1e-3;
+constexpr int most_impacts = 200;      // at one instant
+constexpr int most_choices = 3;        // of what stays closed, after the first one
+constexpr double most_lacking = 1e-3;  // excess_of_forces() with which contacts may stay closed: more would pull
 
 }  // namespace
 
@@ -314,6 +314,7 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   const ContactsByPair before_by_pair(before);
   std::map<int, Vec3> impulses;
   double lacking = 0;
+  std::size_t where = 0;
   for (int left = most_choices;; --left) {
     for (std::vector<Contact>& touching : islands)
       if (std::optional<Unresolved> failed = close_island(touching, before, before_by_pair, closed, settled)) {
@@ -332,7 +333,7 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
     for (const auto& [pair, impulse] : stop(closed, settled)) impulses[pair] += impulse;
     set(closed);
     (*evaluate_)(world_->state_);
-    lacking = closed.empty() ? 0 : excess_of_forces();
+    lacking = closed.empty() ? 0 : excess_of_forces(&where);
     if (left == 0 || !(lacking > 0)) break;
     set({}), closed.clear();  // what is stopped leaves others with another slip, or may begin to slip anew
     (*evaluate_)(world_->state_);
@@ -340,7 +341,7 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   if (lacking > most_lacking) {
     lost_ += settled.event.lost - settled.event.work;
     set({});
-    return Unresolved{"no forces were found that obey the law of contact", true, {closed.front().a, closed.front().b}};
+    return Unresolved{"no forces were found that obey the law of contact", true, {closed[where].a, closed[where].b}};
   }
   const std::size_t reported = events.size();
   report_changes(before, first, impulses, events);

@@ -282,7 +282,7 @@ class Contacts {
   std::vector<Contact> placed_again(const std::vector<Contact>& described);
   bool stay_together(const std::vector<Contact>& contacts);
   bool approach_each_other(const std::vector<Contact>& contacts);
-  double excess_of_forces();
+  double excess_of_forces(std::size_t* where = nullptr);
   double excess_of_island(const std::vector<std::size_t>& island) const;
 
   World* world_;
