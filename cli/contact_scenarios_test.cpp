@@ -1,6 +1,8 @@
 // The scenarios with contact in scenarios/, run by the program as a user would, with their physics checked.
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <cstdio>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -33,6 +35,34 @@ double kept(const Json& impact) {
 double speed_of(const Json& state, const std::string& body) {
   return norm(test::vec(state.at("bodies").at(body).at("linear"))) + norm(test::vec(state.at("bodies").at(body).at("angular")));
 }
+
+/// Lean and steer (rad) of the bicycle at that speed every 10 ms, after it was pushed over by that rate.
+struct Ride {
+  Run run;
+  std::vector<double> lean, steer;
+  Ride(double speed, double push, int seconds)
+      : run("bicycle", [&] {
+          char text[512];
+          std::snprintf(text, sizeof text,
+                        "--set mechanism.bicycle.state.velocity='{linear=[%.17g,0,0],angular=[%g,0,0]}' "
+                        "--set mechanism.bicycle.state.joints='{rear={v=%.17g},front={v=%.17g}}' "
+                        "--set integrate='{method=\"dop853\",until=%d,rtol=1e-12,atol=1e-14}' --set output.every=0.01",
+                        speed, push, speed / 0.3, speed / 0.35, seconds);
+          return std::string(text);
+        }()) {
+    const auto bodies = run.table("bodies.csv");
+    const auto of = [&](const char* key, std::size_t k) { return bodies.at(std::string("bicycle/frame.") + key).at(k); };
+    for (std::size_t k = 0; k < bodies.at("time").size(); ++k)
+      lean.push_back(std::asin(2 * (of("qw", k) * of("qx", k) + of("qy", k) * of("qz", k))));
+    steer = run.table("joints.csv").at("bicycle/steer.q0");
+  }
+  /// The largest lean of a second.
+  double most(int second) const {
+    double found = 0;
+    for (std::size_t k = 0; k < 100; ++k) found = std::max(found, std::fabs(lean.at(100 * static_cast<std::size_t>(second) + k)));
+    return found;
+  }
+};
 
 }  // namespace
 
@@ -187,6 +217,56 @@ TEST_CASE("chain_piles_up: the part that comes off falls, and lies on the floor"
     CHECK(height < 0.3);
   }
   CHECK(std::abs(run.energy("error")) < 0.02 * run.energy("lost_in_impacts"));
+}
+
+TEST_CASE("bicycle: it moves with the eigenvalues that Meijaard, Papadopoulos, Ruina and Schwab published (2007)") {
+  using Complex = std::complex<double>;
+  const Ride ride(5, 1e-6, 3);
+  // Sums of exp(λ t): samples in a distance h obey the difference equation whose characteristic roots are exp(λ h).
+  constexpr std::size_t apart = 10;
+  std::vector<Complex> polynomial{1};  // by powers, from the lowest
+  for (const Complex value : {Complex(-0.775341882, 4.464867713), Complex(-0.775341882, -4.464867713), Complex(-0.322866429, 0),
+                              Complex(-14.078389693, 0)}) {
+    polynomial.insert(polynomial.begin(), 0);
+    for (std::size_t k = 0; k + 1 < polynomial.size(); ++k) polynomial[k] -= std::exp(0.01 * apart * value) * polynomial[k + 1];
+  }
+  for (const std::vector<double>& angle : {ride.lean, ride.steer}) {
+    const double most = std::fabs(*std::ranges::max_element(angle, {}, [](double x) { return std::fabs(x); }));
+    CHECK(most > 1e-8);
+    for (std::size_t k = 0; k + 4 * apart < angle.size(); ++k) {
+      double left = 0;
+      for (std::size_t j = 0; j < polynomial.size(); ++j) left += polynomial[j].real() * angle[k + j * apart];
+      CHECK(std::fabs(left) < 2e-9 * most);
+    }
+  }
+}
+
+TEST_CASE("bicycle: it weaves less and less above the published speed, and capsizes above the other one") {
+  // After 6 s the other modes are below 0.3 % of the weave, after 15 s the weave is below 1e-9 of the capsize mode.
+  const auto growth = [](double speed, int from, int to) {
+    const Ride ride(speed, 1e-6, to + 1);
+    return ride.most(to) / ride.most(from);
+  };
+  CHECK(growth(4.27, 6, 18) > 1);
+  CHECK(growth(4.31, 6, 18) < 1);
+  CHECK(growth(6.024, 15, 24) < 1);
+  CHECK(growth(6.0245, 15, 24) > 1);
+}
+
+TEST_CASE("bicycle: at 4.6 m/s it comes upright again, and what leaning had is speed; at 3 m/s it falls") {
+  const Ride ride(4.6, 0.5, 20);
+  CHECK(ride.most(0) > 0.1);
+  CHECK(ride.most(19) < 1e-4);
+  CHECK(std::abs(ride.run.energy("error")) < 1e-8);
+  // All of the kinetic energy is that of rolling ahead: 94 kg and both wheels.
+  const double rolling = 0.5 * (94 + 0.12 / (0.3 * 0.3) + 0.28 / (0.35 * 0.35)),
+               potential = 9.81 * (85 * 0.9 + 2 * 0.3 + 4 * 0.7 + 3 * 0.35);
+  const double speed = 0.3 * ride.run.final_state.at("joints").at("bicycle/rear").at("v").at(0).get<double>();
+  CHECK(speed == doctest::Approx(std::sqrt((ride.run.energy("initial") - potential) / rolling)).epsilon(1e-8));
+  CHECK(speed == doctest::Approx(4.622).epsilon(1e-4));
+  CHECK(ride.run.events.size() == 2);  // both wheels rest
+  const Ride slow(3, 0.01, 5);
+  CHECK(slow.run.final_state.at("bodies").at("bicycle/frame").at("position").at(2).get<double>() < 0.5);
 }
 
 }  // namespace momentree

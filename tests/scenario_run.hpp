@@ -23,11 +23,11 @@ using Json = nlohmann::json;
 /// A scenario's results, read from files only. The folder is deleted at the end of the test.
 class Run {
  public:
-  explicit Run(const std::string& scenario) {
+  explicit Run(const std::string& scenario, const std::string& options = "") {
     std::random_device random;  // tests may run in parallel
     folder_ = std::filesystem::temp_directory_path() / ("momentree-" + scenario + "-" + std::to_string(random()));
     const std::string file = MOMENTREE_SOURCE_DIR "/scenarios/" + scenario + ".toml";
-    REQUIRE(command("run '" + file + "' --quiet --out '" + folder_.string() + "' >/dev/null") == 0);
+    REQUIRE(command("run '" + file + "' --quiet " + options + " --out '" + folder_.string() + "' >/dev/null") == 0);
     summary = Json::parse(text("summary.json"));
     final_state = Json::parse(text("final.json"));
     model = Json::parse(text("model.json"));

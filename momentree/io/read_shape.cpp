@@ -104,9 +104,14 @@ void read_round(const Value& value, Shape::Kind kind, const KeyTable& keys, Shap
   Fields fields(value, keys, out);
   shape.kind = kind;
   fields.require("radius");
-  fields.require("length");
+  const Value* const length = fields.require("length");
   shape.radius = fields.number("radius").value_or(1);
-  shape.length = fields.number("length").value_or(1);
+  if (length != nullptr && length->number() == 0.0)
+    out.error(
+        length->place, "length: must be greater than 0",
+        kind == Shape::Kind::capsule ? "without a length it is a sphere" : "a disc is a thin { ellipsoid = [0.3, 0.3, 1e-3] }");
+  else
+    shape.length = fields.number("length").value_or(1);
   fields.finish();
 }
 

@@ -32,6 +32,7 @@ const scenes: readonly (readonly [string, number])[] = [
   ["chimney_comes_to_rest", 5.1],
   ["rocking_block", 0.9],
   ["rimless_wheel", 3.5],
+  ["bicycle", 1.6],
   ["dominoes", 0.75],
   ["chain_piles_up", 1.0],
   ["wrecking_ball", 2.2],
