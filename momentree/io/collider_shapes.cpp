@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include <momentree/contact/feature.hpp>
@@ -20,6 +21,17 @@ Pose along_z(const Vec3& from, const Vec3& to) {
   Vec3 across[2];
   contact::perpendiculars(z, across);
   return {0.5 * (from + to), from_axes(across[0], across[1], z)};
+}
+
+// The faces of a hull.
+MeshPart faces_of(const contact::Solid& solid) {
+  MeshPart part;
+  part.points = solid.vertices;
+  for (const contact::Solid::Face& face : solid.faces)
+    for (std::size_t k = 2; k < face.corners.size(); ++k)
+      part.triangles.push_back({static_cast<std::uint32_t>(face.corners[0]), static_cast<std::uint32_t>(face.corners[k - 1]),
+                                static_cast<std::uint32_t>(face.corners[k])});
+  return part;
 }
 
 bool can_be_drawn(const Shape& shape) {
@@ -58,6 +70,17 @@ Shape solid_shape(const contact::Solid& solid) {
     shape.at = {0.5 * (points[0] + points[7]), from_axes(normalized(sides[0]), normalized(sides[1]), normalized(sides[2]))};
   }
   return shape;
+}
+
+std::vector<GroundShape> ground_shapes(const Model& model) {
+  std::vector<GroundShape> all;
+  for (const Collider& collider : model.colliders()) {
+    if (collider.plane || collider.body != ground) continue;
+    GroundShape& each = all.emplace_back();
+    each.shape = solid_shape(collider.solid);
+    if (each.shape.kind == Shape::Kind::none) each.shape.kind = Shape::Kind::mesh, each.mesh = faces_of(collider.solid);
+  }
+  return all;
 }
 
 std::vector<Shape> drawn_shapes(const Model& model, const std::vector<Shape>& shapes) {

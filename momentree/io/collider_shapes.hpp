@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <momentree/contact/solid.hpp>
+#include <momentree/io/mesh/mesh.hpp>
 #include <momentree/io/shape.hpp>
 #include <momentree/tree/model.hpp>
 
@@ -10,6 +11,14 @@ namespace momentree::io {
 
 /// The shape of a solid; none for a hull.
 Shape solid_shape(const contact::Solid& solid);
+
+/// A shape in the world, and its triangles if it is a mesh.
+struct GroundShape {
+  Shape shape{};
+  MeshPart mesh{};
+};
+/// What the ground has besides planes.
+std::vector<GroundShape> ground_shapes(const Model& model);
 
 /// By body, its shape, or those of its colliders if it has none but meshes that do not exist. Hulls of meshes are not drawn.
 /// `shapes`: by body; may be shorter than the list of bodies.

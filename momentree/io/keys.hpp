@@ -110,8 +110,9 @@ struct KeyTable {
 
 /// The tables, each defined next to its reader. `scenario_table` is the whole file.
 extern const KeyTable scenario_table, world_table, integrate_table, output_table, mechanism_table, chain_table, body_table,
-    shape_table, joint_table, joint_override_table, joint_start_table, placement_table, force_table, spring_table, cable_table,
-    loop_table, coupling_table, mimic_table, contact_table, floor_table, belt_table, event_table, condition_table, point_table;
+    shape_table, ground_shape_table, joint_table, joint_override_table, joint_start_table, placement_table, force_table,
+    spring_table, cable_table, loop_table, coupling_table, mimic_table, contact_table, floor_table, belt_table, event_table,
+    condition_table, point_table;
 /// Kind, axis, axis2 and pitch; and the initial values.
 extern const KeyList joint_geometry, joint_starts;
 /// The geometry of a joint that closes a loop.

@@ -1,7 +1,10 @@
 // Collision elements of model files as colliders: which of them count, their friction, and pairs that touch or do not.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include <momentree/io/read_action.hpp>
 #include <momentree/io/scenario_parts.hpp>
@@ -34,11 +37,12 @@ void pass_through(Model& model, std::vector<BodyId> one, std::vector<BodyId> oth
 }
 void exclude_pair(Model& model, BodyId one, BodyId other) { pass_through(model, {one}, {other}); }
 
-// Friction of single bodies. Where two bodies have coefficients, the last rule counts.
-void add_friction(const ImportedModel& imported, int first, Model& model) {
+// Friction of single bodies and of the ground. Where two of them have coefficients, the last rule counts.
+void add_friction(const ImportedModel& imported, int first, double of_ground, Model& model) {
   std::map<double, std::vector<BodyId>> by_friction;
   for (std::size_t b = 0; b < imported.bodies.size(); ++b)
     if (imported.bodies[b].friction >= 0) by_friction[imported.bodies[b].friction].push_back({first + static_cast<int>(b)});
+  if (of_ground >= 0) by_friction[of_ground].push_back(ground);
   const auto add = [&](const auto& entry) {
     ContactRule rule;
     rule.one = entry.second;
@@ -84,45 +88,103 @@ void add_exclusions(const ImportedModel& imported, int first, const std::vector<
     if (const auto a = body_of(one), b = body_of(other); a && b) exclude_pair(model, *a, *b);
 }
 
-// The solids of a model, by body their masks.
-std::vector<Masks> add_solids(const Set& set, Reading& reading) {
+// By body, its pose in the world if it is part of the ground.
+std::vector<std::optional<Pose>> fixed_poses(const Model& model, int first, int count) {
+  std::vector<std::optional<Pose>> poses;
+  for (int b = 0; b < count; ++b) {
+    const BodySpec& spec = model[BodyId{first + b}];
+    std::optional<Pose> pose;
+    if (spec.joint.kind == Kind::weld)
+      pose = spec.parent == ground ? Pose{} : poses[static_cast<std::size_t>(spec.parent.index - first)];
+    if (pose) pose = *pose * spec.at * inverse(spec.child_at);
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+// A plane that is where another one is, such as the floor, and a solid that is there already, are not added.
+void add_to_ground(Collider collider, Model& model) {
+  constexpr double near = 1e-9;
+  const auto same = [&](const Collider& other) {
+    if (other.body != ground || other.plane != collider.plane) return false;
+    if (!collider.plane) return other.solid == collider.solid;
+    const double apart = dot(collider.normal, collider.point - other.point);
+    return norm(other.normal - collider.normal) < near && std::fabs(apart) < near * std::max(1.0, norm(other.point));
+  };
+  const std::vector<Collider>& all = model.colliders();
+  if (std::none_of(all.begin(), all.end(), same)) model.add_collider(std::move(collider));
+}
+
+void sort(Masks& masks) {
+  std::sort(masks.begin(), masks.end());
+  masks.erase(std::unique(masks.begin(), masks.end()), masks.end());
+}
+
+// What was added for a model: masks by body, and those of the ground with its friction.
+struct Added {
+  std::vector<Masks> masks{};
+  Masks of_ground{};
+  double friction_of_ground = -1;
+};
+
+Added add_solids(const Set& set, Reading& reading) {
   const ImportedModel& imported = set.import->model;
-  std::vector<Masks> masks;
+  Model& model = reading.scenario.model;
+  Added added;
   int left_out = 0;
   std::string first_left_out;
-  for (std::size_t b = 0; b < imported.bodies.size(); ++b) {
-    const ImportedBody& body = imported.bodies[b];
-    std::vector<contact::Solid> solids;
-    Masks& own = masks.emplace_back();
+  const auto add = [&](const ImportedSolids& part, const std::string& name, BodyId body, const std::optional<Pose>& fixed) {
     const auto tell = [&](const std::string& what, const std::string& hint) {
-      reading.out.warning(set.place, "collision of " + in_quotes(set.mechanism + "/" + body.spec.name) + ": " + what, hint);
+      reading.out.warning(set.place, "collision of " + in_quotes(name) + ": " + what, hint);
     };
     const auto leave_out = [&](const std::string& what, const std::string&) {
-      if (++left_out == 1) first_left_out = in_quotes(set.mechanism + "/" + body.spec.name) + ": " + what;
+      if (++left_out == 1) first_left_out = in_quotes(name) + ": " + what;
     };
-    for (std::size_t s = 0; s < body.collision.size(); ++s)
-      if (auto solid = solid_of(body.collision[s], leave_out, tell)) {
-        solids.push_back(std::move(*solid));
-        own.push_back(s < body.masks.size() ? body.masks[s] : CollisionMask{});
+    Masks own;
+    for (std::size_t s = 0; s < part.collision.size(); ++s) {
+      const Shape& shape = part.collision[s];
+      const CollisionMask mask = s < part.masks.size() ? part.masks[s] : CollisionMask{};
+      if (body == ground || (fixed && shape.kind == Shape::Kind::plane)) {
+        auto collider = ground_collider(shape, *fixed, leave_out, tell);
+        if (!collider) continue;
+        add_to_ground(std::move(*collider), model);
+        added.of_ground.push_back(mask);
+        added.friction_of_ground = std::max(added.friction_of_ground, part.friction);
+      } else if (auto solid = solid_of(shape, leave_out, tell)) {
+        Collider collider;
+        collider.body = body, collider.solid = std::move(*solid);
+        model.add_collider(std::move(collider));
+        own.push_back(mask);
       }
-    std::sort(own.begin(), own.end());
-    own.erase(std::unique(own.begin(), own.end()), own.end());
-    add_colliders({set.first + static_cast<int>(b)}, solids, reading.scenario.model);
+    }
+    sort(own);
+    return own;
+  };
+  add(imported.ground, "ground", ground, set.pose);
+  const int count = static_cast<int>(imported.bodies.size());
+  const std::vector<std::optional<Pose>> fixed = fixed_poses(model, set.first, count);
+  for (int b = 0; b < count; ++b) {
+    const auto n = static_cast<std::size_t>(b);
+    const BodyId body{set.first + b};
+    added.masks.push_back(add(imported.bodies[n], model[body].name, body, fixed[n]));
   }
+  if (added.of_ground.empty()) added.of_ground = imported.ground.masks;
+  if (added.of_ground.empty()) added.of_ground = {{}};
+  sort(added.of_ground);
   if (left_out > 0)
     reading.out.warning(set.place,
                         std::to_string(left_out) + (left_out == 1 ? " collision element touches" : " collision elements touch") +
                             " nothing, such as that of " + first_left_out,
                         "collision = \"none\" in the mechanism leaves all of them out");
-  return masks;
+  return added;
 }
 
 // Bodies of which no solids touch by their masks pass through each other. Where only some do, whole bodies touch.
-void add_masks(const Set& set, const std::vector<Masks>& masks, Model& model, const Warn& warn) {
+void add_masks(const Set& set, const Added& added, Model& model, const Warn& warn) {
+  const std::vector<Masks>& masks = added.masks;
   std::map<Masks, std::vector<BodyId>> alike;
   for (std::size_t b = 0; b < masks.size(); ++b)
     if (!masks[b].empty()) alike[masks[b]].push_back({set.first + static_cast<int>(b)});
-  const Masks of_ground{set.import->model.ground};
   std::string mixed;
   const auto add = [&](const auto& one, const Masks& other, const std::vector<BodyId>& bodies) {
     std::size_t touching = 0;
@@ -135,7 +197,7 @@ void add_masks(const Set& set, const std::vector<Masks>& masks, Model& model, co
               (bodies.back() == ground ? std::string("the ground") : in_quotes(model[bodies.back()].name));
   };
   for (auto one = alike.begin(); one != alike.end(); ++one) {
-    add(*one, of_ground, {ground});
+    add(*one, added.of_ground, {ground});
     for (auto other = alike.begin(); other != std::next(one); ++other) add(*one, other->first, other->second);
   }
   if (!mixed.empty())
@@ -162,17 +224,17 @@ void add_model_colliders(bool rules, Reading& reading) {
       rules || !model.colliders().empty() ||
       std::any_of(reading.model_colliders.begin(), reading.model_colliders.end(), [](const Set& set) { return set.always; });
   if (!something) reading.model_colliders.clear();
-  std::vector<std::vector<Masks>> masks;
+  std::vector<Added> added;
   for (const Set& set : reading.model_colliders) {
-    masks.push_back(add_solids(set, reading));
-    add_friction(set.import->model, set.first, model);
+    added.push_back(add_solids(set, reading));
+    add_friction(set.import->model, set.first, added.back().friction_of_ground, model);
   }
   if (reading.floor_rule) model.add_contact_rule(std::move(*reading.floor_rule));
-  for (std::size_t i = 0; i < masks.size(); ++i) {
+  for (std::size_t i = 0; i < added.size(); ++i) {
     const Set& set = reading.model_colliders[i];
     const auto warn = [&](const std::string& what, const std::string& hint) { reading.out.warning(set.place, what, hint); };
-    add_masks(set, masks[i], model, warn);
-    add_exclusions(set.import->model, set.first, masks[i], model, [&](const std::string& name) {
+    add_masks(set, added[i], model, warn);
+    add_exclusions(set.import->model, set.first, added[i].masks, model, [&](const std::string& name) {
       warn("<exclude> names " + in_quotes(name) + ", which is not a body of the model", "");
     });
     add_pairs(set.import->model, set.first, model);
@@ -190,13 +252,19 @@ std::optional<Overlap> overlap_between_models(Reading& reading) {
     return nullptr;
   };
   const auto number = [&model](const std::string& name) { return name == "ground" ? ground : model.body(name); };
+  // Collision elements of what a joint holds at the ground often reach into the ground of the file.
+  const auto held_in_own_ground = [&](const Set* set, const Overlap& overlap) {
+    if (set == nullptr || overlap.other != "ground" || set->import->model.ground.collision.empty()) return false;
+    const BodySpec& body = model[model.body(overlap.one)];
+    return body.parent == ground && body.joint.kind != Kind::free;
+  };
   std::optional<Overlap> worst;
   Model rest = model;  // without the pairs that were looked at
   for (int k = 0; k < most_pairs; ++k) {
     const std::optional<Overlap> next = deepest_overlap(rest);
     if (!next) break;
     const Set* const set = next->cable.empty() ? set_of(next->one) : nullptr;
-    const bool within = set != nullptr && set_of(next->other) == set;
+    const bool within = set != nullptr && (set_of(next->other) == set || held_in_own_ground(set, *next));
     if (!worst && !within) worst = next;
     if (!next->cable.empty()) break;
     if (!within && (!reading.scenario.integration.resolve || reading.model_colliders.empty())) break;

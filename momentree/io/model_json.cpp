@@ -58,7 +58,8 @@ void each_source(const std::vector<Shape>& shapes, const F& f) {
   }
 }
 
-void write_shape(JsonWriter& json, const Shape& shape, const MeshNumbers& numbers) {
+// `inside`: the triangles of a mesh that has no number.
+void write_shape(JsonWriter& json, const Shape& shape, const MeshNumbers& numbers, const MeshPart& inside = {}) {
   using Kind = Shape::Kind;
   if (shape.kind == Kind::none) {
     json.null();
@@ -70,7 +71,16 @@ void write_shape(JsonWriter& json, const Shape& shape, const MeshNumbers& number
   if (shape.kind == Kind::sphere || shape.kind == Kind::cylinder || shape.kind == Kind::capsule)
     json.member("radius", shape.radius);
   if (shape.kind == Kind::cylinder || shape.kind == Kind::capsule) json.member("length", shape.length);
-  if (shape.kind == Kind::mesh) json.member("file", shape.mesh);
+  if (!inside.points.empty()) {
+    json.key("points").begin_array();
+    for (const Vec3& point : inside.points) json.value(point);
+    json.end_array().key("triangles").begin_array();
+    for (const auto& [a, b, c] : inside.triangles)
+      json.begin_array().value(static_cast<long>(a)).value(static_cast<long>(b)).value(static_cast<long>(c)).end_array();
+    json.end_array();
+  } else if (shape.kind == Kind::mesh) {
+    json.member("file", shape.mesh);
+  }
   if (shape.kind == Kind::mesh && shape.source) json.member("mesh", numbers.at(shape.source->key()));
   if (shape.kind == Kind::mesh && !(shape.scale == Vec3{1, 1, 1})) json.member("scale", shape.scale);
   write_pose(json, "at", shape.at);
@@ -91,8 +101,8 @@ void write_mechanisms(JsonWriter& json, const World& world) {
   json.end_array();
 }
 
-// `model.json` of a model without planes has no such member.
-void write_planes(JsonWriter& json, const Model& model) {
+// `model.json` of a model without planes or other ground has no such members.
+void write_ground(JsonWriter& json, const Model& model) {
   bool any = false;
   for (const Collider& collider : model.colliders()) {
     if (!collider.plane) continue;
@@ -101,6 +111,11 @@ void write_planes(JsonWriter& json, const Model& model) {
     json.begin_object().member("point", collider.point).member("normal", collider.normal).end_object();
   }
   if (any) json.end_array();
+  const std::vector<GroundShape> shapes = ground_shapes(model);
+  if (shapes.empty()) return;
+  json.key("ground").begin_array();
+  for (const auto& [shape, mesh] : shapes) write_shape(json, shape, {}, mesh);
+  json.end_array();
 }
 
 // `model.json` of a model without springs has no such member.
@@ -174,7 +189,7 @@ std::string model_json(const World& world, const std::string& title, const std::
     json.end_object();
   }
   json.end_object();
-  write_planes(json, model);
+  write_ground(json, model);
   write_springs(json, world);
   json.end_object();
   text += '\n';

@@ -128,7 +128,7 @@ void read_collision(const Value& value, BodyEntry& body, Reading& reading) {
   };
   const std::string* const word = value.string();
   if (word == nullptr) {
-    add_all(read_shape(value, reading, false));
+    add_all(read_shape(value, reading, ShapeUse::body));
   } else if (*word == "shape") {
     if (body.shape.kind == Shape::Kind::none)
       reading.out.error(value.place, "collision: the body has no shape", "give it one, or a list of shapes as its collision");
@@ -145,6 +145,38 @@ void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model
     collider.body = body, collider.solid = solid;
     model.add_collider(std::move(collider));
   }
+}
+
+std::optional<Collider> ground_collider(Shape shape, const Pose& pose, const ReportOnShape& refuse, const ReportOnShape& warn) {
+  Collider collider;
+  shape.at = pose * shape.at;
+  if (shape.kind == Shape::Kind::plane) {
+    collider.plane = true;
+    collider.point = shape.at.position, collider.normal = unit(rotation_matrix(shape.at.rotation) * shape.size);
+    return collider;
+  }
+  auto solid = solid_of(shape, refuse, warn);
+  if (!solid) return std::nullopt;
+  collider.solid = std::move(*solid);
+  return collider;
+}
+
+void read_ground(const Value& value, Reading& reading) {
+  Scenario& scenario = reading.scenario;
+  const std::size_t errors = reading.out.errors();
+  const Shape all = read_shape(value, reading, ShapeUse::ground);
+  if (errors != reading.out.errors()) return;
+  const auto add = [&](const Shape& shape) {
+    auto collider = ground_collider(
+        shape, {},
+        [&](const std::string& what, const std::string& hint) { reading.out.error(value.place, "collision: " + what, hint); },
+        [&](const std::string& what, const std::string& hint) { reading.out.warning(value.place, "collision: " + what, hint); });
+    if (!collider) return;
+    scenario.model.add_collider(std::move(*collider));
+    note_collision_shapes(scenario.model, {shape}, scenario.collision_shapes);
+  };
+  add(all);
+  for (const Shape& more : all.more) add(more);
 }
 
 void read_floor(const Value& value, Reading& reading) {

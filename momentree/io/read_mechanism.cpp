@@ -42,7 +42,7 @@ constexpr Key mechanism_entries[] = {
     {"limits", boolean, "Whether the limits of the model file are stops", "false"},
     {"collision", choice("file|none"),
      "Whether the collision elements of the model file touch other bodies; default: if there is a floor, "
-     "a [[contact]], or a body with a collision"},
+     "a [[contact]], a body with a collision, or a plane or solid that the file has in the world"},
     {"mimic", other(R"({"anyOf": [{"const": "exact"}, {"const": "independent"}, @]})", mimic_table),
      "How joints that follow others according to the model file do so: exactly, not at all, or by a spring"},
 };

@@ -350,12 +350,19 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
     shapes.back() = given.front();
     shapes.back().more.assign(given.begin() + 1, given.end());
   }
-  const bool collides = std::any_of(import->model.bodies.begin(), import->model.bodies.end(),
-                                    [](const ImportedBody& body) { return !body.collision.empty(); });
-  if (collides && choice.collision.value_or(true) && errors == reading.out.errors())
+  const auto& bodies = import->model.bodies;
+  const auto collides = [](const ImportedSolids& part) { return !part.collision.empty(); };
+  const auto has_plane = [](const ImportedSolids& part) {
+    return std::any_of(part.collision.begin(), part.collision.end(),
+                       [](const Shape& shape) { return shape.kind == Shape::Kind::plane; });
+  };
+  const bool has_ground = collides(import->model.ground) || std::any_of(bodies.begin(), bodies.end(), has_plane);
+  if ((has_ground || std::any_of(bodies.begin(), bodies.end(), collides)) && choice.collision.value_or(true) &&
+      errors == reading.out.errors())
     for (const auto& [name, kept] : reading.models)
       if (kept.get() == import)
-        reading.model_colliders.push_back({kept, mechanism, first, choice.model_place, choice.collision.has_value()});
+        reading.model_colliders.push_back(
+            {kept, mechanism, first, choice.pose, choice.model_place, has_ground || choice.collision.has_value()});
   read_model_loops(*import, mechanism, choice, joints, first, errors, reading);
   if (coupled && errors == reading.out.errors()) couple_followers(*import, choice, first, reading);
   if (errors == reading.out.errors()) add_springs(*import, choice, mechanism, first, reading);

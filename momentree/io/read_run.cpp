@@ -19,6 +19,7 @@ constexpr Key world_entries[] = {
     {"gravity", vector(dimension::acceleration), "Gravity", "[0, 0, -9.81]"},
     {"floor", other(R"({"anyOf": [{"type": "boolean"}, @]})", floor_table), "A plane that bodies with a collision touch",
      "false"},
+    {"collision", one_or_several(ground_shape_table), "Planes and solids that bodies with a collision touch, fixed in the world"},
 };
 std::vector<std::string> ways_to_share() { return {"together", "in_turn"}; }
 
@@ -55,6 +56,7 @@ void read_world(const Value& table, Reading& reading) {
       reading.out.error(fields.place_of("gravity"), "gravity: its magnitude is beyond the range of numbers");
   }
   if (const Value* floor = fields.find("floor")) read_floor(*floor, reading);
+  if (const Value* collision = fields.find("collision")) read_ground(*collision, reading);
   fields.finish();
 }
 

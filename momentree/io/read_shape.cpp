@@ -17,14 +17,15 @@ constexpr Key cylinder_entries[] = {
     {"radius", number(dimension::length, Range::positive), "Radius", nullptr, ""},
     {"length", number(dimension::length, Range::positive), "Height", nullptr, ""},
 };
-constexpr KeyTable cylinder_table{"cylinder", "", "A cylinder along z", cylinder_entries};
+constexpr KeyTable cylinder_table{"cylinder", "cylinder", "A cylinder along z", cylinder_entries};
 constexpr Key capsule_entries[] = {
     {"radius", number(dimension::length, Range::positive), "Radius", nullptr, ""},
     {"length", number(dimension::length, Range::positive), "Distance between the centres of its caps", nullptr, ""},
 };
-constexpr KeyTable capsule_table{"capsule", "", "A capsule along z", capsule_entries};
+constexpr KeyTable capsule_table{"capsule", "capsule", "A capsule along z", capsule_entries};
 
 constexpr Key shape_entries[] = {
+    {"plane", vector(dimension::number), "A plane through the origin of 'at', with the ground below it: its normal"},
     {"box", vector(dimension::length), "A box: its three edges"},
     {"sphere", number(dimension::length, Range::positive), "A sphere: its radius"},
     {"cylinder", table(cylinder_table), ""},
@@ -115,9 +116,10 @@ void read_round(const Value& value, Shape::Kind kind, const KeyTable& keys, Shap
   fields.finish();
 }
 
-Shape read_one(const Value& value, bool drawn, Reading& reading) {
+Shape read_one(const Value& value, ShapeUse use, Reading& reading) {
   Diagnostics& out = reading.out;
-  Fields fields(value, shape_table, out);
+  const bool of_ground = use == ShapeUse::ground;
+  Fields fields(value, of_ground ? ground_shape_table : shape_table, out);
   Shape shape;
   int kinds = 0;
   const auto read_size = [&](const char* key, Shape::Kind kind, const char* sizes) {
@@ -130,6 +132,11 @@ Shape read_one(const Value& value, bool drawn, Reading& reading) {
   };
   read_size("box", Shape::Kind::box, "edges");
   read_size("ellipsoid", Shape::Kind::ellipsoid, "semi-axes");
+  if (const Value* plane = of_ground ? fields.find("plane") : nullptr; plane && ++kinds) {
+    shape.kind = Shape::Kind::plane;
+    shape.size = read_vec3(*plane, dimension::number, "plane", out).value_or(z_axis);
+    if (shape.size == Vec3{}) out.error(plane->place, "plane: its normal must not be zero", "for example plane = [0, 0, 1]");
+  }
   if (const Value* sphere = fields.find("sphere"); sphere && ++kinds) {
     shape.kind = Shape::Kind::sphere;
     shape.radius = read_number(*sphere, dimension::length, "sphere", out).value_or(1);
@@ -139,7 +146,7 @@ Shape read_one(const Value& value, bool drawn, Reading& reading) {
     read_round(*cylinder, Shape::Kind::cylinder, cylinder_table, shape, out);
   if (const Value* capsule = fields.find("capsule"); capsule && ++kinds)
     read_round(*capsule, Shape::Kind::capsule, capsule_table, shape, out);
-  if (const Value* mesh = fields.find("mesh"); mesh && ++kinds) read_mesh(*mesh, drawn, shape, reading);
+  if (const Value* mesh = fields.find("mesh"); mesh && ++kinds) read_mesh(*mesh, use == ShapeUse::drawn, shape, reading);
   if (const Value* scale = fields.find("scale")) {
     if (shape.kind == Shape::Kind::mesh || fields.has("mesh"))
       read_scale(*scale, shape, out);
@@ -147,8 +154,10 @@ Shape read_one(const Value& value, bool drawn, Reading& reading) {
       out.error(scale->place, "scale: only a mesh is scaled", "give the shape its size");
   }
   if (kinds != 1 && value.table())
-    out.error(fields.place(), "a shape is one of box, sphere, cylinder, capsule, ellipsoid and mesh",
-              kinds > 1 ? "make the others further entries of a list" : "for example { sphere = 0.1 }");
+    out.error(
+        fields.place(),
+        std::string("a shape is one of ") + (of_ground ? "plane, " : "") + "box, sphere, cylinder, capsule, ellipsoid and mesh",
+        kinds > 1 ? "make the others further entries of a list" : "for example { sphere = 0.1 }");
   shape.at = fields.pose("at").value_or(Pose{});
   read_colour(fields, "colour", shape.colour, out);
   read_colour(fields, "color", shape.colour, out);
@@ -161,18 +170,23 @@ Shape read_one(const Value& value, bool drawn, Reading& reading) {
 constinit const KeyTable shape_table{"shape",
                                      "shape",
                                      "A shape, for pictures only",
-                                     shape_entries,
+                                     KeyList(shape_entries).subspan(1),
                                      {{KeyRule::How::one, "box sphere cylinder capsule ellipsoid mesh"}}};
+constinit const KeyTable ground_shape_table{"shape",
+                                            "ground_shape",
+                                            "What bodies touch, fixed in the world",
+                                            shape_entries,
+                                            {{KeyRule::How::one, "plane box sphere cylinder capsule ellipsoid mesh"}}};
 
-Shape read_shape(const Value& value, Reading& reading, bool drawn) {
+Shape read_shape(const Value& value, Reading& reading, ShapeUse use) {
   const Value::Array* several = value.array();
-  if (!several) return read_one(value, drawn, reading);
+  if (!several) return read_one(value, use, reading);
   if (several->empty())
-    reading.out.error(value.place, std::string(drawn ? "shape" : "collision") + ": the list has no shape",
-                      drawn ? "leave it out" : "leave it out, or write collision = \"none\"");
+    reading.out.error(value.place, std::string(use == ShapeUse::drawn ? "shape" : "collision") + ": the list has no shape",
+                      use == ShapeUse::body ? "leave it out, or write collision = \"none\"" : "leave it out");
   Shape all;
   for (const Value& each : *several) {
-    Shape one = read_one(each, drawn, reading);
+    Shape one = read_one(each, use, reading);
     if (&each == &several->front())
       all = std::move(one);
     else

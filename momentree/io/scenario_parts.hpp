@@ -76,6 +76,7 @@ struct Reading {
     std::shared_ptr<Import> import;
     std::string mechanism;
     int first = 0;  ///< number of its first body
+    Pose pose{};    ///< of the file's axes in the world
     Place place{};
     bool always = false;
   };
@@ -150,8 +151,9 @@ struct ModelChoice {
 bool check_bare_name(const std::string& name, Place place, std::string_view what, Diagnostics& out);
 
 BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& reading);
-/// Reads a shape table, or a list of them. `drawn`: a mesh that does not exist is a warning; otherwise the caller judges it.
-Shape read_shape(const Value& value, Reading& reading, bool drawn = true);
+/// Reads a shape table, or a list of them. A drawn mesh that does not exist is a warning; otherwise the caller judges it.
+enum class ShapeUse { drawn, body, ground };
+Shape read_shape(const Value& value, Reading& reading, ShapeUse use = ShapeUse::drawn);
 /// Reads kind, geometry, parameters, initial values and parent of a joint.
 void read_joint(const Value& table, BodyEntry& body, Reading& reading);
 /// Initial values that a mechanism's state gives under a joint's name: a number for kinds with one DoF, a list of coordinates,
@@ -215,9 +217,13 @@ void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model
 /// `warn` is called where a mesh differs from its hull.
 using ReportOnShape = std::function<void(const std::string& what, const std::string& hint)>;
 std::optional<contact::Solid> solid_of(const Shape& shape, const ReportOnShape& refuse, const ReportOnShape& warn);
+/// A plane, or what a shape touches with, as a collider of the ground; `pose`: of the shape's frame. Nothing: as solid_of().
+std::optional<Collider> ground_collider(Shape shape, const Pose& pose, const ReportOnShape& refuse, const ReportOnShape& warn);
 /// Adds the collision elements of model files and their friction, then the floor's friction. `[[contact]]` comes after it.
 void add_model_colliders(bool rules, Reading& reading);
 void read_floor(const Value& value, Reading& reading);
+/// The value of `collision` of the world.
+void read_ground(const Value& value, Reading& reading);
 void read_contact(const Value& table, Reading& reading);
 /// The pair that overlaps most at the start. Pairs within one model file pass through each other, with a warning.
 std::optional<Overlap> overlap_between_models(Reading& reading);

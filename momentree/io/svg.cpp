@@ -79,7 +79,7 @@ double append_overlay(std::string& svg, const Scene& scene, double every, double
   const double height = std::clamp(ratio * room, 160.0, tallest) + 2 * around;
   place = fit(scene.bounds, {margin + around, top + around, room, height - 2 * around});
   const double thick = link_width(scene, place.scale);
-  append_planes(svg, scene, place);
+  append_ground(svg, scene, place);
   for (std::size_t k = 0; k < scene.frames.size(); ++k) append_frame(svg, scene.frames[k], place, thick, opacity(scene, k));
   append_marks(svg, scene, place);
   append_time_labels(svg, scene, every, place, {margin, top, width - 2 * margin, height});
@@ -97,7 +97,7 @@ double append_multiples(std::string& svg, const Scene& scene, double every, doub
     place = fit(scene.bounds, {box.x + 10, box.y + 24, cell - 20, tall - 30});
     svg += "<rect x=\"" + pixels(box.x + 2) + "\" y=\"" + pixels(box.y + 2) + "\" width=\"" + pixels(cell - 4) + "\" height=\"" +
            pixels(tall - 4) + "\" rx=\"4\" stroke=\"#e3e7ec\"/>\n";
-    append_planes(svg, scene, place);
+    append_ground(svg, scene, place);
     append_frame(svg, scene.frames[k], place, std::min(link_width(scene, place.scale), 4.0), 1);
     for (const Point2& anchor : scene.anchors)
       svg += "<circle cx=\"" + pixels(place(anchor).x) + "\" cy=\"" + pixels(place(anchor).y) + "\" r=\"3\" fill=\"#1b2430\"/>\n";

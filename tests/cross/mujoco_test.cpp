@@ -72,7 +72,8 @@ void take_inertia(BodySpec& body, const Engine& engine) {
 }
 
 void compare(const std::string& path, std::uint64_t seed, bool own_inertias) {
-  const io::ReadResult result = io::read_scenario(path);
+  const io::ReadResult result =
+      io::read_scenario(path, {"mechanism." + std::filesystem::path(path).stem().string() + ".collision=none"});
   CAPTURE(io::rendered(result.diagnostics));
   REQUIRE(result.scenario);
   Engine engine(path);

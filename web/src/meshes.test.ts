@@ -49,6 +49,30 @@ describe("packed meshes", () => {
   });
 });
 
+describe("what the ground has besides planes", () => {
+  it("is drawn as it is, meshes with their own triangles", () => {
+    const ground = [
+      { kind: "sphere", radius: 2, at },
+      {
+        kind: "mesh",
+        at,
+        points: [
+          [0, 0, 1],
+          [2, 0, 1],
+          [0, 3, 1],
+        ],
+        triangles: [[0, 1, 2]],
+      },
+    ];
+    const file = { title: "", gravity: [0, 0, 0], mechanisms: [], joints: {}, bodies: {}, ground } as unknown as ModelFile;
+    const [ball, mesh] = modelOf(file).ground ?? [];
+    expect(ball).toEqual(ground[0]);
+    expect([...(mesh.parts?.[0].positions ?? [])]).toEqual([0, 0, 1, 2, 0, 1, 0, 3, 1]);
+    expect([...(mesh.parts?.[0].triangles ?? [])]).toEqual([0, 1, 2]);
+    expect(modelOf({ ...file, ground: undefined } as ModelFile).ground).toBeUndefined();
+  });
+});
+
 describe("bodies whose meshes the engine could not read", () => {
   const body = { mass: 1, com: [0, 0, 0], extent: [], shape: { kind: "box", size: [1, 1, 1], at } };
   const shapesOf = (meshes: Meshes | undefined) => {

@@ -92,6 +92,8 @@ export interface Model {
   readonly joints: readonly Joint[];
   readonly springs?: readonly Spring[];
   readonly planes?: readonly Plane[];
+  /** What the ground has besides planes, in the world. */
+  readonly ground?: readonly Shape[];
 }
 
 /** The topology from a time on until the next phase. */

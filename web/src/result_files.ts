@@ -44,6 +44,8 @@ export interface ModelFile {
   joints: Record<string, JointFile>;
   springs?: Record<string, SpringFile>;
   planes?: Plane[];
+  /** A mesh has its points and triangles here. */
+  ground?: (Shape & { points?: Vec3[]; triangles?: Vec3[] })[];
 }
 
 export interface EventFile extends RunEvent {
@@ -106,7 +108,16 @@ export function modelOf(file: ModelFile, names: readonly string[] = Object.keys(
   const numbers = numbered(names);
   const [joints, springs] = [jointsOf(file.joints, numbers), springsOf(file.springs ?? {}, numbers)];
   const planes = file.planes && { planes: file.planes };
-  return { title: file.title, gravity: file.gravity, bodies, joints, springs, ...planes };
+  const ground = file.ground && {
+    ground: file.ground.map(({ points, triangles, ...shape }): Shape => {
+      const part = {
+        positions: Float32Array.from((points ?? []).flat()),
+        triangles: Uint16Array.from((triangles ?? []).flat()),
+      };
+      return points ? { ...shape, parts: [part] } : shape;
+    }),
+  };
+  return { title: file.title, gravity: file.gravity, bodies, joints, springs, ...planes, ...ground };
 }
 
 /** The phases of a run, and its mechanisms in the order of appearance. */

@@ -63,12 +63,19 @@ Value describe_rule(const ContactRule& rule, const std::string& one, const std::
   return value(std::move(table));
 }
 
+// The plane that is the floor of a scenario; −1: there is none.
+int floor_of(const Model& model) {
+  const std::vector<Collider>& all = model.colliders();
+  const auto plane = std::find_if(all.begin(), all.end(), [](const Collider& c) { return c.plane; });
+  return plane == all.end() ? -1 : static_cast<int>(plane - all.begin());
+}
+
 // The rule that friction and restitution of a floor are read as, before all others.
 bool begins_with_rule_of_floor(const Model& model) {
   if (model.contact_rules().empty()) return false;
-  const bool plane = std::any_of(model.colliders().begin(), model.colliders().end(), [](const Collider& c) { return c.plane; });
   const ContactRule& rule = model.contact_rules().front();
-  return plane && rule.one.empty() && rule.other == std::vector<BodyId>{ground} && rule.name.empty() && !rule.law.off;
+  return floor_of(model) >= 0 && rule.one.empty() && rule.other == std::vector<BodyId>{ground} && rule.name.empty() &&
+         !rule.law.off;
 }
 
 // True if a body and its parent do not touch, but would if a rule named both.
@@ -92,9 +99,16 @@ Value describe_collision(const Model& model, BodyId body, const std::vector<Shap
   LeftOut none;
   for (std::size_t i = 0; i < model.colliders().size(); ++i) {
     const Collider& collider = model.colliders()[i];
-    if (collider.body != body) continue;
+    if (collider.body != body || static_cast<int>(i) == floor_of(model)) continue;
+    if (collider.plane) {
+      if (collider.solid.belt != Vec3{})
+        throw_error({"only one plane of the ground has a belt in a scenario, its floor", "", "give a fixed body the belt"});
+      all.push_back(describe_shape({.kind = Shape::Kind::plane, .size = collider.normal, .at = Pose(collider.point)}, {}, none));
+      continue;
+    }
     const bool mesh = i < collision_shapes.size() && collision_shapes[i].kind == Shape::Kind::mesh;
-    all.push_back(describe_shape(mesh ? collision_shapes[i] : shape_of(collider.solid, model[body].name), {}, none));
+    all.push_back(
+        describe_shape(mesh ? collision_shapes[i] : shape_of(collider.solid, std::string(model.body_name(body))), {}, none));
   }
   return value(std::move(all));
 }
@@ -113,16 +127,12 @@ Value::Table describe_belt(const Model& model, BodyId body) {
 
 Value::Table describe_floor(const Model& model) {
   Value::Table table;
-  int planes = 0;
-  for (const Collider& collider : model.colliders()) {
-    if (collider.body != ground) continue;
-    if (!collider.plane || ++planes > 1)
-      throw_error({"the ground of a scenario has one plane", "", "give a fixed body the collision"});
-    add(table, "height", number(dot(collider.normal, collider.point)));
-    add(table, "normal", list(collider.normal));
-    if (Value::Table belt = belt_entries_of(collider.solid.belt); !belt.empty()) add(table, "belt", value(std::move(belt)));
-  }
-  if (table.empty() || !begins_with_rule_of_floor(model)) return table;
+  if (floor_of(model) < 0) return table;
+  const Collider& collider = model.colliders()[static_cast<std::size_t>(floor_of(model))];
+  add(table, "height", number(dot(collider.normal, collider.point)));
+  add(table, "normal", list(collider.normal));
+  if (Value::Table belt = belt_entries_of(collider.solid.belt); !belt.empty()) add(table, "belt", value(std::move(belt)));
+  if (!begins_with_rule_of_floor(model)) return table;
   const ContactLaw& law = model.contact_rules().front().law;
   add(table, "friction", describe_friction(law));
   if (law.restitution != 0) add(table, "restitution", number(law.restitution));

@@ -27,7 +27,7 @@ Converted to_toml(const Scenario& scenario, const std::unordered_map<std::string
 /// the mechanism of their root get it in front, with dots for slashes: `gripper/base`, carried by `arm/hand`, becomes
 /// `arm/gripper.base`. `contact`: also what bodies touch with, the floor, and a [[contact]] for each rule, or each pair to which
 /// a rule applies that no names stand for. `collision_shapes`: of which colliders are made, by collider, where that is known.
-/// Meshes of others, and solids of the ground other than a plane, cannot be written: throws Error. `springs_of_joints`: couplings
+/// Meshes of others, and belts of several planes, cannot be written: throws Error. `springs_of_joints`: couplings
 /// that are not in the model.
 std::string to_toml(const Model& model, const std::vector<Shape>& shapes = {}, bool contact = true,
                     const std::vector<Shape>& collision_shapes = {}, const std::vector<JointCoupling>& springs_of_joints = {});

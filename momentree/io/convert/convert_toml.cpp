@@ -98,11 +98,13 @@ class Converter {
       if (!entry) continue;
       Value value = entry->value;
       if (entry->key == "mechanism") value = mechanisms(value);
+      if (entry->key == "world") move_collision(value);
       if (entry->key == "state" && value.string()) value = text(moved(*value.string()));
       if (entry->key == "title" && value.string() && value.string()->empty()) continue;
       if (value.table() && value.table()->empty()) continue;
       add(document, key, std::move(value));
     }
+    left_out_.colliders += ground_of_files();
     if (!scenario_.document->find("format")) document.insert(document.begin(), {"format", {}, Value(std::int64_t{1}, Place{})});
     if (left_out_.meshes > 0)
       say(Severity::warning,
@@ -125,6 +127,19 @@ class Converter {
 
   void say(Severity severity, std::string what, std::string hint) {
     diagnostics_.push_back({severity, scenario_.path, 0, 0, std::move(what), std::move(hint), ""});
+  }
+
+  // How many planes and solids model files have in the world.
+  int ground_of_files() const {
+    const std::vector<Collider>& all = scenario_.model.colliders();
+    auto count = std::count_if(all.begin(), all.end(), [](const Collider& each) { return each.body == ground; });
+    const Value::Entry* const world = scenario_.document->find("world");
+    if (const auto* floor = world ? world->value.find("floor") : nullptr;
+        floor && (!floor->value.boolean() || *floor->value.boolean()))
+      --count;
+    if (const auto* own = world ? world->value.find("collision") : nullptr)
+      count -= own->value.array() ? static_cast<std::ptrdiff_t>(own->value.array()->size()) : 1;
+    return static_cast<int>(count);
   }
 
   // The path of a file that the scenario names, relative to the output's folder.
@@ -310,6 +325,8 @@ std::string to_toml(const Model& given, const std::vector<Shape>& shapes, bool c
   contact = contact && !model.colliders().empty();
   if (Value::Table floor = contact ? describe_floor(model) : Value::Table{}; !floor.empty())
     add(world, "floor", value(std::move(floor)));
+  if (Value solids = contact ? describe_collision(model, ground, collision_shapes) : Value{}; contact && !solids.array()->empty())
+    add(world, "collision", std::move(solids));
   if (!world.empty()) add(document, "world", value(std::move(world)));
   LeftOut left_out;
   Value::Array mechanisms, forces, loops, springs, cables, couplings;

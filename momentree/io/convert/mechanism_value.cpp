@@ -51,6 +51,7 @@ Value::Table one_shape(const Shape& shape, const MeshFolders& folders, LeftOut& 
   }
   switch (shape.kind) {
     case Shape::Kind::none: break;
+    case Shape::Kind::plane: add(table, "plane", list(shape.size)); break;
     case Shape::Kind::box: add(table, "box", list(shape.size)); break;
     case Shape::Kind::ellipsoid: add(table, "ellipsoid", list(shape.size)); break;
     case Shape::Kind::sphere: add(table, "sphere", number(shape.radius)); break;

@@ -89,7 +89,8 @@ class SolidBuilder {
     const double d = 2 * shape.radius;
     double reach = 0;
     switch (shape.kind) {
-      case Shape::Kind::none: return;
+      case Shape::Kind::none:
+      case Shape::Kind::plane: return;
       case Shape::Kind::box: solid.size = shape.size, reach = 0.5 * norm(shape.size); break;
       case Shape::Kind::sphere: solid.kind = Solid::Kind::ellipsoid, solid.size = {d, d, d}, reach = shape.radius; break;
       case Shape::Kind::ellipsoid:

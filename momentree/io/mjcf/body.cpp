@@ -167,6 +167,9 @@ Mass read_inertial(XmlElement inertial, Reading& reading) {
   return mass;
 }
 
+// `paired`: a <pair> names it.
+bool touches(const Geom& geom, bool paired) { return paired || geom.mask.own != 0 || geom.mask.others != 0; }
+
 /// Reads the content of one <body>, before its children.
 class BodyReader {
  public:
@@ -266,12 +269,13 @@ class BodyReader {
       const auto geom_name = child.find("name");
       const bool paired = geom_name && reading_.geoms_of_pairs.contains(std::string(child.attribute(*geom_name)));
       if (paired) paired_.emplace_back(child.attribute(*geom_name), geom.friction);
-      if (geom.shape.kind != Shape::Kind::none && (paired || geom.mask.own != 0 || geom.mask.others != 0)) {
+      if (geom.shape.kind != Shape::Kind::none && touches(geom, paired)) {
         collision_.push_back(geom.shape);
         masks_.push_back(geom.mask);
         friction_ = std::max(friction_, geom.friction);
       }
-      if (geom.shape.kind != Shape::Kind::none) (geom.hidden ? hidden_shapes_ : shapes_).push_back(std::move(geom.shape));
+      const bool solid = geom.shape.kind != Shape::Kind::none && geom.shape.kind != Shape::Kind::plane;
+      if (solid) (geom.hidden ? hidden_shapes_ : shapes_).push_back(std::move(geom.shape));
     } else if (name == "inertial") {
       if (inertial_) return reading_.file_of(child).error({child}, "a second <inertial> in one body", "leave one of them out");
       inertial_ = child;
@@ -358,30 +362,21 @@ class BodyReader {
   XmlElement inertial_{}, without_inertia_{};
 };
 
-// A plane of the world stands for the floor of the scenario, if it is where that is; other geoms there are left out.
-void read_world_geom(XmlElement element, const std::string& childclass, std::optional<CollisionMask>& planes, Reading& reading) {
-  Attributes attributes(element, childclass, reading);
-  XmlFile& file = reading.file_of(element);
-  if (attributes.string("type") != "plane") {
-    if (attributes.number("contype") != 0 || attributes.number("conaffinity") != 0)
-      file.once(Severity::warning, "geoms of <worldbody> other than planes are left out: nothing touches them",
-                "give the scenario a fixed body with such a collision", {element});
+// A geom of the world is part of the ground. A plane that touches nothing says so of the floor that a scenario has there.
+void read_world_geom(XmlElement element, const std::string& childclass, bool& floor_apart, Reading& reading) {
+  Geom geom = read_geom(element, childclass, reading);
+  ImportedSolids& ground = reading.import.model.ground;
+  const auto name = element.find("name");
+  const std::string own = name ? std::string(element.attribute(*name)) : std::string();
+  if (name) reading.geoms[own] = {-1, geom.friction};
+  if (geom.shape.kind == Shape::Kind::none) return;
+  if (!touches(geom, name && reading.geoms_of_pairs.contains(own))) {
+    floor_apart = floor_apart || geom.shape.kind == Shape::Kind::plane;
     return;
   }
-  const Geom geom = read_geom(element, childclass, reading);
-  const Pose pose = attributes.pose();
-  const Vec3 normal = rotation_matrix(pose.rotation) * z_axis;
-  const double height = dot(normal, pose.position);
-  const bool touches = geom.mask.own != 0 || geom.mask.others != 0;
-  if (touches && (norm(normal - z_axis) > 1e-9 || std::fabs(height) > 1e-9)) {
-    const auto text = [](double x) { return rounded_text(std::round(1e9 * x) / 1e9 + 0.0, 9); };
-    file.warning({element}, "the plane is left out: a scenario has one plane, its floor",
-                 "in [world]: floor = { height = " + text(height) + ", normal = [" + text(normal.x) + ", " + text(normal.y) +
-                     ", " + text(normal.z) + "] }");
-  }
-  if (!planes) planes = {0, 0};
-  planes->own |= geom.mask.own, planes->others |= geom.mask.others;
-  if (const auto name = element.find("name")) reading.geoms[std::string(element.attribute(*name))] = {-1, geom.friction};
+  ground.collision.push_back(std::move(geom.shape));
+  ground.masks.push_back(geom.mask);
+  ground.friction = std::max(ground.friction, geom.friction);
 }
 
 }  // namespace
@@ -399,20 +394,21 @@ void read_world(XmlElement worldbody, Reading& reading) {
   std::string childclass;
   if (const auto own = worldbody.find("childclass")) childclass = worldbody.attribute(*own);
   std::vector<XmlElement> bodies;
-  std::optional<CollisionMask> planes;
+  bool floor_apart = false;
   for (const XmlElement child : children_of(worldbody, reading)) {
     const std::string_view name = child.name();
     if (name == "body")
       bodies.push_back(child);
     else if (name == "geom")
-      read_world_geom(child, childclass, planes, reading);
+      read_world_geom(child, childclass, floor_apart, reading);
     else if (name == "site")
       read_site(child, childclass, "", -1, reading);
     else if (name == "frame" || name == "replicate" || name == "composite" || name == "flexcomp" || name == "attach")
       reading.file_of(child).error({child}, child.tag() + " is not supported",
                                    "save the model as MuJoCo compiled it (mj_saveLastXML)");
   }
-  if (planes) reading.import.model.ground = *planes;
+  ImportedSolids& ground = reading.import.model.ground;
+  if (floor_apart && ground.masks.empty()) ground.masks = {{0, 0}};
   push(bodies, childclass, -1);
   while (!open.empty()) {
     const Open next = open.back();

@@ -27,8 +27,7 @@ void read_pair(XmlElement pair, Reading& reading) {
     if (!name) return file.error({pair}, "<pair> names two geoms", "geom1 and geom2");
     const auto found = reading.geoms.find(*name);
     if (found == reading.geoms.end())
-      return file.warning(attributes.at(key),
-                          "<pair> names " + in_quotes(*name) + ", which is no geom of a body or plane: ignored");
+      return file.warning(attributes.at(key), "<pair> names " + in_quotes(*name) + ", which is no geom: ignored");
     ends[i] = &found->second;
   }
   if (ends[0]->body == ends[1]->body) return;

@@ -150,13 +150,13 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
   const Type type = read_type(attributes);
   geom.mask = {read_bits(attributes, "contype"), read_bits(attributes, "conaffinity")};
   if (const auto friction = attributes.numbers("friction", 1, 3)) geom.friction = friction->front();
-  geom.plane = type == Type::plane;
   if (type == Type::hfield || type == Type::sdf)
     reading.file_of(element).once(Severity::warning,
                                   std::string("geoms of type ") + type_names[static_cast<std::size_t>(type)] +
                                       " are not supported: they are not drawn, and touch nothing",
                                   "use a mesh, or shapes", {element});
-  if (type == Type::plane || type == Type::hfield) return geom;  // they belong to the ground
+  if (type == Type::plane) geom.shape = {.kind = Shape::Kind::plane, .size = z_axis, .at = attributes.pose()};
+  if (type == Type::plane || type == Type::hfield) return geom;  // without mass
   const Placed placed = read_placement(attributes, type);
   geom.shape = shape_of(type, placed);
   if (type == Type::mesh) geom.shape = mesh_shape(attributes.string("mesh").value_or(""), placed.pose, reading);

@@ -106,7 +106,6 @@ struct Geom {
   Mass mass{};
   Shape shape{};
   bool without_inertia = false;  ///< a mesh, whose inertia is not computed
-  bool plane = false;            ///< which belongs to the ground
   CollisionMask mask{};          ///< contype and conaffinity
   double friction = 1;           ///< coefficient of sliding
   bool hidden = false;           ///< in a group from 3 on, which is for collisions

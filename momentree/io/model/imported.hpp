@@ -31,15 +31,19 @@ inline bool touch_by_masks(const CollisionMask& a, const CollisionMask& b) {
   return (a.own & b.others) != 0 || (b.own & a.others) != 0;
 }
 
-struct ImportedBody {
+/// What a body, or the ground, touches with.
+struct ImportedSolids {
+  std::vector<Shape> collision{};      ///< of a body in its frame, of the ground in that of the file
+  std::vector<CollisionMask> masks{};  ///< by collision; without them all touch
+  double friction = -1;                ///< coefficient of its contacts; negative: the file gives none
+};
+
+struct ImportedBody : ImportedSolids {
   BodySpec spec;          ///< names without a mechanism; the parent is an index among the bodies of this model, or the ground
   bool own_joint = true;  ///< false for a root without a joint in the file: `root` determines how it is attached
   bool floats = false;    ///< such a root is free, not fixed, unless `root` is given
   JointLimits limits{};   ///< as in the file; used if the mechanism requests it
   std::vector<Shape> shapes{};
-  std::vector<Shape> collision{};      ///< what it touches with
-  std::vector<CollisionMask> masks{};  ///< by collision; without them all touch
-  double friction = -1;                ///< coefficient of its contacts; negative: the file gives none
   BodySpots spots{};
 };
 
@@ -100,7 +104,7 @@ struct ImportedModel {
   std::optional<Vec3> gravity;  ///< if the file has one (m/s²)
   FrictionOfTwo friction_of_two = FrictionOfTwo::smaller;
   std::vector<std::pair<std::string, std::string>> excluded;  ///< bodies that pass through each other
-  CollisionMask ground{};                                     ///< of what is in the world
+  ImportedSolids ground;                                      ///< what is in the world without being part of a body
   std::vector<ImportedPair> pairs;                            ///< not `excluded`
 };
 

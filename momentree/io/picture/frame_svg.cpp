@@ -134,12 +134,14 @@ void append_frame(std::string& svg, const SceneFrame& frame, const Placement& pl
   svg += "</g>\n";
 }
 
-void append_planes(std::string& svg, const Scene& scene, const Placement& placement) {
+void append_ground(std::string& svg, const Scene& scene, const Placement& placement) {
   for (const std::vector<Point2>& corners : scene.planes) {
     svg += "<path d=\"";
     for (std::size_t i = 0; i < corners.size(); ++i) svg += (i == 0 ? "M" : i == 1 ? "L" : " ") + pixels(placement(corners[i]));
     svg += "Z\" fill=\"#eef0f3\" stroke=\"#aab2bd\"/>\n";
   }
+  for (const Primitive& p : scene.ground)
+    p.kind == Kind::area ? append_area(svg, p, placement) : append_outline(svg, p, placement);
 }
 
 std::vector<Point2> convex_hull(std::vector<Point2> points) {

@@ -20,8 +20,8 @@ double link_width(const Scene& scene, double scale);
 /// Appends a group with everything in the frame; `opacity` distinguishes early frames from late ones.
 void append_frame(std::string& svg, const SceneFrame& frame, const Placement& placement, double width, double opacity);
 
-/// Appends the planes of the scene, which everything else is drawn over.
-void append_planes(std::string& svg, const Scene& scene, const Placement& placement);
+/// Appends planes and solids of the ground, which everything else is drawn over.
+void append_ground(std::string& svg, const Scene& scene, const Placement& placement);
 
 /// Convex hull, counter-clockwise, without points on its edges.
 std::vector<Point2> convex_hull(std::vector<Point2> points);

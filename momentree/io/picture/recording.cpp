@@ -135,8 +135,26 @@ void read_model(const Value& document, const Numbers& numbers, Recording& run, s
   }
 }
 
-void read_planes(const Value& document, Recording& run, Diagnostics& out) {
+void read_ground(const Value& document, Recording& run, Diagnostics& out) {
   Record model(document, "the model", out);
+  if (model.find("ground"))
+    for (const Value& value : model.list("ground")) {
+      GroundShape& ground = run.ground.emplace_back();
+      ground.shape = read_shape(value, out);
+      Record shape(value, "ground", out);
+      if (ground.shape.kind != Shape::Kind::mesh) continue;
+      for (const Value& point : shape.list("points")) ground.mesh.points.push_back(shape.vec(point, "points"));
+      for (const Value& triangle : shape.list("triangles")) {
+        const std::vector<double> corners = read_reals(triangle, 3, "triangles", out);
+        auto& [a, b, c] = ground.mesh.triangles.emplace_back();
+        for (std::size_t k = 0; k < corners.size(); ++k)
+          if (!(corners[k] >= 0 && corners[k] < static_cast<double>(ground.mesh.points.size())))
+            out.error(triangle.place, "triangles: there is no point of that number", damaged);
+        if (corners.empty() || out.errors() > 0) continue;
+        a = static_cast<std::uint32_t>(corners[0]), b = static_cast<std::uint32_t>(corners[1]);
+        c = static_cast<std::uint32_t>(corners[2]);
+      }
+    }
   if (!model.find("planes")) return;
   for (const Value& value : model.list("planes")) {
     Record plane(value, "plane", out);
@@ -233,7 +251,7 @@ Recording read_world(const std::filesystem::path& directory, const BodyTable& ta
   const std::optional<Value> model = parse_file(directory / "model.json"), final_state = parse_file(directory / "final.json");
   Diagnostics out((directory / (model ? "model.json" : "final.json")).string(), "");
   if (model)
-    read_model(*model, numbers, run, mechanism_of, out), read_springs(*model, numbers, run, out), read_planes(*model, run, out);
+    read_model(*model, numbers, run, mechanism_of, out), read_springs(*model, numbers, run, out), read_ground(*model, run, out);
   else if (final_state)
     read_joints(Record(*final_state, "the state", out).table("joints"), numbers, run, out), guess_extents(run);
   out.throw_first();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <momentree/base/value.hpp>
+#include <momentree/io/collider_shapes.hpp>
 #include <momentree/io/picture/meshes.hpp>
 #include <momentree/io/shape.hpp>
 #include <momentree/math/vec.hpp>
@@ -84,6 +85,7 @@ struct Recording {
   std::vector<RecordedBody> bodies;
   std::vector<RecordedSpring> springs;
   std::vector<RecordedPlane> planes;
+  std::vector<GroundShape> ground;
   std::vector<RecordedFrame> frames;
   std::vector<RecordedEvent> events;
   std::vector<RecordedLoop> loops;      ///< all joints of the run that close loops

@@ -113,6 +113,43 @@ Vec3 nearest_drawn(const RecordedBody& body, const Vec3& point) {
 
 double distance(const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
+constexpr const char* ground_colour = "#aab2bd";
+
+double mean_depth(const View& view, const std::vector<Vec3>& points) {
+  double depth = 0;
+  for (const Vec3& p : points) depth += view.depth(p) / static_cast<double>(points.size());
+  return depth;
+}
+
+/// Appends the areas and outlines of a shape that are seen. `like`: their mechanism and colour.
+void append_shape(const Shape& shape, std::span<const MeshPart> parts, const Pose& pose, const View& view, const Primitive& like,
+                  std::vector<Primitive>& out) {
+  const Pose placed = pose * shape.at;
+  for (const MeshPart& part : parts) {
+    std::vector<Vec3> points;
+    std::vector<Point2> seen;
+    for (const Vec3& p : part.points) seen.push_back(view(points.emplace_back(placed * scaled(shape, p))));
+    Primitive outline = like;
+    outline.kind = Primitive::Kind::outline, outline.depth = mean_depth(view, points);
+    if (outline.colour.empty()) outline.colour = part.colour;
+    for (const std::vector<Point2>& loop : outline_of(seen, part.triangles)) {
+      outline.points.insert(outline.points.end(), loop.begin(), loop.end());
+      outline.ends.push_back(outline.points.size());
+    }
+    if (!outline.points.empty()) out.push_back(std::move(outline));
+  }
+  for (Patch& patch : patches_of(shape)) {
+    const Vec3 normal = placed * patch.normal - placed.position;
+    if (dot(normal, view.look) > 0) continue;  // on the far side
+    Primitive area = like;
+    for (Vec3& p : patch.points) area.points.push_back(view(p = placed * p));
+    area.kind = Primitive::Kind::area, area.radius = patch.radius, area.depth = mean_depth(view, patch.points);
+    out.push_back(std::move(area));
+  }
+}
+
+bool is_farther(const Primitive& a, const Primitive& b) { return a.depth > b.depth; }
+
 /// Draws one instant.
 class FrameBuilder {
  public:
@@ -127,40 +164,27 @@ class FrameBuilder {
       if (frame_.time < spring.until) add_spring(spring);
     for (const int i : phase_.loops) add_loop(run_.loops[static_cast<std::size_t>(i)]);
     for (std::size_t m = 0; m < run_.mechanisms.size(); ++m) add_end(static_cast<int>(m));
-    if (has_area_)
-      std::stable_sort(out_.primitives.begin(), out_.primitives.end(),
-                       [](const Primitive& a, const Primitive& b) { return a.depth > b.depth; });
+    if (has_area_) std::stable_sort(out_.primitives.begin(), out_.primitives.end(), is_farther);
     return std::move(out_);
   }
 
  private:
-  void add(Primitive::Kind kind, std::size_t b, const std::vector<Vec3>& points, double radius = 0,
-           const std::string& colour = {}) {
-    Primitive primitive{kind, {}, radius, phase_.mechanism[b], 0, colour};
-    for (const Vec3& p : points) {
-      primitive.points.push_back(view_(p));
-      primitive.depth += view_.depth(p) / static_cast<double>(points.size());
-    }
-    has_area_ = has_area_ || kind == Primitive::Kind::area;
+  void add(Primitive::Kind kind, std::size_t b, const std::vector<Vec3>& points, const std::string& colour = {}) {
+    Primitive primitive{kind, {}, 0, phase_.mechanism[b], mean_depth(view_, points), colour};
+    for (const Vec3& p : points) primitive.points.push_back(view_(p));
     out_.primitives.push_back(std::move(primitive));
   }
 
   void add_body(std::size_t b) {
     const RecordedBody& body = run_.bodies[b];
     const Pose& pose = frame_.poses[b];
-    bool shaped = false;
     const std::size_t before = out_.primitives.size();
     for_each_shape(run_, body, [&](const Shape& shape, std::span<const MeshPart> parts) {
-      const Pose placed = pose * shape.at;
-      for (const MeshPart& part : parts) shaped = add_mesh(b, shape, placed, part) || shaped;
-      for (Patch patch : patches_of(shape)) {
-        shaped = true;
-        const Vec3 normal = placed * patch.normal - placed.position;
-        if (dot(normal, view_.look) > 0) continue;  // on the far side
-        for (Vec3& p : patch.points) p = placed * p;
-        add(Primitive::Kind::area, b, patch.points, patch.radius, shape.colour);
-      }
+      const Primitive like{.mechanism = phase_.mechanism[b], .colour = shape.colour};
+      append_shape(shape, parts, pose, view_, like, out_.primitives);
     });
+    const bool shaped = out_.primitives.size() > before;
+    has_area_ = has_area_ || shaped;
     const auto is_mesh = [](const Primitive& p) { return p.kind == Primitive::Kind::outline; };
     const bool has_mesh =
         std::any_of(out_.primitives.begin() + static_cast<std::ptrdiff_t>(before), out_.primitives.end(), is_mesh);
@@ -169,27 +193,6 @@ class FrameBuilder {
     if (body.extent.empty() && !shaped) add(Primitive::Kind::dot, b, {pose * body.child_at});
     if (!phase_.joined[b]) return;
     add_joint(b, body.kind, body.parent, body.at, body.child_at);
-  }
-
-  /// False if nothing of it is seen.
-  bool add_mesh(std::size_t b, const Shape& shape, const Pose& placed, const MeshPart& part) {
-    std::vector<Point2> points;
-    double depth = 0;
-    for (const Vec3& p : part.points) {
-      const Vec3 at = placed * scaled(shape, p);
-      points.push_back(view_(at));
-      depth += view_.depth(at) / static_cast<double>(part.points.size());
-    }
-    Primitive outline{Primitive::Kind::outline, {}, 0, phase_.mechanism[b], depth, shape.colour};
-    if (outline.colour.empty()) outline.colour = part.colour;
-    for (const std::vector<Point2>& loop : outline_of(points, part.triangles)) {
-      outline.points.insert(outline.points.end(), loop.begin(), loop.end());
-      outline.ends.push_back(outline.points.size());
-    }
-    if (outline.points.empty()) return false;
-    has_area_ = true;
-    out_.primitives.push_back(std::move(outline));
-    return true;
   }
 
   Vec3 place(int body, const Vec3& point) const {
@@ -222,7 +225,7 @@ class FrameBuilder {
   void add_spring(const RecordedSpring& spring) {
     const auto body = static_cast<std::size_t>(std::max(spring.from, spring.to));
     add(Primitive::Kind::spring, body,
-        {spring_end(frame_, spring.from, spring.from_point), spring_end(frame_, spring.to, spring.to_point)}, 0, spring_colour);
+        {spring_end(frame_, spring.from, spring.from_point), spring_end(frame_, spring.to, spring.to_point)}, spring_colour);
   }
 
   /// Adds the end of a mechanism's drawing, for its label.
@@ -256,6 +259,15 @@ double median_length(const SceneFrame& frame) {
   if (lengths.empty()) return 0;
   std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
   return lengths[lengths.size() / 2];
+}
+
+void add_ground(const Recording& run, Scene& scene) {
+  for (const auto& [shape, mesh] : run.ground)
+    append_shape(shape, {&mesh, mesh.points.empty() ? 0u : 1u}, {}, scene.view, {.mechanism = -1, .colour = ground_colour},
+                 scene.ground);
+  std::stable_sort(scene.ground.begin(), scene.ground.end(), is_farther);
+  for (const Primitive& p : scene.ground)
+    for (const Point2& at : p.points) scene.bounds.add(at, p.radius);
 }
 
 /// Rectangles of the planes around what is drawn; a plane that is far from it is left out.
@@ -334,6 +346,7 @@ Scene build_scene(const Recording& run, const View& view) {
     scene.anchors.push_back(view(loop.at));
     scene.bounds.add(scene.anchors.back());
   }
+  add_ground(run, scene);
   add_planes(run, scene);
   for (const RecordedEvent& event : run.events) {
     if (event.name == "stop") {  // joints bounce on their stops many times: these impacts are counted, not listed

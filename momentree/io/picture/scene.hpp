@@ -14,11 +14,11 @@ struct Primitive {
   /// displacement: from a joint in its parent to the joint in its child; spring: between its ends
   enum class Kind { line, displacement, spring, area, outline, dot };
   Kind kind = Kind::line;
-  std::vector<Point2> points;
+  std::vector<Point2> points{};
   double radius = 0;
   int mechanism = 0;
   double depth = 0;                 ///< the farthest primitives are drawn first
-  std::string colour;               ///< the shape's own colour; empty: the mechanism's
+  std::string colour{};             ///< the shape's own colour; empty: the mechanism's
   std::vector<std::size_t> ends{};  ///< of an outline: where in `points` each of its loops ends
 };
 
@@ -48,8 +48,9 @@ struct Scene {
   std::vector<SceneFrame> frames;
   std::vector<Point2> anchors;  ///< points where a mechanism is joined to the ground
   std::vector<SceneEvent> events;
-  int impacts = 0;   ///< of joints on their stops
-  int contacts = 0;  ///< impacts of bodies on each other
+  int impacts = 0;                ///< of joints on their stops
+  int contacts = 0;               ///< impacts of bodies on each other
+  std::vector<Primitive> ground;  ///< solids of the ground, the farthest first
   /// Corners of a part of each plane below the motion, in order; edge on, they are on a line.
   std::vector<std::vector<Point2>> planes;
   Box2 bounds;

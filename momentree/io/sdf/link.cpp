@@ -60,7 +60,8 @@ double positive(Texts& texts, const char* name, XmlElement of, XmlFile& file) {
   return 1;
 }
 
-void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& file) {
+// `drawn`: pictures show the planes that are touched, and no others.
+void read_geometry(XmlElement geometry, bool drawn, Shape& shape, Import& import, XmlFile& file) {
   XmlFields fields(geometry, file);
   const auto sized = [&](const char* tag, const char* sizes, Shape::Kind kind) {
     const XmlElement element = fields.child(tag);
@@ -107,6 +108,14 @@ void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& f
     else
       file.error({mesh}, "<mesh> has no <uri>");
   }
+  if (const XmlElement plane = drawn ? XmlElement{} : fields.child("plane")) {
+    Texts texts(plane, file);
+    shape.kind = Shape::Kind::plane;
+    shape.size = texts.vec3("normal").value_or(z_axis);
+    if (shape.size == Vec3{}) file.error(texts.location(), "normal: must not be zero"), shape.size = z_axis;
+    texts.fields.known_children({"size"});  // of what is drawn: it has no edge
+    texts.fields.finish();
+  }
   fields.known_children({"empty"});
   fields.leave_out({"plane", "heightmap", "polyline", "image", "cone"}, "pictures do not show it, and it touches nothing");
   fields.finish();
@@ -140,7 +149,7 @@ void read_visual(XmlElement visual, Version version, LinkPart& link, Import& imp
   Shape shape;
   FramedPose pose = read_pose(fields, version, file);
   shape.at = pose.pose;
-  if (const XmlElement geometry = fields.require_child("geometry")) read_geometry(geometry, shape, import, file);
+  if (const XmlElement geometry = fields.require_child("geometry")) read_geometry(geometry, true, shape, import, file);
   if (const XmlElement material = fields.child("material")) {
     Texts texts(material, file);
     shape.colour = colour_of(texts, file);
@@ -180,7 +189,7 @@ void read_collision(XmlElement collision, Version version, LinkPart& link, Impor
   Shape shape;
   FramedPose pose = read_pose(fields, version, file);
   shape.at = pose.pose;
-  if (const XmlElement geometry = fields.child("geometry")) read_geometry(geometry, shape, import, file);
+  if (const XmlElement geometry = fields.child("geometry")) read_geometry(geometry, false, shape, import, file);
   if (const XmlElement surface = fields.child("surface"))
     if (const auto friction = read_surface(surface, file)) link.friction = std::max(link.friction, *friction);
   fields.known_children({"max_contacts", "laser_retro", "density", "auto_inertia_params"});

@@ -1,9 +1,11 @@
 // The floor: a grid with squares of a round size, which receives shadows. It lies on the plane of the world, which is a slab
 // then, or below all motion if there is none. Planar motion is seen along the floor; then the grid stands behind the motion.
+// Solids of the ground are drawn where they are.
 import * as THREE from "three";
 import type { View } from "./camera";
-import type { Plane } from "../recording";
+import type { Plane, Shape } from "../recording";
 import { mixed, type Theme } from "./colours";
+import { meshesOf } from "./shapes";
 
 /** A round length, at least eight of which fit into `size`. */
 export function roundLength(size: number): number {
@@ -42,8 +44,17 @@ export class Floor {
   );
   private readonly slabs: THREE.Mesh[] = [];
 
-  /** `planes`: of the world; the grid lies on the first. */
-  constructor(private readonly planes: readonly Plane[] = []) {
+  private readonly solid = new THREE.MeshLambertMaterial({ side: THREE.DoubleSide, forceSinglePass: true });
+  private readonly solids: readonly THREE.Mesh[];
+
+  /** `planes`: of the world; the grid lies on the first. `ground`: what it has besides. */
+  constructor(
+    private readonly planes: readonly Plane[] = [],
+    ground: readonly Shape[] = [],
+  ) {
+    this.solids = ground.flatMap((shape) => meshesOf(shape, this.solid));
+    for (const solid of this.solids) solid.receiveShadow = solid.castShadow = true;
+    this.group.add(...this.solids);
     for (const { normal } of planes) {
       const slab = this.slab.clone();
       slab.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), new THREE.Vector3(...normal).normalize());
@@ -70,6 +81,7 @@ export class Floor {
     const level = plane ? new THREE.Vector3(...plane.normal).normalize() : view.up;
     const normal = upright ? view.direction : level;
     const side = count * this.square;
+    this.solid.color.set(mixed(theme.grid, theme.ground, 0.2));
     this.slab.material.color.set(mixed(theme.grid, theme.ground, 0.45));
     this.slabs.forEach((slab, i) => {
       slab.position.copy(onPlane(view.centre, this.planes[i]));
@@ -102,6 +114,8 @@ export class Floor {
     this.grid?.dispose();
     this.shadow.geometry.dispose();
     this.shadow.material.dispose();
+    for (const { geometry } of this.solids) geometry.dispose();
+    this.solid.dispose();
     this.slab.geometry.dispose();
     this.slab.material.dispose();
     this.group.removeFromParent();

@@ -30,7 +30,7 @@ function geometriesOf(shape: Shape): { geometry: THREE.BufferGeometry; colour?: 
 }
 
 /** Meshes in their body's frame. */
-function meshesOf(shape: Shape, material: THREE.Material): THREE.Mesh[] {
+export function meshesOf(shape: Shape, material: THREE.Material): THREE.Mesh[] {
   const [w, x, y, z] = shape.at.quat;
   const place = new THREE.Matrix4().makeRotationFromQuaternion(new THREE.Quaternion(x, y, z, w)).setPosition(...shape.at.xyz);
   return geometriesOf(shape).map(({ geometry, colour: own }) => {

@@ -66,7 +66,7 @@ export class Stage {
     this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
     this.scale.className = "scale";
     host.append(this.renderer.domElement, this.scale);
-    this.floor = new Floor(model.planes);
+    this.floor = new Floor(model.planes, model.ground);
     this.shapes = new ShapeLibrary(model);
     this.mechanisms = new MechanismsView(model, this.shapes, { faded: 0, pixels: 4, joints: true });
     this.camera.add(this.light);
