@@ -30,6 +30,14 @@ void add_product(const double* __restrict Y, const double* __restrict KJ, double
       block[k * columns + j] += Y[k] * KJ[j] + Y[rows + k] * KJ[n + j] + Y[2 * rows + k] * KJ[2 * n + j];
 }
 
+// The nearest tangential part that is not longer than `most`, and its derivative H.
+void project_disc(const double* y, double most, double* r, std::array<double, 9>& H) {
+  const double t = length_of(y[1], y[2]), shorten = t > most ? most / t : most > 0 ? 1 : 0;
+  r[1] = shorten * y[1], r[2] = shorten * y[2];
+  for (std::size_t i = 1; i < 3; ++i)
+    for (std::size_t j = 1; j < 3; ++j) H[3 * i + j] = shorten * ((i == j ? 1 : 0) - (t > most ? y[i] * y[j] / (t * t) : 0));
+}
+
 // The nearest point of the cone of friction with N ≥ least, and its derivative H.
 void project(const LawNewton::Point& law, const double* y, double* r, std::array<double, 9>& H) {
   const double mu = law.friction, t = length_of(y[1], y[2]);
@@ -53,10 +61,8 @@ void project(const LawNewton::Point& law, const double* y, double* r, std::array
         if (i > 0 && j > 0) H[3 * i + j] += turn * ((i == j ? 1 : 0) - s[i - 1] * s[j - 1]);
       }
   } else {
-    const double most = mu * law.least, shorten = t > most ? most / t : most > 0 ? 1 : 0;
-    r[0] = law.least, r[1] = shorten * y[1], r[2] = shorten * y[2];
-    for (std::size_t i = 1; i < 3; ++i)
-      for (std::size_t j = 1; j < 3; ++j) H[3 * i + j] = shorten * ((i == j ? 1 : 0) - (t > most ? s[i - 1] * s[j - 1] : 0));
+    r[0] = law.least;
+    project_disc(y, mu * law.least, r, H);
   }
 }
 
@@ -71,7 +77,8 @@ void LawNewton::clear(const std::vector<int>& sizes) {
 void LawNewton::prepare() {
   if (std::exchange(prepared_, true)) return;
   matrix_.clear(sizes_);
-  A_.assign(points_.size(), {}), K_.assign(points_.size(), {}), tangential_.resize(points_.size());
+  A_.assign(points_.size(), {}), K_.assign(points_.size(), {}), G_.assign(points_.size(), {});
+  tangential_.resize(points_.size()), normal_.resize(points_.size());
   scale_ = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Point& point = points_[i];
@@ -87,6 +94,7 @@ void LawNewton::prepare() {
               A[3 * row + column] += one.J[row * n + k] * other.Y[column * whole + at(one.first) + k];
       }
     tangential_[i] = 0.5 * (A[4] + A[8] + length_of(A[4] - A[8], A[5] + A[7]));
+    if (point.pressed_by >= 0 && !(A[0] > 0)) A[0] = tangential_[i];
     for (const double b : point.b) scale_ = std::max(scale_, std::fabs(b));
     scale_ = std::max(scale_, point.least * A[0]);
   }
@@ -130,9 +138,9 @@ void LawNewton::add_velocity(const Point& point, double* w) const {
       });
 }
 
-// Adds Y K J of a point to the matrix.
-void LawNewton::add_matrix(const Point& point, const std::array<double, 9>& K) {
-  for (const Part& other : point.parts) {
+// Adds Y K J to the matrix: impulses of a point by velocities of another, or of itself.
+void LawNewton::add_matrix(const Point& point, const Point& by, const std::array<double, 9>& K) {
+  for (const Part& other : by.parts) {
     if (other.block < 0) continue;
     KJ_.resize(3 * at(other.count));
     double* const KJ = KJ_.data();
@@ -156,18 +164,30 @@ double LawNewton::natural_map(const double* r, bool linearise) {
   double square = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Point& point = points_[i];
+    const bool moment = point.pressed_by >= 0;
+    const std::size_t by = moment ? at(point.pressed_by) : i;
     const double *const own = r + 3 * i, a = A_[i][0], d = tangential_[i], mu = point.friction;
     double w[3];
     for (std::size_t k = 0; k < 3; ++k) w[k] = w_[3 * i + k] + yield_ * (k == 0 ? a : d) * (own[k] - centre_[3 * i + k]);
-    const double free = own[0] - w[0] / a, N = std::max(point.least, free), most = mu * N;
-    const bool pressed = free > point.least;
+    const double free = own[0] - w[0] / a;
+    normal_[i] = moment ? normal_[by] : std::max(point.least, free);
+    // The first row: an impulse that holds or presses, or that of a bound.
+    const double twist = point.torsion * normal_[i], bound = moment ? std::clamp(free, -twist, twist) : point.least;
+    const bool pressed = moment ? std::fabs(free) < twist : free > point.least;
+    const double most = mu * normal_[i];
     double* const c = c_.data() + 3 * i;
     std::array<double, 9>& K = K_[i];
-    double F[3] = {pressed ? w[0] : a * (own[0] - point.least), d * own[1], d * own[2]};
+    double F[3] = {pressed ? w[0] : a * (own[0] - bound), d * own[1], d * own[2]};
+    // Bounds follow ΔN = c − K Δw of the point that presses.
+    const auto follows = [&](std::size_t row, double part) {
+      (moment ? G_ : K_)[i][3 * row] = part * K_[by][0];
+      return part * (r[3 * by] + c_[3 * by]);
+    };
     if (linearise) {
-      K = {};
-      c[0] = pressed ? -w[0] / (yield_ * a) : point.least - own[0], c[1] = -own[1], c[2] = -own[2];
+      K = {}, G_[i] = {};
+      c[0] = pressed ? -w[0] / (yield_ * a) : bound - own[0], c[1] = -own[1], c[2] = -own[2];
       K[0] = pressed ? 1 / (yield_ * a) : 0;
+      if (moment && !pressed) c[0] = follows(0, std::copysign(point.torsion, free)) - own[0];
     }
     // The force of friction without its bound; of a prescribed motion, its direction.
     const double t[2] = {d > 0 ? own[1] - w[1] / d : -w[1], d > 0 ? own[2] - w[2] / d : -w[2]}, size = length_of(t[0], t[1]);
@@ -183,10 +203,9 @@ double LawNewton::natural_map(const double* r, bool linearise) {
       for (std::size_t k = 0; k < 2; ++k) F[k + 1] = (d > 0 ? d : a) * (own[k + 1] - most * s[k]);
       if (linearise) {
         const double across[2] = {-s[1], s[0]}, ratio = turns ? most / size : 0, yields = 1 - ratio + ratio * yield_;
-        const double N_next = own[0] + c[0], off = (across[0] * own[1] + across[1] * own[2]) * (1 / yields - 1);
+        const double off = (across[0] * own[1] + across[1] * own[2]) * (1 / yields - 1);
         for (std::size_t k = 0; k < 2; ++k) {
-          c[k + 1] = mu * N_next * s[k] - own[k + 1] - off * across[k];
-          K[3 * (k + 1)] = mu * K[0] * s[k];
+          c[k + 1] = follows(k + 1, mu * s[k]) - own[k + 1] - off * across[k];
           for (std::size_t l = 0; turns && l < 2; ++l) K[3 * (k + 1) + l + 1] = ratio / (d * yields) * across[k] * across[l];
         }
       }
@@ -208,13 +227,17 @@ double LawNewton::violation(const double* r) const {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Point& point = points_[i];
     const double *const own = r + 3 * i, *const w = w_.data() + 3 * i, a = A_[i][0], d = tangential_[i];
-    const double most = point.friction * std::max(own[0], 0.0), unit = d > 0 ? d : a;
+    const double N = std::max(point.pressed_by >= 0 ? r[3 * point.pressed_by] : own[0], 0.0);
+    const double most = point.friction * N, twist = point.torsion * N, unit = d > 0 ? d : a;
     const double t1 = own[1] - w[1] / unit, t2 = own[2] - w[2] / unit, size = length_of(t1, t2);
     const double shorten = size > most ? most / size : 1;
-    const double normal = std::fabs(own[0] - std::max(point.least, own[0] - w[0] / a)) * a;
+    const double free = own[0] - w[0] / a;
+    const double nearest = point.pressed_by >= 0 ? std::clamp(free, -twist, twist) : std::max(point.least, free);
+    const double normal = std::fabs(own[0] - nearest) * a;
     double tangential = length_of(own[1] - shorten * t1, own[2] - shorten * t2) * unit;
     if (point.slipping) tangential = length_of(own[1] + most * point.direction[0], own[2] + most * point.direction[1]) * unit;
-    worst = std::max(worst, std::max(normal, tangential) - round_off * a * own[0]);
+    if (!std::isfinite(normal + tangential)) return HUGE_VAL;
+    worst = std::max(worst, std::max(normal, tangential) - round_off * a * std::fabs(own[0]));
   }
   return scale_ > 0 ? worst / scale_ : worst;
 }
@@ -225,7 +248,8 @@ bool LawNewton::find_step() {
   std::fill(x_.begin(), x_.end(), 0.0);
   for (std::size_t i = 0; i < points_.size(); ++i) {
     add_motion(points_[i], c_.data() + 3 * i);
-    if (K_[i] != std::array<double, 9>{}) add_matrix(points_[i], K_[i]);
+    if (K_[i] != std::array<double, 9>{}) add_matrix(points_[i], points_[i], K_[i]);
+    if (G_[i] != std::array<double, 9>{}) add_matrix(points_[i], points_[at(points_[i].pressed_by)], G_[i]);
   }
   if (!matrix_.factorise()) return false;
   matrix_.solve(x_.data());
@@ -235,6 +259,10 @@ bool LawNewton::find_step() {
     add_velocity(points_[i], dw);
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t l = 0; l < 3; ++l) step_[3 * i + k] -= K_[i][3 * k + l] * dw[l];
+    if (G_[i] == std::array<double, 9>{}) continue;
+    double pressing[3] = {};
+    add_velocity(points_[at(points_[i].pressed_by)], pressing);
+    for (std::size_t k = 0; k < 3; ++k) step_[3 * i + k] -= G_[i][3 * k] * pressing[0];
   }
   return std::ranges::all_of(step_, [](double x) { return std::isfinite(x); });
 }
@@ -278,6 +306,10 @@ void LawNewton::find_nearest(std::size_t point, const double* w, double* r, bool
   if (const Point& law = points_[point]; law.slipping) {  // with the friction of the last solution
     r[0] = std::max(law.least, y[0]), H[0] = y[0] > law.least ? 1 : 0;
     for (std::size_t k = 0; k < 2; ++k) r[k + 1] = -law.friction * std::max(law.least, centre_[3 * point]) * law.direction[k];
+  } else if (law.pressed_by >= 0) {  // moments within bounds of the last solution
+    const double N = std::max(0.0, centre_[3 * at(law.pressed_by)]), twist = law.torsion * N;
+    project_disc(y, law.friction * N, r, H);
+    r[0] = std::clamp(y[0], -twist, twist), H[0] = std::fabs(y[0]) < twist ? 1 : 0;
   } else {
     project(law, y, r, H);
   }
@@ -377,7 +409,8 @@ double LawNewton::take_shorter_steps(double best, double accuracy) {
       find_velocities(r_.data());
       // At first s = 0: where nothing slips then, the law is obeyed. Later half of the change, since s may alternate.
       for (std::size_t i = 0; i < points_.size() && k > 0; ++i)
-        shift_[i] = 0.5 * (shift_[i] + points_[i].friction * length_of(w_[3 * i + 1], w_[3 * i + 2]));
+        if (points_[i].pressed_by < 0)
+          shift_[i] = 0.5 * (shift_[i] + points_[i].friction * length_of(w_[3 * i + 1], w_[3 * i + 2]));
       if (minimise() > far) {  // more slowly
         r_ = centre_, yield_ = std::min(5 * yield_, 1.0), shrink = 0.4;
         continue;
@@ -418,9 +451,11 @@ double LawNewton::solve_carefully(double* r, double accuracy) {
 // Rounding leaves no pull and no friction beyond the cone.
 void LawNewton::take_best(double* r) {
   for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Point& point = points_[i];
     double* const own = best_.data() + 3 * i;
-    own[0] = std::max(own[0], points_[i].least);
-    const double most = points_[i].friction * own[0], size = length_of(own[1], own[2]);
+    const double N = point.pressed_by >= 0 ? best_[3 * at(point.pressed_by)] : std::max(own[0], point.least);
+    own[0] = point.pressed_by >= 0 ? std::clamp(own[0], -point.torsion * N, point.torsion * N) : N;
+    const double most = point.friction * N, size = length_of(own[1], own[2]);
     if (size > most) own[1] *= most / size, own[2] *= most / size;
   }
   std::copy(best_.begin(), best_.end(), r);

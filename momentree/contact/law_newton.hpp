@@ -27,6 +27,8 @@ class LawNewton {
   struct Point {
     std::array<Part, 2> parts{};
     double friction = 0, least = 0;  ///< see PointLaw, as the next two
+    int pressed_by = -1;             ///< the point before this one whose normal impulse limits the moments (C7); −1: a contact
+    double torsion = 0;              ///< of moments: of the first row; `friction` is that of the other two
     bool slipping = false;
     std::array<double, 2> direction{};
     std::array<double, 3> b{};  ///< velocities without impulses, along the rows
@@ -52,7 +54,7 @@ class LawNewton {
   std::size_t size_of(const Part& part) const { return static_cast<std::size_t>(sizes_[static_cast<std::size_t>(part.block)]); }
   void add_motion(const Point& point, const double* r);
   void add_velocity(const Point& point, double* w) const;
-  void add_matrix(const Point& point, const std::array<double, 9>& K);
+  void add_matrix(const Point& point, const Point& by, const std::array<double, 9>& K);
   double natural_map(const double* r, bool linearise);
   double violation(const double* r) const;
   bool find_step();
@@ -70,7 +72,9 @@ class LawNewton {
   bool prepared_ = false;
   double scale_ = 0, yield_ = 0, accuracy_ = 0;
   std::vector<std::array<double, 9>> A_, K_;  // of each point: its own mobility; the law's derivative
-  std::vector<double> tangential_;            // the larger eigenvalue of its tangential part
+  std::vector<std::array<double, 9>> G_;  // of moments, the same by the velocity of the point that presses; in its first column
+  std::vector<double> tangential_;        // the larger eigenvalue of its tangential part
+  std::vector<double> normal_;            // the normal impulse to which friction is bound
   std::vector<double> x_, w_, c_, r_, centre_, from_, step_, best_, shift_, minimum_, moved_, KJ_;
   BlockElimination matrix_;
 };

@@ -155,8 +155,12 @@ void ManyPoints::add(std::size_t point, const double* impulse, LinksMotion& moti
 }
 
 // The law at one point, for the present impulses of all others. Returns the largest change as a velocity.
-double ManyPoints::relax(std::size_t point, double least, const std::vector<double>& start, double* own) {
+double ManyPoints::relax(std::size_t point, const std::vector<double>& start, std::vector<double>& impulses) {
+  double* const own = impulses.data() + 3 * point;
+  if (const int by = points[point].pressed_by; by >= 0)
+    return relax_moments(point, start, std::max(0.0, impulses[3 * at(by)]), own);
   const std::array<double, 9>& A = blocks_[point];
+  const double least = least_[point];
   if (!(A[0] > 0) || points[point].slack == HUGE_VAL) {  // nothing presses them together
     const double none[3] = {-own[0], -own[1], -own[2]};
     if (own[0] != 0 || own[1] != 0 || own[2] != 0) add(point, none, change_);
@@ -217,6 +221,22 @@ double ManyPoints::relax(std::size_t point, double least, const std::vector<doub
   return std::max({std::fabs(change[0]) * A[0], std::fabs(change[1]) * size, std::fabs(change[2]) * size, normal, tangential});
 }
 
+// (C7) at one point, for a normal impulse N. Returns the largest change as a velocity.
+double ManyPoints::relax_moments(std::size_t point, const std::vector<double>& start, double N, double* own) {
+  const double twists = blocks_[point][0], rolls = tangential_[point];
+  const double twist = points[point].torsion * N, most = points[point].friction * N;
+  double w[3], change[3];
+  all_along(point, change_, w);
+  for (std::size_t k = 0; k < 3; ++k) w[k] += start[3 * point + k], change[k] = -own[k];
+  own[0] = twists > 0 ? std::clamp(own[0] - w[0] / twists, -twist, twist) : 0;
+  const double t1 = rolls > 0 ? own[1] - w[1] / rolls : 0, t2 = rolls > 0 ? own[2] - w[2] / rolls : 0, size = length_of(t1, t2);
+  const double shorten = size > most ? most / size : 1;
+  own[1] = shorten * t1, own[2] = shorten * t2;
+  for (std::size_t k = 0; k < 3; ++k) change[k] += own[k];
+  add(point, change, change_);
+  return std::max(std::fabs(change[0]) * twists, length_of(change[1], change[2]) * rolls);
+}
+
 // Sweeps in both directions carry loads down and up a pile, from the impulses of the last step. Where they do not converge at
 // once, Newton's method goes on. What rests must not move: what had no impulses before is exact at once, and otherwise the
 // residual of the guess is squared. Returns the residual.
@@ -227,8 +247,8 @@ double ManyPoints::find_impulses(const std::size_t* first, const std::size_t* la
   for (const std::size_t* p = first; p != last; ++p)
     for (std::size_t k = 0; k < 3; ++k) scale = std::max(scale, std::fabs(start[3 * *p + k]));
   const auto visit = [&](std::size_t i) {
-    const double own = relax(i, least_[i], start, impulses.data() + 3 * i);
-    change = std::max(change, own - LawNewton::round_off * blocks_[i][0] * impulses[3 * i]);
+    const double own = relax(i, start, impulses);
+    change = std::max(change, own - LawNewton::round_off * blocks_[i][0] * std::fabs(impulses[3 * i]));
   };
   for (int k = 1;; ++k) {
     change = 0;
@@ -315,7 +335,8 @@ void ManyPoints::expand(const std::size_t* first, const std::size_t* last) {
     restart(first, last, rebound_);
     const double residual = find_impulses(first, last, after_, rebound_);
     double work = 0;
-    for (const std::size_t* p = first; p != last; ++p) work += rebound_[3 * *p] * (after_[3 * *p] + 0.5 * along(*p, 0, change_));
+    for (const std::size_t* p = first; p != last; ++p)
+      if (points[*p].pressed_by < 0) work += rebound_[3 * *p] * (after_[3 * *p] + 0.5 * along(*p, 0, change_));
     if (!(work <= std::max(most_work, 0.0) + tolerance && energy_change(first, last, after_, rebound_) <= lost + tolerance))
       return false;
     residual_ = std::max(residual_, residual);
@@ -386,7 +407,7 @@ LinksMotion& ManyPoints::separate(const std::vector<double>& gaps, std::vector<d
       most = 0;
       for (const std::size_t* p = first; p != last; ++p) {
         const double a = blocks_[*p][0];
-        if (!(a > 0)) continue;
+        if (!(a > 0) || points[*p].pressed_by >= 0) continue;
         const double after = std::max(0.0, pushes[*p] - (gaps[*p] + along(*p, 0, moved_)) / a);
         push[0] = after - std::exchange(pushes[*p], after);
         if (push[0] != 0) add(*p, push, moved_), most = std::max(most, std::fabs(push[0]) * a);

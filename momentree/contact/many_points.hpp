@@ -25,6 +25,10 @@ class ManyPoints {
     std::array<Part, 2> parts{};
     double friction = 0, restitution = 0;
     double slack = 0;  ///< the speed with which it may approach afterwards, because a gap is left (m/s)
+    /// The point before this one whose normal impulse limits the moments of this one: about the normal, at most `torsion` times
+    /// that, and about both tangents, `friction` times that (C7). −1: a point of contact.
+    int pressed_by = -1;
+    double torsion = 0;
   };
 
   /// Forgets all points. How many degrees of freedom there are, without those of mechanisms that have links; mechanisms; links.
@@ -69,7 +73,8 @@ class ManyPoints {
   double along(std::size_t point, std::size_t row, LinksMotion& motion);
   void all_along(std::size_t point, LinksMotion& motion, double* w);
   void add(std::size_t point, const double* r, LinksMotion& motion);
-  double relax(std::size_t point, double least, const std::vector<double>& start, double* own);
+  double relax(std::size_t point, const std::vector<double>& start, std::vector<double>& impulses);
+  double relax_moments(std::size_t point, const std::vector<double>& start, double most_normal, double* own);
   double find_impulses(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                        std::vector<double>& impulses);
   double energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,

@@ -35,8 +35,12 @@ void ManyPoints::find_link_responses(const std::vector<int>& touched, std::vecto
 bool ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, bool gaps) {
   block_of_.resize(parent_.size()), place_of_.resize(links.all.size());
   pressing_.clear();
+  const auto place_of = [&](int point) { return std::ranges::lower_bound(pressing_, at(point)); };
   for (const std::size_t* p = first; p != last; ++p) {
-    if (!(blocks_[*p][0] > 0) || (!gaps && points[*p].slack == HUGE_VAL)) continue;
+    const int by = points[*p].pressed_by;
+    if (by < 0 && (!(blocks_[*p][0] > 0) || (!gaps && points[*p].slack == HUGE_VAL))) continue;
+    if (by >= 0 && (gaps || !(std::max(blocks_[*p][0], tangential_[*p]) > 0))) continue;
+    if (by >= 0 && (place_of(by) == pressing_.end() || *place_of(by) != at(by))) continue;
     pressing_.push_back(*p);
     for (const Part& part : points[*p].parts) {
       if (part.group >= 0) block_of_[at(part.group)] = -1;
@@ -75,7 +79,8 @@ bool ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last,
     if (gaps) {
       point.b[0] = start[p];
     } else {
-      point.friction = points[p].friction, point.least = least_[p];
+      point.friction = points[p].friction, point.least = least_[p], point.torsion = points[p].torsion;
+      if (points[p].pressed_by >= 0) point.pressed_by = static_cast<int>(place_of(points[p].pressed_by) - pressing_.begin());
       point.b = {start[3 * p] + points[p].slack, start[3 * p + 1], start[3 * p + 2]};
     }
     for (std::size_t side = 0; side < 2; ++side) {

@@ -1,5 +1,6 @@
 // Impulses at many points by sweeps: against the exact solver where both apply, and what must hold whatever the sweeps reach.
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <vector>
 
@@ -15,8 +16,9 @@ using oracle::Prng;
 
 namespace {
 
-// Bodies of six degrees of freedom with random mass matrices, and random points between them and the ground.
-ManyPoints random_points(Prng& random, int bodies, int points, double friction, double restitution) {
+// Bodies of six degrees of freedom with random mass matrices, and random points between them and the ground. `pairs`: point i
+// is between the same bodies as point i + pairs.
+ManyPoints random_points(Prng& random, int bodies, int points, double friction, double restitution, int pairs = INT_MAX) {
   ManyPoints all;
   all.clear(6 * bodies, bodies);
   std::vector<std::vector<double>> inverse;
@@ -36,7 +38,9 @@ ManyPoints random_points(Prng& random, int bodies, int points, double friction, 
     ManyPoints::Point point;
     point.friction = friction, point.restitution = restitution;
     double b[3] = {};
-    const int first = p % bodies, second = random.uniform(0, 1) < 0.5 || bodies == 1 ? -1 : (p + 1) % bodies;
+    const int first = p % pairs % bodies;
+    int second = random.uniform(0, 1) < 0.5 || bodies == 1 ? -1 : (first + 1) % bodies;
+    if (p >= pairs) second = all.points[static_cast<std::size_t>(p - pairs)].parts[1].group;
     for (const auto& [side, body] : {std::pair{std::size_t{0}, first}, {std::size_t{1}, second}}) {
       if (body < 0) continue;
       point.parts[side] = {body, 6 * body, 6, all.J.size()};
@@ -139,6 +143,52 @@ TEST_CASE("many points: no impact gains energy, none pulls, and friction keeps t
     bounced += leaves ? 1 : 0;
   }
   CHECK(bounced > 300);
+  CHECK(unsolved < 10);
+}
+
+// At the end of bodies that points press are moments, with random rows of their own.
+TEST_CASE("many points: moments obey their bounds and oppose what turns, and no impact gains energy") {
+  Prng random(5);
+  int turning = 0, held = 0, unsolved = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const int bodies = 1 + k % 5, contacts = 1 + k % 9;
+    const double torsion = random.chance(0.3) ? 0 : random.uniform(0, 0.2);
+    const double rolling = random.chance(0.3) ? 0 : random.uniform(0, 0.2);
+    ManyPoints many = random_points(random, bodies, 2 * contacts, random.uniform(0.1, 1), 0, contacts);
+    for (std::size_t i = 0, n = many.points.size() / 2; i < n; ++i) {
+      ManyPoints::Point& moments = many.points[n + i];
+      moments.pressed_by = static_cast<int>(i), moments.torsion = torsion, moments.friction = rolling;
+      if (k % 3 != 0) continue;
+      for (const ManyPoints::Part& part : moments.parts)  // nothing turns about the normal
+        if (part.group >= 0) std::fill_n(many.J.begin() + static_cast<std::ptrdiff_t>(part.at), 6, 0.0);
+      for (const ManyPoints::Part& part : moments.parts)
+        if (part.group >= 0) std::fill_n(many.Y.begin() + static_cast<std::ptrdiff_t>(part.at), 6, 0.0);
+      many.b[3 * (n + i)] = 0;
+    }
+    System outcome = dense(many);
+    many.solve(ManyPoints::at_rest);
+    outcome.r = many.r;
+    double size = 0;
+    for (const double b : many.b) size = std::max(size, std::fabs(b));
+    CHECK(outcome.energy_change() <= 1e-9 * size * size);
+    if (many.residual() > 1e-9 && ++unsolved > 0) continue;  // it is said
+    std::vector<double> w;
+    outcome.velocities(w);
+    for (std::size_t i = 0, n = many.points.size() / 2; i < n; ++i) {
+      const double N = many.r[3 * i], *const m = &many.r[3 * (n + i)], *const turns = &w[3 * (n + i)];
+      CHECK(N >= 0);
+      CHECK(std::fabs(m[0]) <= torsion * N * (1 + 1e-9) + 1e-12);
+      CHECK(std::hypot(m[1], m[2]) <= rolling * N * (1 + 1e-9) + 1e-12);
+      // What turns is opposed with the whole moment.
+      const double rolls = std::hypot(turns[1], turns[2]);
+      CHECK(std::fabs(m[0] * turns[0] + torsion * N * std::fabs(turns[0])) < 1e-8 * size * (N + size));
+      CHECK(std::fabs(m[1] * turns[1] + m[2] * turns[2] + rolling * N * rolls) < 1e-8 * size * (N + size));
+      if (!(N > 0 && rolling > 0)) continue;
+      turning += rolls > 1e-3 * size ? 1 : 0, held += rolls < 1e-9 * size ? 1 : 0;
+    }
+  }
+  CHECK(turning > 500);
+  CHECK(held > 500);
   CHECK(unsolved < 10);
 }
 

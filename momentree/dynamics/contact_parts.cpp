@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <tuple>
 #include <utility>
 
 #include <momentree/contact/linear.hpp>
@@ -151,7 +152,7 @@ const double* ContactParts::response(const Tree& tree, const double* q, Workspac
 }
 
 void ContactParts::add_part(const Tree& tree, const double* q, Workspace<double>& workspace, int mechanism,
-                            const Contact& contact, const contact::Touch& touch, contact::ManyPoints& many,
+                            const Contact& contact, const Wrenches& wrenches, contact::ManyPoints& many,
                             contact::ManyPoints::Part& part) {
   const Range& range = ranges_[index_of(mechanism)];
   part = {mechanism, part_begin(range), range.end_dof - range.first_dof, many.J.size()};
@@ -160,12 +161,11 @@ void ContactParts::add_part(const Tree& tree, const double* q, Workspace<double>
   many.J.resize(part.at + 3 * n, 0.0), many.Y.resize(part.at + 3 * n, 0.0);
   const auto in_mechanism = [&](int body) { return body >= 0 && mechanism_of_[index_of(body)] == mechanism; };
   const auto touched = [&](int body) { return in_mechanism(body) ? of_body_[index_of(body)].points : 0; };
-  const std::array<std::pair<int, double>, 2> bodies{{{contact.a, 1.0}, {contact.b, -1.0}}};
-  const auto along = [&](std::size_t k) -> const Vec3& { return k == 0 ? touch.normal : touch.tangent[k - 1]; };
+  const int bodies[] = {contact.a, contact.b};
   if (std::max(touched(contact.a), touched(contact.b)) <= 2) {  // three solutions for the point, instead of six for a body
     for (std::size_t k = 0; k < 3; ++k) {
-      for (const auto& [body, sign] : bodies)
-        if (in_mechanism(body)) add_contact_row(tree, q, workspace, body, along(k), touch.point, sign, row_.data());
+      for (std::size_t side = 0; side < 2; ++side)
+        if (in_mechanism(bodies[side])) add_wrench_row(tree, q, workspace, bodies[side], wrenches[side][k], row_.data());
       double *const J = many.J.data() + part.at + k * n, *const Y = many.Y.data() + part.at + k * n;
       for (std::size_t i = 0; i < n; ++i) J[i] = row_[index_of(dof[i])];
       solve(tree, q, workspace, range);
@@ -173,11 +173,11 @@ void ContactParts::add_part(const Tree& tree, const double* q, Workspace<double>
     }
     return;
   }
-  for (const auto& [body, sign] : bodies) {
-    if (!in_mechanism(body)) continue;
-    const double *const E = response(tree, q, workspace, body), *const solved = E + 6 * n;
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (!in_mechanism(bodies[side])) continue;
+    const double *const E = response(tree, q, workspace, bodies[side]), *const solved = E + 6 * n;
     for (std::size_t k = 0; k < 3; ++k) {
-      const Force<double> wrench = contact_wrench(workspace, body, sign * along(k), touch.point);
+      const Force<double>& wrench = wrenches[side][k];
       const double W[6] = {wrench.l.x, wrench.l.y, wrench.l.z, wrench.h.x, wrench.h.y, wrench.h.z};
       double *const J = many.J.data() + part.at + k * n, *const Y = many.Y.data() + part.at + k * n;
       for (std::size_t c = 0; c < 6; ++c)
@@ -186,30 +186,58 @@ void ContactParts::add_part(const Tree& tree, const double* q, Workspace<double>
   }
 }
 
+// The parts of a further point.
+void ContactParts::add_point(const Tree& tree, const double* q, Workspace<double>& workspace, const Contact& contact,
+                             const Wrenches& wrenches, contact::ManyPoints& many) {
+  contact::ManyPoints::Point& point = many.points.emplace_back();
+  const auto mechanism = [&](int body) { return body < 0 ? -1 : mechanism_of_[index_of(body)]; };
+  const auto add = [&](std::size_t side, int body) {
+    if (link_of_[index_of(body)] < 0)
+      add_part(tree, q, workspace, mechanism(body), contact, wrenches, many, point.parts[side]);
+    else
+      add_link_part(tree, q, workspace, body, wrenches[side], many, point.parts[side]);
+  };
+  const int one = mechanism(contact.a), other = mechanism(contact.b);
+  if (one >= 0) add(0, contact.a);
+  if (other >= 0 && (other != one || link_of_[index_of(contact.b)] >= 0)) add(1, contact.b);
+}
+
+std::size_t ContactParts::add_moments(const Tree& tree, const double* q, Workspace<double>& workspace, const Contact& contact,
+                                      const contact::Touch& touch, double length, contact::ManyPoints& many) {
+  Wrenches wrenches{};
+  Vec3 spin{};  // of a, less that of b
+  for (const auto& [side, body, sign] : {std::tuple{0, contact.a, length}, {1, contact.b, -length}}) {
+    if (body < 0) continue;
+    const Kinematics<double>& kernel = workspace.bodies[index_of(body)];
+    spin += sign * (kernel.R * kernel.velocity.w);
+    for (std::size_t k = 0; k < 3; ++k)
+      wrenches[index_of(side)][k].h = sign * transpose_times(kernel.R, k == 0 ? touch.normal : touch.tangent[k - 1]);
+  }
+  add_point(tree, q, workspace, contact, wrenches, many);
+  many.b.insert(many.b.end(), {dot(touch.normal, spin), dot(touch.tangent[0], spin), dot(touch.tangent[1], spin)});
+  return many.points.size() - 1;
+}
+
 void ContactParts::add_points(const Tree& tree, const double* q, Workspace<double>& workspace, std::span<const Contact> contacts,
                               const ContactRows& rows, contact::ManyPoints& many) {
   count_points(tree, contacts);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact& c = contacts[i];
-    contact::ManyPoints::Point& point = many.points.emplace_back();
-    const int one = c.a < 0 ? -1 : mechanism_of_[index_of(c.a)], other = c.b < 0 ? -1 : mechanism_of_[index_of(c.b)];
-    const auto add = [&](int body, double sign, int mechanism, contact::ManyPoints::Part& part) {
-      const contact::Touch& touch = rows.touches[i];
-      if (link_of_[index_of(body)] < 0) return add_part(tree, q, workspace, mechanism, c, touch, many, part);
-      std::array<Force<double>, 3> wrenches;
-      for (std::size_t k = 0; k < 3; ++k)
-        wrenches[k] = contact_wrench(workspace, body, sign * (k == 0 ? touch.normal : touch.tangent[k - 1]), touch.point);
-      add_link_part(tree, q, workspace, body, wrenches, many, part);
-    };
-    if (one >= 0) add(c.a, 1, one, point.parts[0]);
-    if (other >= 0 && (other != one || link_of_[index_of(c.b)] >= 0)) add(c.b, -1, other, point.parts[1]);
+    const contact::Touch& touch = rows.touches[i];
+    Wrenches wrenches{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& along = k == 0 ? touch.normal : touch.tangent[k - 1];
+      if (c.a >= 0) wrenches[0][k] = contact_wrench(workspace, c.a, along, touch.point);
+      if (c.b >= 0) wrenches[1][k] = contact_wrench(workspace, c.b, -along, touch.point);
+    }
+    add_point(tree, q, workspace, c, wrenches, many);
     const std::array<double, 9> block = many.block(i);
     for (std::size_t k = 0; k < 3; ++k) {
       const double v = rows.velocity[3 * i + k];
-      const RowOfRigid left = rigid_row(tree, q, workspace, c, rows.touches[i], k, block[4 * k], v);
+      const RowOfRigid left = rigid_row(tree, q, workspace, c, touch, k, block[4 * k], v);
       many.b.push_back(left.rests ? 0 : v);
       if (!left.rigid) continue;
-      for (const contact::ManyPoints::Part& part : point.parts)
+      for (const contact::ManyPoints::Part& part : many.points[i].parts)
         for (std::size_t row = part.at + k * index_of(part.count), end = row + index_of(part.count); row < end; ++row)
           many.J[row] = many.Y[row] = 0;
     }

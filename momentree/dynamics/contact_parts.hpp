@@ -26,6 +26,11 @@ class ContactParts {
   void add_stop(const Tree& tree, const double* q, Workspace<double>& workspace, int body, int dof, double sign,
                 contact::ManyPoints& many);
 
+  /// Adds the moments of a contact as a point: unit impulses are moments of `length` (m), so that its velocities have that unit,
+  /// too. Returns its number.
+  std::size_t add_moments(const Tree& tree, const double* q, Workspace<double>& workspace, const Contact& contact,
+                          const contact::Touch& touch, double length, contact::ManyPoints& many);
+
   /// Adds what a motion of these points is to an array packed as p.
   void add_to(const Tree& tree, const contact::ManyPoints& many, contact::LinksMotion& motion, double* packed) const;
 
@@ -42,6 +47,8 @@ class ContactParts {
     std::size_t at = SIZE_MAX;  ///< in responses_; SIZE_MAX: not known
     int points = 0;             ///< at which the body is touched
   };
+  /// Three wrenches on each of two bodies, in their kernel frames.
+  using Wrenches = std::array<std::array<Force<double>, 3>, 2>;
   void count_points(const Tree& tree, std::span<const Contact> contacts);
   void solve(const Tree& tree, const double* q, Workspace<double>& workspace, const Range& range);
   const double* response(const Tree& tree, const double* q, Workspace<double>& workspace, int body);
@@ -51,7 +58,9 @@ class ContactParts {
   /// Where the numbers of a mechanism without links begin in a motion.
   int part_begin(const Range& range) const { return 6 * static_cast<int>(body_of_.size()) + range.first_dof; }
   void add_part(const Tree& tree, const double* q, Workspace<double>& workspace, int mechanism, const Contact& contact,
-                const contact::Touch& touch, contact::ManyPoints& many, contact::ManyPoints::Part& part);
+                const Wrenches& wrenches, contact::ManyPoints& many, contact::ManyPoints::Part& part);
+  void add_point(const Tree& tree, const double* q, Workspace<double>& workspace, const Contact& contact,
+                 const Wrenches& wrenches, contact::ManyPoints& many);
 
   std::vector<Range> ranges_;
   std::vector<int> dof_;           // places in arrays packed as p

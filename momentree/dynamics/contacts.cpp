@@ -239,6 +239,13 @@ void find_contact_accelerations(const Tree& tree, const double* q, const Workspa
   }
 }
 
+Vec3 spin_acceleration(const Tree& tree, const double* q, const Workspace<double>& workspace, const Contact& contact) {
+  const auto of = [&](int body) {
+    return body < 0 ? Vec3{} : workspace.bodies[at(body)].R * felt_acceleration(tree, q, workspace, body).w;
+  };
+  return of(contact.a) - of(contact.b);
+}
+
 namespace {
 
 // Where the least forces pull, or leave their cones, others with the same effect may not.

@@ -73,6 +73,7 @@ struct HeldForce {
   Vec3 point{}, force{};  ///< m, N
   Vec3 normal{}, slip{};  ///< of the contact that exerts it: unit vector from b to a, and velocity of a along b (m/s)
   int cable = -1;         ///< the spring of the model that exerts it; −1: bodies touch
+  Vec3 moment{};          ///< on a, of torsional and rolling friction (N m)
 };
 
 /// What a stop of a joint of the tree does that is stepped through.
@@ -131,6 +132,9 @@ void find_contact_mobility(const Tree& tree, const double* q, Workspace<double>&
 void find_contact_accelerations(const Tree& tree, const double* q, const Workspace<double>& workspace,
                                 std::span<const Contact> contacts, ContactRows& rows);
 
+/// The angular acceleration of a, less that of b (rad/s², world axes). Requires accelerations in the workspace.
+Vec3 spin_acceleration(const Tree& tree, const double* q, const Workspace<double>& workspace, const Contact& contact);
+
 /// Adds to `row`, packed as p, the joint forces of a unit force along a direction at a point (world axes), times `sign`.
 void add_contact_row(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, const Vec3& along,
                      const Vec3& point, double sign, double* row);
@@ -171,8 +175,11 @@ Force<double> contact_wrench(const Workspace<double>& workspace, int body, const
 template <class Add>
 void for_held_forces(const Tree& tree, const Workspace<double>& workspace, Add add) {
   if (workspace.contacts == nullptr) return;
-  const auto pull = [&](int body, const Vec3& force, const Vec3& point) {
-    if (body >= 0 && tree.alive(body)) add(body, contact_wrench(workspace, body, force, point));
+  const auto pull = [&](int body, const Vec3& force, const Vec3& point, const Vec3& moment = {}) {
+    if (body < 0 || !tree.alive(body)) return;
+    Force<double> wrench = contact_wrench(workspace, body, force, point);
+    wrench.h += transpose_times(workspace.bodies[static_cast<std::size_t>(body)].R, moment);
+    add(body, wrench);
   };
   for (const HeldForce& held : workspace.contacts->held) {
     if (held.cable >= 0) {  // it has moved since: it pulls along itself
@@ -183,8 +190,8 @@ void for_held_forces(const Tree& tree, const Workspace<double>& workspace, Add a
       pull(cable.to.body.index, -force, motion.to);
       continue;
     }
-    pull(held.a, held.force, held.point);
-    pull(held.b, -held.force, held.point);
+    pull(held.a, held.force, held.point, held.moment);
+    pull(held.b, -held.force, held.point, -held.moment);
   }
 }
 

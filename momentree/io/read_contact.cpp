@@ -18,8 +18,10 @@ constexpr const char* friction_schema = R"({"anyOf": [{"type": ["number", "strin
 constexpr Key friction_entries[] = {
     {"static", number(dimension::number, Range::not_negative), "Coefficient up to which a contact sticks"},
     {"kinetic", number(dimension::number, Range::not_negative), "Coefficient while it slips", nullptr, ""},
+    {"torsional", number(dimension::length, Range::not_negative), "Largest moment about the normal over the normal force", "0"},
+    {"rolling", number(dimension::length, Range::not_negative), "The same about the tangents: rolling resistance", "0"},
 };
-constexpr KeyTable friction_table{"friction", "", "Static and kinetic friction", friction_entries};
+constexpr KeyTable friction_table{"friction", "", "Friction of slip, of spin and of rolling", friction_entries};
 
 constexpr Key belt_entries[] = {
     {"axis", vector(dimension::number), "Around which the surface runs; of a body in its own axes", nullptr,
@@ -39,7 +41,7 @@ constexpr Key contact_entries[] = {
     {"name", string, "Name, for its events: \"impact NAME\""},
     {"between", other(R"({"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2})"),
      "Two names of bodies or mechanisms, \"ground\" or \"floor\"; * stands for any part of a name; default: all with all"},
-    {"friction", other(friction_schema, friction_table), "A coefficient, or a static and a kinetic one", "0.5"},
+    {"friction", other(friction_schema, friction_table), "A coefficient, or a table of several", "0.5"},
     {"restitution", number(dimension::number, Range::not_negative), "0 (plastic) to 1 (elastic)", "0"},
     {"off", boolean, "They pass through each other", "false"},
 };
@@ -52,6 +54,7 @@ void read_friction(Fields& fields, ContactLaw& law, Reading& reading) {
     inner.require("kinetic");
     law.friction = inner.number("kinetic").value_or(law.friction);
     law.static_friction = inner.number("static").value_or(law.friction);
+    law.torsional = inner.number("torsional").value_or(0), law.rolling = inner.number("rolling").value_or(0);
     if (law.static_friction < law.friction)
       reading.out.error(value->place, "friction: the static coefficient can't be smaller than the kinetic one");
     inner.finish();

@@ -72,6 +72,7 @@ void write_closed(JsonWriter& json, const Contact& contact) {
 
 void write_point(JsonWriter& json, const ContactPoint& point) {
   json.member("point", point.point).member("normal", point.normal).member("force", point.force).member("slip", point.slip);
+  if (!(point.moment == Vec3{})) json.member("moment", point.moment);
   if (point.determined) json.member("determined", *point.determined);
 }
 
@@ -94,6 +95,7 @@ class ContactReader {
     for (const auto& [key, to] :
          {std::pair{"point", &point.point}, {"normal", &point.normal}, {"force", &point.force}, {"slip", &point.slip}})
       *to = vector(key, stepped);
+    point.moment = vector("moment", false);
     Contact closed;
     closed.pair = who.pair, closed.id = who.id;
     read_closed(closed, stepped);
@@ -233,6 +235,7 @@ void write_contacts(JsonWriter& json, const World& world, const SteppingState& s
   for (const SteppedContact& point : stepping.points) {
     if (point.joint >= 0) continue;  // a stop, which is with its joint
     ContactPoint shown{{point.a}, {point.b}, point.point, point.normal, point.force, point.slip};
+    shown.moment = point.moment;
     if (point.cable < 0) shown = in_order(shown);
     json.begin_object();
     write_touching(json, model, shapes, {shown.one, shown.other, point.pair, point.cable, point.id});

@@ -160,6 +160,7 @@ void Simulation::Impl::after_contact_step() {
     if (!of(number).on) continue;
     const auto here = [&](const Contact& c) { return islands.of(c.a >= 0 ? c.a : c.b) == number; };
     if (static_cast<std::size_t>(std::ranges::count_if(near, here)) > Contacts::most_points) continue;
+    if (std::ranges::any_of(near, [&](const Contact& c) { return here(c) && contacts.law_of(c.pair).has_moments(); })) continue;
     try_to_locate(islands, number);
     if (!stepping.on) return;
   }

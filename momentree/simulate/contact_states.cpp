@@ -237,6 +237,8 @@ std::vector<std::vector<Contact>> Contacts::by_island(const std::vector<Contact>
 // Impacts of an island.
 std::optional<Contacts::Unresolved> Contacts::strike_island(const std::vector<Contact>& touching, std::vector<Event>& events) {
   const std::vector<int> here{touching.front().a, touching.front().b};
+  if (std::ranges::any_of(touching, [this](const Contact& c) { return law_of(c.pair).has_moments(); }))
+    return Unresolved{"torsional or rolling friction", true, here};
   if (touching.size() > most_points) return Unresolved{std::to_string(touching.size()) + " points touch at once", true, here};
   std::string failure;
   for (int k = 0; k < most_impacts; ++k) {

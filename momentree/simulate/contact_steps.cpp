@@ -56,6 +56,27 @@ void ContactSteps::find_points(double within) {
     parts_.add_stop(tree, q, workspace, near.stop.body, near.stop.dof, -near.stop.sign, many_);
     many_.b[many_.b.size() - 3] = near.velocity;
   }
+  find_moments();
+}
+
+// Those of contacts with torsional or rolling friction, after the points of stops.
+void ContactSteps::find_moments() {
+  moments_.clear();
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    const ContactLaw& law = contacts_->law_of(near_[i].pair);
+    if (near_[i].cable >= 0 || !law.has_moments()) continue;
+    const double length = contacts_->reach_of(near_[i].pair);
+    const std::size_t point = parts_.add_moments(world_->tree_, world_->state_.q().data(), world_->workspace_, near_[i],
+                                                 rows_.touches[i], length, many_);
+    many_.points[point].pressed_by = static_cast<int>(i);
+    many_.points[point].torsion = law.torsional / length, many_.points[point].friction = law.rolling / length;
+    moments_.push_back({i, point, length});
+  }
+}
+
+// What moments do in a step begins when their points of contact are reached.
+void ContactSteps::share_times() {
+  for (const Moments& moments : moments_) reached_[moments.point] = reached_[moments.contact];
 }
 
 // Those that joints have reached, or are nearer to than they move in h seconds.
@@ -89,6 +110,9 @@ void ContactSteps::guess(double h) {
     const auto i = static_cast<std::size_t>(nearest - near_.begin());
     const double sign = nearest->a == known.a ? 1 : -1;
     for (std::size_t k = 0; k < 3; ++k) carried_[3 * i + k] += sign * dot(known.force, row_direction(rows_.touches[i], k));
+    const auto moments = std::ranges::find(moments_, i, &Moments::contact);
+    for (std::size_t k = 0; moments != moments_.end() && k < 3; ++k)
+      carried_[3 * moments->point + k] += sign / moments->length * dot(known.moment, row_direction(rows_.touches[i], k));
   }
   for (std::size_t i = 0; i < near_.size(); ++i) carried_[3 * i] = std::max(0.0, carried_[3 * i]);
   for (std::size_t i = 0; i < near_stops_.size(); ++i) carried_[3 * (near_.size() + i)] = near_stops_[i].stop.force;
@@ -141,6 +165,7 @@ void ContactSteps::set_law(double h) {
     const double rests = std::max(at.stop.rest_speed, by_gravity);
     approach(near_.size() + i, gap, at.velocity, at.acceleration, at.stop.restitution, rests, h);
   }
+  share_times();
 }
 
 void ContactSteps::solve(double h) {
@@ -154,7 +179,7 @@ bool ContactSteps::jammed() {
   constexpr double most = 0.01;  // of the fastest approach
   if (world_->tree_.driven_joints().empty() && world_->tree_.loop_motions() == 0) return false;
   double fastest = 0, left = 0;
-  for (std::size_t i = 0; i < many_.points.size(); ++i) {
+  for (std::size_t i = 0; i < near_.size() + near_stops_.size(); ++i) {
     fastest = std::max(fastest, std::fabs(many_.b[3 * i]));
     if (many_.points[i].slack < HUGE_VAL && many_.block(i)[0] > 0) left = std::min(left, after_[3 * i] + many_.points[i].slack);
   }
@@ -221,6 +246,7 @@ void ContactSteps::take_back_work(double t, EnergyLedger& ledger, double h) {
   if ((free_power_.dissipated == 0 && free_power_.work == 0) || !tree.driven_joints().empty() || tree.loop_motions() > 0) return;
   for (std::size_t i = 0; i < many_.points.size(); ++i)
     if (many_.points[i].restitution > 0) reached_[i] = 0;
+  share_times();
   packed_.assign(static_cast<std::size_t>(tree.nv()), 0.0);
   parts_.add_to(tree, many_, many_.displacement(reached_), packed_.data());
   for (std::size_t i = 0; i < packed_.size(); ++i) packed_[i] = free_u_[i] + 2 / h * packed_[i];
@@ -278,8 +304,24 @@ void ContactSteps::remember(double h) {
     const double friction = std::hypot(force(1), force(2)), limit = many_.points[i].friction * force(0);
     const double part = friction > limit ? limit / friction : 1;
     points_.push_back(point_at(i, {force(0), part * force(1), part * force(2)}, after_));
+    add_moment(i, before, over, points_.back());
   }
   std::stable_sort(points_.begin(), points_.end(), earlier);
+}
+
+// The mean of the moments of a contact in this step and in the time before it, within the bounds that its force sets.
+void ContactSteps::add_moment(std::size_t i, double before, double over, SteppedContact& point) const {
+  const auto moments = std::ranges::find(moments_, i, &Moments::contact);
+  if (moments == moments_.end()) return;
+  const contact::ManyPoints::Point& law = many_.points[moments->point];
+  const double N = dot(point.force, point.normal);
+  const auto mean = [&](std::size_t k) {
+    return (many_.r[3 * moments->point + k] + before * carried_[3 * moments->point + k]) / over;
+  };
+  const double rolls = std::hypot(mean(1), mean(2)), part = rolls > law.friction * N ? law.friction * N / rolls : 1;
+  const Vec3 along = {std::clamp(mean(0), -law.torsion * N, law.torsion * N), part * mean(1), part * mean(2)};
+  const contact::Touch& touch = rows_.touches[i];
+  point.moment = moments->length * (along.x * touch.normal + along.y * touch.tangent[0] + along.z * touch.tangent[1]);
 }
 
 // `force`: along the rows of the point, as its part of `velocity`.
@@ -313,10 +355,17 @@ void ContactSteps::find_forces() {
       double& b = many_.b[3 * (near_.size() + i)];
       b = std::max(0.0, b) + h * near_stops_[i].acceleration;
     }
+    for (const Moments& moments : moments_) {
+      const Vec3 rate = spin_acceleration(world_->tree_, world_->state_.q().data(), world_->workspace_, near_[moments.contact]);
+      for (std::size_t k = 0; k < 3; ++k)
+        many_.b[3 * moments.point + k] += h * moments.length * dot(rate, row_direction(rows_.touches[moments.contact], k));
+    }
     many_.solve(contact::ManyPoints::at_rest);
     for (std::size_t i = 0; i < near_.size(); ++i) {
       const double* const r = &many_.r[3 * i];
-      if (r[0] > 0) found.push_back(point_at(i, {r[0] / h, r[1] / h, r[2] / h}, rows_.velocity));
+      if (!(r[0] > 0)) continue;
+      found.push_back(point_at(i, {r[0] / h, r[1] / h, r[2] / h}, rows_.velocity));
+      add_moment(i, 0, h, found.back());
     }
     for (std::size_t i = 0; i < near_stops_.size(); ++i) {
       const double r = many_.r[3 * (near_.size() + i)];
@@ -334,7 +383,8 @@ void ContactSteps::hold(const std::vector<SteppedContact>& points) {
   std::vector<HeldForce>& held = held_forces(world_->workspace_);
   held.clear();
   for (const SteppedContact& point : points)
-    if (point.joint < 0) held.push_back({point.a, point.b, point.point, point.force, point.normal, point.slip, point.cable});
+    if (point.joint < 0)
+      held.push_back({point.a, point.b, point.point, point.force, point.normal, point.slip, point.cable, point.moment});
   show_stops(points);
   static_cast<void>(world_->state_.edit());  // its evaluation is without them
 }
@@ -425,7 +475,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   free_q_.assign(state.q().begin(), state.q().end()), free_u_.assign(state.u().begin(), state.u().end());
   for (std::size_t i = 0; i < near_.size(); ++i)
     if (!(rows_.touches[i].gap > touch_distance)) touching_.emplace_back(near_[i].a, near_[i].b);
-  gaps_.resize(many_.points.size());
+  gaps_.assign(many_.points.size(), HUGE_VAL);  // moments have none
   move(state, ledger);
   take_back_work(state.time(), ledger, h);
   remember(h);

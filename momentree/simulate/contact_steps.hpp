@@ -85,7 +85,10 @@ class ContactSteps final : public StepContacts {
   bool is_near(const SteppedContact& point) const;
   void find_stops(double h);
   void find_points(double within);
+  void find_moments();
+  void share_times();
   SteppedContact point_at(std::size_t i, const Vec3& force, const std::vector<double>& velocity) const;
+  void add_moment(std::size_t i, double before, double over, SteppedContact& point) const;
   void guess(double h);
   bool approach(std::size_t point, double gap, double v, double a, double restitution, double slow, double h);
   void set_law(double h);
@@ -112,6 +115,11 @@ class ContactSteps final : public StepContacts {
   std::vector<double> reached_;  // by point: the time since it was reached (s)
   std::vector<bool> hit_;        // by point: it was hit in the step
   std::vector<double> carried_;  // by point: three components of the force before (N)
+  struct Moments {
+    std::size_t contact, point;  ///< numbers in near_ and in many_
+    double length;               ///< of its unit impulses (m)
+  };
+  std::vector<Moments> moments_;  // their points are those after stops
   std::vector<double> after_, gaps_, pushes_, packed_;
   std::vector<double> free_q_, free_u_;  // the motion at the end of the step without contacts
   Power free_power_;                     // there

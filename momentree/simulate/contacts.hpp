@@ -133,6 +133,8 @@ class Contacts {
   /// Appends the points at which solids overlap at present, or are nearer than `within` (m).
   void add_near(double within, std::vector<Contact>& out) const;
   const ContactLaw& law_of(int pair) const { return pairs_[static_cast<std::size_t>(pair)].law; }
+  /// The radius of the first solid of a pair, as a whole (m).
+  double reach_of(int pair) const { return pairs_[static_cast<std::size_t>(pair)].one->solid.reach; }
 
   /// True after a step in which slip would have turned if it had not kept its direction: it is taken back, and repeated with
   /// less.

@@ -21,6 +21,7 @@ struct SteppedContact {
   int joint = -1;          ///< of a stop, whose force (N or N m) is the first number of `force`, positive
   int side = 0;            ///< of a stop: 1: the upper one, −1: the lower one
   bool rests = false;      ///< the joint rests on it
+  Vec3 moment{};           ///< on a, of torsional and rolling friction: mean over the step (N m), world axes
   friend bool operator==(const SteppedContact&, const SteppedContact&) = default;
 };
 

@@ -87,6 +87,7 @@ struct ContactPoint {
   /// False if the equations of motion leave the force open, as under four legs: others cause the same motion, and this is one of
   /// them. Empty while the contact is stepped through.
   std::optional<bool> determined{};
+  Vec3 moment{};  ///< on `one`, of torsional and rolling friction (N m), world axes
 };
 
 /// The same point in the one order that all contacts of a pair have: see ContactPoint::one.

@@ -14,6 +14,7 @@ ContactPoint in_order(ContactPoint point) {
   if (point.other == ground || (point.one != ground && point.one.index < point.other.index)) return point;
   std::swap(point.one, point.other);
   point.normal = -point.normal, point.force = -point.force, point.slip = -point.slip;
+  point.moment = -point.moment;
   return point;
 }
 
@@ -38,7 +39,8 @@ std::vector<ContactPoint> World::contacts() const {
   for (const HeldForce& held : own.held) {
     if (held.cable >= 0) continue;
     if ((held.a >= 0 && !alive({held.a})) || (held.b >= 0 && !alive({held.b}))) continue;
-    all.push_back(in_order({{held.a}, {held.b}, held.point, held.normal, held.force, held.slip, norm(held.slip) > 1e-6}));
+    all.push_back(in_order(
+        {{held.a}, {held.b}, held.point, held.normal, held.force, held.slip, norm(held.slip) > 1e-6, std::nullopt, held.moment}));
   }
   return all;
 }

@@ -53,6 +53,8 @@ void Model::add_contact_rule(ContactRule rule) {
     throw_error({"a coefficient of friction can't be negative", "friction", ""});
   if (!(law.static_friction >= law.friction) || !std::isfinite(law.static_friction))
     throw_error({"the static coefficient of friction can't be smaller than the kinetic one", "friction", ""});
+  if (!(law.torsional >= 0 && law.rolling >= 0) || !std::isfinite(law.torsional + law.rolling))
+    throw_error({"torsional and rolling friction are lengths, which can't be negative", "friction", ""});
   if (!(law.restitution >= 0 && law.restitution <= 1))
     throw_error({"a restitution is from 0 to 1: an impact can't gain energy", "restitution", ""});
   for (const auto& [name, set] : {std::pair{&rule.one_name, &rule.one}, {&rule.other_name, &rule.other}}) {

@@ -18,8 +18,11 @@ struct ColliderId {
 struct ContactLaw {
   double friction = 0.5;         ///< coefficient while it slips
   double static_friction = 0.5;  ///< coefficient up to which it sticks; at least that of slip
+  double torsional = 0;          ///< the largest moment about the normal, divided by the normal force (m)
+  double rolling = 0;            ///< the same about the tangents: rolling resistance (m)
   double restitution = 0;        ///< 0 (plastic) to 1
   bool off = false;              ///< the bodies pass through each other
+  bool has_moments() const { return torsional > 0 || rolling > 0; }
   friend bool operator==(const ContactLaw&, const ContactLaw&) = default;
 };
 

@@ -46,6 +46,8 @@ class Contact(NamedTuple):
     """Whether it slips; otherwise it sticks, or has no friction."""
     determined: bool | None = None
     """False if redundant contacts leave the force open: this is one of those possible. None while it is stepped through."""
+    moment: Array = (0.0, 0.0, 0.0)  # type: ignore[assignment]
+    """Moment on ``one`` of torsional and rolling friction (N m), shape (3,)."""
 
 
 class Energy(NamedTuple):

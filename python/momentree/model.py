@@ -23,7 +23,7 @@ Collision = Union[Literal["shape", "none"], Shape]
 Belt = Mapping[str, Any]
 """A surface that runs: ``{"axis": [0, 1, 0], "speed": 0.5}``."""
 Friction = Union[Number, Mapping[str, Number]]
-"""A coefficient, or ``{"static": …, "kinetic": …}``."""
+"""A coefficient, or ``{"kinetic": …}`` with any of ``"static"``, ``"torsional"`` (m) and ``"rolling"`` (m)."""
 Axes = Literal["world", "body"]
 """The axes in which a force is given."""
 SpringEnd = Union[str, _core.ModelBody, tuple[Union[str, _core.ModelBody], Vector]]
@@ -157,7 +157,7 @@ class Model(_core.ModelBase):
         Args:
             height: Along its normal (m); default 0.
             normal: Of any length but zero; default: against gravity.
-            friction: Of bodies on it: a coefficient, or ``{"static": …, "kinetic": …}``; default 0.5.
+            friction: Of bodies on it: a coefficient, or a table as in scenarios; default 0.5.
             restitution: Of bodies on it, from 0 (default) to 1.
             belt: It runs, as in :meth:`add`; world axes.
 
@@ -180,7 +180,7 @@ class Model(_core.ModelBase):
         Args:
             between: Two bodies, or names of bodies or mechanisms with ``*``, or ``"ground"``; default: all with all but
                 neighbours in the tree. Each name must be that of a body, but also stands for those that are added later.
-            friction: A coefficient, or ``{"static": …, "kinetic": …}``; default 0.5.
+            friction: A coefficient, or ``{"static": …, "kinetic": …, "torsional": …, "rolling": …}``; default 0.5.
             restitution: From 0 (default) to 1.
             off: True: they pass through each other.
             name: Of its events: ``"impact NAME"``.

@@ -66,7 +66,8 @@ nb::tuple contact_state(const ModelObject& self) {
     colliders.append(nb::make_tuple(c.body.index, c.plane, from_vec(c.point), from_vec(c.normal), from_solid(c.solid)));
   for (const ContactRule& r : self.model.contact_rules())
     rules.append(nb::make_tuple(r.name, numbers_of_bodies(r.one), numbers_of_bodies(r.other), r.law.friction,
-                                r.law.static_friction, r.law.restitution, r.law.off, r.one_name, r.other_name));
+                                r.law.static_friction, r.law.restitution, r.law.off, r.one_name, r.other_name, r.law.torsional,
+                                r.law.rolling));
   nb::list meshes;  // those of collision shapes, by collider
   for (std::size_t i = 0; i < self.collision_shapes.size(); ++i) {
     const io::Shape& shape = self.collision_shapes[i];
@@ -98,6 +99,8 @@ void set_contact_state(ModelObject& self, nb::handle state) {
                                  .other = body_ids_from(each[2]),
                                  .law = {.friction = nb::cast<double>(each[3]),
                                          .static_friction = nb::cast<double>(each[4]),
+                                         .torsional = nb::cast<double>(each[9]),
+                                         .rolling = nb::cast<double>(each[10]),
                                          .restitution = nb::cast<double>(each[5]),
                                          .off = nb::cast<bool>(each[6])},
                                  .one_name = nb::cast<std::string>(each[7]),

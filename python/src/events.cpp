@@ -16,7 +16,7 @@ nb::list contact_records(std::span<const ContactPoint> points, const Model& mode
   nb::list all;
   for (const ContactPoint& point : points)
     all.append(make(name(point.one), name(point.other), from_vec3(point.point), from_vec3(point.normal), from_vec3(point.force),
-                    from_vec3(point.slip), point.slips, nb::cast(point.determined)));
+                    from_vec3(point.slip), point.slips, nb::cast(point.determined), from_vec3(point.moment)));
   return all;
 }
 

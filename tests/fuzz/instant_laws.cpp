@@ -29,8 +29,8 @@ class Loads {
     add_joints();
     add_springs();
     for (const ContactPoint& point : world.contacts()) {
-      push(point.one, point.point, point.force);
-      push(point.other, point.point, -point.force);
+      push(point.one, point.point, point.force, point.moment);
+      push(point.other, point.point, -point.force, -point.moment);
     }
   }
   const Load& operator[](std::size_t body) const { return loads_[body]; }

@@ -96,7 +96,7 @@ void fields(Archive& archive, Part<Archive, Event>& e) {
 
 template <class Archive>
 void fields(Archive& archive, Part<Archive, SteppedContact>& c) {
-  archive(c.pair, c.id, c.a, c.b, c.point, c.normal, c.force, c.slip, c.cable, c.joint, c.side, c.rests);
+  archive(c.pair, c.id, c.a, c.b, c.point, c.normal, c.force, c.slip, c.cable, c.joint, c.side, c.rests, c.moment);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, SteppedBody>& b) {

@@ -30,9 +30,12 @@ Value::Table belt_entries_of(const Vec3& belt) {
 }
 
 Value describe_friction(const ContactLaw& law) {
-  if (law.static_friction == law.friction) return number(law.friction);
+  if (law.static_friction == law.friction && !law.has_moments()) return number(law.friction);
   Value::Table table;
-  add(table, "static", number(law.static_friction)), add(table, "kinetic", number(law.friction));
+  if (law.static_friction != law.friction) add(table, "static", number(law.static_friction));
+  add(table, "kinetic", number(law.friction));
+  if (law.torsional > 0) add(table, "torsional", number(law.torsional));
+  if (law.rolling > 0) add(table, "rolling", number(law.rolling));
   return value(std::move(table));
 }
 
