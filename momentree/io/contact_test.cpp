@@ -6,6 +6,7 @@
 #include <momentree/io/report/contact_rows.hpp>
 #include <momentree/io/schedule.hpp>
 #include <momentree/io/session.hpp>
+#include <momentree/io/state_document.hpp>
 #include <momentree/io/summary.hpp>
 #include <momentree/io/test_support.hpp>
 #include <momentree/io/text_file.hpp>
@@ -283,4 +284,33 @@ until = 0.6
   CHECK(run.reason.find("smaller step") == std::string::npos);
   CHECK(session.simulation().energy().largest_kinetic < 100);  // the bodies fall by 1 m
   for (const Event& event : session.simulation().events()) CHECK(std::fabs(event.lost) < 100);
+}
+
+TEST_CASE("a run that continues from a document compares what contacts gain with the kinetic energy of the whole run") {
+  const std::string scenario = R"(format = 1
+[world]
+floor = true
+[[mechanism]]
+name = "box"
+root = "free"
+pose = { xyz = [0, 0, 0.6] }
+[[mechanism.body]]
+name = "box"
+mass = 2
+inertia = 0.0133
+collision = { box = [0.2, 0.2, 0.2] }
+[integrate]
+method = "dop853"
+until = 1
+)";
+  Session whole = load_text(scenario, "s.toml");
+  REQUIRE(whole.simulation().run_until(1));
+  CHECK(whole.simulation().energy().largest_kinetic == doctest::Approx(2 * 9.81 * 0.5).epsilon(1e-6));
+  const std::string text = state_json(whole.simulation().world(), {}, whole.simulation().step_memory());
+  Session again = load_text(scenario, "s.toml");
+  const RestoredState state = read_state(text, "state.json", again.scenario().model);
+  restore(again.simulation(), {state});
+  again.simulation().resume({}, state.memory);
+  CHECK(again.simulation().energy().largest_kinetic == whole.simulation().energy().largest_kinetic);
+  CHECK(state_json(again.simulation().world(), {}, again.simulation().step_memory()) == text);
 }

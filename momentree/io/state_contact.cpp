@@ -279,7 +279,8 @@ void write_stepping(JsonWriter& json, const World& world, const SteppingState& s
   json.member("on", stepping.on).member("changes", stepping.changes).member("changes_at_once", stepping.changes_at_once);
   if (!stepping.one.empty()) json.key("last").begin_array().value(stepping.one).value(stepping.other).end_array();
   json.member("window", stepping.window).member("instant", stepping.instant).member("short_steps", stepping.short_steps);
-  json.member("steps", stepping.steps).member("steps_began", stepping.steps_began).end_object();
+  json.member("steps", stepping.steps).member("steps_began", stepping.steps_began);
+  json.member("largest_kinetic", stepping.largest_kinetic).end_object();
 }
 
 void read_stepping(const Value& value, const Model& model, JointReader& joints, SteppingState& stepping, Diagnostics& out) {
@@ -323,8 +324,10 @@ void read_stepping(const Value& value, const Model& model, JointReader& joints, 
       out.error(last->place, "last: expected the names of two bodies");
     }
   }
-  for (const auto& [key, time] :
-       {std::pair{"window", &stepping.window}, {"instant", &stepping.instant}, {"steps_began", &stepping.steps_began}})
+  for (const auto& [key, time] : {std::pair{"window", &stepping.window},
+                                  {"instant", &stepping.instant},
+                                  {"steps_began", &stepping.steps_began},
+                                  {"largest_kinetic", &stepping.largest_kinetic}})
     *time = fields.real(key).value_or(0);
   fields.finish();
 }

@@ -52,50 +52,62 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   find_contact_accelerations(tree, q, workspace, staying, rows_);
   find_contact_mobility(tree, q, workspace, staying, rows_);
   forget_evaluation_with_loops();
-  const bool solved = solve_states(staying);
-  bool rests = solved;
-  for (std::size_t i = 0; i < staying.size(); ++i) rests = rests && system_.state(i) != contact::PointState::slip;
-  rests = rests || can_rest(staying);
-  if (!rests && !solved) return false;
-  system_.velocities(after_);
-  weakened_ = false;
-  const double noise = 1e-12 * largest(system_.r), inexact = motion_from_residual * system_.residual() * largest(system_.b);
-  for (std::size_t i = 0; i < staying.size(); ++i) {
-    if (!(system_.r[3 * i] > noise)) continue;
-    Contact c = staying[i];
-    const contact::PointLaw& law = system_.laws[i];
-    const ContactLaw& own = pairs_[static_cast<std::size_t>(c.pair)].law;
-    const bool was_at_limit = at_limit(c);
-    if (!law.slipping) c.keeps_direction = 0;
-    if (law.slipping) {
-      c.mode = Contact::Mode::slip;
-      if (!keeps_direction(c, slip_at(i))) {
-        c.direction = law.direction[0] * rows_.touches[i].tangent[0] + law.direction[1] * rows_.touches[i].tangent[1];
-        c.keeps_direction = 0;
-      }
-    } else if (!(own.static_friction > 0)) {
-      c.mode = Contact::Mode::smooth;
-    } else if (!rests && system_.state(i) == contact::PointState::slip &&
-               std::hypot(after_[3 * i + 1], after_[3 * i + 2]) > inexact) {
-      if (!weakened_) weaken_friction();
-      if (moves_along(staying, i)) {
-        c.mode = Contact::Mode::stick;
-        note_limit(c);
-      } else {
-        const double a1 = weaker_[3 * i + 1], a2 = weaker_[3 * i + 2], size = std::hypot(a1, a2);
-        c.mode = Contact::Mode::slip;
-        c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
-        c.keeps_direction = (step_ > 0 ? step_ / 2 : slow_slip) * turning_at(i);
-      }
-    } else {
-      c.mode = Contact::Mode::stick;
-      const Friction used = friction_of_pair(staying, i);
-      if (was_at_limit && used.force > nearly_all * used.limit) note_limit(c);
-    }
-    c.friction = friction_of(c);
-    closed.push_back(c);
+  // A contact that begins to slip has the kinetic coefficient from then on: one that has been found to do so counts as slipping.
+  for (bool begins = true; begins;) {
+    closed.clear(), begins = false;
+    const bool solved = solve_states(staying);
+    bool rests = solved;
+    for (std::size_t i = 0; i < staying.size(); ++i) rests = rests && system_.state(i) != contact::PointState::slip;
+    rests = rests || can_rest(staying);
+    if (!rests && !solved) return false;
+    system_.velocities(after_);
+    weakened_ = false;
+    for (std::size_t i = 0; i < staying.size(); ++i) begins = choose(staying, i, rests, closed) || begins;
   }
   return true;
+}
+
+// The state of one of the contacts of which system_ has the forces, which is appended if it stays closed. True if it begins to
+// slip, and was not known to have the kinetic coefficient: then it is noted in `staying`.
+bool Contacts::choose(std::vector<Contact>& staying, std::size_t i, bool rests, std::vector<Contact>& closed) {
+  const double noise = 1e-12 * largest(system_.r), inexact = motion_from_residual * system_.residual() * largest(system_.b);
+  if (!(system_.r[3 * i] > noise)) return false;
+  Contact c = staying[i];
+  const contact::PointLaw& law = system_.laws[i];
+  const ContactLaw& own = pairs_[static_cast<std::size_t>(c.pair)].law;
+  const bool was_at_limit = at_limit(c);
+  bool begins = false;
+  if (!law.slipping) c.keeps_direction = 0;
+  if (law.slipping) {
+    c.mode = Contact::Mode::slip;
+    if (!keeps_direction(c, slip_at(i))) {
+      c.direction = law.direction[0] * rows_.touches[i].tangent[0] + law.direction[1] * rows_.touches[i].tangent[1];
+      c.keeps_direction = 0;
+    }
+  } else if (!(own.static_friction > 0)) {
+    c.mode = Contact::Mode::smooth;
+  } else if (!rests && system_.state(i) == contact::PointState::slip &&
+             std::hypot(after_[3 * i + 1], after_[3 * i + 2]) > inexact) {
+    if (!weakened_) weaken_friction();
+    if (moves_along(staying, i)) {
+      c.mode = Contact::Mode::stick;
+      note_limit(c);
+    } else {
+      const double a1 = weaker_[3 * i + 1], a2 = weaker_[3 * i + 2], size = std::hypot(a1, a2);
+      c.mode = Contact::Mode::slip;
+      c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
+      c.keeps_direction = (step_ > 0 ? step_ / 2 : slow_slip) * turning_at(i);
+      begins = staying[i].mode != Contact::Mode::slip && own.friction < own.static_friction;
+      if (begins) staying[i].mode = Contact::Mode::slip;
+    }
+  } else {
+    c.mode = Contact::Mode::stick;
+    const Friction used = friction_of_pair(staying, i);
+    if (was_at_limit && used.force > nearly_all * used.limit) note_limit(c);
+  }
+  c.friction = friction_of(c);
+  closed.push_back(c);
+  return begins;
 }
 
 // turning() of contacts of which system_ has the forces.
@@ -223,7 +235,7 @@ void Contacts::set_law(const std::vector<Contact>& contacts) {
     const contact::Touch& touch = rows_.touches[i];
     const Vec3 v = slip_at(i);
     law.slipping = slips(contacts[i], v);
-    law.friction = law.slipping ? own.friction : own.static_friction;
+    law.friction = law.slipping || contacts[i].mode == Contact::Mode::slip ? own.friction : own.static_friction;
     if (at_limit(contacts[i])) law.friction *= 1 + more_at_limit;
     if (!law.slipping) continue;
     const Vec3 s = keeps_direction(contacts[i], v) ? v + contacts[i].keeps_direction * contacts[i].direction : v;

@@ -272,12 +272,13 @@ bool Simulation::Impl::contacts_gained_energy() {
   const auto brought_in = [](const EnergyLedger& l) { return l.work + l.projection - l.dissipated - l.impacts; };
   const double gained = total_energy() - before_step.energy - (brought_in(ledger) - brought_in(before_step.ledger));
   const Totals now = world.totals();
-  const double all = std::fabs(now.kinetic) + std::fabs(now.potential) + std::fabs(balance.initial) + std::fabs(ledger.work);
+  const double largest = std::max(balance.largest_kinetic, now.kinetic);
+  const double all = largest + std::fabs(now.potential);
   if (gained <= rounding * all) return false;
   double unmoved = 0;  // the energy of slip at the speed below which there is none
   for (const int b : world.tree_.order()) unmoved += world.tree_.link(b).body.m * slowest_slip * slowest_slip;
   if (gained <= std::max(unmoved, rounding * energy_of_heights(world))) return false;
-  if (!(gained <= most * std::max(balance.largest_kinetic, now.kinetic))) return true;
+  if (!(gained <= most * largest)) return true;
   if (!(gained > least_height * energy_of_heights(world))) return false;
   const std::vector<double> kinetic = contacts.kinetic_by_island();
   for (std::size_t i = 0; i < kinetic.size(); ++i)
@@ -296,13 +297,16 @@ SteppingState Simulation::Impl::stepping_state() const {
   now.points = contact_steps.points();
   now.released = stepper != nullptr && (some_step() || steps_through()) && contact_steps.released();
   now.short_steps = contacts.short_steps();
+  if (!world.model_.colliders().empty() || std::ranges::any_of(world.model_.springs(), &Spring::inextensible))
+    now.largest_kinetic = balance.largest_kinetic;
   if (!events.empty()) now.one = events.back().contact.one, now.other = events.back().contact.other;
   return now;
 }
 
 void Simulation::Impl::continue_stepping(const SteppingState& from) {
   stepping = from;
-  stepping.points.clear(), stepping.unloaded = stepping.excess = -1, stepping.overlap = 0;
+  stepping.points.clear(), stepping.unloaded = stepping.excess = -1, stepping.overlap = stepping.largest_kinetic = 0;
+  if (from.largest_kinetic > 0) balance.largest_kinetic = from.largest_kinetic;
   contacts.set_short_steps(from.short_steps);
   contacts.set_stepped(stepped_bodies());
   if (stepping.on || method_steps || !contact_steps.points().empty()) contact_steps.set_points(from.points, from.released);

@@ -245,6 +245,7 @@ class Contacts {
   std::vector<double> accelerations_on_others(const std::vector<Contact>& contacts, double slow);
   bool impact(const std::vector<Contact>& contacts, std::vector<Event>& events, std::string& failure);
   bool choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed);
+  bool choose(std::vector<Contact>& staying, std::size_t i, bool rests, std::vector<Contact>& closed);
   bool slips(const Contact& c, const Vec3& v) const;
   bool can_rest(std::vector<Contact> contacts);
   void set_law(const std::vector<Contact>& contacts);

@@ -261,3 +261,36 @@ TEST_CASE("slow slip: a box on an incline slides or rests, however near its fric
         CHECK(sim.statistics().steps < 250);
       }
 }
+
+TEST_CASE("slow slip: a box that breaks away leaves behind what kinetic friction cannot carry, at the same instant") {
+  // Both plates rest until the lower one breaks away from the floor, which then holds it so much less that the upper one slips.
+  constexpr double on_floor = 0.6, kinetic = 0.1, between = 0.3, between_kinetic = 0.25, lower = 2, upper = 1, pull = 20;  // N/s
+  Model model;
+  for (const auto& [name, mass, height] : {std::tuple{"lower", lower, 0.01}, {"upper", upper, 0.03}}) {
+    const BodyId plate =
+        model.add({.name = name, .mass = mass, .inertia = diagonal(0.2), .joint = Free{}, .q = {0, 0, height, 1, 0, 0, 0}});
+    model.add_collider({.body = plate, .solid = contact::box({1, 1, 0.02})});
+  }
+  model.add_collider({.plane = true});
+  model.add_contact_rule({.law = {.friction = kinetic, .static_friction = on_floor}});
+  model.add_contact_rule(
+      {.one = {BodyId{1}}, .other = {BodyId{0}}, .law = {.friction = between_kinetic, .static_friction = between}});
+  model.add_force({.body = BodyId{0}, .force = {Signal::ramp(pull, 0), Signal(), Signal()}});
+  const double begins = on_floor * (lower + upper) * g / pull, t = 0.1;  // after that, at a constant growth of the force
+  for (const char* method : {"dop853", "rk4"}) {
+    CAPTURE(method);
+    Simulation sim(model, {.method = method});
+    REQUIRE(sim.run_until(begins + t));
+    CHECK(first(sim, "stepping") == nullptr);
+    int slips = 0;
+    for (const Event& event : sim.events()) {
+      if (event.name != "slip") continue;
+      CHECK(std::fabs(event.time - begins) < 1e-9);
+      ++slips;
+    }
+    CHECK(slips == 2);
+    const double force = pull * (begins * t + t * t / 2) - (kinetic * (lower + upper) + between_kinetic * upper) * g * t;
+    CHECK(std::fabs(sim.world().motions()[0].linear.x - force / lower) < 1e-8);
+    CHECK(std::fabs(sim.world().motions()[1].linear.x - between_kinetic * g * t) < 1e-8);
+  }
+}

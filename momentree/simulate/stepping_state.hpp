@@ -62,6 +62,8 @@ struct SteppingState {
   double excess = -1;
   /// In documents: the deepest overlap that the run could not avoid (m). A run that continues accepts it.
   double overlap = 0;
+  /// In documents: the largest kinetic energy of the run (J), to which what contacts gain is compared.
+  double largest_kinetic = 0;
   friend bool operator==(const SteppingState&, const SteppingState&) = default;
 };
 
