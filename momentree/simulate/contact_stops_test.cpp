@@ -458,3 +458,20 @@ TEST_CASE("contact and stops: a hit in an island that is stepped through is one 
   CHECK(std::ranges::adjacent_find(times) == times.end());
   CHECK(events(sim, "rest slider lower") == 1);
 }
+
+TEST_CASE("stepping: the record of a lock says so where the joint rests on its stop") {
+  Model model;
+  const BodyId slider = model.add({.name = "slider",
+                                   .mass = 1,
+                                   .inertia = diagonal(0.01),
+                                   .joint = Prismatic{.axis = {0, 0, 1}, .limits = {.lower = 0}},
+                                   .q = {0.05}});
+  model.add_collider({.body = slider, .solid = contact::sphere(0.1)});
+  model.add_collider({.plane = true, .point = {0, 0, -9}});
+  Simulation sim(model, {.method = "stepping", .step = 1e-3});
+  REQUIRE(sim.run_until(0.5));
+  REQUIRE(sim.world().joint({sim.world().find_joint("slider")}).resting == 1);
+  sim.apply(lock("slider"));
+  REQUIRE(sim.events().back().topology.joints.size() == 1);
+  CHECK(sim.events().back().topology.joints[0].locked == 1);
+}

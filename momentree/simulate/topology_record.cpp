@@ -16,7 +16,7 @@ JointRecord joint_record(const World& world, JointId joint) {
           view.axis,
           view.axis2,
           view.pitch,
-          view.locked & ~view.resting,
+          view.locked,
           view.loop};
 }
 

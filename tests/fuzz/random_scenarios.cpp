@@ -32,7 +32,8 @@ int main(int argc, char** argv) {
     const std::string text = text_of(choose);
     if (argc == 2) std::printf("%s", text.c_str()), std::fflush(stdout);
     all.broken.clear();
-    check_scenario(text, choose, all, !piles);  // cylinders that stand find other points of their rim
+    // Edges that cross the rim of a cylinder do so at points that a document does not have.
+    check_scenario(text, choose, all, !piles || text.find("cylinder") == std::string::npos);
     broken += !all.broken.empty();
     for (const std::string& law : all.broken) std::printf("BROKEN seed %lu: %s\n", seed, law.c_str());
     std::fflush(stdout);
