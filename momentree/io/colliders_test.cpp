@@ -240,14 +240,17 @@ TEST_CASE("colliders: friction and exclusions of SDF and MJCF files") {
   }
 }
 
-TEST_CASE("colliders: exclusions of an MJCF file name the world and bodies; others are reported, and bounce of SDF is a note") {
+TEST_CASE(
+    "colliders: exclusions of an MJCF file name the world and bodies; others are reported, and bounce of SDF is a note; "
+    "moments") {
   test::TemporaryFolder folder;
   write(folder / "m.xml",
-        "<mujoco><worldbody><body name='a' pos='0 0 1'><freejoint/><geom size='0.1'/></body></worldbody>"
+        "<mujoco><worldbody><body name='a' pos='0 0 1'><freejoint/><geom size='0.1' condim='6'/></body></worldbody>"
         "<contact><exclude body1='a' body2='world'/><exclude body1='a' body2='nobody'/></contact></mujoco>");
   write(folder / "m.sdf",
         "<sdf version='1.7'><model name='m'><link name='a'><pose>0 0 1 0 0 0</pose><inertial><mass>1</mass></inertial>"
-        "<collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry><surface><bounce>"
+        "<collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry><surface>"
+        "<friction><torsional><coefficient>0.1</coefficient></torsional></friction><bounce>"
         "<restitution_coefficient>0.5</restitution_coefficient></bounce></surface></collision></link></model></sdf>");
   const auto read = [&](const std::string& file) {
     write(folder / "s.toml", a_floor + "[[mechanism]]\nname = \"m\"\nmodel = \"" + file + "\"\n");
@@ -257,8 +260,11 @@ TEST_CASE("colliders: exclusions of an MJCF file name the world and bodies; othe
   REQUIRE(mjcf.scenario);
   CHECK(mjcf.scenario->model.contact_law(mjcf.scenario->model.body("m/a"), ground).off);
   CHECK(warnings(mjcf).find("<exclude> names 'nobody', which is not a body of the model") != std::string::npos);
+  CHECK(warnings(mjcf).find("torsional and rolling friction of geoms are left out") != std::string::npos);
   const ReadResult sdf = read("m.sdf");
   REQUIRE(sdf.scenario);
+  CHECK(rendered(sdf.diagnostics).find("<torsional> is ignored; friction = { kinetic, torsional, rolling }") !=
+        std::string::npos);
   INFO(rendered(sdf.diagnostics));
   CHECK(rendered(sdf.diagnostics).find("<bounce> is ignored; [[contact]] gives pairs their restitution") != std::string::npos);
 }

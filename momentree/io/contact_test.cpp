@@ -76,6 +76,17 @@ TEST_CASE("contact: belts of bodies and of the floor are read, and written again
   CHECK(refused("conveyor = 1").find("belt = { axis = [0, 1, 0], speed = 0.5 }") != std::string::npos);
 }
 
+TEST_CASE("contact: torsional and rolling friction are read, written again, and part of state documents") {
+  const Scenario scenario = read("[world]\nfloor = { friction = { kinetic = 0.4, rolling = \"2 mm\", torsional = 0.003 } }\n" +
+                                 ball("a", 0.1, "collision = { sphere = 0.1 }\n"));
+  for (const Scenario& each : {scenario, read(to_toml(scenario.model, scenario.shapes, true).substr(11))}) {
+    const ContactLaw law = each.model.contact_law({0}, ground);
+    CHECK(law == ContactLaw{.friction = 0.4, .static_friction = 0.4, .torsional = 0.003, .rolling = 0.002});
+  }
+  CHECK(refusal("[world]\nfloor = { friction = { kinetic = 1, rolling = -1 } }\n" + ball("a", 1)).find("rolling") !=
+        std::string::npos);
+}
+
 TEST_CASE("contact: links of a chain touch, neighbours do not") {
   const Scenario scenario = read(
       "[[mechanism]]\nname = \"chain\"\n[mechanism.chain]\nlinks = 3\nlength = 0.1\nmass = 1\ninertia = 1e-3\nradius = 0.01\n");

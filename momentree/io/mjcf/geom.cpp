@@ -150,6 +150,9 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
   const Type type = read_type(attributes);
   geom.mask = {read_bits(attributes, "contype"), read_bits(attributes, "conaffinity")};
   if (const auto friction = attributes.numbers("friction", 1, 3)) geom.friction = friction->front();
+  if (attributes.number("condim").value_or(3) > 3)
+    reading.file_of(element).once(Severity::warning, "torsional and rolling friction of geoms are left out", moments_hint,
+                                  attributes.at("condim"));
   if (type == Type::hfield || type == Type::sdf)
     reading.file_of(element).once(Severity::warning,
                                   std::string("geoms of type ") + type_names[static_cast<std::size_t>(type)] +

@@ -84,6 +84,8 @@ inline constexpr double imported_friction_speed = 1e-2;
 inline constexpr const char* different_friction =
     "different friction along two tangents is not represented: the first coefficient counts";
 inline constexpr const char* friction_hint = "[[contact]] gives pairs their friction";
+inline constexpr const char* moments_hint =
+    "friction = { kinetic, torsional, rolling } of [[contact]] has them, by time stepping";
 
 /// Of two bodies with coefficients of their own, the file's format takes this one.
 enum class FrictionOfTwo { larger, smaller };

@@ -174,7 +174,8 @@ std::optional<double> read_surface(XmlElement surface, XmlFile& file) {
       coefficients.fields.known_children({"fdir1", "slip1", "slip2"});
       coefficients.fields.finish();
     }
-    of.fields.known_children({"bullet", "torsional"});
+    of.fields.leave_out({"torsional"}, moments_hint);
+    of.fields.known_children({"bullet"});
     of.fields.finish();
   }
   texts.fields.leave_out({"bounce"}, "[[contact]] gives pairs their restitution");
