@@ -41,7 +41,7 @@ void ContactSteps::find_points(double within) {
   const Tree& tree = world_->tree_;
   Workspace<double>& workspace = world_->workspace_;
   near_.clear(), hit_.clear();
-  contacts_->add_near(within, near_);
+  contacts_->add_near(within, near_, resting_.stays());
   if (near_.empty() && near_stops_.empty()) return;
   accelerate(tree, world_->state_, workspace);
   for (NearStop& near : near_stops_)
@@ -271,6 +271,14 @@ void ContactSteps::displace(State& state, contact::LinksMotion& by) {
 // them by.
 bool ContactSteps::lay_there(double v, double a, double h) const { return hits_.empty() && std::fabs(v) <= 2 * h * std::fabs(a); }
 
+// All but those of bodies that stay.
+void ContactSteps::forget_points() {
+  std::erase_if(points_, [this](const SteppedContact& point) {
+    return point.joint >= 0 || !(resting_.stays(point.a) || resting_.stays(point.b));
+  });
+  for (const SteppedContact& point : points_) touching_.emplace_back(point.a, point.b);
+}
+
 // The points for the next step, and for evaluations of the state until then. A gap of 1e-9 m that closes in a step of 1e-12 s
 // takes an impulse that would be a huge force: such a step changes the mean by little.
 void ContactSteps::remember(double h) {
@@ -287,7 +295,7 @@ void ContactSteps::remember(double h) {
     const NearStop& at = near_stops_[i];
     if (lay_there(at.velocity, at.acceleration, h) && at.stop.force == 0) carry(near_.size() + i);
   }
-  points_.clear();
+  forget_points();
   for (std::size_t i = 0; i < near_stops_.size(); ++i) {
     const std::size_t row = 3 * (near_.size() + i);
     const double force = (many_.r[row] + before * carried_[row]) / over;
@@ -453,24 +461,30 @@ void ContactSteps::forget_parted() {
     set_points(std::move(near), released_);
 }
 
+void ContactSteps::begin_step() {
+  const std::span<const SteppedContact> points(points_.data(), released_ ? 0 : points_.size());
+  resting_.begin_step(world_->tree_, world_->state_, world_->workspace_, points, usual_step_);
+}
+
 void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   release();
   (*evaluate_)(state);
   free_power_ = world_->workspace_.power;
+  const double within = reach(h);
+  if (resting_.put_back(world_->tree_, state, *contacts_, within, points_)) (*evaluate_)(state);
   find_stops(h);
-  find_points(reach(h));
+  find_points(within);
   hits_.clear(), touching_.clear(), overlapping_.clear();
   for (;;) {
     if (near_.empty() && near_stops_.empty()) {
-      points_.clear();
-      released_ = false, has_forces_ = true;
-      return;
+      forget_points(), released_ = false;
+      return hold(points_);
     }
     solve(h);
     if (near_stops_.empty() || !jammed()) break;
     near_stops_.clear(), hits_.clear();
     (*evaluate_)(state);
-    find_points(reach(h));
+    find_points(within);
   }
   free_q_.assign(state.q().begin(), state.q().end()), free_u_.assign(state.u().begin(), state.u().end());
   for (std::size_t i = 0; i < near_.size(); ++i)
@@ -478,8 +492,8 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   gaps_.assign(many_.points.size(), HUGE_VAL);  // moments have none
   move(state, ledger);
   take_back_work(state.time(), ledger, h);
-  remember(h);
-  released_ = false;
+  remember(h), released_ = false;
+  resting_.come_to_rest(world_->tree_, state, points_);
   hold(points_);
 }
 

@@ -11,6 +11,7 @@
 #include <momentree/dynamics/contact_parts.hpp>
 #include <momentree/integrate/step_contacts.hpp>
 #include <momentree/simulate/contacts.hpp>
+#include <momentree/simulate/resting_islands.hpp>
 #include <momentree/simulate/stepping_state.hpp>
 
 namespace momentree {
@@ -30,6 +31,8 @@ class ContactSteps final : public StepContacts {
       : world_(&world), evaluate_(&evaluate), contacts_(&contacts) {}
 
   void apply(State& state, EnergyLedger& ledger, double h) override;
+  /// To be called before a step, with an evaluation of the state.
+  void begin_step();
   void note_start() override { points_at_start_ = points_, released_at_start_ = released_; }
   void return_to_start() override { set_points(points_at_start_, released_at_start_); }
 
@@ -80,6 +83,7 @@ class ContactSteps final : public StepContacts {
     SteppedStop stop;
     double gap, velocity, acceleration;  ///< as those of points
   };
+  void forget_points();
   double reach(double h) const;
   void find_near() { near_.clear(), contacts_->add_near(reach(usual_step_), near_); }
   bool is_near(const SteppedContact& point) const;
@@ -109,6 +113,7 @@ class ContactSteps final : public StepContacts {
   Contacts* contacts_;
   ContactParts parts_;
   MomentumKeepingDisplacement displacement_;
+  RestingIslands resting_;
   std::vector<Contact> near_;
   ContactRows rows_;
   contact::ManyPoints many_;

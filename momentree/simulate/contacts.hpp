@@ -130,8 +130,11 @@ class Contacts {
   std::vector<Passed> passed();
   /// The fastest point of any solid (m/s).
   double fastest() const;
-  /// Appends the points at which solids overlap at present, or are nearer than `within` (m).
-  void add_near(double within, std::vector<Contact>& out) const;
+  /// Appends the points at which solids overlap at present, or are nearer than `within` (m), without those of bodies that stay
+  /// where they are, if `stays` says so by body.
+  void add_near(double within, std::vector<Contact>& out, const std::vector<bool>& stays = {}) const;
+  /// Joins the islands of bodies of which solids may be nearer than `within` (m).
+  void join_near(double within, Islands& islands) const;
   const ContactLaw& law_of(int pair) const { return pairs_[static_cast<std::size_t>(pair)].law; }
   /// The radius of the first solid of a pair, as a whole (m).
   double reach_of(int pair) const { return pairs_[static_cast<std::size_t>(pair)].one->solid.reach; }

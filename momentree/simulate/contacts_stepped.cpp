@@ -146,9 +146,18 @@ double Contacts::fastest() const {
   return most;
 }
 
-void Contacts::add_near(double within, std::vector<Contact>& out) const {
+void Contacts::join_near(double within, Islands& islands) const {
   for (const int i : near_pairs(0, within)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
+    if (pair.b >= 0 && apart(pair) <= within) islands.join(pair.a, pair.b);
+  }
+}
+
+void Contacts::add_near(double within, std::vector<Contact>& out, const std::vector<bool>& stays) const {
+  for (const int i : near_pairs(0, within)) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
+    if (!stays.empty() && (stays[static_cast<std::size_t>(pair.a)] || (pair.b >= 0 && stays[static_cast<std::size_t>(pair.b)])))
+      continue;
     if (apart(pair) > within || (!stepped_.empty() && handling(pair) != Handling::stepped)) continue;
     found_candidates_.clear();
     if (pair.cable < 0 && !pair.other->plane && !pair.one->solid.faces.empty() && !pair.other->solid.faces.empty())

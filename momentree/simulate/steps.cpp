@@ -43,6 +43,7 @@ bool Simulation::Impl::step_towards(double end) {
 // of a full step.
 bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point start) {
   double most = h;
+  if (contacts.any() && (steps_through() || some_step())) contact_steps.begin_step();
   stops.share();
   if (some_step()) {
     // The evaluation of the state has the forces of contacts in the last step: this one is made without them.
