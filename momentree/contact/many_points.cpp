@@ -313,6 +313,35 @@ LinksMotion& ManyPoints::displacement(const std::vector<double>& factors) {
   return shift_;
 }
 
+// What stops a body in a step also carries its weight, where points that carry the body below press the two together. It is not
+// returned: otherwise bodies that bounce on others would never come to rest.
+void ManyPoints::return_no_weight(const std::size_t* first, const std::size_t* last) {
+  const auto same_bodies = [this](std::size_t i, std::size_t j) {
+    for (std::size_t side = 0; side < 2; ++side)
+      if (points[i].parts[side].group != points[j].parts[side].group || points[i].parts[side].link != points[j].parts[side].link)
+        return false;
+    return true;
+  };
+  const auto add_all = [this](const std::size_t* from, const std::size_t* to, double sign) {
+    for (const std::size_t* p = from; p != to; ++p) {
+      const double impulse[3] = {sign * r[3 * *p], sign * r[3 * *p + 1], sign * r[3 * *p + 2]};
+      add(*p, impulse, change_);
+    }
+  };
+  for (const std::size_t* begin = first; begin != last;) {
+    const std::size_t* const end = std::find_if(begin, last, [&](std::size_t i) { return !same_bodies(i, *begin); });
+    if (std::any_of(begin, end, [this](std::size_t i) { return returns_[i] > 0; })) {
+      add_all(begin, end, -1);
+      for (const std::size_t* p = begin; p != end; ++p) {
+        const double pressed = -along(*p, 0, change_), approach = pressed - b[3 * *p];  // by others; with its own
+        if (pressed > 0 && approach > 0) returns_[*p] *= std::max(0.0, 1 - std::min(pressed, points[*p].carried) / approach);
+      }
+      add_all(begin, end, 1);
+    }
+    begin = end;
+  }
+}
+
 // Of each normal impulse the restitution returns a part; see ImpactLaw.
 void ManyPoints::expand(const std::size_t* first, const std::size_t* last) {
   double most_work = 0;
@@ -320,15 +349,16 @@ void ManyPoints::expand(const std::size_t* first, const std::size_t* last) {
   for (const std::size_t* p = first; p != last; ++p) {
     const std::size_t n = 3 * *p;
     for (std::size_t k = 0; k < 3; ++k) after_[n + k] = b[n + k] + along(*p, k, change_);
-    const double e = points[*p].restitution;
+    const double e = returns_[*p] = points[*p].restitution;
     most_work -= e * e * 0.5 * r[n] * (b[n] + after_[n]);
     elastic = elastic || e * r[n] > 0;
   }
   if (!elastic) return;
+  return_no_weight(first, last);
   const double lost = -energy_change(first, last, b, r), tolerance = 1e-12 * (std::fabs(lost) + std::fabs(most_work));
   const auto expanded = [&](double part) {
     for (const std::size_t* p = first; p != last; ++p) {
-      least_[*p] = part * points[*p].restitution * r[3 * *p];
+      least_[*p] = part * returns_[*p] * r[3 * *p];
       for (std::size_t k = 0; k < 3; ++k) rebound_[3 * *p + k] = 0;
       rebound_[3 * *p] = least_[*p];
     }
@@ -374,7 +404,7 @@ void ManyPoints::solve(double accuracy) {
   prepare();
   residual_ = 0;
   links.start(change_, dofs_);
-  least_.assign(points.size(), 0.0);
+  least_.assign(points.size(), 0.0), returns_.assign(points.size(), 0.0);
   links.start(moved_, dofs_);
   after_.assign(b.size(), 0.0), rebound_.assign(b.size(), 0.0), best_.assign(b.size(), 0.0);
   std::size_t begin = 0;

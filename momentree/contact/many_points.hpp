@@ -24,7 +24,8 @@ class ManyPoints {
   struct Point {
     std::array<Part, 2> parts{};
     double friction = 0, restitution = 0;
-    double slack = 0;  ///< the speed with which it may approach afterwards, because a gap is left (m/s)
+    double carried = 0;  ///< with restitution: other points may press it by this without returning anything (m/s)
+    double slack = 0;    ///< the speed with which it may approach afterwards, because a gap is left (m/s)
     /// The point before this one whose normal impulse limits the moments of this one: about the normal, at most `torsion` times
     /// that, and about both tangents, `friction` times that (C7). −1: a point of contact.
     int pressed_by = -1;
@@ -87,6 +88,7 @@ class ManyPoints {
   double solve_exactly(const std::size_t* first, const std::size_t* last, std::vector<double>& impulses, double accuracy,
                        double enough);
   void separate_exactly(const std::size_t* first, const std::size_t* last, std::vector<double>& pushes, double accuracy);
+  void return_no_weight(const std::size_t* first, const std::size_t* last);
   void expand(const std::size_t* first, const std::size_t* last);
 
   int dofs_ = 0;
@@ -103,7 +105,7 @@ class ManyPoints {
   std::vector<std::vector<double>> responses_;  // by block: find_link_responses()
   std::vector<double> wide_, exact_;
   double accuracy_ = in_motion, residual_ = 0;
-  std::vector<double> least_, after_, rebound_, best_;
+  std::vector<double> least_, returns_, after_, rebound_, best_;
 };
 
 }  // namespace momentree::contact

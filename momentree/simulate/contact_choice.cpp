@@ -96,7 +96,7 @@ bool Contacts::choose(std::vector<Contact>& staying, std::size_t i, bool rests, 
       const double a1 = weaker_[3 * i + 1], a2 = weaker_[3 * i + 2], size = std::hypot(a1, a2);
       c.mode = Contact::Mode::slip;
       c.direction = (a1 / size) * rows_.touches[i].tangent[0] + (a2 / size) * rows_.touches[i].tangent[1];
-      c.keeps_direction = (step_ > 0 ? step_ / 2 : slow_slip) * turning_at(i);
+      c.keeps_direction = (step_ > 0 ? step_ / 2 : policy::slow_slip) * turning_at(i);
       begins = staying[i].mode != Contact::Mode::slip && own.friction < own.static_friction;
       if (begins) staying[i].mode = Contact::Mode::slip;
     }
@@ -276,7 +276,7 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
 void Contacts::note_ended_slip() {
   const std::span<const Contact> closed = world_->tree_.contacts();
   for (std::size_t i = 0; i < closed.size() && i < speed_.size(); ++i) {
-    if (closed[i].mode != Contact::Mode::slip || speed_[i] < creeping) continue;
+    if (closed[i].mode != Contact::Mode::slip || speed_[i] < policy::creeping) continue;
     const Vec3 point = contact::touch(closed[i].features, place(closed[i].a), place(closed[i].b)).point;
     double speeds = 0;
     for (const int body : {closed[i].a, closed[i].b}) {
@@ -284,7 +284,7 @@ void Contacts::note_ended_slip() {
       speeds += norm(at.v + cross(at.w, point - at.r));
     }
     speeds += norm(closed[i].belt_a) + norm(closed[i].belt_b);
-    const double noise = std::max(creeping, 1e-8 * speeds);
+    const double noise = std::max(policy::creeping, 1e-8 * speeds);
     if (norm(slip_velocity(static_cast<int>(i))) < noise) slowest_ = std::max(slowest_, noise);
   }
 }

@@ -11,13 +11,6 @@
 
 namespace momentree {
 
-namespace {
-
-constexpr double longest_patience = 10;   // s
-constexpr double touching_within = 1e-6;  // m
-
-}  // namespace
-
 std::vector<bool> Simulation::Impl::stepped_bodies() const {
   std::vector<bool> on;
   if (!stepping.on) return on;
@@ -154,12 +147,12 @@ void Simulation::Impl::after_contact_step() {
   };
   if (find_due().empty()) return;
   std::vector<Contact> near;  // also what the step itself brought together
-  contacts.add_near(touching_within, near);
+  contacts.add_near(policy::step_touch, near);
   for (const Contact& c : near) islands.join(c.a, c.b);
   for (const auto& [number, island] : find_due()) {
     if (!of(number).on) continue;
     const auto here = [&](const Contact& c) { return islands.of(c.a >= 0 ? c.a : c.b) == number; };
-    if (static_cast<std::size_t>(std::ranges::count_if(near, here)) > Contacts::most_points) continue;
+    if (static_cast<std::size_t>(std::ranges::count_if(near, here)) > policy::most_points) continue;
     if (std::ranges::any_of(near, [&](const Contact& c) { return here(c) && contacts.law_of(c.pair).has_moments(); })) continue;
     try_to_locate(islands, number);
     if (!stepping.on) return;
@@ -192,7 +185,7 @@ void Simulation::Impl::try_to_locate(const Islands& islands, int number) {
   }
   for (const int b : bodies) {
     SteppedBody& body = stepping.bodies[static_cast<std::size_t>(b)];
-    body.patience = std::min(2 * body.patience, longest_patience), body.since_impact = world.time();
+    body.patience = std::min(2 * body.patience, policy::longest_patience), body.since_impact = world.time();
   }
   evaluate_state();
   for (Event& change : changes) {  // impacts may have happened before an attempt failed

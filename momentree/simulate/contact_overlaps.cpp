@@ -31,7 +31,7 @@ double Contacts::depth_of(const Pair& pair, int number) const {
 bool Contacts::are_apart(int number) const {
   const Pair& pair = pairs_[static_cast<std::size_t>(number)];
   const double distance = contact::distance(pair.one->solid, place(pair.a), pair.other->solid, place(pair.b)).distance;
-  return distance > touching_within * pair.size(*this);
+  return distance > policy::touching_within * pair.size(*this);
 }
 
 void Contacts::forget_apart() {
@@ -75,7 +75,7 @@ std::optional<Overlap> Contacts::deepest(int body, bool all, bool cables) {
     if (body >= 0 ? pair.a != body && pair.b != body : !all && handling(pair) != Handling::located) continue;
     if ((pair.cable >= 0 && !cables) || apart(pair) > 0) continue;
     const double depth = all ? depth_of(pair, i) : -gap_of(i, 0).value;
-    if (depth > overlapping * pair.size(*this) && (!worst || depth > worst->depth)) worst = overlap_of(i, depth);
+    if (depth > policy::overlapping * pair.size(*this) && (!worst || depth > worst->depth)) worst = overlap_of(i, depth);
   }
   return worst;
 }

@@ -15,11 +15,7 @@ namespace momentree {
 
 namespace {
 
-// Changes of contacts within these times are a flood (s).
-constexpr int most_changes = 200, most_changes_at_once = 300;
-constexpr double window_length = 1e-2, instant_length = 1e-6;
 constexpr double more_overlap = 1 + 1e-6;  // times the former depth: by less, an overlap is the same one
-constexpr std::size_t crowded = 8;         // points: above, changes count more than once, and fewer short steps are tolerated
 
 }  // namespace
 
@@ -180,7 +176,7 @@ bool Simulation::Impl::resolve_contacts(bool after_step) {
 // The largest number of closed contacts in an island in which one of the events from `first` on happened.
 std::size_t Simulation::Impl::points_at_events(std::size_t first) {
   const std::span<const Contact> closed = world.tree_.contacts();
-  if (closed.size() <= crowded || events.size() == first) return 0;
+  if (closed.size() <= policy::crowded || events.size() == first) return 0;
   world.evaluate();
   std::size_t most = 0;
   for (const std::vector<std::size_t>& island : world.workspace_.contacts->rows.islands())
@@ -197,19 +193,20 @@ std::size_t Simulation::Impl::points_at_events(std::size_t first) {
 // Impacts of one pair of bodies after the other are those of a body that bounces until it rests, which is followed to the end.
 bool Simulation::Impl::flood_of_changes(std::size_t first) {
   const double now = world.time();
-  if (!(now <= stepping.window + window_length)) stepping.window = now, stepping.changes = 0;
-  if (!(now <= stepping.instant + instant_length)) stepping.instant = now, stepping.changes_at_once = 0;
+  if (!(now <= stepping.window + policy::window_length)) stepping.window = now, stepping.changes = 0;
+  if (!(now <= stepping.instant + policy::instant_length)) stepping.instant = now, stepping.changes_at_once = 0;
   if (first > 0) stepping.one = events[first - 1].contact.one, stepping.other = events[first - 1].contact.other;
   const auto is_last = [&](const Event& e) { return e.contact.one == stepping.one && e.contact.other == stepping.other; };
   const bool bounces = first + 1 == events.size() && is_last(events[first]);
   // A change costs dozens of evaluations, each of which solves for the forces of an island.
-  const double crowd = static_cast<double>(points_at_events(first)) / static_cast<double>(crowded);
+  const double crowd = static_cast<double>(points_at_events(first)) / static_cast<double>(policy::crowded);
   const int weight = crowd > 1 ? static_cast<int>(std::ceil(crowd * crowd)) : 1;
   if (!bounces && events.size() > first) stepping.changes += weight;
   stepping.changes_at_once += weight;
-  return (stepping.changes > most_changes && stepping.changes * share_of_island(stepping.window) > most_changes) ||
-         (stepping.changes_at_once > most_changes_at_once &&
-          stepping.changes_at_once * share_of_island(stepping.instant) > most_changes_at_once);
+  return (stepping.changes > policy::most_changes &&
+          stepping.changes * share_of_island(stepping.window) > policy::most_changes) ||
+         (stepping.changes_at_once > policy::most_changes_at_once &&
+          stepping.changes_at_once * share_of_island(stepping.instant) > policy::most_changes_at_once);
 }
 
 // The largest part of the events of contacts since then that happened in one island: many bodies that land each for itself are no
@@ -242,18 +239,17 @@ std::vector<int> Simulation::Impl::bodies_of_flood() const {
 
 // Adaptive steps that contacts keep short beyond reason would never reach the end. With many contacts each of them takes long.
 void Simulation::Impl::judge_steps() {
-  constexpr int most = 2000, least = 500;
-  constexpr double shortest = 3e-4;  // on average, of the given step
   if (steps_through() || !method->adaptive() || world.tree_.contacts().empty()) {
     stepping.steps = 0;
     return;
   }
-  const double crowd = static_cast<double>(world.tree_.contacts().size()) / static_cast<double>(crowded);
-  const int count = crowd > 1 ? std::max(least, static_cast<int>(most / (crowd * crowd))) : most;
+  const double crowd = static_cast<double>(world.tree_.contacts().size()) / static_cast<double>(policy::crowded);
+  const int count =
+      crowd > 1 ? std::max(policy::least_steps, static_cast<int>(policy::most_steps / (crowd * crowd))) : policy::most_steps;
   if (stepping.steps == 0) stepping.steps_began = world.time();
   if (++stepping.steps <= count) return;
   stepping.steps = 0;
-  if (world.time() - stepping.steps_began < count * shortest * integration.step)
+  if (world.time() - stepping.steps_began < count * policy::shortest_steps * integration.step)
     begin_stepping("steps become too short", contacts.slowest());
 }
 
@@ -266,9 +262,7 @@ void Simulation::Impl::note_before_contact_step() {
 // Where friction leaves hardly any force that keeps a contact closed, forces grow within a step to whatever the arithmetic allows
 // (Painlevé). The energy shows it: that of the whole world, or that of an island.
 bool Simulation::Impl::contacts_gained_energy() {
-  constexpr double most = 0.01, rounding = 1e-6;  // of the largest kinetic energy, and of all energies
-  constexpr double most_of_island = 0.1;          // of its present kinetic energy
-  constexpr double least_height = 1e-3;           // of the energy of falling by their own size
+  constexpr double rounding = 1e-6;  // of all energies
   const auto brought_in = [](const EnergyLedger& l) { return l.work + l.projection - l.dissipated - l.impacts; };
   const double gained = total_energy() - before_step.energy - (brought_in(ledger) - brought_in(before_step.ledger));
   const Totals now = world.totals();
@@ -278,11 +272,11 @@ bool Simulation::Impl::contacts_gained_energy() {
   double unmoved = 0;  // the energy of slip at the speed below which there is none
   for (const int b : world.tree_.order()) unmoved += world.tree_.link(b).body.m * slowest_slip * slowest_slip;
   if (gained <= std::max(unmoved, rounding * energy_of_heights(world))) return false;
-  if (!(gained <= most * largest)) return true;
-  if (!(gained > least_height * energy_of_heights(world))) return false;
+  if (!(gained <= policy::most_gained * largest)) return true;
+  if (!(gained > policy::least_height * energy_of_heights(world))) return false;
   const std::vector<double> kinetic = contacts.kinetic_by_island();
   for (std::size_t i = 0; i < kinetic.size(); ++i)
-    if (gained > most_of_island * kinetic[i] && kinetic[i] - before_step.kinetic[i] > 0.5 * gained) return true;
+    if (gained > policy::most_gained_by_island * kinetic[i] && kinetic[i] - before_step.kinetic[i] > 0.5 * gained) return true;
   return false;
 }
 

@@ -109,3 +109,22 @@ TEST_CASE("stepping: light boxes carry heavy ones, and nothing at rest moves") {
     CHECK(std::fabs(carried - weight) < 1e-8 * weight);
   }
 }
+
+// A box that falls h bounces for √(2h/g) (1 + e)/(1 − e) on what does not give way; on a column that does, not much longer.
+TEST_CASE("stepping: a box that bounces on a column of others comes to rest") {
+  for (const double e : {0.3, 0.5, 0.7, 0.9})
+    for (const int count : {2, 4}) {
+      Model model;
+      for (int k = 0; k < count; ++k) {
+        BodySpec box = crate("box" + std::to_string(k), {0, 0, 0.15 + 0.3 * k + (k + 1 == count ? 0.05 : 0)});
+        box.com = {};
+        add_box(model, model.add(std::move(box)), {0.3, 0.3, 0.3});
+      }
+      model.add_collider({.plane = true});
+      model.add_contact_rule({.law = {.restitution = e}});
+      model.add_contact_rule({.other = {ground}, .law = {}});
+      Simulation sim(model, {.method = "stepping", .step = 1e-3});
+      REQUIRE(sim.run_until(1.3 * std::sqrt(2 * 0.05 / g) * (1 + e) / (1 - e) + 0.1));
+      for (const BodyMotion& motion : sim.world().motions()) CHECK(norm(motion.linear) < 1e-3);
+    }
+}

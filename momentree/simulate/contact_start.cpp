@@ -8,16 +8,6 @@
 
 namespace momentree {
 
-namespace {
-
-constexpr std::size_t most_pending = 64;  // points of an island: its dense equations are solved once for the start
-// What time stepping leaves between bodies that lie on each other: at least this, and what gravity does within a step.
-constexpr double left_open = 1e-6;      // m
-constexpr double left_moving = 1e-5;    // m/s
-constexpr double left_slipping = 1e-6;  // m/s
-
-}  // namespace
-
 int pair_of_colliders(const Model& model, int one, int other) {
   const auto plane = [&](int collider) { return model.colliders()[static_cast<std::size_t>(collider)].plane; };
   const bool swap = plane(one) || (!plane(other) && other < one);
@@ -57,7 +47,7 @@ bool Contacts::stay_together(const std::vector<Contact>& contacts) {
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double size = pairs_[static_cast<std::size_t>(contacts[i].pair)].size(*this);
     const double* const v = rows_.velocity.data() + 3 * i;
-    if (std::fabs(rows_.touches[i].gap) > touching_within * size || std::fabs(v[0]) > slow) return false;
+    if (std::fabs(rows_.touches[i].gap) > policy::touching_within * size || std::fabs(v[0]) > slow) return false;
     if (contacts[i].mode == Contact::Mode::stick && std::hypot(v[1], v[2]) > slow) return false;
   }
   return true;
@@ -67,11 +57,11 @@ bool Contacts::stay_together(const std::vector<Contact>& contacts) {
 std::vector<Contact> Contacts::touching_in_steps(bool method_steps) {
   std::vector<Contact> all;
   const double step = usual_step();
-  const double open = std::max(left_open, norm(world_->model_.gravity()) * step * step);
+  const double open = std::max(policy::step_touch, norm(world_->model_.gravity()) * step * step);
   for (const int i : near_pairs(0, open)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     const bool steps = method_steps || handling(pair) != Handling::located;
-    const double within = steps ? open : touching_within * pair.size(*this);
+    const double within = steps ? open : policy::touching_within * pair.size(*this);
     if (apart(pair) > within) continue;
     found_candidates_.clear();
     candidates(pair, within, found_candidates_);
@@ -82,12 +72,13 @@ std::vector<Contact> Contacts::touching_in_steps(bool method_steps) {
 
 // Which contacts of an island will close. False: no forces were found, or bodies hit each other.
 bool Contacts::choose_pending(const std::vector<Contact>& touching, bool method_steps, std::vector<Contact>& chosen) {
-  if (touching.size() > most_pending) return false;
+  if (touching.size() > policy::most_pending) return false;
   const bool steps = method_steps || std::any_of(touching.begin(), touching.end(), [this](const Contact& c) {
                        return handling(pairs_[static_cast<std::size_t>(c.pair)]) != Handling::located;
                      });
   const double step = usual_step();
-  if (steps) slowest_approach_ = std::max(left_moving, norm(world_->model_.gravity()) * step), slowest_ = left_slipping;
+  if (steps)
+    slowest_approach_ = std::max(policy::step_approach, norm(world_->model_.gravity()) * step), slowest_ = policy::step_slip;
   const bool found = !approach_each_other(touching) && choose(touching, chosen);
   slowest_approach_ = 0, slowest_ = slowest_slip;
   return found;
@@ -126,7 +117,7 @@ bool Contacts::approach_each_other(const std::vector<Contact>& contacts) {
 double Contacts::slow_approach() const {
   double fastest = 1;
   for (const BodyMotion& m : world_->motions()) fastest = std::max(fastest, norm(m.linear));
-  return std::max(slowest_approach_, no_approach * fastest);
+  return std::max(slowest_approach_, policy::no_approach * fastest);
 }
 
 // Contacts of a document with the features that they have in this world, without those that do not touch.
@@ -138,7 +129,7 @@ std::vector<Contact> Contacts::placed_again(const std::vector<Contact>& describe
     if (std::any_of(all.begin(), all.end(), [&](const Contact& c) { return same_contact(c, given); })) continue;
     if (pair.cable >= 0 && !can_be_taut(static_cast<std::size_t>(pair.cable))) continue;
     found_candidates_.clear();
-    candidates(pair, touching_within * pair.size(*this), found_candidates_);
+    candidates(pair, policy::touching_within * pair.size(*this), found_candidates_);
     const auto same = [&](const contact::Candidate& found) { return found.id == given.id; };
     const auto found = std::find_if(found_candidates_.begin(), found_candidates_.end(), same);
     if (found == found_candidates_.end()) continue;
@@ -164,7 +155,7 @@ double Contacts::excess_of_closed() {
   world_->evaluate();
   if (!stay_together(closed)) return std::numeric_limits<double>::max();
   const double excess = excess_of_forces();
-  return excess <= rounding ? -1 : excess;
+  return excess <= policy::rounding ? -1 : excess;
 }
 
 }  // namespace momentree

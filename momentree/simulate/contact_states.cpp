@@ -10,14 +10,6 @@
 
 namespace momentree {
 
-namespace {
-
-constexpr int most_impacts = 200;      // at one instant
-constexpr int most_choices = 3;        // of what stays closed, after the first one
-constexpr double most_lacking = 1e-3;  // excess_of_forces() with which contacts may stay closed: more would pull
-
-}  // namespace
-
 struct Contacts::Impulses {
   std::vector<double> generalised;  // packed as p
   std::vector<AppliedImpulse> on_bodies, on_ground;
@@ -131,8 +123,8 @@ bool Contacts::impact(const std::vector<Contact>& contacts, std::vector<Event>& 
     // Flights that are too low or too short to be followed: all further bounces of this contact, in closed form. Where next to
     // nothing is lost they would be countless; without losses they would never end, and the contact closes at once.
     const double height = v * v / (2 * a), flight = 2 * v / a;
-    const double shortest = e > nearly_elastic ? shortest_flight * usual_step() : 8 * tolerance_ * (1 - e);
-    if (height > resolved_flight * pair.size(*this) && flight > shortest) continue;
+    const double shortest = e > policy::nearly_elastic ? policy::shortest_flight * usual_step() : 8 * tolerance_ * (1 - e);
+    if (height > policy::resolved_flight * pair.size(*this) && flight > shortest) continue;
     restitution_[i] = 0;
     const double ends = e < 1 ? world_->time() + flight / (1 - e) : 0;
     if (!(ends > world_->time() + tolerance_)) continue;
@@ -239,9 +231,10 @@ std::optional<Contacts::Unresolved> Contacts::strike_island(const std::vector<Co
   const std::vector<int> here{touching.front().a, touching.front().b};
   if (std::ranges::any_of(touching, [this](const Contact& c) { return law_of(c.pair).has_moments(); }))
     return Unresolved{"torsional or rolling friction", true, here};
-  if (touching.size() > most_points) return Unresolved{std::to_string(touching.size()) + " points touch at once", true, here};
+  if (touching.size() > policy::most_points)
+    return Unresolved{std::to_string(touching.size()) + " points touch at once", true, here};
   std::string failure;
-  for (int k = 0; k < most_impacts; ++k) {
+  for (int k = 0; k < policy::most_impacts; ++k) {
     if (!impact(touching, events, failure)) break;
     (*evaluate_)(world_->state_);
   }
@@ -317,7 +310,7 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
   std::map<int, Vec3> impulses;
   double lacking = 0;
   std::size_t where = 0;
-  for (int left = most_choices;; --left) {
+  for (int left = policy::most_choices;; --left) {
     for (std::vector<Contact>& touching : islands)
       if (std::optional<Unresolved> failed = close_island(touching, before, before_by_pair, closed, settled)) {
         lost_ += settled.event.lost - settled.event.work;
@@ -340,7 +333,7 @@ std::optional<Contacts::Unresolved> Contacts::resolve(std::vector<Event>& events
     set({}), closed.clear();  // what is stopped leaves others with another slip, or may begin to slip anew
     (*evaluate_)(world_->state_);
   }
-  if (lacking > most_lacking) {
+  if (lacking > policy::most_lacking) {
     lost_ += settled.event.lost - settled.event.work;
     set({});
     return Unresolved{"no forces were found that obey the law of contact", true, {closed[where].a, closed[where].b}};

@@ -11,10 +11,6 @@ namespace momentree {
 
 namespace {
 
-constexpr double slow_impact = 1e-3;     // m/s: bodies that approach more slowly do not hit each other
-constexpr double touch_distance = 1e-6;  // m
-constexpr double least_depth = 1e-9;     // m, relative to coordinates: smaller overlaps and gaps stay
-
 bool earlier(const SteppedContact& x, const SteppedContact& y) { return x.pair != y.pair ? x.pair < y.pair : x.id < y.id; }
 
 // Stops come before all points of contact.
@@ -87,7 +83,7 @@ void ContactSteps::find_stops(double h) {
     const double q = world_->state_.q()[static_cast<std::size_t>(tree.first_q(stop.body) + stop.dof)];
     const double v = -stop.sign * world_->workspace_.v[static_cast<std::size_t>(tree.first_p(stop.body) + stop.dof)];
     const double gap = stop.sign * (stop.limit - q);
-    if (stop.touched || stop.rests || gap <= touch_distance + h * std::fabs(v)) near_stops_.push_back({stop, gap, v, 0});
+    if (stop.touched || stop.rests || gap <= policy::step_touch + h * std::fabs(v)) near_stops_.push_back({stop, gap, v, 0});
   }
 }
 
@@ -123,10 +119,10 @@ void ContactSteps::guess(double h) {
 // When a point was reached, and its restitution; true if it was hit, with more than a `slow` speed.
 bool ContactSteps::approach(std::size_t i, double gap, double v, double a, double restitution, double slow, double h) {
   const double fast = std::max(0.25 * norm(world_->model_.gravity()) * h, 1e-6);  // so that the time of touching is known
-  const double tiny = least_depth * (i < near_.size() ? std::max(1.0, norm(rows_.touches[i].point)) : 1.0);
+  const double tiny = policy::least_depth * (i < near_.size() ? std::max(1.0, norm(rows_.touches[i].point)) : 1.0);
   if (gap > tiny) {
     // It must not be reached in the next step by what others do to it in this one, unless it will hit anyway.
-    const bool will_hit = v < -std::max(gap / h, slow_impact);
+    const bool will_hit = v < -std::max(gap / h, policy::slow_impact);
     many_.points[i].slack = will_hit ? HUGE_VAL : gap / h;
     if (will_hit) std::fill_n(many_.r.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, 0.0);
     return false;
@@ -139,7 +135,10 @@ bool ContactSteps::approach(std::size_t i, double gap, double v, double a, doubl
   const double square = v < 0 ? v * v + 2 * a * depth : 0.0, speed = square > 0 ? std::sqrt(square) : 0.0;
   if (!(speed > std::max(slow, std::fabs(a) * h))) return false;
   const double since = std::min(h, 2 * depth / (speed - v)), leaves = restitution * speed + a * since;
-  if (restitution > 0 && leaves > 0) many_.points[i].restitution = leaves / -v, reached_[i] = since;
+  if (restitution > 0 && leaves > 0) {
+    many_.points[i].restitution = leaves / -v, reached_[i] = since;
+    many_.points[i].carried = norm(world_->model_.gravity()) * h;
+  }
   return hit_[i] = true;
 }
 
@@ -149,7 +148,7 @@ void ContactSteps::set_law(double h) {
   hit_.assign(many_.points.size(), false);
   guess(h);
   // What contacts do in the step may accelerate bodies by as much as gravity, though they fall alike without these.
-  const double by_gravity = norm(world_->model_.gravity()) * h, slow = std::max(slow_impact, by_gravity);
+  const double by_gravity = norm(world_->model_.gravity()) * h, slow = std::max(policy::slow_impact, by_gravity);
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const Contact& c = near_[i];
     const ContactLaw& law = contacts_->law_of(c.pair);
@@ -222,7 +221,7 @@ void ContactSteps::move(State& state, EnergyLedger& ledger) {
     gaps_[near_.size() + i] = stop.sign * (stop.limit - q);
     deepest = std::max(deepest, -gaps_[near_.size() + i]);
   }
-  if (!(deepest > least_depth * size)) return;
+  if (!(deepest > policy::least_depth * size)) return;
   contact::LinksMotion& apart = many_.separate(gaps_, pushes_);
   if (deepest > left_by_steps) note_overlaps(apart);
   displace(state, apart);
@@ -299,13 +298,13 @@ void ContactSteps::remember(double h) {
   for (std::size_t i = 0; i < near_stops_.size(); ++i) {
     const std::size_t row = 3 * (near_.size() + i);
     const double force = (many_.r[row] + before * carried_[row]) / over;
-    const bool parts = near_stops_[i].gap > touch_distance || after_[row] > slow_impact;
+    const bool parts = near_stops_[i].gap > policy::step_touch || after_[row] > policy::slow_impact;
     const bool presses = force > 0 && !(parts && !(many_.r[row] > 0));
     if (presses || near_stops_[i].stop.rests) points_.push_back(point_of(near_stops_[i].stop, presses ? force : 0));
   }
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const auto force = [&](std::size_t k) { return (many_.r[3 * i + k] + before * carried_[3 * i + k]) / over; };
-    const bool parts = rows_.touches[i].gap > touch_distance || after_[3 * i] > slow_impact;
+    const bool parts = rows_.touches[i].gap > policy::step_touch || after_[3 * i] > policy::slow_impact;
     if (!(force(0) > 0) || (parts && !(many_.r[3 * i] > 0))) continue;
     if (near_[i].cable >= 0 && hit_[i]) continue;  // the impulse by which it becomes taut is no force
     // The point may have turned since the last step: in its cone nevertheless.
@@ -348,7 +347,7 @@ void ContactSteps::find_forces() {
   release();
   (*evaluate_)(world_->state_);
   find_stops(0);
-  find_points(touch_distance);
+  find_points(policy::step_touch);
   std::vector<SteppedContact> found;
   if (!near_.empty() || !near_stops_.empty()) {
     guess(h);
@@ -440,7 +439,7 @@ void ContactSteps::release() {
 // those with forces that a short step may not need.
 double ContactSteps::reach(double h) const {
   const double gravity = norm(world_->model_.gravity()), speed = contacts_->fastest() + gravity * h;
-  return std::max({h * speed, gravity * usual_step_ * usual_step_, touch_distance});
+  return std::max({h * speed, gravity * usual_step_ * usual_step_, policy::step_touch});
 }
 
 // Among those that find_near() found.
@@ -488,7 +487,7 @@ void ContactSteps::apply(State& state, EnergyLedger& ledger, double h) {
   }
   free_q_.assign(state.q().begin(), state.q().end()), free_u_.assign(state.u().begin(), state.u().end());
   for (std::size_t i = 0; i < near_.size(); ++i)
-    if (!(rows_.touches[i].gap > touch_distance)) touching_.emplace_back(near_[i].a, near_[i].b);
+    if (!(rows_.touches[i].gap > policy::step_touch)) touching_.emplace_back(near_[i].a, near_[i].b);
   gaps_.assign(many_.points.size(), HUGE_VAL);  // moments have none
   move(state, ledger);
   take_back_work(state.time(), ledger, h);

@@ -12,14 +12,6 @@
 
 namespace momentree {
 
-namespace {
-
-constexpr double stable = 4;                    // steps that adapt are not longer than these times in which friction turns slip
-constexpr double most_turned = 2e-9;            // m/s: it turns by less than that speed if it keeps more
-constexpr double shortest_step_of_slip = 0.05;  // of the given step
-
-}  // namespace
-
 Contacts::Contacts(World& world, Evaluator& evaluate, double tolerance, contact::Simultaneous how, double step)
     : world_(&world), evaluate_(&evaluate), tolerance_(tolerance), step_(step), simultaneous_(how), pairs_(world.model_) {}
 Contacts::~Contacts() = default;
@@ -152,12 +144,12 @@ Contact Contacts::contact_of(const Pair& pair, int number, const contact::Candid
 // All contacts that touch at present, whether they are closed or not.
 std::vector<Contact> Contacts::touching() {
   std::vector<Contact> all;
-  for (const int i : near_pairs(0, touching_within)) {
+  for (const int i : near_pairs(0, policy::touching_within)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     const double size = pair.size(*this);
-    if (handling(pair) != Handling::located || apart(pair) > touching_within * size) continue;
+    if (handling(pair) != Handling::located || apart(pair) > policy::touching_within * size) continue;
     found_candidates_.clear();
-    candidates(pair, touching_within * size, found_candidates_);
+    candidates(pair, policy::touching_within * size, found_candidates_);
     for (const contact::Candidate& found : found_candidates_) all.push_back(contact_of(pair, i, found));
   }
   return all;
@@ -317,9 +309,9 @@ std::span<const Watch> Contacts::watches(double& h) {
     if (closed[i].mode == Contact::Mode::slip) {
       const Vec3 v = slip_velocity(static_cast<int>(i));
       speed_[i] = norm(v), turning_[i] = turning(i);
-      const double shortest = step_ > 0 ? shortest_step_of_slip * step_ : 0;
-      h = std::min(h, std::max(shortest, std::min(slip_change_time(i),
-                                                  (step_ > 0 ? 1 : stable) * (speed_[i] + most_kept(i)) / turning_[i])));
+      const double shortest = step_ > 0 ? policy::shortest_step_of_slip * step_ : 0;
+      h = std::min(h, std::max(shortest, std::min(slip_change_time(i), (step_ > 0 ? 1 : policy::stable_turning) *
+                                                                           (speed_[i] + most_kept(i)) / turning_[i])));
       if (!(norm(v) > slowest_slip)) continue;
       slips_along_[i] = normalized(v);
       conditions_.emplace_back(std::make_shared<Slip>(*this, static_cast<int>(i), slips_along_[i]), 0.0, true);
@@ -334,11 +326,11 @@ std::span<const Watch> Contacts::watches(double& h) {
   for (const Condition& condition : conditions_) {
     const double excess = condition.excess(world, {}).value_or(-1);
     Watch watch{&condition, 0};
-    watch.offset = -rounding;
+    watch.offset = -policy::rounding;
     // Flights begin at the gap at which the last one ended: rounding must not end them at once. What could not be mended at the
     // start counts only if it grows.
-    if (watches_.size() < noise_.size() && excess > rounding) watch.offset = -excess - noise_[watches_.size()];
-    if (excess > 10 * rounding) watch.offset = condition.above ? -2 * excess : -excess - rounding;
+    if (watches_.size() < noise_.size() && excess > policy::rounding) watch.offset = -excess - noise_[watches_.size()];
+    if (excess > 10 * policy::rounding) watch.offset = condition.above ? -2 * excess : -excess - policy::rounding;
     watch.start = std::min(excess + watch.offset, 0.0);
     watch.start_rate = watch.rate(world);
     watch.precise = watch.start_rate.has_value();
@@ -350,7 +342,7 @@ std::span<const Watch> Contacts::watches(double& h) {
 bool Contacts::must_resolve() {
   bool due = next_rest() <= world_->time();
   for (const Watch& watch : watches_)
-    due = due || watch.condition->excess(*world_, {}).value_or(-1) + watch.offset > -2 * touching_within;
+    due = due || watch.condition->excess(*world_, {}).value_or(-1) + watch.offset > -2 * policy::touching_within;
   if (due) {
     note_ended_slip();
     return true;
@@ -362,15 +354,14 @@ bool Contacts::must_resolve() {
     const Vec3 v = slip_velocity(static_cast<int>(i));
     // Slip that came to an end just before a step did has no direction left that could be watched.
     if (norm(v) <= slowest_slip && dot(v, closed[i].direction) < 0) return true;
-    if (i >= speed_.size() || !(std::max(norm(v), speed_[i]) < creeping)) continue;
+    if (i >= speed_.size() || !(std::max(norm(v), speed_[i]) < policy::creeping)) continue;
     // It is about to stick or to slip anew; or it has just begun, and steps cannot follow it.
     creeps = creeps || norm(v) < 0.5 * speed_[i];
-    in_short_step = in_short_step || (world_->time() - started_) * turning_[i] < creeping;
+    in_short_step = in_short_step || (world_->time() - started_) * turning_[i] < policy::creeping;
   }
-  constexpr int most_short_steps = 20;
   short_steps_ = in_short_step ? short_steps_ + 1 : 0;
-  if (!creeps && short_steps_ < most_short_steps) return false;
-  slowest_ = creeping, short_steps_ = 0;
+  if (!creeps && short_steps_ < policy::most_short_steps) return false;
+  slowest_ = policy::creeping, short_steps_ = 0;
   return true;
 }
 
@@ -424,11 +415,10 @@ void Contacts::keep_directions(double h) {
 // Fixed steps keep the direction of slip that has begun. Methods that adapt theirs keep more and more of it while it goes
 // straight on.
 double Contacts::most_kept(std::size_t contact) const {
-  constexpr double more = 5;
   const double now = kept(contact), least = least_kept(contact);
   if (step_ > 0) return now > 0 ? HUGE_VAL : 0;
-  if (turned(contact) > most_turned) return least;
-  return std::max(least, turned(contact) * more < most_turned ? more * now : now);
+  if (turned(contact) > policy::most_turned) return least;
+  return std::max(least, turned(contact) * policy::keeps_more < policy::most_turned ? policy::keeps_more * now : now);
 }
 
 // What a contact keeps, or, if it has closed since its pair began to slip, what others of the pair do (m/s).
@@ -443,7 +433,7 @@ double Contacts::kept(std::size_t contact) const {
 
 // What slip keeps that turns (m/s): next to nothing, unless it has just begun.
 double Contacts::least_kept(std::size_t contact) const {
-  const double slow = slow_slip * turning_[contact];
+  const double slow = policy::slow_slip * turning_[contact];
   return speed_[contact] < 2 * slow && kept(contact) > 0.5 * slow ? slow : slowest_slip;
 }
 
@@ -458,7 +448,7 @@ bool Contacts::kept_too_much() const {
   if (step_ > 0) return false;
   world_->evaluate();
   for (std::size_t i = 0; i < closed.size(); ++i)
-    if (closed[i].mode == Contact::Mode::slip && turned(i) > most_turned && closed[i].keeps_direction > least_kept(i))
+    if (closed[i].mode == Contact::Mode::slip && turned(i) > policy::most_turned && closed[i].keeps_direction > least_kept(i))
       return true;
   return false;
 }
@@ -482,7 +472,7 @@ double Contacts::slip_change_time(std::size_t contact) const {
     for (const std::size_t j : rows.of_group(rows.groups[rows.group_of[contact]]))
       for (std::size_t i = 0; i < 3; ++i) a[k] += rows.mobility(row, 3 * j + i) * rows.forces[3 * j + i];
   }
-  return std::max(std::hypot(v[0], v[1]), creeping) / std::hypot(a[0], a[1]);
+  return std::max(std::hypot(v[0], v[1]), policy::creeping) / std::hypot(a[0], a[1]);
 }
 
 double Contacts::Pair::size(const Contacts& all) const { return std::max(1.0, norm(all.place(a).r)); }

@@ -19,6 +19,7 @@
 #include <momentree/contact/overlap_points.hpp>
 #include <momentree/dynamics/contacts.hpp>
 #include <momentree/dynamics/islands.hpp>
+#include <momentree/simulate/contact_policy.hpp>
 #include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/stops.hpp>
 #include <momentree/simulate/world.hpp>
@@ -65,9 +66,6 @@ class Contacts {
 
   /// The joint forces, packed as p, of unit forces at points that approach each other although no impulse can change that.
   std::vector<double> rigid_pushes();
-
-  /// More points at once are stepped through: their forces follow from dense systems of equations.
-  static constexpr std::size_t most_points = 32;
 
   /// What is to be located within a step of at most h seconds, which it may shorten so that nothing passes through anything.
   std::span<const Watch> watches(double& h);
@@ -204,10 +202,6 @@ class Contacts {
   struct Gap {
     double value, rate;
   };
-
-  static constexpr double touching_within = 1e-10;  ///< m, relative to coordinates
-  static constexpr double overlapping = 1e-8;       ///< more cannot come from rounding or tolerances (m, relative to coordinates)
-  static constexpr double rounding = 1e-13;
 
   enum class Handling : unsigned char { located, stepped, between };
   Handling handling(const Pair& pair) const;

@@ -5,15 +5,6 @@
 
 namespace momentree {
 
-inline constexpr double nearly_elastic = 0.99;    // restitution
-inline constexpr double shortest_flight = 1e-2;   // of the usual step, after impacts that are nearly elastic
-inline constexpr double resolved_flight = 1e-12;  // lower flights, relative to coordinates, count as rest (m)
-// m/s: slip as slow as that for a step has no direction that steps could follow
-inline constexpr double creeping = 1e-7;
-// Slip that has just begun keeps the direction that friction would turn in this time, so that steps need not be shorter (s).
-inline constexpr double slow_slip = 1e-5;
-inline constexpr double no_approach = 1e-10;  // m/s, relative to the fastest point
-
 inline const Vec3& along(const contact::Touch& touch, std::size_t k) { return k == 0 ? touch.normal : touch.tangent[k - 1]; }
 
 /// Gap of a pair of solids that are not in contact, or of further features of a pair that is.

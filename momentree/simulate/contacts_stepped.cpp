@@ -8,12 +8,6 @@
 
 namespace momentree {
 
-namespace {
-
-constexpr double shortest_of_fast = 1e-3;  // of the given step: steps that fast bodies shorten
-
-}  // namespace
-
 Contacts::Handling Contacts::handling(const Pair& pair) const {
   const bool a = is_stepped(pair.a), b = is_stepped(pair.b);
   if (!a && !b) return Handling::located;
@@ -43,9 +37,9 @@ std::vector<int> Contacts::touching_bodies() {
 std::vector<int> Contacts::touched_by_stepped() {
   std::vector<int> bodies;
   if (stepped_.empty()) return bodies;
-  for (const int i : near_pairs(0, touching_within)) {
+  for (const int i : near_pairs(0, policy::touching_within)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
-    const double touching = 2 * touching_within * pair.size(*this);
+    const double touching = 2 * policy::touching_within * pair.size(*this);
     if (handling(pair) != Handling::between || apart(pair) > touching) continue;
     if (!(gap_of(i, looked_within(pair)).value < touching)) continue;
     bodies.push_back(pair.a), bodies.push_back(pair.b);
@@ -84,8 +78,8 @@ double Contacts::limit_step(double h) {
     const double speed = 2 * speed_bound(pair) + 2 * accelerated, distance = apart(pair);
     if (distance > speed * h) continue;
     const double safe = (2 * std::max(distance, 0.0) + margin_within(pair)) / speed;
-    if (safe < shortest_of_fast * h) fast_.push_back({i, centre_in_other(pair)});
-    h = std::min(h, std::max(safe, shortest_of_fast * h));
+    if (safe < policy::shortest_of_fast * h) fast_.push_back({i, centre_in_other(pair)});
+    h = std::min(h, std::max(safe, policy::shortest_of_fast * h));
   }
   return h;
 }
@@ -122,7 +116,7 @@ std::vector<Contacts::Passed> Contacts::passed() {
     }
     if (std::min(at_one, at_other) <= 0)
       all.push_back({pair.a, pair.b, a.r + a.R * pair.one->solid.centre + (at_one <= 0 ? one : other) * back, normalized(back),
-                     margin_within(pair) / (2 * speed_bound(pair) * shortest_of_fast)});
+                     margin_within(pair) / (2 * speed_bound(pair) * policy::shortest_of_fast)});
   }
   return all;
 }

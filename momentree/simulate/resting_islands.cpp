@@ -10,8 +10,6 @@ namespace momentree {
 
 namespace {
 
-constexpr double at_rest = 1e-12;  // m/s and rad/s: what rests moves by less than 1e-11 m in 10 s; rounding leaves 1e-16
-
 std::size_t place(int body) { return static_cast<std::size_t>(body); }
 
 bool all_within(const Tree& tree, int body, const auto& of, double most) {
@@ -56,7 +54,8 @@ void RestingIslands::begin_step(const Tree& tree, const State& state, Workspace<
   if (std::ranges::none_of(tree.order(), stands)) return;
   accelerate(tree, state, workspace);
   rests_.assign(place(tree.bodies()), false);
-  for (const int b : tree.order()) rests_[place(b)] = stands(b) && all_within(tree, b, workspace.a, at_rest / usual_step);
+  for (const int b : tree.order())
+    rests_[place(b)] = stands(b) && all_within(tree, b, workspace.a, policy::standing_still / usual_step);
 }
 
 bool RestingIslands::put_back(const Tree& tree, State& state, const Contacts& contacts, double within,
@@ -85,7 +84,8 @@ void RestingIslands::come_to_rest(const Tree& tree, State& state, std::span<cons
   find_loose(tree);
   std::vector<bool> slow(loose_.size(), false);
   for (const int b : tree.order())
-    slow[place(b)] = loose_[place(b)] && all_within(tree, b, u_, at_rest) && all_within(tree, b, state.u(), at_rest);
+    slow[place(b)] = loose_[place(b)] && all_within(tree, b, u_, policy::standing_still) &&
+                     all_within(tree, b, state.u(), policy::standing_still);
   const Islands mechanisms(tree);
   const std::vector<bool> rest = true_of_all(tree, mechanisms, slow), held = carried(tree, mechanisms, points);
   const State::Edit edit = state.edit();
