@@ -44,7 +44,7 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     // Flights too low to be resolved count as rest.
     const double size = pairs_[static_cast<std::size_t>(contacts[i].pair)].size(*this);
-    const double hidden = std::sqrt(2 * std::max(0.0, -rows_.acceleration[3 * i]) * resolved_flight * size);
+    const double hidden = std::sqrt(2 * std::max(0.0, -rows_.acceleration[3 * i]) * policy::resolved_flight * size);
     if (rows_.velocity[3 * i] <= std::max(10 * slow, hidden)) staying.push_back(contacts[i]);
   }
   if (staying.empty()) return true;
