@@ -34,6 +34,31 @@ MeshPart faces_of(const contact::Solid& solid) {
   return part;
 }
 
+// Of a large field, some of its rows and columns.
+MeshPart surface_of(const contact::HeightField& field) {
+  static constexpr int most = 100;
+  const auto chosen = [](int count) {
+    std::vector<int> all;
+    const int lines = std::min(count, most);
+    for (int k = 0; k < lines; ++k) all.push_back(static_cast<int>(static_cast<long>(k) * (count - 1) / (lines - 1)));
+    return all;
+  };
+  const std::vector<int> columns = chosen(field.columns), rows = chosen(field.rows);
+  MeshPart part;
+  for (const int j : rows)
+    for (const int i : columns)
+      part.points.push_back(
+          {field.x * (i / (field.columns - 1.0) - 0.5), field.y * (j / (field.rows - 1.0) - 0.5),
+           field.heights[static_cast<std::size_t>(j) * static_cast<std::size_t>(field.columns) + static_cast<std::size_t>(i)]});
+  const auto across = static_cast<std::uint32_t>(columns.size());
+  for (std::uint32_t j = 0; j + 1 < rows.size(); ++j)
+    for (std::uint32_t i = 0; i + 1 < across; ++i) {
+      const std::uint32_t a = across * j + i, b = a + 1, c = a + across, d = c + 1;
+      part.triangles.push_back({a, b, c}), part.triangles.push_back({d, c, b});
+    }
+  return part;
+}
+
 bool can_be_drawn(const Shape& shape) {
   const auto one = [](const Shape& each) {
     return each.kind != Shape::Kind::none && (each.kind != Shape::Kind::mesh || each.source != nullptr);
@@ -77,6 +102,10 @@ std::vector<GroundShape> ground_shapes(const Model& model) {
   for (const Collider& collider : model.colliders()) {
     if (collider.plane || collider.body != ground) continue;
     GroundShape& each = all.emplace_back();
+    if (collider.field) {
+      each = {{.kind = Shape::Kind::mesh, .at = collider.field->at}, surface_of(*collider.field)};
+      continue;
+    }
     each.shape = solid_shape(collider.solid);
     if (each.shape.kind == Shape::Kind::none) each.shape.kind = Shape::Kind::mesh, each.mesh = faces_of(collider.solid);
   }

@@ -321,10 +321,6 @@ TEST_CASE("colliders: what of the world of an MJCF file is left out is said, wit
   CHECK(said_of("<geom type='plane' size='1 1 1'/>").empty());
   CHECK(said_of("<geom type='plane' size='1 1 1' pos='3 0 0'/>").empty());
   CHECK(said_of("<geom type='plane' size='1 1 1' pos='0 0 0.5' euler='0 90 0' contype='0' conaffinity='0'/>").empty());
-  CHECK(warnings(read_scenario_text("<mujoco><worldbody>\n<body name='a'>\n<freejoint/><geom size='0.1'/><geom type='hfield' "
-                                    "hfield='h'/></body></worldbody></mujoco>",
-                                    "m.xml"))
-            .find("m.xml:3:31: warning: geoms of type hfield are not supported") != std::string::npos);
 }
 
 TEST_CASE("colliders: contype and conaffinity decide which bodies touch, as in MuJoCo") {

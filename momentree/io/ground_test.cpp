@@ -233,7 +233,7 @@ TEST_CASE("ground: mistakes in its shapes are errors that say what to write") {
   const std::string ball = falling("xyz = [0, 0, 3]", "{ sphere = 0.1 }"), begin = "format = 1\n[world]\ncollision = ";
   CHECK(errors(begin + "{ plane = [0, 0, 0] }\n" + ball).find("s.toml:3:23: error: plane: its normal must not be zero") !=
         std::string::npos);
-  CHECK(errors(begin + "{ at = { xyz = [0, 0, 0] } }\n" + ball).find("a shape is one of plane, box, sphere") !=
+  CHECK(errors(begin + "{ at = { xyz = [0, 0, 0] } }\n" + ball).find("a shape is one of plane, heightmap, box, sphere") !=
         std::string::npos);
   CHECK(errors(begin + "[]\n" + ball).find("collision: the list has no shape; leave it out") != std::string::npos);
   CHECK(errors(begin + "{ mesh = \"../w.stl\" }\n" + ball).find("is not a file in the scenario's folder") != std::string::npos);

@@ -107,6 +107,7 @@ void add_to_ground(Collider collider, Model& model) {
   constexpr double near = 1e-9;
   const auto same = [&](const Collider& other) {
     if (other.body != ground || other.plane != collider.plane) return false;
+    if (collider.field || other.field) return collider.field && other.field && *collider.field == *other.field;
     if (!collider.plane) return other.solid == collider.solid;
     const double apart = dot(collider.normal, collider.point - other.point);
     return norm(other.normal - collider.normal) < near && std::fabs(apart) < near * std::max(1.0, norm(other.point));
@@ -144,7 +145,7 @@ Added add_solids(const Set& set, Reading& reading) {
     for (std::size_t s = 0; s < part.collision.size(); ++s) {
       const Shape& shape = part.collision[s];
       const CollisionMask mask = s < part.masks.size() ? part.masks[s] : CollisionMask{};
-      if (body == ground || (fixed && shape.kind == Shape::Kind::plane)) {
+      if (body == ground || (fixed && is_of_ground(shape.kind))) {
         auto collider = ground_collider(shape, *fixed, leave_out, tell);
         if (!collider) continue;
         add_to_ground(std::move(*collider), model);

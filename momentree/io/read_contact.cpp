@@ -1,6 +1,7 @@
 // What bodies touch with, the floor, and [[contact]]: the laws of contacts.
 #include <cstdio>
 
+#include <momentree/io/height_grid.hpp>
 #include <momentree/io/read_action.hpp>
 #include <momentree/math/unit.hpp>
 #include <momentree/simulate/arguments.hpp>
@@ -156,6 +157,13 @@ std::optional<Collider> ground_collider(Shape shape, const Pose& pose, const Rep
   if (shape.kind == Shape::Kind::plane) {
     collider.plane = true;
     collider.point = shape.at.position, collider.normal = unit(rotation_matrix(shape.at.rotation) * shape.size);
+    return collider;
+  }
+  if (shape.kind == Shape::Kind::heights) {
+    std::vector<double> heights = shape.heights->values;
+    for (double& height : heights) height *= shape.size.z;
+    collider.field = std::make_shared<const contact::HeightField>(contact::height_field(
+        shape.size.x, shape.size.y, shape.heights->columns, shape.heights->rows, std::move(heights), shape.at));
     return collider;
   }
   auto solid = solid_of(shape, refuse, warn);

@@ -353,8 +353,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
   const auto& bodies = import->model.bodies;
   const auto collides = [](const ImportedSolids& part) { return !part.collision.empty(); };
   const auto has_plane = [](const ImportedSolids& part) {
-    return std::any_of(part.collision.begin(), part.collision.end(),
-                       [](const Shape& shape) { return shape.kind == Shape::Kind::plane; });
+    return std::any_of(part.collision.begin(), part.collision.end(), [](const Shape& shape) { return is_of_ground(shape.kind); });
   };
   const bool has_ground = collides(import->model.ground) || std::any_of(bodies.begin(), bodies.end(), has_plane);
   if ((has_ground || std::any_of(bodies.begin(), bodies.end(), collides)) && choice.collision.value_or(true) &&

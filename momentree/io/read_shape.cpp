@@ -1,9 +1,13 @@
 #include <algorithm>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <momentree/base/error.hpp>
 #include <momentree/io/file_name.hpp>
+#include <momentree/io/height_grid.hpp>
 #include <momentree/io/mesh/source.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
@@ -26,6 +30,10 @@ constexpr KeyTable capsule_table{"capsule", "capsule", "A capsule along z", caps
 
 constexpr Key shape_entries[] = {
     {"plane", vector(dimension::number), "A plane through the origin of 'at', with the ground below it: its normal"},
+    {"heightmap", other(R"({"anyOf": [{"type": "string"},
+      {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2}, "minItems": 2}]})"),
+     "The ground below a grid of heights: a PNG image, or rows of numbers, that of the largest y first"},
+    {"size", vector(dimension::length), "Of a heightmap: its extents along x and y, and the height of white, or of the number 1"},
     {"box", vector(dimension::length), "A box: its three edges"},
     {"sphere", number(dimension::length, Range::positive), "A sphere: its radius"},
     {"cylinder", table(cylinder_table), ""},
@@ -64,30 +72,91 @@ void read_colour(Fields& fields, std::string_view key, std::string& colour, Diag
             hint.empty() ? "write \"#rrggbb\"" : hint);
 }
 
-// Meshes must be in the scenario's folder or below it: a scenario from elsewhere must not cause access to other files.
+// A file that a shape names: its name, its path if it exists, and whether files are accessed at all. Files must be in the
+// scenario's folder or below it: a scenario from elsewhere must not cause access to other files.
+struct NamedFile {
+  std::string name, path;
+};
+std::optional<NamedFile> read_file_name(const Value& value, const char* key, Reading& reading) {
+  const auto file = read_string(value, key, reading.out);
+  if (!file) return std::nullopt;
+  const auto refuse = [&](const std::string& what, const std::string& hint) {
+    reading.out.error(value.place, std::string(key) + ": " + in_quotes(*file) + " " + what, hint);
+    return std::nullopt;
+  };
+  if (file->empty() || leaves_folder(*file)) return refuse("is not a file in the scenario's folder or below it", "copy it there");
+  if (!reading.looks_at_files) return NamedFile{*file, ""};
+  const std::filesystem::path path = std::filesystem::path(reading.folder) / *file;
+  if (!reading.enclosure.holds(path))
+    return refuse("leads out of the scenario's folder through a symbolic link", "copy the file there");
+  const auto reason = why_unreadable(path.string(), key);
+  if (reason && !reason->missing) return refuse(reason->what, reason->hint);
+  return NamedFile{*file, reason ? "" : path.lexically_normal().string()};
+}
+
 void read_mesh(const Value& value, bool drawn, Shape& shape, Reading& reading) {
-  const auto file = read_string(value, "mesh", reading.out);
+  const auto file = read_file_name(value, "mesh", reading);
   if (!file) return;
-  const auto refuse = [&](const std::string& what, const char* hint) { reading.out.error(value.place, "mesh: " + what, hint); };
-  if (file->empty() || leaves_folder(*file))
-    return refuse(in_quotes(*file) + " is not a file in the scenario's folder or below it", "copy it there");
-  bool missing = false;
-  if (reading.looks_at_files) {
-    const std::string path = (std::filesystem::path(reading.folder) / *file).string();
-    if (!reading.enclosure.holds(path))
-      return refuse(in_quotes(*file) + " leads out of the scenario's folder through a symbolic link", "copy the file there");
-    const auto reason = why_unreadable(path, "mesh");
-    if (reason && !reason->missing) return refuse(in_quotes(*file) + " " + reason->what, reason->hint.c_str());
-    missing = reason.has_value();
-    if (missing && drawn)
-      reading.out.warning(value.place, "mesh: there is no file " + in_quotes(*file) + ": the body is drawn without it",
-                          "it is looked for in the scenario's folder");
-  }
+  if (reading.looks_at_files && file->path.empty() && drawn)
+    reading.out.warning(value.place, "mesh: there is no file " + in_quotes(file->name) + ": the body is drawn without it",
+                        "it is looked for in the scenario's folder");
   shape.kind = Shape::Kind::mesh;
-  shape.mesh = *file;
-  if (!reading.looks_at_files || missing) return;
-  const std::string path = (std::filesystem::path(reading.folder) / *file).lexically_normal().string();
-  shape.source = std::make_shared<MeshSource>(MeshSource{path, "", "", {}, reading.scenario.path, value.place});
+  shape.mesh = file->name;
+  if (file->path.empty()) return;
+  shape.source = std::make_shared<MeshSource>(MeshSource{file->path, "", "", {}, reading.scenario.path, value.place});
+}
+
+// Rows of numbers, the last of which is that of the smallest y.
+std::optional<HeightGrid> read_rows(const Value::Array& rows, const Value& value, Diagnostics& out) {
+  const std::size_t columns = rows.empty() || !rows.front().array() ? 0 : rows.front().array()->size();
+  if (rows.size() < 2 || columns < 2) {
+    out.error(value.place, "heightmap: expected rows of numbers", "for example heightmap = [[0, 0.1], [0.2, 0]]");
+    return std::nullopt;
+  }
+  HeightGrid grid{static_cast<int>(columns), static_cast<int>(rows.size())};
+  for (std::size_t r = rows.size(); r-- > 0;) {
+    const Value::Array* const row = rows[r].array();
+    if (row == nullptr || row->size() != columns) {
+      out.error(rows[r].place, "heightmap: row " + std::to_string(r + 1) + " has " +
+                                   (row == nullptr ? "no numbers" : std::to_string(row->size()) + " numbers") +
+                                   ", the first one " + std::to_string(columns));
+      return std::nullopt;
+    }
+    for (const Value& number : *row) {
+      const auto height = read_number(number, dimension::number, "heightmap", out);
+      if (!height) return std::nullopt;
+      grid.values.push_back(*height);
+    }
+  }
+  return grid;
+}
+
+void read_heightmap(const Value& value, Fields& fields, Shape& shape, Reading& reading) {
+  Diagnostics& out = reading.out;
+  fields.require("size", "its extents along x and y, and the height of white, or of the number 1: size = [10, 10, 1]");
+  shape.size = fields.vec3("size").value_or(Vec3{1, 1, 1});
+  if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0))
+    out.error(fields.place_of("size"), "size: its three numbers must be greater than 0");
+  std::optional<HeightGrid> grid;
+  if (const Value::Array* const rows = value.array()) {
+    grid = read_rows(*rows, value, out);
+  } else if (const auto file = read_file_name(value, "heightmap", reading)) {
+    if (file->path.empty())
+      return out.error(value.place,
+                       reading.looks_at_files ? "heightmap: there is no file " + in_quotes(file->name)
+                                              : "heightmap: a scenario read from text cannot name files",
+                       reading.looks_at_files ? "it is looked for in the scenario's folder" : "give it rows of numbers");
+#ifdef __cpp_exceptions
+    try {
+      grid = read_height_image(file->path);
+    } catch (const Error& error) {
+      return out.error(value.place, "heightmap: " + in_quotes(file->name) + " " + error.problem, error.hint);
+    }
+#endif
+  }
+  if (!grid) return;
+  shape.kind = Shape::Kind::heights;
+  shape.heights = std::make_shared<const HeightGrid>(std::move(*grid));
 }
 
 // One factor, or one along each axis.
@@ -137,6 +206,8 @@ Shape read_one(const Value& value, ShapeUse use, Reading& reading) {
     shape.size = read_vec3(*plane, dimension::number, "plane", out).value_or(z_axis);
     if (shape.size == Vec3{}) out.error(plane->place, "plane: its normal must not be zero", "for example plane = [0, 0, 1]");
   }
+  if (const Value* heightmap = of_ground ? fields.find("heightmap") : nullptr; heightmap && ++kinds)
+    read_heightmap(*heightmap, fields, shape, reading);
   if (const Value* sphere = fields.find("sphere"); sphere && ++kinds) {
     shape.kind = Shape::Kind::sphere;
     shape.radius = read_number(*sphere, dimension::length, "sphere", out).value_or(1);
@@ -154,10 +225,10 @@ Shape read_one(const Value& value, ShapeUse use, Reading& reading) {
       out.error(scale->place, "scale: only a mesh is scaled", "give the shape its size");
   }
   if (kinds != 1 && value.table())
-    out.error(
-        fields.place(),
-        std::string("a shape is one of ") + (of_ground ? "plane, " : "") + "box, sphere, cylinder, capsule, ellipsoid and mesh",
-        kinds > 1 ? "make the others further entries of a list" : "for example { sphere = 0.1 }");
+    out.error(fields.place(),
+              std::string("a shape is one of ") + (of_ground ? "plane, heightmap, " : "") +
+                  "box, sphere, cylinder, capsule, ellipsoid and mesh",
+              kinds > 1 ? "make the others further entries of a list" : "for example { sphere = 0.1 }");
   shape.at = fields.pose("at").value_or(Pose{});
   read_colour(fields, "colour", shape.colour, out);
   read_colour(fields, "color", shape.colour, out);
@@ -170,13 +241,13 @@ Shape read_one(const Value& value, ShapeUse use, Reading& reading) {
 constinit const KeyTable shape_table{"shape",
                                      "shape",
                                      "A shape, for pictures only",
-                                     KeyList(shape_entries).subspan(1),
+                                     KeyList(shape_entries).subspan(3),
                                      {{KeyRule::How::one, "box sphere cylinder capsule ellipsoid mesh"}}};
 constinit const KeyTable ground_shape_table{"shape",
                                             "ground_shape",
                                             "What bodies touch, fixed in the world",
                                             shape_entries,
-                                            {{KeyRule::How::one, "plane box sphere cylinder capsule ellipsoid mesh"}}};
+                                            {{KeyRule::How::one, "plane heightmap box sphere cylinder capsule ellipsoid mesh"}}};
 
 Shape read_shape(const Value& value, Reading& reading, ShapeUse use) {
   const Value::Array* several = value.array();

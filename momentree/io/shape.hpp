@@ -9,22 +9,28 @@
 namespace momentree::io {
 
 struct MeshSource;
+struct HeightGrid;
 
 /// The optional `shape` of a body in a scenario, or one of the visuals or collision elements of a model file; SI units.
 struct Shape {
-  enum class Kind { none, box, sphere, cylinder, capsule, ellipsoid, mesh, plane };
+  enum class Kind { none, box, sphere, cylinder, capsule, ellipsoid, mesh, plane, heights };
   Kind kind = Kind::none;
-  Vec3 size{};          ///< box: its three edges; ellipsoid: its semi-axes (m); plane: its normal
+  Vec3 size{};          ///< box: its three edges; ellipsoid: its semi-axes (m); plane: its normal;
+                        ///< heights: extents along x and y, and the height of the number 1 (m)
   double radius = 0;    ///< sphere, cylinder, capsule (m)
   double length = 0;    ///< cylinder: its height; capsule: between the centres of its caps (m). Both lie along z of `at`
   std::string mesh{};   ///< a file, relative to the folder of the file that names it
   Vec3 scale{1, 1, 1};  ///< of a mesh
   /// of a mesh: how it can be read (mesh/source.hpp); null if it does not exist, or if no files are accessed
   std::shared_ptr<const MeshSource> source{};
-  Pose at{};                  ///< placement of the shape's centre in the body's frame
-  std::string colour{};       ///< as CSS writes it, "#rrggbb" or a name; empty: the colour of the mechanism
-  std::vector<Shape> more{};  ///< further shapes of the same body
+  std::shared_ptr<const HeightGrid> heights{};  ///< in whose middle the shape's centre is
+  Pose at{};                                    ///< placement of the shape's centre in the body's frame
+  std::string colour{};                         ///< as CSS writes it, "#rrggbb" or a name; empty: the colour of the mechanism
+  std::vector<Shape> more{};                    ///< further shapes of the same body
 };
+
+/// Only the ground can have it.
+inline bool is_of_ground(Shape::Kind kind) { return kind == Shape::Kind::plane || kind == Shape::Kind::heights; }
 
 /// "#rrggbb" for red, green and blue from 0 to 1.
 std::string colour_text(const std::vector<double>& rgb);

@@ -110,8 +110,8 @@ std::optional<contact::Solid> hull_of(const Shape& shape, const ReportOnShape& r
 std::optional<contact::Solid> solid_of(const Shape& shape, const ReportOnShape& refuse, const ReportOnShape& warn) {
   const bool by_size = shape.kind == Shape::Kind::box || shape.kind == Shape::Kind::ellipsoid;
   const bool has_size = by_size ? shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0
-                        : shape.kind == Shape::Kind::mesh || shape.kind == Shape::Kind::plane ? true
-                                                                                              : shape.radius > 0;
+                        : shape.kind == Shape::Kind::mesh || is_of_ground(shape.kind) ? true
+                                                                                      : shape.radius > 0;
   if (!has_size || (shape.kind == Shape::Kind::cylinder && !(shape.length > 0))) {
     refuse("a shape without volume", "its sizes must be greater than 0");
     return std::nullopt;
@@ -125,6 +125,9 @@ std::optional<contact::Solid> solid_of(const Shape& shape, const ReportOnShape& 
     case Shape::Kind::ellipsoid: return contact::ellipsoid(shape.size, shape.at);
     case Shape::Kind::mesh: return hull_of(shape, refuse, warn);
     case Shape::Kind::plane: refuse("a plane of a body that moves", "a plane belongs to the ground: use a box"); break;
+    case Shape::Kind::heights:
+      refuse("a height field of a body that moves", "a height field belongs to the ground: use a mesh");
+      break;
     case Shape::Kind::none: break;
   }
   return std::nullopt;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/contact/distance.hpp>
 #include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/contacts_impl.hpp>
 
@@ -30,7 +29,7 @@ double Contacts::depth_of(const Pair& pair, int number) const {
 
 bool Contacts::are_apart(int number) const {
   const Pair& pair = pairs_[static_cast<std::size_t>(number)];
-  const double distance = contact::distance(pair.one->solid, place(pair.a), pair.other->solid, place(pair.b)).distance;
+  const double distance = distance_to(pair.one->solid, place(pair.a), *pair.other, place(pair.b)).distance;
   return distance > policy::touching_within * pair.size(*this);
 }
 
@@ -48,7 +47,7 @@ std::vector<Contacts::Parted> Contacts::let_pass(const Connections& before) {
   for (const int i : near_pairs(0, 0)) {
     const Pair& pair = pairs_[static_cast<std::size_t>(i)];
     if (pair.cable >= 0 || !before.are_joined(pair.a, pair.b) || apart(pair) > 0) continue;
-    const contact::NearestPoints nearest = contact::distance(pair.one->solid, place(pair.a), pair.other->solid, place(pair.b));
+    const contact::NearestPoints nearest = distance_to(pair.one->solid, place(pair.a), *pair.other, place(pair.b));
     const double depth = std::max(depth_of(pair, i), -nearest.distance);
     if (!(depth > left_by_steps)) continue;
     found.push_back(i);

@@ -110,7 +110,8 @@ TEST_CASE("stepping: light boxes carry heavy ones, and nothing at rest moves") {
   }
 }
 
-// A box that falls h bounces for √(2h/g) (1 + e)/(1 − e) on what does not give way; on a column that does, for less than twice as long.
+// A box that falls h bounces for √(2h/g) (1 + e)/(1 − e) on what does not give way; on a column that does, for less than twice as
+// long.
 TEST_CASE("stepping: a box that bounces on a column of others comes to rest") {
   for (const double e : {0.3, 0.5, 0.7, 0.9})
     for (const int count : {2, 4}) {

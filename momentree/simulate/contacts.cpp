@@ -67,7 +67,7 @@ const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
   const std::vector<int>& passing = world_->overlapping_;
   balls_.clear(), solids_.clear(), near_.clear();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all[i].plane || (all[i].body != ground && !world_->alive(all[i].body))) continue;
+    if (all[i].plane || all[i].field || (all[i].body != ground && !world_->alive(all[i].body))) continue;
     const contact::Place at = place(all[i].body.index);
     const contact::Solid& solid = all[i].solid;
     const Vec3 arm = at.R * solid.centre;
@@ -87,9 +87,9 @@ const std::vector<int>& Contacts::near_pairs(double h, double margin) const {
     add(solids_[static_cast<std::size_t>(one)], solids_[static_cast<std::size_t>(other)]);
   for (int plane = 0; plane < static_cast<int>(all.size()); ++plane) {
     const Collider& floor = all[static_cast<std::size_t>(plane)];
-    if (!floor.plane) continue;
+    if (!floor.plane && !floor.field) continue;
     for (std::size_t i = 0; i < balls_.size(); ++i)
-      if (!(dot(floor.normal, balls_[i].centre - floor.point) > balls_[i].radius)) add(solids_[i], plane);
+      if (!(above_ground(floor, balls_[i].centre, balls_[i].radius) > 0)) add(solids_[i], plane);
   }
   for (std::size_t s = 0; s < world_->model_.springs().size(); ++s)
     if (can_be_taut(s)) near_.push_back(pair_of_cable(static_cast<int>(s)));
@@ -127,6 +127,8 @@ void Contacts::candidates(const Pair& pair, double within, std::vector<contact::
   const contact::Place a = place(one.body.index), b = place(other.body.index);
   if (other.plane)
     contact::face_plane(one.solid, a, other.point, other.normal, b, within, out);
+  else if (other.field)
+    contact::face_field(one.solid, a, *other.field, within, out);
   else
     contact::face_each_other(one.solid, a, other.solid, b, within, out);
 }
@@ -161,7 +163,7 @@ double Contacts::apart(const Pair& pair) const {
   if (pair.cable >= 0) return contact::touch(cable_features(pair), a, place(pair.b)).gap;
   const contact::Solid& one = pair.one->solid;
   const Vec3 centre = a.r + a.R * one.centre;
-  if (pair.other->plane) return dot(pair.other->normal, centre - pair.other->point) - one.reach;
+  if (pair.other->plane || pair.other->field) return above_ground(*pair.other, centre, one.reach);
   const contact::Place b = place(pair.b);
   const contact::Solid& other = pair.other->solid;
   return norm(centre - b.r - b.R * other.centre) - one.reach - other.reach;

@@ -1,9 +1,22 @@
 #pragma once
 // What the files that implement Contacts share: quantities of contacts that are located within steps, and tolerances. Included
 // only by the files that implement Contacts.
+#include <momentree/contact/distance.hpp>
 #include <momentree/simulate/contacts.hpp>
 
 namespace momentree {
+
+/// At most the distance of a ball from a plane or a height field (m).
+inline double above_ground(const Collider& below, const Vec3& centre, double radius) {
+  return below.field ? contact::clearance(*below.field, centre, radius) : dot(below.normal, centre - below.point) - radius;
+}
+/// The distance of a solid from another collider.
+inline contact::NearestPoints distance_to(const contact::Solid& solid, const contact::Place& place, const Collider& other,
+                                          const contact::Place& of_other) {
+  if (other.plane) return contact::distance_to_plane(solid, place, other.point, other.normal);
+  return other.field ? contact::distance_to_field(solid, place, *other.field)
+                     : contact::distance(solid, place, other.solid, of_other);
+}
 
 inline const Vec3& along(const contact::Touch& touch, std::size_t k) { return k == 0 ? touch.normal : touch.tangent[k - 1]; }
 

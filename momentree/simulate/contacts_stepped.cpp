@@ -78,7 +78,7 @@ double Contacts::limit_step(double h) {
     const double speed = 2 * speed_bound(pair) + 2 * accelerated, distance = apart(pair);
     if (distance > speed * h) continue;
     const double safe = (2 * std::max(distance, 0.0) + margin_within(pair)) / speed;
-    if (safe < policy::shortest_of_fast * h) fast_.push_back({i, centre_in_other(pair)});
+    if (safe < policy::shortest_of_fast * h && !pair.other->field) fast_.push_back({i, centre_in_other(pair)});
     h = std::min(h, std::max(safe, policy::shortest_of_fast * h));
   }
   return h;

@@ -1,9 +1,9 @@
 // Contacts of a world as its user sees them, and distances of its bodies.
 #include <algorithm>
 
-#include <momentree/contact/distance.hpp>
 #include <momentree/dynamics/contacts.hpp>
 #include <momentree/simulate/contact_bodies.hpp>
+#include <momentree/simulate/contacts_impl.hpp>
 #include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/topology_record.hpp>
 #include <momentree/simulate/world.hpp>
@@ -115,13 +115,12 @@ std::optional<BodyGap> World::gap(const ContactBodies& one, const ContactBodies&
     const contact::Place a = place(first.body), b = place(second.body);
     const Vec3 centre = a.r + a.R * first.solid.centre;
     const double apart =  // at least
-        second.plane ? dot(second.normal, centre - second.point) - first.solid.reach
-                     : norm(centre - b.r - b.R * second.solid.centre) - first.solid.reach - second.solid.reach;
+        second.plane || second.field ? above_ground(second, centre, first.solid.reach)
+                                     : norm(centre - b.r - b.R * second.solid.centre) - first.solid.reach - second.solid.reach;
     if (least && !least->passes && apart >= least->distance) return;
     const bool passes = pass_through(number_of(first), number_of(second));
     if (least && passes && (!least->passes || apart >= least->distance)) return;
-    const contact::NearestPoints nearest = second.plane ? contact::distance_to_plane(first.solid, a, second.point, second.normal)
-                                                        : contact::distance(first.solid, a, second.solid, b);
+    const contact::NearestPoints nearest = distance_to(first.solid, a, second, b);
     if (least && least->passes == passes && nearest.distance >= least->distance) return;
     const auto velocity = [](const contact::Place& of, const Vec3& point) { return of.v + cross(of.w, point - of.r); };
     const double rate = dot(nearest.normal, velocity(a, nearest.on_one) - velocity(b, nearest.on_other));
@@ -134,8 +133,8 @@ std::optional<BodyGap> World::gap(const ContactBodies& one, const ContactBodies&
     if (!counts(first, one)) continue;
     for (const Collider& second : model_.colliders()) {
       if (first.body == second.body || !counts(second, other)) continue;
-      if (first.plane)
-        compare(second, first);  // planes are those of the ground
+      if (first.plane || first.field)
+        compare(second, first);
       else
         compare(first, second);
     }

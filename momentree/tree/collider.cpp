@@ -30,6 +30,18 @@ ColliderId Model::add_collider(Collider collider) {
     if (!is_finite(collider.point) || !is_finite(collider.normal) || collider.normal == Vec3{})
       throw_error({"a plane has a finite point and a normal that is not zero", "normal", ""});
     collider.normal = unit(collider.normal);
+  } else if (collider.field) {
+    if (collider.body != ground) throw_error({"only the ground can have a height field", "collision", "give the body boxes"});
+    const contact::HeightField& field = *collider.field;
+    const auto finite = [](double height) { return std::isfinite(height); };
+    if (!(field.x > 0 && field.y > 0) || field.columns < 2 || field.rows < 2 ||
+        field.heights.size() != static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows) ||
+        !std::all_of(field.heights.begin(), field.heights.end(), finite) || !is_finite(field.at.position))
+      throw_error({"a height field has two rows and two columns of finite heights at least", "heights", ""});
+    contact::Solid& around = collider.solid;
+    around.centre = field.at * Vec3{0, 0, 0.5 * (field.lowest + field.highest)};
+    around.reach = norm(Vec3{0.5 * field.x, 0.5 * field.y, 0.5 * (field.highest - field.lowest)});
+    around.thickness = HUGE_VAL;
   } else {
     if (collider.solid.vertices.empty())
       throw_error({"a collider has no volume", "collision", "its points must not lie in one plane"});

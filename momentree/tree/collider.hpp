@@ -1,8 +1,10 @@
 #pragma once
 // What bodies can touch with, and the laws of their contacts.
+#include <memory>
 #include <string>
 #include <vector>
 
+#include <momentree/contact/height_field.hpp>
 #include <momentree/contact/solid.hpp>
 #include <momentree/tree/ids.hpp>
 
@@ -26,12 +28,13 @@ struct ContactLaw {
   friend bool operator==(const ContactLaw&, const ContactLaw&) = default;
 };
 
-/// A solid of a body in its user frame, or of the ground in the world; or a plane of the ground.
+/// A solid of a body in its user frame, or of the ground in the world; or a plane or a height field of the ground.
 struct Collider {
   BodyId body = ground;
-  contact::Solid solid{};         ///< of a plane only its `belt` counts
-  bool plane = false;             ///< a plane with the ground below it
-  Vec3 point{}, normal{0, 0, 1};  ///< of the plane: a point (m), and its normal
+  contact::Solid solid{};                               ///< of a plane or a field only its `belt` counts
+  bool plane = false;                                   ///< a plane with the ground below it
+  Vec3 point{}, normal{0, 0, 1};                        ///< of the plane: a point (m), and its normal
+  std::shared_ptr<const contact::HeightField> field{};  ///< of contact::height_field(); null: none
   friend bool operator==(const Collider&, const Collider&) = default;
 };
 

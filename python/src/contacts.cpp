@@ -1,5 +1,7 @@
 // What bodies of a model touch with, as values that can be pickled.
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "model_object.hpp"
 
@@ -49,6 +51,20 @@ contact::Solid solid_from(nb::handle value) {
   return s;
 }
 
+nb::object from_field(const std::shared_ptr<const contact::HeightField>& field) {
+  if (!field) return nb::none();
+  const Quat& r = field->at.rotation;
+  return nb::make_tuple(field->x, field->y, field->columns, field->rows, field->heights, from_vec(field->at.position),
+                        nb::make_tuple(r.w, r.x, r.y, r.z));
+}
+std::shared_ptr<const contact::HeightField> field_from(nb::handle value) {
+  if (value.is_none()) return nullptr;
+  const auto part = [&value](int k) { return nb::cast<double>(value[6][k]); };
+  return std::make_shared<const contact::HeightField>(contact::height_field(
+      nb::cast<double>(value[0]), nb::cast<double>(value[1]), nb::cast<int>(value[2]), nb::cast<int>(value[3]),
+      nb::cast<std::vector<double>>(value[4]), {vec_from(value[5]), {part(0), part(1), part(2), part(3)}}));
+}
+
 std::vector<int> numbers_of_bodies(const std::vector<BodyId>& bodies) {
   std::vector<int> all;
   for (const BodyId body : bodies) all.push_back(body.index);
@@ -63,7 +79,8 @@ std::vector<BodyId> body_ids_from(nb::handle numbers) {
 nb::tuple contact_state(const ModelObject& self) {
   nb::list colliders, rules;
   for (const Collider& c : self.model.colliders())
-    colliders.append(nb::make_tuple(c.body.index, c.plane, from_vec(c.point), from_vec(c.normal), from_solid(c.solid)));
+    colliders.append(
+        nb::make_tuple(c.body.index, c.plane, from_vec(c.point), from_vec(c.normal), from_solid(c.solid), from_field(c.field)));
   for (const ContactRule& r : self.model.contact_rules())
     rules.append(nb::make_tuple(r.name, numbers_of_bodies(r.one), numbers_of_bodies(r.other), r.law.friction,
                                 r.law.static_friction, r.law.restitution, r.law.off, r.one_name, r.other_name, r.law.torsional,
@@ -85,7 +102,8 @@ void set_contact_state(ModelObject& self, nb::handle state) {
                              .solid = solid_from(each[4]),
                              .plane = nb::cast<bool>(each[1]),
                              .point = vec_from(each[2]),
-                             .normal = vec_from(each[3])});
+                             .normal = vec_from(each[3]),
+                             .field = field_from(each[5])});
   self.collision_shapes.resize(self.model.colliders().size());
   for (nb::handle each : state[2]) {
     io::Shape& shape = self.collision_shapes.at(nb::cast<std::size_t>(each[0]));

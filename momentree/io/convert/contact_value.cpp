@@ -29,6 +29,19 @@ Value::Table belt_entries_of(const Vec3& belt) {
   return table;
 }
 
+Value describe_field(const contact::HeightField& field) {
+  Value::Array rows;
+  for (int j = field.rows - 1; j >= 0; --j) {
+    Value::Array row;
+    for (int i = 0; i < field.columns; ++i) row.push_back(number(field.heights[static_cast<std::size_t>(j * field.columns + i)]));
+    rows.push_back(value(std::move(row)));
+  }
+  Value::Table table;
+  add(table, "heightmap", value(std::move(rows))), add(table, "size", list(Vec3{field.x, field.y, 1}));
+  if (Value::Table at = placement(field.at); !at.empty()) add(table, "at", value(std::move(at)));
+  return value(std::move(table));
+}
+
 Value describe_friction(const ContactLaw& law) {
   if (law.static_friction == law.friction && !law.has_moments()) return number(law.friction);
   Value::Table table;
@@ -107,6 +120,10 @@ Value describe_collision(const Model& model, BodyId body, const std::vector<Shap
       if (collider.solid.belt != Vec3{})
         throw_error({"only one plane of the ground has a belt in a scenario, its floor", "", "give a fixed body the belt"});
       all.push_back(describe_shape({.kind = Shape::Kind::plane, .size = collider.normal, .at = Pose(collider.point)}, {}, none));
+      continue;
+    }
+    if (collider.field) {
+      all.push_back(describe_field(*collider.field));
       continue;
     }
     const bool mesh = i < collision_shapes.size() && collision_shapes[i].kind == Shape::Kind::mesh;

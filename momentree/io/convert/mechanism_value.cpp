@@ -50,7 +50,8 @@ Value::Table one_shape(const Shape& shape, const MeshFolders& folders, LeftOut& 
     return table;
   }
   switch (shape.kind) {
-    case Shape::Kind::none: break;
+    case Shape::Kind::none:
+    case Shape::Kind::heights: break;  // describe_collision() has its heights
     case Shape::Kind::plane: add(table, "plane", list(shape.size)); break;
     case Shape::Kind::box: add(table, "box", list(shape.size)); break;
     case Shape::Kind::ellipsoid: add(table, "ellipsoid", list(shape.size)); break;

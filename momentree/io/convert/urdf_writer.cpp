@@ -56,6 +56,7 @@ void write_shape(std::string& text, const Shape& shape) {
   };
   switch (shape.kind) {
     case Shape::Kind::none:
+    case Shape::Kind::heights:
     case Shape::Kind::plane:             // of the ground
     case Shape::Kind::ellipsoid: break;  // which convert_urdf leaves out
     case Shape::Kind::box: write_visual(text, shape.at, "<box size=\"" + three(shape.size) + "\"/>", shape.colour); break;

@@ -90,7 +90,8 @@ class SolidBuilder {
     double reach = 0;
     switch (shape.kind) {
       case Shape::Kind::none:
-      case Shape::Kind::plane: return;
+      case Shape::Kind::plane:
+      case Shape::Kind::heights: return;
       case Shape::Kind::box: solid.size = shape.size, reach = 0.5 * norm(shape.size); break;
       case Shape::Kind::sphere: solid.kind = Solid::Kind::ellipsoid, solid.size = {d, d, d}, reach = shape.radius; break;
       case Shape::Kind::ellipsoid:

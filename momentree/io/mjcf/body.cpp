@@ -274,7 +274,7 @@ class BodyReader {
         masks_.push_back(geom.mask);
         friction_ = std::max(friction_, geom.friction);
       }
-      const bool solid = geom.shape.kind != Shape::Kind::none && geom.shape.kind != Shape::Kind::plane;
+      const bool solid = geom.shape.kind != Shape::Kind::none && !is_of_ground(geom.shape.kind);
       if (solid) (geom.hidden ? hidden_shapes_ : shapes_).push_back(std::move(geom.shape));
     } else if (name == "inertial") {
       if (inertial_) return reading_.file_of(child).error({child}, "a second <inertial> in one body", "leave one of them out");

@@ -153,12 +153,20 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
   if (attributes.number("condim").value_or(3) > 3)
     reading.file_of(element).once(Severity::warning, "torsional and rolling friction of geoms are left out", moments_hint,
                                   attributes.at("condim"));
-  if (type == Type::hfield || type == Type::sdf)
+  if (type == Type::sdf)
     reading.file_of(element).once(Severity::warning,
                                   std::string("geoms of type ") + type_names[static_cast<std::size_t>(type)] +
                                       " are not supported: they are not drawn, and touch nothing",
                                   "use a mesh, or shapes", {element});
   if (type == Type::plane) geom.shape = {.kind = Shape::Kind::plane, .size = z_axis, .at = attributes.pose()};
+  if (type == Type::hfield) {
+    const std::string name = attributes.string("hfield").value_or("");
+    const auto found = reading.fields.find(name);
+    if (found == reading.fields.end())
+      attributes.error("hfield", "there is no <hfield> " + in_quotes(name) + " in <asset>");
+    else
+      geom.shape = found->second, geom.shape.at = attributes.pose();
+  }
   if (type == Type::plane || type == Type::hfield) return geom;  // without mass
   const Placed placed = read_placement(attributes, type);
   geom.shape = shape_of(type, placed);

@@ -25,6 +25,7 @@ void read_option(XmlElement option, Reading& reading) {
 void read_assets(XmlElement asset, Reading& reading) {
   for (const XmlElement material : children_of(asset, reading)) {
     if (material.name() == "mesh") read_mesh_asset(material, reading);
+    if (material.name() == "hfield") read_field_asset(material, reading);
     const auto name = material.find("name"), rgba = material.find("rgba");
     if (material.name() != "material" || !name || !rgba) continue;
     const auto levels = read_numbers(material.attribute(*rgba), 4, 4, {material, *rgba}, "rgba", reading.file_of(material));

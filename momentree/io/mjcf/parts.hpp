@@ -50,6 +50,7 @@ struct Reading {
   std::unordered_map<std::string, Class> classes{};
   std::unordered_map<std::string, std::string> colours{};  ///< of materials
   std::unordered_map<std::string, MeshAsset> meshes{};
+  std::unordered_map<std::string, Shape> fields{};  ///< height fields; of kind none: not read, which was reported
   std::unordered_map<std::string, XmlElement> body_names{}, joint_names{};
   /// Named sites, which equalities and tendons connect.
   struct Site {
@@ -122,6 +123,9 @@ void read_contacts(XmlElement contact, Reading& reading);
 void read_mesh_asset(XmlElement element, Reading& reading);
 /// The shape of a geom with that mesh at `at`; none if there is no such mesh, or none that is drawn.
 Shape mesh_shape(const std::string& name, const Pose& at, const Reading& reading);
+
+/// Reads an <hfield> of <asset>.
+void read_field_asset(XmlElement element, Reading& reading);
 
 /// Reads <worldbody> with everything in it, and adds its bodies to the model.
 void read_world(XmlElement worldbody, Reading& reading);

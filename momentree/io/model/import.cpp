@@ -4,6 +4,7 @@
 #include <system_error>
 #include <utility>
 
+#include <momentree/base/error.hpp>
 #include <momentree/io/file_name.hpp>
 #include <momentree/io/mesh/read_mesh.hpp>
 #include <momentree/io/mesh/source.hpp>
@@ -123,6 +124,36 @@ fs::path package_of(const fs::path& folder, const std::string& name) {
 }
 
 }  // namespace
+
+std::shared_ptr<const HeightGrid> Import::read_heights(const std::string& name, const XmlLocation& at, XmlFile& file) const {
+  bool in_package = false;
+  const fs::path path = without_scheme(name, in_package);
+  const auto refuse = [&](const std::string& what, const std::string& hint) {
+    file.warning(at, "the height field " + in_quotes(name) + " " + what + ": nothing touches it", hint);
+    return nullptr;
+  };
+  if (!looks_at_files()) return refuse("is not read: a model read from text cannot name files", "read it from its file");
+  std::vector<fs::path> tried{path};
+  if (in_package && !path.empty() && std::next(path.begin()) != path.end())
+    tried.push_back(path.lexically_relative(*path.begin()));
+  for (const fs::path& each : tried) {
+    const fs::path whole = fs::path(folder_) / each;
+    if (leaves_folder(each.generic_string()) || !enclosure_.holds(whole)) continue;
+    if (const auto reason = why_unreadable(whole.string(), "height field")) {
+      if (!reason->missing) return refuse(reason->what, reason->hint);
+      continue;
+    }
+#ifdef __cpp_exceptions
+    try {
+      const bool image = each.extension() == ".png" || each.extension() == ".PNG";
+      return std::make_shared<const HeightGrid>(image ? read_height_image(whole.string()) : read_height_file(whole.string()));
+    } catch (const Error& error) {
+      return refuse(error.problem, error.hint);
+    }
+#endif
+  }
+  return refuse("is not in the model's folder or below it", "copy it there");
+}
 
 void Import::read_mesh(const std::string& name, const XmlLocation& at, Shape& shape, XmlFile& file, const std::string& submesh) {
   bool in_package = false;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <momentree/io/height_grid.hpp>
 #include <momentree/io/input_file.hpp>
 #include <momentree/io/model/imported.hpp>
 
@@ -42,6 +43,8 @@ class Import {
   /// `model://name/` are searched there, too, then in the package of that name that contains the model: a folder above it with
   /// package.xml or model.config. A file that is not found, or only through a symbolic link out of these folders, gives a note.
   /// A path that leaves the folder gives a note and no mesh. `submesh`: the part of that name alone.
+  /// The heights of a file in the model's folder: a PNG image, or as MuJoCo writes them. Null, with a warning, if there are none.
+  std::shared_ptr<const HeightGrid> read_heights(const std::string& name, const XmlLocation& at, XmlFile& file) const;
   void read_mesh(const std::string& name, const XmlLocation& at, Shape& shape, XmlFile& file, const std::string& submesh = {});
 
  private:

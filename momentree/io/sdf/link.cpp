@@ -116,6 +116,20 @@ void read_geometry(XmlElement geometry, bool drawn, Shape& shape, Import& import
     texts.fields.known_children({"size"});  // of what is drawn: it has no edge
     texts.fields.finish();
   }
+  if (const XmlElement heightmap = drawn ? XmlElement{} : fields.child("heightmap")) {
+    Texts texts(heightmap, file);
+    const auto uri = texts.string("uri");
+    const XmlLocation location = texts.location();
+    shape.size = texts.vec3("size").value_or(Vec3{1, 1, 1});
+    if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0))
+      file.error(texts.location(), "size: must be greater than 0"), shape.size = {1, 1, 1};
+    shape.at = shape.at * Pose(texts.vec3("pos").value_or(Vec3{}));
+    texts.fields.known_children({"texture", "blend", "use_terrain_paging", "sampling"});  // of what is drawn
+    texts.fields.finish();
+    if (!uri) file.error({heightmap}, "<heightmap> has no <uri>");
+    if (uri) shape.heights = import.read_heights(*uri, location, file);
+    if (shape.heights) shape.kind = Shape::Kind::heights;
+  }
   fields.known_children({"empty"});
   fields.leave_out({"plane", "heightmap", "polyline", "image", "cone"}, "pictures do not show it, and it touches nothing");
   fields.finish();
@@ -191,6 +205,7 @@ void read_collision(XmlElement collision, Version version, LinkPart& link, Impor
   FramedPose pose = read_pose(fields, version, file);
   shape.at = pose.pose;
   if (const XmlElement geometry = fields.child("geometry")) read_geometry(geometry, false, shape, import, file);
+  pose.pose = shape.at;
   if (const XmlElement surface = fields.child("surface"))
     if (const auto friction = read_surface(surface, file)) link.friction = std::max(link.friction, *friction);
   fields.known_children({"max_contacts", "laser_retro", "density", "auto_inertia_params"});
