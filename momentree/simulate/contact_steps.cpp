@@ -429,7 +429,7 @@ void ContactSteps::set_points(std::vector<SteppedContact> points, bool released)
 }
 
 void ContactSteps::release() {
-  released_ = true, has_forces_ = false;
+  released_ = true, has_forces_ = false, resting_.forget();
   held_forces(world_->workspace_).clear();
   show_stops(points_);
   static_cast<void>(world_->state_.edit());

@@ -37,10 +37,10 @@ std::vector<bool> carried(const Tree& tree, const Islands& islands, std::span<co
 
 }  // namespace
 
-// Bodies whose joints have no parameters, and on which no forces and springs act.
+// Bodies whose joints have no parameters with an effect, and on which no forces and springs act.
 void RestingIslands::find_loose(const Tree& tree) {
   loose_.assign(place(tree.bodies()), false);
-  for (const int b : tree.order()) loose_[place(b)] = tree.parameters(b) == nullptr;
+  for (const int b : tree.order()) loose_[place(b)] = tree.parameters(b) == nullptr || !tree.parameters(b)->any();
   for (const int b : tree.loaded_bodies()) loose_[place(b)] = false;
 }
 

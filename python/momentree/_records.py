@@ -44,9 +44,9 @@ class Contact(NamedTuple):
     """Velocity of ``one``, less that of ``other``, along the surface (m/s), shape (3,)."""
     slips: bool
     """Whether it slips; otherwise it sticks, or has no friction."""
-    determined: bool | None = None
+    determined: bool | None
     """False if redundant contacts leave the force open: this is one of those possible. None while it is stepped through."""
-    moment: Array = (0.0, 0.0, 0.0)  # type: ignore[assignment]
+    moment: Array
     """Moment on ``one`` of torsional and rolling friction (N m), shape (3,)."""
 
 

@@ -238,6 +238,9 @@ void InstantLaws::require_contact_law(const World& world, bool stepped) {
     found_.within(-normal, 1e-9 * size, "no contact pulls", where);
     const double limit = std::max(law.friction, law.static_friction) * std::max(normal, 0.0);
     found_.within(norm(friction), limit * (1 + beyond_cone) + 1e-9 * size, "contact forces are in their cones", where);
+    const double twist = std::fabs(dot(point.moment, point.normal)), roll = norm(cross(point.moment, point.normal));
+    found_.within(twist - law.torsional * normal, 1e-9 * size, "moments are within their bounds", where);
+    found_.within(roll - law.rolling * normal, 1e-9 * size, "moments are within their bounds", where);
     const double speed = norm(point.slip);
     if (point.slips && speed > 1e-2 && !stepped)  // the force of a step opposes the slip after it
       found_.within(dot(friction, point.slip), 1e-9 * size * speed, "friction opposes slip", where);

@@ -42,7 +42,8 @@ std::string random_pile(Choices& choose) {
       "format = 1\n[world]\ngravity = " + choose.word({"[0, 0, -9.81]", "[0, 0, -9.81]", "[1, 0, -9.7]", "[2.5, 1, -9]"}) + "\n";
   const bool elastic = choose.chance(0.3);
   const auto law = [&] {
-    Entries all{{"friction", choose.word({"0.5", "0.2", "0.8", "0", "1.5", "{ static = 0.6, kinetic = 0.4 }"})}};
+    Entries all{{"friction", choose.word({"0.5", "0.2", "0.8", "0", "1.5",
+                                          "{ static = 0.6, kinetic = 0.4, torsional = 0.003, rolling = 0.002 }"})}};
     if (elastic) all.emplace_back("restitution", choose.word({"0", "0.3", "0.7"}));
     return all;
   };
