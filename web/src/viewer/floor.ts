@@ -54,7 +54,7 @@ export class Floor {
   ) {
     this.solids = ground.flatMap((shape) => meshesOf(shape, this.solid));
     for (const solid of this.solids) solid.receiveShadow = solid.castShadow = true;
-    this.group.add(...this.solids);
+    for (const solid of this.solids) this.group.add(solid);
     for (const { normal } of planes) {
       const slab = this.slab.clone();
       slab.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), new THREE.Vector3(...normal).normalize());
