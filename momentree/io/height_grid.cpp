@@ -10,13 +10,10 @@
 #include <momentree/base/error.hpp>
 #include <momentree/io/input_file.hpp>
 
-// Only its types: the library is loaded once there is an image, so that nothing else needs it.
-#if __has_include(<png.h>) && __has_include(<dlfcn.h>)
+#ifndef __wasm__
 #include <dlfcn.h>
-#include <png.h>
 
 #include <csetjmp>
-#define MT_HAS_PNG
 #endif
 
 namespace momentree::io {
@@ -32,14 +29,14 @@ HeightGrid grid_of(std::int64_t columns, std::int64_t rows) {
   return grid;
 }
 
-#ifdef MT_HAS_PNG
+#ifndef __wasm__
 
-// Its functions throw by longjmp: what has a destructor is outside of decode().
+// Functions of libpng throw by longjmp: what has a destructor is outside of decode().
 struct Decoder {
   std::jmp_buf failed;
   char why[160];
-  png_structp png;
-  png_infop info;
+  void* png;
+  void* info;
 };
 
 [[noreturn]] void give_up(Decoder& decoder, const char* why) {
@@ -47,25 +44,29 @@ struct Decoder {
   std::longjmp(decoder.failed, 1);
 }
 
+// libpng 1.6, loaded once there is an image: nothing else needs it. Its structures are opaque.
 struct PngLibrary {
+  using Failed = void (*)(void* png, const char* why);
+
   void* const library = ::dlopen("libpng16.so.16", RTLD_NOW);
   template <class F>
   F function(const char* name) const {
     return library == nullptr ? nullptr : reinterpret_cast<F>(::dlsym(library, name));
   }
-#define MT_PNG(name) decltype(&::png_##name) const name = function<decltype(&::png_##name)>("png_" #name)
-  MT_PNG(create_read_struct);
-  MT_PNG(create_info_struct);
-  MT_PNG(destroy_read_struct);
-  MT_PNG(get_error_ptr);
-  MT_PNG(init_io);
-  MT_PNG(read_png);
-  MT_PNG(get_rows);
-  MT_PNG(get_image_width);
-  MT_PNG(get_image_height);
-  MT_PNG(get_channels);
-  MT_PNG(get_bit_depth);
+#define MT_PNG(name, result, ...) result (*const name)(__VA_ARGS__) = function<result (*)(__VA_ARGS__)>("png_" #name)
+  MT_PNG(create_read_struct, void*, const char* version, void* error, Failed failed, Failed warned);
+  MT_PNG(create_info_struct, void*, const void* png);
+  MT_PNG(destroy_read_struct, void, void** png, void** info, void** end);
+  MT_PNG(get_error_ptr, void*, const void* png);
+  MT_PNG(init_io, void, void* png, std::FILE* file);
+  MT_PNG(read_png, void, void* png, void* info, int transforms, void* unused);
+  MT_PNG(get_rows, std::uint8_t**, const void* png, const void* info);
+  MT_PNG(get_image_width, std::uint32_t, const void* png, const void* info);
+  MT_PNG(get_image_height, std::uint32_t, const void* png, const void* info);
+  MT_PNG(get_channels, std::uint8_t, const void* png, const void* info);
+  MT_PNG(get_bit_depth, std::uint8_t, const void* png, const void* info);
 #undef MT_PNG
+  static constexpr int strip_alpha = 0x0002, expand = 0x0010;  // transforms
 };
 
 const PngLibrary& png_library() {
@@ -78,14 +79,14 @@ const PngLibrary& png_library() {
 bool decode(std::FILE* file, Decoder& decoder) {
   const PngLibrary& png = png_library();
   decoder.png = png.create_read_struct(
-      PNG_LIBPNG_VER_STRING, &decoder,
-      [](png_structp failed, png_const_charp why) { give_up(*static_cast<Decoder*>(png_library().get_error_ptr(failed)), why); },
-      [](png_structp, png_const_charp) {});
+      "1.6.0", &decoder,
+      [](void* failed, const char* why) { give_up(*static_cast<Decoder*>(png_library().get_error_ptr(failed)), why); },
+      [](void*, const char*) {});
   decoder.info = decoder.png == nullptr ? nullptr : png.create_info_struct(decoder.png);
   if (decoder.info == nullptr) return false;
   if (setjmp(decoder.failed) != 0) return false;
   png.init_io(decoder.png, file);
-  png.read_png(decoder.png, decoder.info, PNG_TRANSFORM_EXPAND | PNG_TRANSFORM_STRIP_ALPHA, nullptr);
+  png.read_png(decoder.png, decoder.info, PngLibrary::expand | PngLibrary::strip_alpha, nullptr);
   return true;
 }
 
@@ -93,7 +94,7 @@ bool decode(std::FILE* file, Decoder& decoder) {
 
 }  // namespace
 
-#ifdef MT_HAS_PNG
+#ifndef __wasm__
 
 HeightGrid read_height_image(const std::string& path) {
   const PngLibrary& png = png_library();
@@ -106,11 +107,11 @@ HeightGrid read_height_image(const std::string& path) {
   HeightGrid grid = grid_of(png.get_image_width(decoder.png, decoder.info), png.get_image_height(decoder.png, decoder.info));
   const std::size_t channels = png.get_channels(decoder.png, decoder.info),
                     bytes = png.get_bit_depth(decoder.png, decoder.info) / 8u;
-  const png_bytepp lines = png.get_rows(decoder.png, decoder.info);
+  std::uint8_t* const* const lines = png.get_rows(decoder.png, decoder.info);
   const double white = bytes == 2 ? 65535 : 255;
   for (int j = 0; j < grid.rows; ++j)
     for (int i = 0; i < grid.columns; ++i) {
-      const png_byte* const pixel = lines[grid.rows - 1 - j] + static_cast<std::size_t>(i) * channels * bytes;
+      const std::uint8_t* const pixel = lines[grid.rows - 1 - j] + static_cast<std::size_t>(i) * channels * bytes;
       double sum = 0;  // of the colours
       for (std::size_t c = 0; c < channels; ++c)
         sum += bytes == 2 ? 256 * pixel[2 * c] + pixel[2 * c + 1] : static_cast<int>(pixel[c]);
@@ -123,8 +124,7 @@ HeightGrid read_height_image(const std::string& path) {
 #else
 
 HeightGrid read_height_image(const std::string&) {
-  throw_error({"cannot be read: this build of momentree reads no PNG images", "",
-               "install libpng-dev and build it again, or write the heights as numbers"});
+  throw_error({"cannot be read: there are no PNG images in browsers", "", "write the heights as numbers"});
 }
 
 #endif
