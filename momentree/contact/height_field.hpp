@@ -10,7 +10,7 @@ namespace momentree::contact {
 
 /// Without sides: there is nothing beyond its border.
 struct HeightField {
-  Pose at{};                      ///< of its frame in the world, in whose middle the grid is; heights are along z
+  Pose at{};                      ///< of its frame in the world; the grid is centred at its origin, heights are along its z
   double x = 0, y = 0;            ///< extent along these axes (m)
   int columns = 0, rows = 0;      ///< numbers of heights along x and y, at least 2
   std::vector<double> heights{};  ///< row by row from −y to y, in each from −x to x (m)

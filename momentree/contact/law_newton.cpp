@@ -77,7 +77,9 @@ void LawNewton::clear(const std::vector<int>& sizes) {
 void LawNewton::prepare() {
   if (std::exchange(prepared_, true)) return;
   matrix_.clear(sizes_);
-  A_.assign(points_.size(), {}), K_.assign(points_.size(), {}), G_.assign(points_.size(), {});
+  A_.assign(points_.size(), {}), K_.assign(points_.size(), {});
+  const bool moments = std::ranges::any_of(points_, [](const Point& point) { return point.pressed_by >= 0; });
+  G_.assign(moments ? points_.size() : 0, {});
   tangential_.resize(points_.size()), normal_.resize(points_.size());
   scale_ = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -184,7 +186,8 @@ double LawNewton::natural_map(const double* r, bool linearise) {
       return part * (r[3 * by] + c_[3 * by]);
     };
     if (linearise) {
-      K = {}, G_[i] = {};
+      K = {};
+      if (moment) G_[i] = {};
       c[0] = pressed ? -w[0] / (yield_ * a) : bound - own[0], c[1] = -own[1], c[2] = -own[2];
       K[0] = pressed ? 1 / (yield_ * a) : 0;
       if (moment && !pressed) c[0] = follows(0, std::copysign(point.torsion, free)) - own[0];
@@ -249,7 +252,7 @@ bool LawNewton::find_step() {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     add_motion(points_[i], c_.data() + 3 * i);
     if (K_[i] != std::array<double, 9>{}) add_matrix(points_[i], points_[i], K_[i]);
-    if (G_[i] != std::array<double, 9>{}) add_matrix(points_[i], points_[at(points_[i].pressed_by)], G_[i]);
+    if (points_[i].pressed_by >= 0) add_matrix(points_[i], points_[at(points_[i].pressed_by)], G_[i]);
   }
   if (!matrix_.factorise()) return false;
   matrix_.solve(x_.data());
@@ -259,7 +262,7 @@ bool LawNewton::find_step() {
     add_velocity(points_[i], dw);
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t l = 0; l < 3; ++l) step_[3 * i + k] -= K_[i][3 * k + l] * dw[l];
-    if (G_[i] == std::array<double, 9>{}) continue;
+    if (points_[i].pressed_by < 0) continue;
     double pressing[3] = {};
     add_velocity(points_[at(points_[i].pressed_by)], pressing);
     for (std::size_t k = 0; k < 3; ++k) step_[3 * i + k] -= G_[i][3 * k] * pressing[0];

@@ -24,7 +24,7 @@ class ManyPoints {
   struct Point {
     std::array<Part, 2> parts{};
     double friction = 0, restitution = 0;
-    double carried = 0;  ///< with restitution: other points may press it by this without returning anything (m/s)
+    double carried = 0;  ///< with restitution: the speed that weight gives in a step, of which nothing is returned (m/s)
     double slack = 0;    ///< the speed with which it may approach afterwards, because a gap is left (m/s)
     /// The point before this one whose normal impulse limits the moments of this one: about the normal, at most `torsion` times
     /// that, and about both tangents, `friction` times that (C7). −1: a point of contact.
@@ -75,7 +75,7 @@ class ManyPoints {
   void all_along(std::size_t point, LinksMotion& motion, double* w);
   void add(std::size_t point, const double* r, LinksMotion& motion);
   double relax(std::size_t point, const std::vector<double>& start, std::vector<double>& impulses);
-  double relax_moments(std::size_t point, const std::vector<double>& start, double most_normal, double* own);
+  double relax_moments(std::size_t point, const std::vector<double>& start, double N, double* own);
   double find_impulses(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
                        std::vector<double>& impulses);
   double energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,

@@ -199,7 +199,7 @@ TEST_CASE("ground: planes of static models of SDF, and of links that are fixed t
             .find("normal: must not be zero") != std::string::npos);
 }
 
-TEST_CASE("ground: what a scenario says of it reads back from what is written") {
+TEST_CASE("ground: planes and solids of a scenario are the same after they are written and read again") {
   const std::string text =
       "format = 1\n[world]\nfloor = { height = -2, friction = 0.3 }\ncollision = [{ plane = [1, 0, 2], at = { xyz = [-3, 0, 0] } "
       "}, "

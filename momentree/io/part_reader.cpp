@@ -76,6 +76,17 @@ void PartReader::add_floor(const Value& value, Model& model) const {
   if (part.reading.floor_rule) model.add_contact_rule(*part.reading.floor_rule);
 }
 
+void PartReader::add_ground(const Value& value, Model& model, std::vector<Shape>& shapes) const {
+  PartReading part(what_, model);
+  read_ground(value, part.reading);
+  part.check();
+  const std::vector<Collider>& all = part.scenario.model.colliders();
+  for (std::size_t i = model.colliders().size(); i < all.size(); ++i) {
+    model.add_collider(all[i]);
+    note_collision_shapes(model, {part.scenario.collision_shapes[i]}, shapes);
+  }
+}
+
 void PartReader::add_contact(const Value& table, Model& model) const {
   PartReading part(what_, model);
   read_contact(table, part.reading);

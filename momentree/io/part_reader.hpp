@@ -46,6 +46,8 @@ class PartReader {
 
   /// The value of `floor` in [world]; adds the plane and its rule.
   void add_floor(const Value& value, Model& model) const;
+  /// The value of `collision` in [world]; adds planes and solids of the ground. `shapes`: by collider, as to_toml() takes them.
+  void add_ground(const Value& value, Model& model, std::vector<Shape>& shapes) const;
   /// A table with the keys of [[contact]]; adds its rule.
   void add_contact(const Value& table, Model& model) const;
 

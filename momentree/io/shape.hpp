@@ -23,7 +23,7 @@ struct Shape {
   Vec3 scale{1, 1, 1};  ///< of a mesh
   /// of a mesh: how it can be read (mesh/source.hpp); null if it does not exist, or if no files are accessed
   std::shared_ptr<const MeshSource> source{};
-  std::shared_ptr<const HeightGrid> heights{};  ///< in whose middle the shape's centre is
+  std::shared_ptr<const HeightGrid> heights{};  ///< centred at the shape's origin
   Pose at{};                                    ///< placement of the shape's centre in the body's frame
   std::string colour{};                         ///< as CSS writes it, "#rrggbb" or a name; empty: the colour of the mechanism
   std::vector<Shape> more{};                    ///< further shapes of the same body

@@ -70,7 +70,7 @@ void ContactSteps::find_moments() {
   }
 }
 
-// What moments do in a step begins when their points of contact are reached.
+// Moments act from when their points of contact are reached.
 void ContactSteps::share_times() {
   for (const Moments& moments : moments_) reached_[moments.point] = reached_[moments.contact];
 }
@@ -106,8 +106,8 @@ void ContactSteps::guess(double h) {
     const auto i = static_cast<std::size_t>(nearest - near_.begin());
     const double sign = nearest->a == known.a ? 1 : -1;
     for (std::size_t k = 0; k < 3; ++k) carried_[3 * i + k] += sign * dot(known.force, row_direction(rows_.touches[i], k));
-    const auto moments = std::ranges::find(moments_, i, &Moments::contact);
-    for (std::size_t k = 0; moments != moments_.end() && k < 3; ++k)
+    const Moments* const moments = moments_of(i);
+    for (std::size_t k = 0; moments != nullptr && k < 3; ++k)
       carried_[3 * moments->point + k] += sign / moments->length * dot(known.moment, row_direction(rows_.touches[i], k));
   }
   for (std::size_t i = 0; i < near_.size(); ++i) carried_[3 * i] = std::max(0.0, carried_[3 * i]);
@@ -270,7 +270,7 @@ void ContactSteps::displace(State& state, contact::LinksMotion& by) {
 // them by.
 bool ContactSteps::lay_there(double v, double a, double h) const { return hits_.empty() && std::fabs(v) <= 2 * h * std::fabs(a); }
 
-// All but those of bodies that stay.
+// Except those of bodies that rest.
 void ContactSteps::forget_points() {
   std::erase_if(points_, [this](const SteppedContact& point) {
     return point.joint >= 0 || !(resting_.stays(point.a) || resting_.stays(point.b));
@@ -318,8 +318,8 @@ void ContactSteps::remember(double h) {
 
 // The mean of the moments of a contact in this step and in the time before it, within the bounds that its force sets.
 void ContactSteps::add_moment(std::size_t i, double before, double over, SteppedContact& point) const {
-  const auto moments = std::ranges::find(moments_, i, &Moments::contact);
-  if (moments == moments_.end()) return;
+  const Moments* const moments = moments_of(i);
+  if (moments == nullptr) return;
   const contact::ManyPoints::Point& law = many_.points[moments->point];
   const double N = dot(point.force, point.normal);
   const auto mean = [&](std::size_t k) {

@@ -4,6 +4,7 @@
 // After a step without contacts, the points that bodies have reached get impulses by the law of impact (contact::ManyPoints). A
 // point that was reached a time τ before the end of the step moves by τ times the change of its velocity: the instant of touching
 // is estimated instead of located, and a body at rest stays where it is.
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -79,6 +80,10 @@ class ContactSteps final : public StepContacts {
   void forget_parted();
 
  private:
+  struct Moments {
+    std::size_t contact, point;  ///< numbers in near_ and in many_
+    double length;               ///< of its unit impulses (m)
+  };
   struct NearStop {
     SteppedStop stop;
     double gap, velocity, acceleration;  ///< as those of points
@@ -90,6 +95,10 @@ class ContactSteps final : public StepContacts {
   void find_stops(double h);
   void find_points(double within);
   void find_moments();
+  const Moments* moments_of(std::size_t contact) const {
+    const auto found = std::ranges::lower_bound(moments_, contact, {}, &Moments::contact);
+    return found != moments_.end() && found->contact == contact ? &*found : nullptr;
+  }
   void share_times();
   SteppedContact point_at(std::size_t i, const Vec3& force, const std::vector<double>& velocity) const;
   void add_moment(std::size_t i, double before, double over, SteppedContact& point) const;
@@ -117,14 +126,10 @@ class ContactSteps final : public StepContacts {
   std::vector<Contact> near_;
   ContactRows rows_;
   contact::ManyPoints many_;
-  std::vector<double> reached_;  // by point: the time since it was reached (s)
-  std::vector<bool> hit_;        // by point: it was hit in the step
-  std::vector<double> carried_;  // by point: three components of the force before (N)
-  struct Moments {
-    std::size_t contact, point;  ///< numbers in near_ and in many_
-    double length;               ///< of its unit impulses (m)
-  };
-  std::vector<Moments> moments_;  // their points are those after stops
+  std::vector<double> reached_;   // by point: the time since it was reached (s)
+  std::vector<bool> hit_;         // by point: it was hit in the step
+  std::vector<double> carried_;   // by point: three components of the force before (N)
+  std::vector<Moments> moments_;  // in ascending order; their points are those after stops
   std::vector<double> after_, gaps_, pushes_, packed_;
   std::vector<double> free_q_, free_u_;  // the motion at the end of the step without contacts
   Power free_power_;                     // there

@@ -47,9 +47,13 @@ void RestingIslands::find_loose(const Tree& tree) {
 void RestingIslands::begin_step(const Tree& tree, const State& state, Workspace<double>& workspace,
                                 std::span<const SteppedContact> points, double usual_step) {
   q_.assign(state.q().begin(), state.q().end()), u_.assign(state.u().begin(), state.u().end());
-  rests_.clear();
-  if (points.empty() || tree.has_loops()) return;
+  rests_.clear(), loose_.clear();
+  if (tree.has_loops()) return;
   find_loose(tree);
+  if (points.empty()) return;
+  for (const SteppedContact& point : points)  // on a belt, which does work
+    for (const int body : {point.a, point.b})
+      if (body >= 0 && norm(point.slip) > policy::step_slip) loose_[place(body)] = false;
   const auto stands = [&](int b) { return loose_[place(b)] && all_within(tree, b, u_, 0); };
   if (std::ranges::none_of(tree.order(), stands)) return;
   accelerate(tree, state, workspace);
@@ -80,12 +84,15 @@ bool RestingIslands::put_back(const Tree& tree, State& state, const Contacts& co
 }
 
 void RestingIslands::come_to_rest(const Tree& tree, State& state, std::span<const SteppedContact> points) {
-  if (points.empty() || tree.has_loops() || u_.size() != state.u().size()) return;
-  find_loose(tree);
+  if (points.empty() || loose_.empty() || u_.size() != state.u().size()) return;
   std::vector<bool> slow(loose_.size(), false);
-  for (const int b : tree.order())
+  bool any = false;
+  for (const int b : tree.order()) {
     slow[place(b)] = loose_[place(b)] && all_within(tree, b, u_, policy::standing_still) &&
                      all_within(tree, b, state.u(), policy::standing_still);
+    any = any || slow[place(b)];
+  }
+  if (!any) return;
   const Islands mechanisms(tree);
   const std::vector<bool> rest = true_of_all(tree, mechanisms, slow), held = carried(tree, mechanisms, points);
   const State::Edit edit = state.edit();

@@ -99,6 +99,26 @@ TEST_CASE("resting islands: gravity, impulses and lost supports wake them") {
   for (const std::size_t b : {3u, 4u, 5u}) CHECK(norm(other.world().motions()[b].linear) == 0);
 }
 
+// A box that a belt presses against a wall does not move, but the belt works: μ m g times its speed.
+TEST_CASE("resting islands: a body that stands still on a running belt is stepped, so that the work of the belt is known") {
+  constexpr double mu = 0.4, mass = 2, speed = 0.5;
+  Model model;
+  const BodyId box =
+      model.add({.name = "box", .mass = mass, .inertia = diagonal(0.02), .joint = Free{}, .q = {0, 0, 0.1, 1, 0, 0, 0}});
+  model.add_collider({.body = box, .solid = contact::box({0.2, 0.2, 0.2})});
+  model.add_collider({.solid = contact::box({0.2, 2, 2}, Pose(Vec3{0.2, 0, 0}))});
+  contact::Solid belt;
+  belt.belt = {0, speed, 0};
+  model.add_collider({.solid = std::move(belt), .plane = true});
+  model.add_contact_rule({.law = {.friction = mu, .static_friction = mu}});
+  Simulation sim(model, stepping);
+  REQUIRE(sim.run_until(1));
+  const double before = sim.energy().work, x = sim.world().motions()[0].pose.position.x;
+  REQUIRE(sim.run_until(2));
+  CHECK(sim.world().motions()[0].pose.position.x == doctest::Approx(x));
+  CHECK(sim.energy().work - before > 0.5 * mu * mass * 9.81 * speed);
+}
+
 TEST_CASE("resting islands: a run that is restored, or continued from its state, goes on to the bit") {
   const Vec3 velocity{1.1, 0, 0.5};
   for (const double at : {0.4, 0.9, 1.25}) {

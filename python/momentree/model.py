@@ -166,6 +166,18 @@ class Model(_core.ModelBase):
         """
         self._add_floor(given(height=height, normal=normal, friction=friction, restitution=restitution, belt=belt) or True)
 
+    def add_ground(self, collision: Shape) -> None:
+        """Add planes and solids that are fixed in the world, besides the floor.
+
+        Args:
+            collision: As ``collision`` of ``[world]`` in scenarios, one or a list: ``{"box": [x, y, z], "at": {...}}``,
+                ``{"plane": normal, "at": {"xyz": point}}``, ``{"heightmap": rows, "size": [x, y, z]}``.
+
+        Raises:
+            Error: A value is impossible; the model is unchanged.
+        """
+        self._add_ground(collision)
+
     def add_contact(
         self,
         between: tuple[str | _core.ModelBody, str | _core.ModelBody] | None = None,

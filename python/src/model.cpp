@@ -59,6 +59,10 @@ void add_floor(ModelObject& self, nb::handle fields) {
   io::PartReader("Model.add_floor").add_floor(to_value(fields, "Model.add_floor"), self.model);
 }
 
+void add_ground(ModelObject& self, nb::handle collision) {
+  io::PartReader("Model.add_ground").add_ground(to_value(collision, "Model.add_ground"), self.model, self.collision_shapes);
+}
+
 void add_contact(ModelObject& self, nb::handle fields) {
   io::PartReader("Model.add_contact").add_contact(to_value(fields, "Model.add_contact"), self.model);
 }
@@ -167,6 +171,7 @@ void register_model(nb::module_& m) {
       .def("_add_loop", &add_loop, nb::arg(), nb::arg().none(), nb::arg().none(), nb::arg())
       .def("_add_coupling", &add_coupling)
       .def("_add_floor", &add_floor)
+      .def("_add_ground", &add_ground)
       .def("_add_contact", &add_contact)
       .def("_add_force", &add_force)
       .def("_add_spring", &add_spring)

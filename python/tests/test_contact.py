@@ -302,6 +302,36 @@ def test_pickled_models_fall_alike(seed: int) -> None:
     np.testing.assert_array_equal(again.q, sim.q)
 
 
+def test_the_ground_has_planes_solids_and_height_fields():
+    def model_on(*ground):
+        model = mt.Model()
+        model.add("ball", mass=1, inertia=0.004, joint=mt.Free(), q=[0.1, 0, 0.5, 1, 0, 0, 0], collision={"sphere": 0.1})
+        for each in ground:
+            model.add_ground(each)
+        return model
+
+    slope = {"plane": [-1, 0, 3], "at": {"xyz": [0, 0, 0.1]}}
+    heights = {"heightmap": np.array([[-1, 1.0], [-1, 1.0]]) + 0.3, "size": [6, 6, 1]}
+    ends = {}
+    for name, model in {
+        "plane": model_on(slope),
+        "field": model_on({**heights, "at": {"xyz": [0, 0, -0.2]}}),
+        "pickled": pickle.loads(pickle.dumps(model_on({**heights, "at": {"xyz": [0, 0, -0.2]}}))),
+        "list": model_on([slope, {"box": [0.1, 9, 9], "at": {"xyz": [3, 0, 0]}}]),
+    }.items():
+        sim = mt.Simulation(model, method="dop853")
+        sim.run(0.8)
+        ends[name] = sim.q
+        assert any(event.name == "impact" for event in sim.events)
+    for end in ends.values():
+        np.testing.assert_allclose(end, ends["plane"], atol=1e-9)
+    assert "heightmap" in model_on(heights).to_toml()
+    with pytest.raises(mt.Error, match=r"Model.add_ground.*its normal must not be zero"):
+        model_on({"plane": [0, 0, 0]})
+    with pytest.raises(mt.Error, match="row 2 has 1 numbers"):
+        model_on({"heightmap": [[0, 1], [0]], "size": [1, 1, 1]})
+
+
 @pytest.mark.parametrize("method", ["rk4", "dop853", "stepping"])
 def test_contacts_follow_what_changes_between_runs(method: str) -> None:
     model = mt.Model()

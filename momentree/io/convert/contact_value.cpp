@@ -79,7 +79,7 @@ Value describe_rule(const ContactRule& rule, const std::string& one, const std::
   return value(std::move(table));
 }
 
-// The plane that is the floor of a scenario; −1: there is none.
+// The number of the plane that is the floor of a scenario; −1 without one.
 int floor_of(const Model& model) {
   const std::vector<Collider>& all = model.colliders();
   const auto plane = std::find_if(all.begin(), all.end(), [](const Collider& c) { return c.plane; });

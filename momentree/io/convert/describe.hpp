@@ -44,7 +44,7 @@ Value describe_shape(const Shape& shape, const MeshFolders& folders, LeftOut& le
 Value::Table describe_mechanism(const std::string& name, const Model& model, std::span<const int> bodies,
                                 std::span<const Shape> shapes, const MeshFolders& folders, const std::string& state,
                                 LeftOut& left_out);
-/// What a body, or the ground without its floor, touches with, a list; the floor, an empty table if there is none; and the
+/// What a body, or the ground without its floor, touches with, a list; the floor, or an empty table; and the
 /// [[contact]] tables: one for each pair of bodies that has a law. Throws Error for what a scenario can only name by a file, or
 /// not at all.
 Value describe_collision(const Model& model, BodyId body, const std::vector<Shape>& collision_shapes);
