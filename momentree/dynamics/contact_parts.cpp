@@ -210,8 +210,7 @@ std::size_t ContactParts::add_moments(const Tree& tree, const double* q, Workspa
     if (body < 0) continue;
     const Kinematics<double>& kernel = workspace.bodies[index_of(body)];
     spin += sign * (kernel.R * kernel.velocity.w);
-    for (std::size_t k = 0; k < 3; ++k)
-      wrenches[index_of(side)][k].h = sign * transpose_times(kernel.R, k == 0 ? touch.normal : touch.tangent[k - 1]);
+    for (std::size_t k = 0; k < 3; ++k) wrenches[index_of(side)][k].h = sign * transpose_times(kernel.R, along(touch, k));
   }
   add_point(tree, q, workspace, contact, wrenches, many);
   many.b.insert(many.b.end(), {dot(touch.normal, spin), dot(touch.tangent[0], spin), dot(touch.tangent[1], spin)});
@@ -226,9 +225,9 @@ void ContactParts::add_points(const Tree& tree, const double* q, Workspace<doubl
     const contact::Touch& touch = rows.touches[i];
     Wrenches wrenches{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3& along = k == 0 ? touch.normal : touch.tangent[k - 1];
-      if (c.a >= 0) wrenches[0][k] = contact_wrench(workspace, c.a, along, touch.point);
-      if (c.b >= 0) wrenches[1][k] = contact_wrench(workspace, c.b, -along, touch.point);
+      const Vec3& direction = along(touch, k);
+      if (c.a >= 0) wrenches[0][k] = contact_wrench(workspace, c.a, direction, touch.point);
+      if (c.b >= 0) wrenches[1][k] = contact_wrench(workspace, c.b, -direction, touch.point);
     }
     add_point(tree, q, workspace, c, wrenches, many);
     const std::array<double, 9> block = many.block(i);

@@ -111,9 +111,9 @@ class GroupMobility {
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t i = rows_.members[group_.first + place];
         const contact::Touch& touch = rows_.touches[i];
-        const Vec3& along = k == 0 ? touch.normal : touch.tangent[k - 1];
+        const Vec3& direction = along(touch, k);
         const auto add = [&](int body, double sign) {
-          if (body >= 0) add_contact_row(tree_, q_, workspace_, body, along, touch.point, sign, all_.packed.data());
+          if (body >= 0) add_contact_row(tree_, q_, workspace_, body, direction, touch.point, sign, all_.packed.data());
         };
         add(contacts_[i].a, 1), add(contacts_[i].b, -1);
         take(row(rows_.J, 3 * place + k));

@@ -22,6 +22,9 @@ inline constexpr double slowest_slip = 1e-9;
 /// The velocity of the surface of a, less that of b, relative to their bodies (m/s, world axes): it is along the surfaces.
 Vec3 belt_velocity(const Contact& contact, const contact::Touch& touch, const contact::Place& a, const contact::Place& b);
 
+/// The direction of row k of a contact: its normal, or one of its tangents.
+inline const Vec3& along(const contact::Touch& touch, std::size_t k) { return k == 0 ? touch.normal : touch.tangent[k - 1]; }
+
 /// Three rows of each contact: along the normal and the tangents of contact::Touch.
 struct ContactRows {
   /// Contacts of one island, whose impulses act on the degrees of freedom of the island alone: A is zero between groups.

@@ -33,8 +33,8 @@ bool Simulation::Impl::happen() {
 bool Simulation::Impl::act(std::span<const Action> actions, const std::string& name) {
   settle();
   const bool continued = std::exchange(continues, false), kept = std::exchange(keeps_contacts, false);
-  const bool pending = contacts.has_pending();
-  contacts.open_pending();
+  const bool pending = between_runs.has_pending();
+  between_runs.open_pending();
   const During working(doing, Doing::working);
   DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
   due.actions.assign(actions.begin(), actions.end());
@@ -51,10 +51,10 @@ bool Simulation::Impl::carry_out_now(std::span<const DueEvent> due) {
   evaluate_state();
   if (statistics.changes == 0) book();
   overlapped.reset();
-  if (!contacts.any()) return try_now(due);
+  if (!geometry.pairs.any()) return try_now(due);
   const SimulationSnapshot before = snapshot();
   const RunStatistics counted = statistics;
-  const double overlapping = steps_through() || some_step() ? contacts.deepest_of_all() : 0;  // time stepping leaves small ones
+  const double overlapping = steps_through() || some_step() ? geometry.overlaps.deepest() : 0;  // time stepping leaves small ones
   if (try_now(due) && !overlaps_more_than(overlapping)) return true;
   restore_run(before);
   queue.continue_from(*before.queue, world);
@@ -70,7 +70,7 @@ bool Simulation::Impl::carry_out_now(std::span<const DueEvent> due) {
 
 // The first action of an instant after which bodies overlap.
 std::pair<std::size_t, std::size_t> Simulation::Impl::overlapping_action(std::span<const DueEvent> due) {
-  const std::optional<Overlap> already = contacts.overlap_of_all();
+  const std::optional<Overlap> already = geometry.overlaps.of_all();
   const WorldSnapshot start = world.snapshot();
   std::pair<std::size_t, std::size_t> last{};
   for (std::size_t e = 0; e < due.size(); ++e)
@@ -78,7 +78,7 @@ std::pair<std::size_t, std::size_t> Simulation::Impl::overlapping_action(std::sp
       last = {e, a};
       const DueEvent alone{due[e].name, due[e].named, {due[e].actions[a]}};
       static_cast<void>(carry_out_with_passes({&alone, 1}, true));
-      const std::optional<Overlap> now = contacts.overlap_of_all();
+      const std::optional<Overlap> now = geometry.overlaps.of_all();
       if (!now || now->depth <= std::max(left_by_steps, already ? already->depth : 0)) continue;
       world.restore(start);
       return last;
@@ -95,11 +95,11 @@ ActionResult Simulation::Impl::refused_overlap(const std::string& what) {
 
 // Bodies that overlap when the joint between them ends pass through each other until they are apart, which an event says.
 InstantReport Simulation::Impl::carry_out_with_passes(std::span<const DueEvent> due, bool dry_run) {
-  if (!contacts.any()) return carry_out(world, due, dry_run);
+  if (!geometry.pairs.any()) return carry_out(world, due, dry_run);
   const Connections before = world.connections();
   InstantReport report = carry_out(world, due, dry_run);
   if (report.refused || report.lost || report.changes == 0) return report;
-  for (const Contacts::Parted& pair : contacts.let_pass(before)) {
+  for (const PairOverlaps::Parted& pair : geometry.overlaps.let_pass(before)) {
     Event event = pass_of(pair.overlap.a, pair.overlap.b, pair.point, {});
     event.reason = "they overlap by " + detail::text(pair.overlap.depth) +
                    " m where the joint between them ended, and touch once they are apart; leave a gap between their shapes";
@@ -134,7 +134,7 @@ bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
   }
   world.take_variables(world.own_variables());
   contact_steps.forget_parted();
-  if (report.changes != 0 && contact_steps.has_forces()) contact_steps.release();
+  if (report.changes != 0 && contact_steps.points.has_forces()) contact_steps.points.release();
   evaluate_state();
   std::ranges::move(leaves, std::back_inserter(events));
   for (Event& event : report.events) {

@@ -1,9 +1,10 @@
-// Which contacts stay closed, and whether they stick or slip; and whether the present ones can stay as they are.
+#include <momentree/simulate/contact_choice.hpp>
+
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/dynamics/momentum.hpp>
-#include <momentree/simulate/contacts_impl.hpp>
+#include <momentree/simulate/closed_contacts.hpp>
+#include <momentree/simulate/contact_policy.hpp>
 
 namespace momentree {
 
@@ -29,33 +30,37 @@ double largest(const std::vector<double>& all) {
 
 }  // namespace
 
-// Which of the contacts that touch, and do not separate, stay closed: from a complementarity problem in the accelerations.
-bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>& closed) {
-  closed.clear();
-  const Tree& tree = world_->tree_;
-  Workspace<double>& workspace = world_->workspace_;
-  accelerate(tree, world_->state_, workspace);
-  locate_bodies(tree, world_->state_, workspace);
-  place_contacts(tree, workspace, contacts, rows_);
-  const double* const q = world_->state_.q().data();
-  find_contact_accelerations(tree, q, workspace, contacts, rows_);
-  const double slow = slow_approach();
+double slow_approach(const ContactWorld& world, const SlowMotion& slow) {
+  double fastest = 1;
+  for (const BodyMotion& m : world.world().motions()) fastest = std::max(fastest, norm(m.linear));
+  return std::max(slow.approach, policy::no_approach * fastest);
+}
+
+double friction_of(const ContactLaw& law, const Contact& contact) {
+  if (contact.mode != Contact::Mode::stick) return law.friction;
+  return at_limit(contact) ? (1 + more_at_limit) * law.static_friction : law.static_friction;
+}
+
+bool ContactChoice::jams(int pair) const { return std::ranges::find(jammed_, pair) != jammed_.end(); }
+
+bool ContactChoice::choose(const std::vector<Contact>& touching, const SlowMotion& slow, std::vector<Contact>& closed) {
+  closed.clear(), slow_ = slow;
+  world_->accelerate(touching, rows_);
+  const double little = 10 * slow_approach(*world_, slow);
   std::vector<Contact> staying;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
+  for (std::size_t i = 0; i < touching.size(); ++i) {
     // Flights too low to be resolved count as rest.
-    const double size = pairs_[static_cast<std::size_t>(contacts[i].pair)].size(*this);
+    const double size = pairs_->size((*pairs_)[touching[i].pair]);
     const double hidden = std::sqrt(2 * std::max(0.0, -rows_.acceleration[3 * i]) * policy::resolved_flight * size);
-    if (rows_.velocity[3 * i] <= std::max(10 * slow, hidden)) staying.push_back(contacts[i]);
+    if (rows_.velocity[3 * i] <= std::max(little, hidden)) staying.push_back(touching[i]);
   }
   if (staying.empty()) return true;
-  place_contacts(tree, workspace, staying, rows_);
-  find_contact_accelerations(tree, q, workspace, staying, rows_);
-  find_contact_mobility(tree, q, workspace, staying, rows_);
-  forget_evaluation_with_loops();
+  world_->accelerate(staying, rows_);
+  world_->find_mobility(staying, rows_);
   // A contact that begins to slip has the kinetic coefficient from then on: one that has been found to do so counts as slipping.
   for (bool begins = true; begins;) {
     closed.clear(), begins = false;
-    const bool solved = solve_states(staying);
+    const bool solved = solve(staying);
     bool rests = solved;
     for (std::size_t i = 0; i < staying.size(); ++i) rests = rests && system_.state(i) != contact::PointState::slip;
     rests = rests || can_rest(staying);
@@ -67,14 +72,19 @@ bool Contacts::choose(const std::vector<Contact>& contacts, std::vector<Contact>
   return true;
 }
 
+const std::vector<double>* ContactChoice::forces(const std::vector<Contact>& contacts, ContactRows rows, const SlowMotion& slow) {
+  rows_ = std::move(rows), slow_ = slow;
+  return solve(contacts) ? &system_.r : nullptr;
+}
+
 // The state of one of the contacts of which system_ has the forces, which is appended if it stays closed. True if it begins to
 // slip, and was not known to have the kinetic coefficient: then it is noted in `staying`.
-bool Contacts::choose(std::vector<Contact>& staying, std::size_t i, bool rests, std::vector<Contact>& closed) {
+bool ContactChoice::choose(std::vector<Contact>& staying, std::size_t i, bool rests, std::vector<Contact>& closed) {
   const double noise = 1e-12 * largest(system_.r), inexact = motion_from_residual * system_.residual() * largest(system_.b);
   if (!(system_.r[3 * i] > noise)) return false;
   Contact c = staying[i];
   const contact::PointLaw& law = system_.laws[i];
-  const ContactLaw& own = pairs_[static_cast<std::size_t>(c.pair)].law;
+  const ContactLaw& own = pairs_->law(c.pair);
   const bool was_at_limit = at_limit(c);
   bool begins = false;
   if (!law.slipping) c.keeps_direction = 0;
@@ -102,16 +112,15 @@ bool Contacts::choose(std::vector<Contact>& staying, std::size_t i, bool rests, 
     }
   } else {
     c.mode = Contact::Mode::stick;
-    const Friction used = friction_of_pair(staying, i);
-    if (was_at_limit && used.force > nearly_all * used.limit) note_limit(c);
+    if (was_at_limit && uses_nearly_all(staying, i)) note_limit(c);
   }
-  c.friction = friction_of(c);
+  c.friction = friction_of(pairs_->law(c.pair), c);
   closed.push_back(c);
   return begins;
 }
 
 // turning() of contacts of which system_ has the forces.
-double Contacts::turning_at(std::size_t i) const {
+double ContactChoice::turning_at(std::size_t i) const {
   const std::size_t n = system_.unknowns();
   double sum = 0;
   for (std::size_t j = 0; j < system_.points(); ++j) {
@@ -124,44 +133,36 @@ double Contacts::turning_at(std::size_t i) const {
 }
 
 // The slip of a contact that is placed (m/s, world axes).
-Vec3 Contacts::slip_at(std::size_t i) const {
+Vec3 ContactChoice::slip_at(std::size_t i) const {
   return rows_.velocity[3 * i + 1] * rows_.touches[i].tangent[0] + rows_.velocity[3 * i + 2] * rows_.touches[i].tangent[1];
-}
-
-// The coefficient of a contact in its mode.
-double Contacts::friction_of(const Contact& c) const {
-  const ContactLaw& law = pairs_[static_cast<std::size_t>(c.pair)].law;
-  if (c.mode != Contact::Mode::stick) return law.friction;
-  return at_limit(c) ? (1 + more_at_limit) * law.static_friction : law.static_friction;
 }
 
 // Accelerations with a little less friction, in weaker_: where bodies begin to slip, their accelerations are nearly zero, and so
 // are known less well than the directions in which they will slip.
-void Contacts::weaken_friction() {
+void ContactChoice::weaken_friction() {
   weakened_ = true;
   weaker_ = after_, much_weaker_ = after_;
   if (!solve_weakened(less_friction, much_weaker_)) much_weaker_.clear();
   solve_weakened(little_less_friction, weaker_);
 }
 
-// The friction of the pair of contact i that system_ has found, with what its points allow together.
-Contacts::Friction Contacts::friction_of_pair(const std::vector<Contact>& contacts, std::size_t i) const {
-  Friction all;
+// True if the pair of contact i exerts nearly all friction that its points allow together.
+bool ContactChoice::uses_nearly_all(const std::vector<Contact>& contacts, std::size_t i) const {
+  double limit = 0;
   Vec3 friction{};
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     if (contacts[k].pair != contacts[i].pair || system_.laws[k].slipping) continue;
     const double side = contacts[k].a == contacts[i].a ? 1 : -1;
-    all.limit += system_.laws[k].friction * system_.r[3 * k];
-    for (std::size_t d = 1; d < 3; ++d) friction += side * system_.r[3 * k + d] * along(rows_.touches[k], d);
+    limit += system_.laws[k].friction * system_.r[3 * k];
+    for (std::size_t d = 1; d < 3; ++d) friction += side * system_.r[3 * k + d] * rows_.touches[k].tangent[d - 1];
   }
-  all.force = norm(friction);
-  return all;
+  return norm(friction) > nearly_all * limit;
 }
 
 // True if a pair that is at the limit of its friction stays together with less friction everywhere, although less friction of the
 // pair alone would let it slip: both bodies are about to slip on a third one, with equal friction. Which of the limits is reached
 // first is then known from rounding only, and so would be a direction of slip between the two.
-bool Contacts::moves_along(const std::vector<Contact>& contacts, std::size_t i) const {
+bool ContactChoice::moves_along(const std::vector<Contact>& contacts, std::size_t i) const {
   constexpr double part = 0.1;
   if (much_weaker_.empty()) return false;
   const std::size_t n = system_.unknowns();
@@ -179,7 +180,7 @@ bool Contacts::moves_along(const std::vector<Contact>& contacts, std::size_t i) 
 }
 
 // Tangential accelerations with friction that is less by that part, where they are larger. False: none were found.
-bool Contacts::solve_weakened(double part, std::vector<double>& all) {
+bool ContactChoice::solve_weakened(double part, std::vector<double>& all) {
   const double less = 1 - part;
   const std::vector<double> solution = system_.r;
   const std::vector<contact::PointLaw> laws = system_.laws;
@@ -200,37 +201,37 @@ bool Contacts::solve_weakened(double part, std::vector<double>& all) {
 }
 
 // True if slip has a direction: not if it turns back soon after it has begun.
-bool Contacts::slips(const Contact& c, const Vec3& v) const {
+bool ContactChoice::slips(const Contact& c, const Vec3& v) const {
   constexpr double soon = 1e-3;
-  if (!(pairs_[static_cast<std::size_t>(c.pair)].law.friction > 0) || !(norm(v) > slowest_)) return false;
+  if (!(pairs_->law(c.pair).friction > 0) || !(norm(v) > slow_.slip)) return false;
   return !(norm(v) < soon * c.keeps_direction) || dot(v, c.direction) > 0;
 }
 
 // True if all contacts that are placed can stay as they are. Their forces are then those of system_.
-bool Contacts::can_rest(std::vector<Contact> contacts) {
+bool ContactChoice::can_rest(std::vector<Contact> contacts) {
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     Contact& c = contacts[i];
-    const ContactLaw& law = pairs_[static_cast<std::size_t>(c.pair)].law;
+    const ContactLaw& law = pairs_->law(c.pair);
     if (slips(c, slip_at(i))) return false;
     c.mode = law.static_friction > 0 ? Contact::Mode::stick : Contact::Mode::smooth;
-    c.friction = friction_of(c);
+    c.friction = friction_of(pairs_->law(c.pair), c);
   }
-  set(contacts);
-  const bool rests = excess_of_forces() <= 0;
+  world_->close(contacts);
+  const bool rests = force_excess(*world_).excess <= 0;
   if (rests) {
     set_law(contacts);
-    system_.r = world_->workspace_.contacts->rows.forces;
+    system_.r = world_->workspace().contacts->rows.forces;
   }
-  set({});
+  world_->open();
   return rests;
 }
 
 // The law of contacts that are placed, with their accelerations and mobility.
-void Contacts::set_law(const std::vector<Contact>& contacts) {
+void ContactChoice::set_law(const std::vector<Contact>& contacts) {
   system_.resize(contacts.size());
   system_.A = rows_.matrix(), system_.b = rows_.acceleration;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const ContactLaw& own = pairs_[static_cast<std::size_t>(contacts[i].pair)].law;
+    const ContactLaw& own = pairs_->law(contacts[i].pair);
     contact::PointLaw& law = system_.laws[i];
     const contact::Touch& touch = rows_.touches[i];
     const Vec3 v = slip_at(i);
@@ -245,7 +246,7 @@ void Contacts::set_law(const std::vector<Contact>& contacts) {
 }
 
 // The forces of contacts that are placed.
-bool Contacts::solve_states(const std::vector<Contact>& contacts) {
+bool ContactChoice::solve(const std::vector<Contact>& contacts) {
   set_law(contacts);
   // Contacts that are nearly at rest contradict each other by what is left of their velocities. The result only tells states
   // apart.
@@ -262,7 +263,7 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
   for (double& x : system_.r) x /= soon;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double v1 = rows_.velocity[3 * i + 1], v2 = rows_.velocity[3 * i + 2], speed = std::hypot(v1, v2);
-    if (!(speed > slowest_) || !(system_.laws[i].friction > 0)) continue;
+    if (!(speed > slow_.slip) || !(system_.laws[i].friction > 0)) continue;
     if (system_.state(i) == contact::PointState::stick) {  // no finite force keeps it slipping: it stops (Painlevé)
       jammed_.push_back(contacts[i].pair);
       continue;
@@ -270,61 +271,6 @@ bool Contacts::solve_states(const std::vector<Contact>& contacts) {
     system_.laws[i].slipping = true, system_.laws[i].direction = {v1 / speed, v2 / speed};
   }
   return solved;
-}
-
-// Where slip ends, the error of the step is left of it, with any direction.
-void Contacts::note_ended_slip() {
-  const std::span<const Contact> closed = world_->tree_.contacts();
-  for (std::size_t i = 0; i < closed.size() && i < speed_.size(); ++i) {
-    if (closed[i].mode != Contact::Mode::slip || speed_[i] < policy::creeping) continue;
-    const Vec3 point = contact::touch(closed[i].features, place(closed[i].a), place(closed[i].b)).point;
-    double speeds = 0;
-    for (const int body : {closed[i].a, closed[i].b}) {
-      const contact::Place at = place(body);
-      speeds += norm(at.v + cross(at.w, point - at.r));
-    }
-    speeds += norm(closed[i].belt_a) + norm(closed[i].belt_b);
-    const double noise = std::max(policy::creeping, 1e-8 * speeds);
-    if (norm(slip_velocity(static_cast<int>(i))) < noise) slowest_ = std::max(slowest_, noise);
-  }
-}
-
-// Of the present forces: how far they are outside of what contacts can exert, relative to the largest force of their island.
-// `where`: a contact of that island.
-double Contacts::excess_of_forces(std::size_t* where) {
-  constexpr double accuracy_of_margins = 1e-10;  // where friction is at its limit by construction
-  constexpr double possible = 1e-9;  // inside the cones by this at least: if the least forces reach a cone, others are chosen
-  world_->evaluate();
-  const ContactRows& rows = world_->workspace_.contacts->rows;
-  double worst = -1;
-  const auto note = [&](double excess, std::size_t contact) {
-    if (!(excess > worst)) return;
-    worst = excess;
-    if (where != nullptr) *where = contact;
-  };
-  for (const ContactRows::Group& group : rows.groups)
-    if (group.shared) note(-group.margin - accuracy_of_margins, rows.of_group(group).front());
-  for (const std::vector<std::size_t>& island : rows.islands()) {
-    const ContactRows::Group& group = rows.groups[rows.group_of[island.front()]];
-    if (group.shared) continue;
-    const double excess = excess_of_island(island);
-    note(group.redundant ? std::min(excess, -possible) : excess, island.front());
-  }
-  return worst;
-}
-
-double Contacts::excess_of_island(const std::vector<std::size_t>& island) const {
-  const std::span<const Contact> closed = world_->tree_.contacts();
-  const std::vector<double>& r = world_->workspace_.contacts->rows.forces;
-  double size = 1e-300, worst = -1;
-  for (const std::size_t i : island)
-    for (std::size_t k = 0; k < 3; ++k) size = std::max(size, std::fabs(r[3 * i + k]));
-  for (const std::size_t i : island) {
-    worst = std::max(worst, -r[3 * i] / size);
-    if (closed[i].mode == Contact::Mode::stick)
-      worst = std::max(worst, (std::hypot(r[3 * i + 1], r[3 * i + 2]) - closed[i].friction * r[3 * i]) / size);
-  }
-  return worst;
 }
 
 }  // namespace momentree

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 
+#include <momentree/simulate/contact_policy.hpp>
 #include <momentree/simulate/simulation_impl.hpp>
 
 namespace momentree {
@@ -32,13 +33,13 @@ void Simulation::Impl::update_islands() {
     stepping.on = stepping.on || of(b).on, stepping.all = stepping.all && of(b).on;
   }
   stepping.all = stepping.all && stepping.on;
-  contacts.set_stepped(stepped_bodies());
+  geometry.stepped.set(stepped_bodies());
 }
 
 // `at`: bodies of the islands; empty, or if these are stepped through already: of all islands that touch anything, or of all.
 void Simulation::Impl::begin_stepping(const std::string& why, const std::vector<int>& at) {
   Islands islands(world.tree_);
-  contacts.join_touching(islands);
+  geometry.stepped.join_touching(islands);
   stepping.bodies.resize(static_cast<std::size_t>(world.tree_.bodies()));
   std::vector<int> begin;
   const auto begin_at = [&](const std::vector<int>& bodies) {
@@ -53,9 +54,10 @@ void Simulation::Impl::begin_stepping(const std::string& why, const std::vector<
     }
   };
   begin_at(at);
-  if (begin.empty()) begin_at(contacts.touching_bodies());
+  if (begin.empty())
+    for (const Contact& c : geometry.stepped.touching()) begin_at({c.a, c.b});
   if (begin.empty()) begin_at({world.tree_.order().begin(), world.tree_.order().end()});
-  contact_steps.set_points(stepping.on ? contact_steps.points() : std::vector<SteppedContact>(), true);
+  contact_steps.points.set(stepping.on ? contact_steps.points.all() : std::vector<SteppedContact>(), true);
   stepping.on = true;
   stepping.changes = stepping.changes_at_once = 0;
   update_islands();
@@ -74,7 +76,7 @@ void Simulation::Impl::report_stepping(const char* what, const std::string& why,
 }
 
 void Simulation::Impl::join_touched_islands() {
-  const std::vector<int> touched = contacts.touched_by_stepped();
+  const std::vector<int> touched = geometry.stepped.touched();
   if (!touched.empty()) begin_stepping("touches what is stepped through", touched);
 }
 
@@ -88,7 +90,7 @@ void Simulation::Impl::step_islands(double h) {
 
 // Bodies that passed through each other in the step: an event of each pair, at the first time.
 void Simulation::Impl::report_passes() {
-  for (const Contacts::Passed& pair : contacts.passed()) {
+  for (const SteppedPairs::Passed& pair : geometry.stepped.passed()) {
     Event event = pass_of(pair.a, pair.b, pair.point, pair.side);
     const auto same = [&](const Event& e) {
       return e.name == event.name && !(e.contact.normal == Vec3{}) && e.contact.one == event.contact.one &&
@@ -114,7 +116,7 @@ Event Simulation::Impl::pass_of(int one, int other, const Vec3& point, const Vec
 // When bodies began to overlap, and their deepest overlap, by pair of bodies.
 void Simulation::Impl::note_overlaps() {
   for (const auto& [pair, depth] : contact_steps.overlapping()) {
-    const Overlap found = contacts.overlap_of(pair, depth);
+    const Overlap found = geometry.overlaps.overlap(pair, depth);
     const auto known = std::ranges::find_if(stepping.overlaps, [&](const KeptOverlap& o) { return o.deepest.same_pair(found); });
     if (known == stepping.overlaps.end())
       stepping.overlaps.push_back({found, world.time()});
@@ -147,13 +149,14 @@ void Simulation::Impl::after_contact_step() {
   };
   if (find_due().empty()) return;
   std::vector<Contact> near;  // also what the step itself brought together
-  contacts.add_near(policy::step_touch, near);
+  geometry.stepped.add_near(policy::step_touch, near);
   for (const Contact& c : near) islands.join(c.a, c.b);
   for (const auto& [number, island] : find_due()) {
     if (!of(number).on) continue;
     const auto here = [&](const Contact& c) { return islands.of(c.a >= 0 ? c.a : c.b) == number; };
     if (static_cast<std::size_t>(std::ranges::count_if(near, here)) > policy::most_points) continue;
-    if (std::ranges::any_of(near, [&](const Contact& c) { return here(c) && contacts.law_of(c.pair).has_moments(); })) continue;
+    if (std::ranges::any_of(near, [&](const Contact& c) { return here(c) && geometry.pairs.law(c.pair).has_moments(); }))
+      continue;
     try_to_locate(islands, number);
     if (!stepping.on) return;
   }
@@ -161,7 +164,7 @@ void Simulation::Impl::after_contact_step() {
 
 // Each attempt that does not last is followed by a longer wait.
 void Simulation::Impl::try_to_locate(const Islands& islands, int number) {
-  const std::vector<SteppedContact> points = contact_steps.points();
+  const std::vector<SteppedContact> points = contact_steps.points.all();
   const SteppingState as_before = stepping;
   std::vector<int> bodies;
   for (const int b : world.tree_.order()) {
@@ -173,15 +176,15 @@ void Simulation::Impl::try_to_locate(const Islands& islands, int number) {
   std::erase_if(others, [&](const SteppedContact& point) { return islands.of(point.a >= 0 ? point.a : point.b) == number; });
   update_islands();
   stops.share();
-  contact_steps.set_points(others);
+  contact_steps.points.set(others);
   report_stepping("resume", {}, bodies);
   std::vector<Event> changes;
   const std::optional<Contacts::Unresolved> failed = contacts.resolve(changes);
   if (failed) {
     events.pop_back();
     stepping = as_before;
-    contacts.set_stepped(stepped_bodies());
-    contact_steps.set_points(points);
+    geometry.stepped.set(stepped_bodies());
+    contact_steps.points.set(points);
   }
   for (const int b : bodies) {
     SteppedBody& body = stepping.bodies[static_cast<std::size_t>(b)];

@@ -37,6 +37,9 @@ inline constexpr int most_choices = 3;
 /// Part of the largest force by which closed contacts may miss their law.
 inline constexpr double most_lacking = 1e-3;
 
+/// The length of steps (s) of a method with that step; 0: of one that adapts it.
+inline constexpr double usual_step(double step) { return step > 0 ? step : 1e-3; }
+
 // When it ends: after 0.1 s without hits, and after twice the time with each attempt that did not last, up to this (s).
 inline constexpr double longest_patience = 10;
 

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <map>
 
+#include <momentree/simulate/contact_policy.hpp>
 #include <momentree/simulate/separate.hpp>
 #include <momentree/simulate/simulation_impl.hpp>
 
@@ -20,8 +21,8 @@ constexpr double more_overlap = 1 + 1e-6;  // times the former depth: by less, a
 }  // namespace
 
 void Simulation::Impl::separate() {
-  if (!contacts.any()) return;
-  if (std::optional<Error> error = Separator(world, evaluate, contacts).run().error()) throw_error(std::move(*error));
+  if (!geometry.pairs.any()) return;
+  if (std::optional<Error> error = Separator(geometry).run().error()) throw_error(std::move(*error));
 }
 
 void Simulation::Impl::make_methods() {
@@ -34,16 +35,16 @@ void Simulation::Impl::make_methods() {
   contact_steps.set_usual_step(integration.step);
   method = make(integration.method);
   method_steps = steps_through_contacts(integration.method);
-  contacts.set_all_stepped(method_steps && contacts.any());
+  geometry.stepped.set_all(method_steps && geometry.pairs.any());
   stops.use(contact_steps);
   stepper = world.model_.has_contact() ? make(contact_stepping_method()) : nullptr;
-  if (stepper == nullptr) stepping = {}, contacts.set_stepped({});
-  if (stepper != nullptr) contact_steps.set_points({}, true);  // their numbers are those of the former bodies
+  if (stepper == nullptr) stepping = {}, geometry.stepped.set({});
+  if (stepper != nullptr) contact_steps.points.set({}, true);  // their numbers are those of the former bodies
 }
 
 // The forces of contacts that are stepped through, where no step has found them yet.
 void Simulation::Impl::find_forces_of_steps() {
-  if (!contacts.any() || !(steps_through() || some_step()) || contact_steps.has_forces()) return;
+  if (!geometry.pairs.any() || !(steps_through() || some_step()) || contact_steps.points.has_forces()) return;
   evaluate_state();
   stops.share();
   contact_steps.find_forces();
@@ -52,11 +53,11 @@ void Simulation::Impl::find_forces_of_steps() {
 // Events with conditions, and contacts, to be located within a step of at most h seconds, which contacts may shorten.
 std::span<const Watch> Simulation::Impl::watches(double& h) {
   if (some_step()) h = std::min(h, integration.step);
-  if (contacts.any() && (steps_through() || some_step())) h = contacts.limit_step(h);
-  if (contacts.any()) contacts.forget_apart();
+  if (geometry.pairs.any() && (steps_through() || some_step())) h = geometry.stepped.limit_step(h);
+  if (geometry.pairs.any()) geometry.overlaps.forget_apart();
   const std::span<const Watch> of_events = queue.watches(world);
-  if (!contacts.any() || steps_through()) return of_events;
-  const std::span<const Watch> of_contacts = contacts.watches(h);
+  if (!geometry.pairs.any() || steps_through()) return of_events;
+  const std::span<const Watch> of_contacts = contacts.watches.watches(h);
   all_watches.assign(of_events.begin(), of_events.end());
   all_watches.insert(all_watches.end(), of_contacts.begin(), of_contacts.end());
   return all_watches;
@@ -101,14 +102,14 @@ std::optional<Contacts::Unresolved> Simulation::Impl::resolve_stops_and_contacts
 // What happens at stops and contacts at the end of a step.
 bool Simulation::Impl::resolve_after_step(double h) {
   bool due = false;
-  if (contacts.any() && steps_through()) {
+  if (geometry.pairs.any() && steps_through()) {
     resolve_limits();
     if (stalled) return false;
     after_contact_step();
     if (steps_through()) return true;
-  } else if (contacts.any()) {
+  } else if (geometry.pairs.any()) {
     if (some_step()) step_islands(h);
-    due = !steps_through() && contacts.must_resolve();
+    due = !steps_through() && contacts.watches.must_resolve();
   }
   return resolve_in_turn(due, true);
 }
@@ -123,14 +124,14 @@ bool Simulation::Impl::resolve_in_turn(bool due, bool after_step) {
     stops.report_stepped(events);
     resolve_limits();
     if (events.size() == count) return false;
-    if (!after_step && contact_steps.has_forces()) contact_steps.release();
+    if (!after_step && contact_steps.points.has_forces()) contact_steps.points.release();
     return true;
   };
   const auto closed = [this] { return !world.tree_.contacts().empty(); };
   if (!after_step && stops_change()) due = true;
   for (int k = 0; k < most_rounds && !stalled; ++k) {
-    if (contacts.any() && (due || (closed() && stops.would_strike())) && !resolve_contacts(after_step)) return false;
-    if (!stops_change() || !contacts.any()) break;
+    if (geometry.pairs.any() && (due || (closed() && stops.would_strike())) && !resolve_contacts(after_step)) return false;
+    if (!stops_change() || !geometry.pairs.any()) break;
     due = !after_step || closed();
   }
   return !stalled;
@@ -139,7 +140,7 @@ bool Simulation::Impl::resolve_in_turn(bool due, bool after_step) {
 bool Simulation::Impl::resolve_contacts(bool after_step) {
   struct Instant {
     Contacts& contacts;
-    ~Instant() { contacts.forget_slow_slip(); }
+    ~Instant() { contacts.watches.forget_slow_slip(); }
   } const instant{contacts};
   if (stepping.on) update_islands();
   if (some_step()) join_touched_islands();
@@ -213,7 +214,7 @@ bool Simulation::Impl::flood_of_changes(std::size_t first) {
 // flood.
 double Simulation::Impl::share_of_island(double since) {
   Islands islands(world.tree_);
-  contacts.join_touching(islands);
+  geometry.stepped.join_touching(islands);
   std::map<int, int> counts;
   int all = 0, most = 0;
   for (auto event = events.rbegin(); event != events.rend() && event->time >= since; ++event) {
@@ -230,11 +231,11 @@ std::vector<int> Simulation::Impl::bodies_of_flood() const {
   std::string_view most;
   for (auto event = events.rbegin(); event != events.rend() && event->time >= stepping.window; ++event) {
     const std::string& one = event->contact.one;
-    if (one.empty() || contacts.is_stepped(world.model_.body(one).index)) continue;
+    if (one.empty() || geometry.stepped.holds(world.model_.body(one).index)) continue;
     if (++changes[one] > changes[most]) most = one;
   }
   if (!most.empty()) return {world.model_.body(most).index};
-  return world.tree_.contacts().empty() ? std::vector<int>() : contacts.slowest();
+  return world.tree_.contacts().empty() ? std::vector<int>() : slowest_slip_of(geometry.world);
 }
 
 // Adaptive steps that contacts keep short beyond reason would never reach the end. With many contacts each of them takes long.
@@ -250,13 +251,13 @@ void Simulation::Impl::judge_steps() {
   if (++stepping.steps <= count) return;
   stepping.steps = 0;
   if (world.time() - stepping.steps_began < count * policy::shortest_steps * integration.step)
-    begin_stepping("steps become too short", contacts.slowest());
+    begin_stepping("steps become too short", slowest_slip_of(geometry.world));
 }
 
 void Simulation::Impl::note_before_contact_step() {
   before_step.state = world.state_;
   before_step.ledger = ledger, before_step.energy = total_energy(), before_step.proposal = method->proposal();
-  before_step.kinetic = contacts.kinetic_by_island();
+  before_step.kinetic = kinetic_by_island(geometry.world);
 }
 
 // Where friction leaves hardly any force that keeps a contact closed, forces grow within a step to whatever the arithmetic allows
@@ -274,7 +275,7 @@ bool Simulation::Impl::contacts_gained_energy() {
   if (gained <= std::max(unmoved, rounding * energy_of_heights(world))) return false;
   if (!(gained <= policy::most_gained * largest)) return true;
   if (!(gained > policy::least_height * energy_of_heights(world))) return false;
-  const std::vector<double> kinetic = contacts.kinetic_by_island();
+  const std::vector<double> kinetic = kinetic_by_island(geometry.world);
   for (std::size_t i = 0; i < kinetic.size(); ++i)
     if (gained > policy::most_gained_by_island * kinetic[i] && kinetic[i] - before_step.kinetic[i] > 0.5 * gained) return true;
   return false;
@@ -288,9 +289,9 @@ void Simulation::Impl::undo_contact_step() {
 
 SteppingState Simulation::Impl::stepping_state() const {
   SteppingState now = stepping;
-  now.points = contact_steps.points();
-  now.released = stepper != nullptr && (some_step() || steps_through()) && contact_steps.released();
-  now.short_steps = contacts.short_steps();
+  now.points = contact_steps.points.all();
+  now.released = stepper != nullptr && (some_step() || steps_through()) && contact_steps.points.released();
+  now.short_steps = contacts.watches.short_steps();
   if (!world.model_.colliders().empty() || std::ranges::any_of(world.model_.springs(), &Spring::inextensible))
     now.largest_kinetic = balance.largest_kinetic;
   if (!events.empty()) now.one = events.back().contact.one, now.other = events.back().contact.other;
@@ -301,35 +302,35 @@ void Simulation::Impl::continue_stepping(const SteppingState& from) {
   stepping = from;
   stepping.points.clear(), stepping.unloaded = stepping.excess = -1, stepping.overlap = stepping.largest_kinetic = 0;
   if (from.largest_kinetic > 0) balance.largest_kinetic = from.largest_kinetic;
-  contacts.set_short_steps(from.short_steps);
-  contacts.set_stepped(stepped_bodies());
-  if (stepping.on || method_steps || !contact_steps.points().empty()) contact_steps.set_points(from.points, from.released);
+  contacts.watches.set_short_steps(from.short_steps);
+  geometry.stepped.set(stepped_bodies());
+  if (stepping.on || method_steps || !contact_steps.points.all().empty()) contact_steps.points.set(from.points, from.released);
 }
 
 // Forces or the state changed: the contacts that close may be others, and forces of the last step are out of date.
 void Simulation::Impl::update_pending_contacts() {
   keeps_contacts = false;
-  contacts.set_former(contacts.closed_ones());
-  if (contact_steps.has_forces()) contact_steps.release();
+  between_runs.set_former(between_runs.closed());
+  if (contact_steps.points.has_forces()) contact_steps.points.release();
   if (steps_through() && stops.any())
     find_forces_of_steps();  // contacts that are located would not know of stops that are not
   else
-    contacts.find_pending(method_steps);
+    between_runs.find_pending(method_steps);
 }
 
 // A document may be one of another scenario, in which its contacts are no longer those that close.
 void Simulation::Impl::check_contacts_of_document(const SteppingState& from) {
-  if (!contacts.any()) return;
-  bool hold = contacts.excess_of_closed() <= from.excess;
+  if (!geometry.pairs.any()) return;
+  bool hold = between_runs.excess_of_closed() <= from.excess;
   const bool known = from.unloaded >= 0;
-  if (hold && (known || !contact_steps.points().empty())) {
+  if (hold && (known || !contact_steps.points.all().empty())) {
     constexpr double same = 1e-9;
     hold = (!from.released || known) && contact_steps.still_near() &&
            (!known || std::fabs(unloaded() - from.unloaded) <= same * std::max(1.0, from.unloaded));
   }
   if (hold && known) find_forces_of_steps();
   if (hold) return;
-  if (!from.released) contact_steps.set_points({}, true);  // they are those of another scenario
+  if (!from.released) contact_steps.points.set({}, true);  // they are those of another scenario
   update_pending_contacts();
 }
 
@@ -337,11 +338,11 @@ void Simulation::Impl::check_contacts_of_document(const SteppingState& from) {
 double Simulation::Impl::unloaded() {
   const auto count = evaluate.count;
   const auto seconds = evaluate.seconds;
-  const bool released = contact_steps.released(), had_forces = contact_steps.has_forces();
-  contact_steps.release();
+  const bool released = contact_steps.points.released(), had_forces = contact_steps.points.has_forces();
+  contact_steps.points.release();
   double sum = 0;
   for (const double rate : world.pdot()) sum += rate * rate;
-  contact_steps.set_points(contact_steps.points(), released);
+  contact_steps.points.set(contact_steps.points.all(), released);
   if (had_forces) find_forces_of_steps();
   evaluate_state();
   evaluate.count = count, evaluate.seconds = seconds;
@@ -358,13 +359,13 @@ void Simulation::Impl::report_overlap(const std::string& what) {
 
 // Bodies that a run could not keep apart, such as those that are locked, are no reason to refuse the run that continues it.
 bool Simulation::Impl::overlaps_as_before(double before) {
-  return before > 0 && contacts.any() && contacts.deepest_of_all() <= more_overlap * before;
+  return before > 0 && geometry.pairs.any() && geometry.overlaps.deepest() <= more_overlap * before;
 }
 
 // Actions must not make bodies overlap: pushing them apart would bring in energy. Where contacts are located, resolve_contacts()
 // finds out unless bodies cross each other. `before`: what time stepping had left (m).
 bool Simulation::Impl::overlaps_more_than(double before) {
-  const std::optional<Overlap> worst = contacts.overlap_of_all();
+  const std::optional<Overlap> worst = geometry.overlaps.of_all();
   if (!worst || worst->depth <= std::max(left_by_steps, more_overlap * before)) return false;
   report_overlap(worst->text());
   return true;
@@ -372,8 +373,8 @@ bool Simulation::Impl::overlaps_more_than(double before) {
 
 // The same for a state that was set.
 bool Simulation::Impl::overlaps_at_start() {
-  if (!std::exchange(stepping.placed, false) || !contacts.any()) return false;
-  const std::optional<Overlap> worst = contacts.overlap_of_all();
+  if (!std::exchange(stepping.placed, false) || !geometry.pairs.any()) return false;
+  const std::optional<Overlap> worst = geometry.overlaps.of_all();
   if (!worst || worst->depth <= left_by_steps) return false;
   stepping.placed = true;
   report_overlap(worst->text());

@@ -8,7 +8,7 @@ DryRun Simulation::Impl::dry_run() {
   const During working(doing, Doing::working);
   DryRun found;
   const WorldSnapshot start = world.snapshot();
-  contacts.open_pending();
+  between_runs.open_pending();
   std::set<std::pair<std::string, Kind>> joints;
   const auto look_at_joints = [&, &tree = world.tree_] {
     for (const int b : tree.order()) joints.emplace(world.names_.joint(tree.joint_of(b)), tree.joint(b).kind);
@@ -54,7 +54,7 @@ DryRun Simulation::Impl::dry_run() {
       due.push_back(event_at(order[i].entry));
     } while (++i < order.size() && order[i].time == time && order[i].follows == order[begin].follows && std::isfinite(time));
     if (std::isfinite(time)) world.set_time(time);
-    const std::optional<Overlap> deepest = contacts.any() ? contacts.overlap_of_bodies() : std::nullopt;
+    const std::optional<Overlap> deepest = geometry.pairs.any() ? geometry.overlaps.of_bodies() : std::nullopt;
     const double overlapping = deepest ? deepest->depth : 0;
     const WorldSnapshot before = world.snapshot();
     const InstantReport report = carry_out_with_passes(due, true);
@@ -64,8 +64,8 @@ DryRun Simulation::Impl::dry_run() {
                                 action.result.outcome == ActionResult::Outcome::refused ? report.message : "", time});
     // Bodies that were welded together may overlap, wherever they have moved until then. Where the ends of cables are is not
     // known.
-    if (certain && !report.refused && !report.lost && contacts.any())
-      if (const std::optional<Overlap> worst = contacts.overlap_of_bodies();
+    if (certain && !report.refused && !report.lost && geometry.pairs.any())
+      if (const std::optional<Overlap> worst = geometry.overlaps.of_bodies();
           worst && worst->depth > std::max(left_by_steps, overlapping)) {
         world.restore(before);
         const auto [event, action] = overlapping_action(due);

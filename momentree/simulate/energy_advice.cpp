@@ -134,7 +134,7 @@ void Simulation::Impl::report_pressing(double gained) {
 double Simulation::Impl::energy_scale() {
   double mass = 0;
   for (const int b : world.tree_.order()) mass += world.tree_.link(b).body.m;
-  const double fastest = contacts.fastest() + norm(world.model_.gravity()) * integration.step;
+  const double fastest = geometry.stepped.fastest() + norm(world.model_.gravity()) * integration.step;
   return balance.largest_kinetic + std::fabs(balance.initial) + std::fabs(ledger.work - ledger.impacts) +
          mass * fastest * fastest + energy_of_heights(world);
 }

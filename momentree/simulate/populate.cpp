@@ -15,8 +15,8 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
     ~Preview() {
       if (renew) of.update_pending_contacts();
     }
-  } preview{*this, contacts.has_pending()};
-  contacts.open_pending();
+  } preview{*this, between_runs.has_pending()};
+  between_runs.open_pending();
   const During working(doing, Doing::working);
   Event event;
   event.time = world.time();
@@ -36,11 +36,11 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   act();  // throws if nothing happened
   if (past) history.push_back({events.size(), std::move(*past), {}});
   world.take_variables(world.own_variables());
-  std::vector<SteppedContact> points = contact_steps.points();
+  std::vector<SteppedContact> points = contact_steps.points.all();
   make_methods();
   const auto is_gone = [this](int each) { return each >= 0 && !world.alive({each}); };
   std::erase_if(points, [&](const SteppedContact& point) { return is_gone(point.a) || is_gone(point.b); });
-  if (!points.empty()) contact_steps.set_points(std::move(points), true);
+  if (!points.empty()) contact_steps.points.set(std::move(points), true);
   evaluate_state();
   event.after = world.totals();
   event.mechanisms_after = world.mechanism_names();
@@ -68,18 +68,18 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
 std::optional<Error> Simulation::Impl::find_room(BodyId body) {
   if (std::optional<Error> unfit = unfit_for_contact(world.model_, integration.method)) return unfit;
   world.take_variables(world.own_variables());
-  contacts.renew();
-  const std::optional<Overlap> overlap = contacts.overlap_with(body);
+  geometry.pairs.renew();
+  const std::optional<Overlap> overlap = geometry.overlaps.with(body);
   if (!overlap) return std::nullopt;
   if (!integration.resolve)
     return Error{overlap->text(), "",
                  "move one of them, let them pass through each other by a contact rule that is off, or push them apart by "
                  "resolve = true"};
   const std::vector<Contact> closed(world.tree_.contacts().begin(), world.tree_.contacts().end());
-  contacts.open(), contacts.set_stepped({});
-  std::optional<Error> error = Separator(world, evaluate, contacts).run().error();
-  contacts.set_stepped(stepped_bodies());
-  if (!error) contacts.close(closed);
+  geometry.world.open(), geometry.stepped.set({});
+  std::optional<Error> error = Separator(geometry).run().error();
+  geometry.stepped.set(stepped_bodies());
+  if (!error) geometry.world.close(closed);
   return error;
 }
 
@@ -89,8 +89,8 @@ BodyId Simulation::Impl::add(BodySpec spec, std::vector<contact::Solid> collisio
   const BodyId body = world.add(std::move(spec), std::move(collision));
   if (std::optional<Error> error = find_room(body)) {
     world.restore(before);
-    contacts.renew();
-    contact_steps.set_points(contact_steps.points(), contact_steps.released());
+    geometry.pairs.renew();
+    contact_steps.points.set(contact_steps.points.all(), contact_steps.points.released());
     evaluate_state();
     throw_error(std::move(*error));
   }

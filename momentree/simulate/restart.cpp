@@ -1,5 +1,4 @@
 // What a program needs that steps a simulation again and again: restarts, and events that are forgotten.
-#include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/simulation_impl.hpp>
 
 namespace momentree {
@@ -9,8 +8,8 @@ void Simulation::restart(const WorldSnapshot& start) {
   const double before = impl.world.time();
   const bool populated = !start.added.empty() || impl.world.model_.size() != impl.world.first_bodies_;
   impl.world.restore(start);
-  if (populated) impl.contacts.renew();
-  impl.contacts.set_short_steps(0);
+  if (populated) impl.geometry.pairs.renew();
+  impl.contacts.watches.set_short_steps(0);
   impl.queue.restart(before, impl.world.time());
   impl.make_methods();
   impl.begin();
@@ -18,7 +17,7 @@ void Simulation::restart(const WorldSnapshot& start) {
 
 std::optional<Overlap> Simulation::overlap() const {
   Impl& impl = changing();
-  return impl.contacts.any() ? Contacts::overlap_of(impl.world) : std::nullopt;
+  return impl.geometry.overlaps.of_all();
 }
 
 void Simulation::functions_changed(bool preview) {

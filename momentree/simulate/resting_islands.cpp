@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include <momentree/dynamics/islands.hpp>
-#include <momentree/simulate/contacts.hpp>
+#include <momentree/simulate/contact_policy.hpp>
+#include <momentree/simulate/stepped_pairs.hpp>
 
 namespace momentree {
 
@@ -62,12 +63,12 @@ void RestingIslands::begin_step(const Tree& tree, const State& state, Workspace<
     rests_[place(b)] = stands(b) && all_within(tree, b, workspace.a, policy::standing_still / usual_step);
 }
 
-bool RestingIslands::put_back(const Tree& tree, State& state, const Contacts& contacts, double within,
+bool RestingIslands::put_back(const Tree& tree, State& state, const SteppedPairs& pairs, double within,
                               std::span<const SteppedContact> points) {
   stays_.clear();
   if (rests_.empty()) return false;
   Islands islands(tree);
-  contacts.join_near(within, islands);
+  pairs.join_near(within, islands);
   for (const SteppedContact& point : points) islands.join(point.a, point.b);
   const std::vector<bool> rest = true_of_all(tree, islands, rests_), held = carried(tree, islands, points);
   stays_.assign(rests_.size(), false);

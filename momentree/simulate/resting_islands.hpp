@@ -10,7 +10,7 @@
 
 namespace momentree {
 
-class Contacts;
+class SteppedPairs;
 
 class RestingIslands {
  public:
@@ -21,8 +21,7 @@ class RestingIslands {
 
   /// At the end of a step without contacts: puts islands of these bodies back to where they were, if nothing else may be nearer
   /// than `within` (m). True if there are any: the state then needs an evaluation.
-  bool put_back(const Tree& tree, State& state, const Contacts& contacts, double within, std::span<const SteppedContact> points);
-  void forget() { stays_.clear(); }
+  bool put_back(const Tree& tree, State& state, const SteppedPairs& pairs, double within, std::span<const SteppedContact> points);
   /// By body: it was put back. Empty: none was.
   const std::vector<bool>& stays() const { return stays_; }
   bool stays(int body) const { return body >= 0 && !stays_.empty() && stays_[static_cast<std::size_t>(body)]; }

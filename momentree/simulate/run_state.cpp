@@ -27,7 +27,7 @@ void Simulation::Impl::restore_run(const SimulationSnapshot& to) {
   const int bodies = world.tree_.bodies();
   const bool populated = !to.world.added.empty() || world.model_.size() != world.first_bodies_;
   world.restore(to.world);
-  if (populated) contacts.renew();
+  if (populated) geometry.pairs.renew();
   if (populated || world.tree_.bodies() != bodies) make_methods();
   method->set_proposal(to.proposal);
   continue_stepping(to.stepping);
@@ -82,7 +82,7 @@ void Simulation::Impl::continue_from(const RunState& from) {
   history.clear();
   recover();
   world.restore(from.world);
-  contacts.renew();
+  geometry.pairs.renew();
   make_methods();
   method->set_proposal(from.proposal);
   continue_stepping(from.stepping);

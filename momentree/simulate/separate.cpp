@@ -34,15 +34,14 @@ std::optional<Error> Separation::error() const {
 
 // Returns the deepest overlap (m).
 double Separator::find_points(double within) {
-  const Tree& tree = world_->tree_;
-  Workspace<double>& workspace = world_->workspace_;
-  (*evaluate_)(world_->state_);
+  const Tree& tree = world_->tree();
+  Workspace<double>& workspace = world_->workspace();
+  world_->evaluate();
   near_.clear();
-  contacts_->add_near(within, near_);
+  geometry_->stepped.add_near(within, near_);
   if (near_.empty()) return 0;
-  accelerate(tree, world_->state_, workspace);
-  locate_bodies(tree, world_->state_, workspace);
-  place_contacts(tree, workspace, near_, rows_);
+  accelerate(tree, world_->state(), workspace);
+  world_->place(near_, rows_);
   double deepest = 0;
   gaps_.resize(near_.size());
   for (std::size_t i = 0; i < near_.size(); ++i) {
@@ -55,8 +54,8 @@ double Separator::find_points(double within) {
 }
 
 void Separator::add_stops() {
-  const Tree& tree = world_->tree_;
-  const Numbers q = world_->state_.q();
+  const Tree& tree = world_->tree();
+  const Numbers q = world_->state().q();
   for (const int b : tree.order()) {
     const JointParameters* const p = tree.parameters(b);
     if (p == nullptr || !p->limits.hard()) continue;
@@ -64,7 +63,7 @@ void Separator::add_stops() {
       for (const double sign : {1.0, -1.0}) {
         const double stop = sign > 0 ? p->limits.lower_of(i) : p->limits.upper_of(i);
         if (!std::isfinite(stop)) continue;
-        parts_.add_stop(tree, q.data(), world_->workspace_, b, i, sign, many_);
+        parts_.add_stop(tree, q.data(), world_->workspace(), b, i, sign, many_);
         const double left = sign * (q[static_cast<std::size_t>(tree.first_q(b) + i)] - stop);
         gaps_.push_back((std::fabs(left) < rounding ? 0 : left) - sign * moved_[static_cast<std::size_t>(tree.first_p(b) + i)]);
       }
@@ -73,13 +72,13 @@ void Separator::add_stops() {
 
 // How far a joint is beyond its stop (rad, m): steps do not lead there, but loops that are closed after them may.
 double Separator::beyond_stops() const {
-  const Tree& tree = world_->tree_;
+  const Tree& tree = world_->tree();
   double most = 0;
   for (const int b : tree.order()) {
     const JointParameters* const p = tree.parameters(b);
     if (p == nullptr || !p->limits.hard()) continue;
     for (int i = 0; i < info(tree.kind(b)).nv; ++i) {
-      const double q = world_->state_.q()[static_cast<std::size_t>(tree.first_q(b) + i)];
+      const double q = world_->state().q()[static_cast<std::size_t>(tree.first_q(b) + i)];
       most = std::max({most, p->limits.lower_of(i) - q, q - p->limits.upper_of(i)});
     }
   }
@@ -88,17 +87,17 @@ double Separator::beyond_stops() const {
 
 // Finds the next step; returns its size (rad, m). `from_start`: such that the whole motion is the least one.
 double Separator::find_step(bool from_start) {
-  const Tree& tree = world_->tree_;
-  const double* const q = world_->state_.q().data();
+  const Tree& tree = world_->tree();
+  const double* const q = world_->q();
   if (!from_start) std::fill(moved_.begin(), moved_.end(), 0.0);
   parts_.begin(tree, many_);
-  parts_.add_points(tree, q, world_->workspace_, near_, rows_, many_);
+  parts_.add_points(tree, q, world_->workspace(), near_, rows_, many_);
   add_stops();
-  sweep_velocities<double, true>(tree, q, moved_.data(), world_->workspace_);
-  locate_stage(tree, q, world_->workspace_);
-  place_contacts(tree, world_->workspace_, near_, rows_);
+  sweep_velocities<double, true>(tree, q, moved_.data(), world_->workspace());
+  locate_stage(tree, q, world_->workspace());
+  place_contacts(tree, world_->workspace(), near_, rows_);
   for (std::size_t i = 0; i < near_.size(); ++i) gaps_[i] -= rows_.velocity[3 * i];  // the gaps at the start
-  static_cast<void>(world_->state_.edit());  // the workspace no longer holds its evaluation
+  static_cast<void>(world_->state().edit());  // the workspace no longer holds its evaluation
   step_.assign(moved_.size(), 0.0);
   parts_.add_to(tree, many_, many_.separate(gaps_, pushes_, accuracy), step_.data());
   double largest = 0;
@@ -110,32 +109,31 @@ double Separator::find_step(bool from_start) {
 }
 
 void Separator::take_step(double part) {
-  const Tree& tree = world_->tree_;
+  const Tree& tree = world_->tree();
   for (std::size_t i = 0; i < step_.size(); ++i) step_[i] *= part, moved_[i] += step_[i];
   const double t = world_->time();
-  const State::Edit edit = world_->state_.edit();
-  displacement_.apply(tree, t, step_.data(), edit.q.data(), edit.u.data(), world_->workspace_);
+  const State::Edit edit = world_->state().edit();
+  displacement_.apply(tree, t, step_.data(), edit.q.data(), edit.u.data(), world_->workspace());
   double ignored = 0;
-  if (tree.has_loops()) static_cast<void>(evaluate_->close(t, edit.q.data(), edit.u.data(), ignored));
+  if (tree.has_loops()) static_cast<void>(world_->evaluator().close(t, edit.q.data(), edit.u.data(), ignored));
 }
 
 // Centres of mass.
 std::vector<Vec3> Separator::centres() const {
   std::vector<Vec3> all;
-  for (int b = 0; b < world_->model_.size(); ++b)
-    all.push_back(world_->alive({b}) ? world_->motions()[static_cast<std::size_t>(b)].pose * world_->model_[{b}].com : Vec3{});
+  for (int b = 0; b < world_->model().size(); ++b)
+    all.push_back(world_->is_gone(b) ? Vec3{}
+                                     : world_->world().motions()[static_cast<std::size_t>(b)].pose * world_->model()[{b}].com);
   return all;
 }
-
-std::string Separator::name_of(int body) const { return world_->model_.body_name({body}); }
 
 // The overlap of the points that were found last.
 std::optional<Overlap> Separator::what_is_left() const {
   const auto deepest = std::min_element(gaps_.begin(), gaps_.end());
-  if (near_.empty() || !(-*deepest > exact * size_)) return contacts_->overlap();
+  if (near_.empty() || !(-*deepest > exact * size_)) return geometry_->overlaps.of_located();
   const Contact& c = near_[static_cast<std::size_t>(deepest - gaps_.begin())];
-  return Overlap{name_of(std::max(c.a, c.b)), name_of(std::min(c.a, c.b)), -*deepest,
-                 c.cable < 0 ? std::string() : world_->model_.springs()[static_cast<std::size_t>(c.cable)].name};
+  return Overlap{world_->name_of(std::max(c.a, c.b)), world_->name_of(std::min(c.a, c.b)), -*deepest,
+                 c.cable < 0 ? std::string() : world_->model().springs()[static_cast<std::size_t>(c.cable)].name};
 }
 
 Separation Separator::run() {
@@ -148,10 +146,10 @@ Separation Separator::run() {
     const std::vector<Vec3> now = centres();
     for (std::size_t i = 0; i < now.size(); ++i) {
       const double by = norm(now[i] - before[i]);
-      if (by > result.largest) result.largest = by, result.body = name_of(static_cast<int>(i));
+      if (by > result.largest) result.largest = by, result.body = world_->name_of(static_cast<int>(i));
     }
   };
-  moved_.assign(static_cast<std::size_t>(world_->tree_.nv()), 0.0);
+  moved_.assign(static_cast<std::size_t>(world_->tree().nv()), 0.0);
   const double first = deepest;
   double last = HUGE_VAL, looked_at = HUGE_VAL;
   bool from_start = true;
@@ -184,9 +182,9 @@ Separation Separator::run() {
 
 Separation Separator::of(const Model& model) {
   World world(model, Variables::velocities);
-  Evaluator evaluate(world.tree_, world.workspace_);
-  Contacts contacts(world, evaluate, 1e-10);
-  return contacts.any() ? Separator(world, evaluate, contacts).run() : Separation{};
+  Evaluator evaluator = ContactWorld::evaluator_of(world);
+  const ContactGeometry geometry(world, evaluator);
+  return geometry.pairs.any() ? Separator(geometry).run() : Separation{};
 }
 
 Separation separation_of(const Model& model) { return model.has_contact() ? Separator::of(model) : Separation{}; }

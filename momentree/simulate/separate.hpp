@@ -4,7 +4,7 @@
 
 #include <momentree/contact/many_points.hpp>
 #include <momentree/dynamics/contact_parts.hpp>
-#include <momentree/simulate/contacts.hpp>
+#include <momentree/simulate/pair_overlaps.hpp>
 
 namespace momentree {
 
@@ -13,7 +13,7 @@ namespace momentree {
 /// changes, later tries remove what is left from where the bodies are. Joints stay within their hard stops.
 class Separator {
  public:
-  Separator(World& world, Evaluator& evaluate, Contacts& contacts) : world_(&world), evaluate_(&evaluate), contacts_(&contacts) {}
+  explicit Separator(const ContactGeometry& geometry) : geometry_(&geometry), world_(&geometry.world) {}
   Separation run();
   /// At the start of a model.
   static Separation of(const Model& model);
@@ -25,12 +25,10 @@ class Separator {
   void add_stops();
   double beyond_stops() const;
   std::vector<Vec3> centres() const;
-  std::string name_of(int body) const;
   std::optional<Overlap> what_is_left() const;
 
-  World* world_;
-  Evaluator* evaluate_;
-  Contacts* contacts_;
+  const ContactGeometry* geometry_;
+  const ContactWorld* world_;
   ContactParts parts_;
   MomentumKeepingDisplacement displacement_;
   std::vector<Contact> near_;

@@ -292,11 +292,11 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
 #else
   restore_world();  // an error ends the program
 #endif
-  if (world.model().size() != bodies) impl_->contacts.renew();
+  if (world.model().size() != bodies) impl_->geometry.pairs.renew();
   impl_->make_methods();
   impl_->begin();
   impl_->as_built = false;
-  if (!forest.contacts.empty() || !forest.former_contacts.empty()) impl_->contacts.close_from_document(forest);
+  if (!forest.contacts.empty() || !forest.former_contacts.empty()) impl_->between_runs.close_from_document(forest);
 }
 
 void Simulation::set_state(double time, std::span<const double> q, std::span<const double> y, Variables given) {
@@ -312,9 +312,9 @@ void Simulation::set_state(double time, std::span<const double> q, std::span<con
 void Simulation::adjust(std::span<const double> q, std::span<const double> y, Variables given) {
   Impl& impl = changing();
   const std::optional<double> before = impl.unadjusted ? impl.unadjusted : impl.total_energy();
-  std::vector<Contact> closed = impl.contacts.closed_ones();
+  std::vector<Contact> closed = impl.between_runs.closed();
   impl.world.set_values(impl.world.time(), q, y, given);  // may throw
-  impl.contacts.set_former(std::move(closed));
+  impl.between_runs.set_former(std::move(closed));
   impl.unadjusted = before;
   impl.stepping.placed = true;
   impl.as_built = false;
@@ -333,17 +333,17 @@ void Simulation::continue_from(const RunState& state) { changing().continue_from
 StepMemory Simulation::step_memory() const {
   const bool adaptive = impl().method->adaptive();
   StepMemory memory{adaptive ? impl_->method->proposal() : 0.0, adaptive ? impl_->ledger.work : 0.0, impl_->stepping_state()};
-  if (impl_->idle() && impl_->contacts.any()) {
+  if (impl_->idle() && impl_->geometry.pairs.any()) {
     const bool stepped = impl_->method_steps || impl_->stepping.on || !memory.stepping.points.empty();
-    if (stepped && impl_->contact_steps.has_forces() && !impl_->contacts.has_pending())
+    if (stepped && impl_->contact_steps.points.has_forces() && !impl_->between_runs.has_pending())
       memory.stepping.unloaded = impl_->unloaded();
-    memory.stepping.excess = impl_->contacts.excess_of_closed();
-    const double overlap = impl_->stepping.placed ? 0 : impl_->contacts.deepest_of_all();
+    memory.stepping.excess = impl_->between_runs.excess_of_closed();
+    const double overlap = impl_->stepping.placed ? 0 : impl_->geometry.overlaps.deepest();
     if (overlap > left_by_steps) memory.stepping.overlap = overlap;
   }
-  if (!impl_->contacts.any()) memory.stepping.released = false;  // nothing that can touch has forces
-  memory.stepping.placed = true;                                 // whatever begins with it
-  memory.stepping.overlaps.clear();                              // of the run until then
+  if (!impl_->geometry.pairs.any()) memory.stepping.released = false;  // nothing that can touch has forces
+  memory.stepping.placed = true;                                       // whatever begins with it
+  memory.stepping.overlaps.clear();                                    // of the run until then
   for (const DeeperStop& stop : impl_->stops.deeper())
     memory.deeper.emplace_back(std::string(impl_->world.joint_name({stop.joint})), stop);
   return memory;
@@ -364,7 +364,7 @@ void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& me
     if (stop.joint = impl_->world.find_joint(joint); stop.joint >= 0) deeper.push_back(stop);
   impl_->stops.set_deeper(deeper);
   // The forces of the last step, if any, take the place of these contacts.
-  if (!memory.stepping.points.empty() || memory.stepping.unloaded >= 0) impl_->contacts.open_pending();
+  if (!memory.stepping.points.empty() || memory.stepping.unloaded >= 0) impl_->between_runs.open_pending();
   if (memory.stepping != SteppingState{}) impl_->continue_stepping(memory.stepping);
   impl_->keeps_contacts = true;
   impl_->stepping.placed = !impl_->overlaps_as_before(memory.stepping.overlap);

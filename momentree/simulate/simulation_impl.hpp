@@ -16,6 +16,8 @@
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/arguments.hpp>
+#include <momentree/simulate/closed_contacts.hpp>
+#include <momentree/simulate/contact_start.hpp>
 #include <momentree/simulate/contact_steps.hpp>
 #include <momentree/simulate/contacts.hpp>
 #include <momentree/simulate/event_queue.hpp>
@@ -54,9 +56,10 @@ struct Simulation::Impl {
         world(model, integration.state_variables(model), integration.loop_variables()),
         evaluate(world.tree_, world.workspace_),
         stops(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step)),
-        contacts(world, evaluate, std::min(how.event_tolerance, 1e-3 * how.step), how.simultaneous,
-                 is_adaptive(how.method) ? 0 : how.step),
-        contact_steps(world, evaluate, contacts) {
+        geometry(world, evaluate),
+        contacts(geometry, std::min(how.event_tolerance, 1e-3 * how.step), how.simultaneous, located_step()),
+        between_runs(geometry, located_step()),
+        contact_steps(geometry) {
     make_methods();
     if (std::optional<Error> error = undetermined_strength(world)) throw_error(std::move(*error));
     if (std::optional<Error> error = unfit_for_contact(model, how.method)) throw_error(std::move(*error));
@@ -71,6 +74,9 @@ struct Simulation::Impl {
   bool idle() const { return doing == Doing::nothing && !world.workspace_.in_function; }
   bool steady() const { return doing != Doing::working && !world.workspace_.in_function; }
 
+  // The length of steps in which contacts are located (s); 0: the method adapts them.
+  double located_step() const { return is_adaptive(integration.method) ? 0 : integration.step; }
+
   /// Pushes bodies apart that overlap; throws Error if that is impossible.
   void separate();
 
@@ -82,7 +88,7 @@ struct Simulation::Impl {
   void begin() {
     unadjusted.reset();
     stepping = {}, balance = {}, ledger = {};
-    contacts.set_stepped({});
+    geometry.stepped.set({});
     evaluate_state();
     const Totals t = world.totals();
     balance.initial = t.kinetic + t.potential;
@@ -92,8 +98,8 @@ struct Simulation::Impl {
     recover();
     look_anew();
     keeps_contacts = false;
-    contacts.forget_former();
-    contacts.find_pending(method_steps);
+    between_runs.forget_former();
+    between_runs.find_pending(method_steps);
   }
   void update_pending_contacts();
   // The observer's next instant is the first one from now on.
@@ -343,11 +349,11 @@ struct Simulation::Impl {
   Status begin_run() {
     progress.begin(world.time(), events.size());
     if (overlaps_at_start()) return Status::stalled;
-    const bool may_keep = std::exchange(keeps_contacts, false) && !contacts.has_former();
-    contacts.open_pending();
-    const bool kept = may_keep && (stepping.on || !contacts.closed_ones().empty());
+    const bool may_keep = std::exchange(keeps_contacts, false) && !between_runs.has_former();
+    between_runs.open_pending();
+    const bool kept = may_keep && (stepping.on || !between_runs.closed().empty());
     if (!resolve_in_turn(!kept)) return Status::stalled;
-    contacts.forget_former();
+    between_runs.forget_former();
     Status status = Status::ok;
     return happen_between_samples(status) && !look(!observed) ? Status::interrupted : status;
   }
@@ -374,7 +380,7 @@ struct Simulation::Impl {
   }
   // The instant at which the next steps must end.
   double next_end(double until) const {
-    const double end = std::min({until, queue.next_time(), contacts.next_rest()});
+    const double end = std::min({until, queue.next_time(), next_rest(geometry.world)});
     return observer && every > 0 ? std::min(end, next_look) : end;
   }
   Status finish_step(double until) {
@@ -390,7 +396,7 @@ struct Simulation::Impl {
   }
   RunResult end_run(Status status) {
     // Some actions of an event that was refused may have changed what acts.
-    if (status == Status::refused && contacts.any() && !steps_through()) static_cast<void>(resolve_contacts());
+    if (status == Status::refused && geometry.pairs.any() && !steps_through()) static_cast<void>(resolve_contacts());
     if (status == Status::refused || status == Status::diverged) find_forces_of_steps();
     if (status != Status::interrupted && !look(true)) status = Status::interrupted;
     evaluate_state();
@@ -413,7 +419,9 @@ struct Simulation::Impl {
   Evaluator evaluate;
   std::unique_ptr<Integrator> method;
   Stops stops;
+  ContactGeometry geometry;
   Contacts contacts;
+  ContactsBetweenRuns between_runs;
   ContactSteps contact_steps;
   std::unique_ptr<Integrator> stepper;  // only with contacts
   bool method_steps = false;            // the method itself steps through contacts

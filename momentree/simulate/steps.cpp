@@ -26,7 +26,7 @@ bool Simulation::Impl::step_towards(double end) {
   const auto start = Clock::now();
   evaluate_state();
   note_kinetic_energy();
-  if (stops.any() || contacts.any() || queue.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
+  if (stops.any() || geometry.pairs.any() || queue.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
   const double stepped = method->advance(evaluate, world.state_, ledger, h);
   if (stepped == 0) {
     report_divergence(h);
@@ -43,11 +43,11 @@ bool Simulation::Impl::step_towards(double end) {
 // of a full step.
 bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point start) {
   double most = h;
-  if (contacts.any() && (steps_through() || some_step())) contact_steps.begin_step();
+  if (geometry.pairs.any() && (steps_through() || some_step())) contact_steps.begin_step();
   stops.share();
   if (some_step()) {
     // The evaluation of the state has the forces of contacts in the last step: this one is made without them.
-    contact_steps.release();
+    contact_steps.points.release();
     evaluate_state();
   }
   // Where nothing moves, adaptive steps grow whatever forces do: these must not rise and fall again within one.
@@ -55,7 +55,7 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   const std::span<const Watch> watched = watches(most);
   const bool closed = !world.tree_.contacts().empty();
   if (closed) note_before_contact_step();
-  const bool pressing = contacts.any() && (steps_through() || some_step()) && has_motions();
+  const bool pressing = geometry.pairs.any() && (steps_through() || some_step()) && has_motions();
   const double scale = pressing ? energy_scale() : 0, taken = ledger.impacts, projected = ledger.projection;
   // Where prescribed motions press bodies against others that cannot give way, contacts bring in energy without bounds.
   const auto exploded = [&] {
@@ -68,15 +68,15 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   };
   if (pressing && !closed) note_before_contact_step();
   std::optional<double> stepped = stops.step(present_method(), ledger, most, watched);
-  if (closed && stepped && contacts.kept_too_much()) {
+  if (closed && stepped && contacts.watches.slip.kept_too_much()) {
     undo_contact_step();
-    contacts.keep_less();
+    contacts.watches.slip.keep_less();
     note_before_contact_step();  // it changes what the state belongs to
     stepped = stops.step(present_method(), ledger, most, watched);
   }
   if (stepped && exploded()) return false;
   if (closed && (!stepped || contacts_gained_energy())) {
-    const std::vector<int> where = contacts.most_loaded();
+    const std::vector<int> where = most_loaded(geometry.world);
     undo_contact_step();
     begin_stepping("the forces of contacts grow without bounds", where);
     return true;

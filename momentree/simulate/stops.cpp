@@ -101,7 +101,7 @@ bool Stops::stands(const Side& s) const {
 }
 SteppedStop Stops::as_stop(const Side& s) const {
   SteppedStop stop{s.joint, world_->tree_.carrier(s.joint), s.dof, s.sign, s.limit, s.restitution, s.rest_speed, stands(s)};
-  if (const SteppedContact* const known = steps_->at_stop(s.joint, s.dof, s.sign))
+  if (const SteppedContact* const known = steps_->points.at_stop(s.joint, s.dof, s.sign))
     stop.rests = known->rests, stop.force = known->force.x;
   return stop;
 }
@@ -183,7 +183,7 @@ void Stops::share() {
       else
         editor.engage_limit(s.joint, s.dof, s.sign);
       stop.rests = held, changed = true;
-      steps_->set_resting(stop);
+      steps_->points.set_resting(stop);
     }
     if (stepped) steps_->add_stop(stop);
   }
@@ -207,7 +207,7 @@ void Stops::report_stepped(std::vector<Event>& events) {
     if ((stop.force == 0 && !stop.rests) || stop.rests == stop.touched) continue;
     stop.rests = stop.touched;
     events.push_back(begin_event(s, stop.rests ? LimitEvent::rest : LimitEvent::leave));
-    steps_->set_resting(stop);
+    steps_->points.set_resting(stop);
   }
   steps_->forget_hits();
 }

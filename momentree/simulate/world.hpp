@@ -293,9 +293,7 @@ class World {
   friend class Simulation;
   friend class TopologyEditor;
   friend class Stops;
-  friend class Contacts;
-  friend class ContactSteps;
-  friend class Separator;
+  friend class ContactWorld;
   void put_together(const Forest& forest);
   void put_springs(const std::vector<Topology::SpringChange>& changes);
   void set_values(double time, std::span<const double> q, std::span<const double> y, Variables given);

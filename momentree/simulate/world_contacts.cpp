@@ -3,7 +3,7 @@
 
 #include <momentree/dynamics/contacts.hpp>
 #include <momentree/simulate/contact_bodies.hpp>
-#include <momentree/simulate/contacts_impl.hpp>
+#include <momentree/simulate/contact_pairs.hpp>
 #include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/topology_record.hpp>
 #include <momentree/simulate/world.hpp>
@@ -31,8 +31,7 @@ std::vector<ContactPoint> World::contacts() const {
     ContactPoint point{
         {closed[i].a},         {closed[i].b}, touch.point, touch.normal, {}, {}, closed[i].mode == Contact::Mode::slip,
         own.rows.determined(i)};
-    for (std::size_t k = 0; k < 3; ++k)
-      point.force += own.rows.forces[3 * i + k] * (k == 0 ? touch.normal : touch.tangent[k - 1]);
+    for (std::size_t k = 0; k < 3; ++k) point.force += own.rows.forces[3 * i + k] * along(touch, k);
     for (std::size_t k = 1; k < 3; ++k) point.slip += own.rows.velocity[3 * i + k] * touch.tangent[k - 1];
     all.push_back(in_order(point));
   }
@@ -58,8 +57,7 @@ bool World::contacts_determine(JointId number) const {
     for (std::size_t i = 0; i < rows.contacts(); ++i) {
       if (rows.determined(i)) continue;
       open.push_back({.a = tree_.contacts()[i].a, .b = tree_.contacts()[i].b, .point = rows.touches[i].point});
-      for (std::size_t k = 0; k < 3; ++k)
-        open.back().force += rows.open[3 * i + k] * (k == 0 ? rows.touches[i].normal : rows.touches[i].tangent[k - 1]);
+      for (std::size_t k = 0; k < 3; ++k) open.back().force += rows.open[3 * i + k] * along(rows.touches[i], k);
     }
     open_joints_.clear();
     std::vector<std::pair<JointId, Wrench>> before;
@@ -113,13 +111,10 @@ std::optional<BodyGap> World::gap(const ContactBodies& one, const ContactBodies&
   const auto number_of = [this](const Collider& collider) { return static_cast<int>(&collider - model_.colliders().data()); };
   const auto compare = [&](const Collider& first, const Collider& second) {
     const contact::Place a = place(first.body), b = place(second.body);
-    const Vec3 centre = a.r + a.R * first.solid.centre;
-    const double apart =  // at least
-        second.plane || second.field ? above_ground(second, centre, first.solid.reach)
-                                     : norm(centre - b.r - b.R * second.solid.centre) - first.solid.reach - second.solid.reach;
-    if (least && !least->passes && apart >= least->distance) return;
+    const double least_distance = apart(first, a, second, b);
+    if (least && !least->passes && least_distance >= least->distance) return;
     const bool passes = pass_through(number_of(first), number_of(second));
-    if (least && passes && (!least->passes || apart >= least->distance)) return;
+    if (least && passes && (!least->passes || least_distance >= least->distance)) return;
     const contact::NearestPoints nearest = distance_to(first.solid, a, second, b);
     if (least && least->passes == passes && nearest.distance >= least->distance) return;
     const auto velocity = [](const contact::Place& of, const Vec3& point) { return of.v + cross(of.w, point - of.r); };
