@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <momentree/contact/feature.hpp>
+#include <momentree/contact/height_field.hpp>
 
 namespace momentree::io {
 

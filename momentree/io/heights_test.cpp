@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/contact/height_field.hpp>
 #include <momentree/io/collider_shapes.hpp>
 #include <momentree/io/convert/convert.hpp>
 #include <momentree/io/height_grid.hpp>

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include <momentree/contact/height_field.hpp>
 #include <momentree/io/read_action.hpp>
 #include <momentree/io/scenario_parts.hpp>
 

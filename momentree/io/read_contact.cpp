@@ -1,6 +1,7 @@
 // What bodies touch with, the floor, and [[contact]]: the laws of contacts.
 #include <cstdio>
 
+#include <momentree/contact/height_field.hpp>
 #include <momentree/io/height_grid.hpp>
 #include <momentree/io/read_action.hpp>
 #include <momentree/math/unit.hpp>

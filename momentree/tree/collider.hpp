@@ -4,11 +4,14 @@
 #include <string>
 #include <vector>
 
-#include <momentree/contact/height_field.hpp>
 #include <momentree/contact/solid.hpp>
 #include <momentree/tree/ids.hpp>
 
 namespace momentree {
+
+namespace contact {
+struct HeightField;
+}
 
 /// Handle of a collider: its place in the order in which the colliders of the model were added.
 struct ColliderId {

@@ -3,6 +3,8 @@
 #include <span>
 #include <vector>
 
+#include <momentree/contact/height_field.hpp>
+
 #include "model_object.hpp"
 
 namespace momentree::python {

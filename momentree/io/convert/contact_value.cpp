@@ -5,6 +5,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/base/wildcard.hpp>
+#include <momentree/contact/height_field.hpp>
 #include <momentree/io/collider_shapes.hpp>
 #include <momentree/io/convert/describe.hpp>
 #include <momentree/tree/contact_rules.hpp>
