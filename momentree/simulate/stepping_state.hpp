@@ -58,7 +58,7 @@ struct SteppingState {
   /// The norm of the rates of all momenta without contacts, in documents: another model, or other forces, give another one.
   /// −1: unknown.
   double unloaded = -1;
-  /// In documents, ContactsBetweenRuns::excess_of_closed(): a run that continues keeps the closed contacts if it is no larger then.
+  /// In documents, ContactsBetweenRuns::excess_of_closed(): a run that continues keeps closed contacts if it is no larger then.
   double excess = -1;
   /// In documents: the deepest overlap that the run could not avoid (m). A run that continues accepts it.
   double overlap = 0;
