@@ -142,20 +142,24 @@ Added add_solids(const Set& set, Reading& reading) {
     const auto leave_out = [&](const std::string& what, const std::string&) {
       if (++left_out == 1) first_left_out = in_quotes(name) + ": " + what;
     };
+    const auto fail = [&](const std::string& what, const std::string& hint) {
+      reading.out.error(set.place, "collision of " + in_quotes(name) + ": " + what,
+                        hint + "; split = false in the mechanism lets hulls touch");
+    };
+    const ShapeReports reports{leave_out, tell, tell, fail};
     Masks own;
     for (std::size_t s = 0; s < part.collision.size(); ++s) {
-      const Shape& shape = part.collision[s];
+      Shape shape = part.collision[s];
+      shape.split = set.split.value_or(shape.split);
       const CollisionMask mask = s < part.masks.size() ? part.masks[s] : CollisionMask{};
       if (body == ground || (fixed && is_of_ground(shape.kind))) {
-        auto collider = ground_collider(shape, *fixed, leave_out, tell);
-        if (!collider) continue;
-        add_to_ground(std::move(*collider), model);
-        added.of_ground.push_back(mask);
-        added.friction_of_ground = std::max(added.friction_of_ground, part.friction);
-      } else if (auto solid = solid_of(shape, leave_out, tell)) {
-        Collider collider;
-        collider.body = body, collider.solid = std::move(*solid);
-        model.add_collider(std::move(collider));
+        for (Collider& collider : ground_colliders(shape, *fixed, reports)) {
+          add_to_ground(std::move(collider), model);
+          added.of_ground.push_back(mask);
+          added.friction_of_ground = std::max(added.friction_of_ground, part.friction);
+        }
+      } else if (std::vector<contact::Solid> solids = solids_of(shape, reports); !solids.empty()) {
+        add_colliders(body, solids, model);
         own.push_back(mask);
       }
     }

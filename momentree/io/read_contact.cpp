@@ -1,5 +1,8 @@
 // What bodies touch with, the floor, and [[contact]]: the laws of contacts.
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
+#include <utility>
 
 #include <momentree/contact/height_field.hpp>
 #include <momentree/io/height_grid.hpp>
@@ -91,6 +94,28 @@ std::vector<BodyId> bodies_of(const Value& value, Reading& reading, std::string&
   return {};
 }
 
+ShapeReports reports_at(Place place, Diagnostics& out) {
+  const auto error = [place, &out](const std::string& what, const std::string& hint) {
+    out.error(place, "collision: " + what, hint);
+  };
+  const auto warn = [place, &out](const std::string& what, const std::string& hint) {
+    out.warning(place, "collision: " + what, hint);
+  };
+  return {error, warn, error, error};
+}
+
+// What is noted of the shape from which a solid was made.
+Shape shape_of_part(const Shape& shape, std::size_t number) {
+  Shape noted;
+  if (number > 0) {
+    noted.part = true;
+  } else {
+    noted = shape;
+    noted.more.clear(), noted.colour.clear();
+  }
+  return noted;
+}
+
 std::string text_of_length(double metres) {
   char text[40];
   std::snprintf(text, sizeof text, "%.3g m", metres);
@@ -118,14 +143,9 @@ Vec3 read_belt(const Value& value, Diagnostics& out) {
 void read_collision(const Value& value, BodyEntry& body, Reading& reading) {
   const auto add = [&](const Shape& shape) {
     if (shape.kind == Shape::Kind::none) return;  // reported already
-    auto solid = solid_of(
-        shape,
-        [&](const std::string& what, const std::string& hint) { reading.out.error(value.place, "collision: " + what, hint); },
-        [&](const std::string& what, const std::string& hint) { reading.out.warning(value.place, "collision: " + what, hint); });
-    if (!solid) return;
-    body.collision.push_back(std::move(*solid));
-    body.collision_shapes.push_back(shape);
-    body.collision_shapes.back().more.clear(), body.collision_shapes.back().colour.clear();
+    std::vector<contact::Solid> solids = solids_of(shape, reports_at(value.place, reading.out));
+    for (std::size_t i = 0; i < solids.size(); ++i) body.collision_shapes.push_back(shape_of_part(shape, i));
+    std::move(solids.begin(), solids.end(), std::back_inserter(body.collision));
   };
   const auto add_all = [&](const Shape& shape) {
     add(shape);
@@ -152,25 +172,24 @@ void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model
   }
 }
 
-std::optional<Collider> ground_collider(Shape shape, const Pose& pose, const ReportOnShape& refuse, const ReportOnShape& warn) {
+std::vector<Collider> ground_colliders(Shape shape, const Pose& pose, const ShapeReports& report) {
   Collider collider;
   shape.at = pose * shape.at;
   if (shape.kind == Shape::Kind::plane) {
     collider.plane = true;
     collider.point = shape.at.position, collider.normal = unit(rotation_matrix(shape.at.rotation) * shape.size);
-    return collider;
+    return {collider};
   }
   if (shape.kind == Shape::Kind::heights) {
     std::vector<double> heights = shape.heights->values;
     for (double& height : heights) height *= shape.size.z;
     collider.field = std::make_shared<const contact::HeightField>(contact::height_field(
         shape.size.x, shape.size.y, shape.heights->columns, shape.heights->rows, std::move(heights), shape.at));
-    return collider;
+    return {collider};
   }
-  auto solid = solid_of(shape, refuse, warn);
-  if (!solid) return std::nullopt;
-  collider.solid = std::move(*solid);
-  return collider;
+  std::vector<Collider> all;
+  for (contact::Solid& solid : solids_of(shape, report)) all.emplace_back().solid = std::move(solid);
+  return all;
 }
 
 void read_ground(const Value& value, Reading& reading) {
@@ -179,13 +198,11 @@ void read_ground(const Value& value, Reading& reading) {
   const Shape all = read_shape(value, reading, ShapeUse::ground);
   if (errors != reading.out.errors()) return;
   const auto add = [&](const Shape& shape) {
-    auto collider = ground_collider(
-        shape, {},
-        [&](const std::string& what, const std::string& hint) { reading.out.error(value.place, "collision: " + what, hint); },
-        [&](const std::string& what, const std::string& hint) { reading.out.warning(value.place, "collision: " + what, hint); });
-    if (!collider) return;
-    scenario.model.add_collider(std::move(*collider));
-    note_collision_shapes(scenario.model, {shape}, scenario.collision_shapes);
+    std::size_t part = 0;
+    for (Collider& collider : ground_colliders(shape, {}, reports_at(value.place, reading.out))) {
+      scenario.model.add_collider(std::move(collider));
+      note_collision_shapes(scenario.model, {shape_of_part(shape, part++)}, scenario.collision_shapes);
+    }
   };
   add(all);
   for (const Shape& more : all.more) add(more);

@@ -43,6 +43,8 @@ constexpr Key mechanism_entries[] = {
     {"collision", choice("file|none"),
      "Whether the collision elements of the model file touch other bodies; default: if there is a floor, "
      "a [[contact]], a body with a collision, or a plane or solid that the file has in the world"},
+    {"split", other(R"({"anyOf": [{"type": "number", "minimum": 0.01, "maximum": 1}, {"const": false}]})"),
+     "Closed meshes among these elements are split into convex parts of this concavity; false: none; default: as the file says"},
     {"mimic", other(R"({"anyOf": [{"const": "exact"}, {"const": "independent"}, @]})", mimic_table),
      "How joints that follow others according to the model file do so: exactly, not at all, or by a spring"},
 };
@@ -290,6 +292,12 @@ void read_mechanism(const Value& table, Reading& reading) {
       out.warning(fields.place_of("collision"), "collision: only a model file has collision elements",
                   "give the bodies their collision, or the chain a radius");
   }
+  std::optional<double> split;
+  if (const Value* value = fields.find("split")) {
+    split = value->boolean() && !*value->boolean() ? 0 : read_split(*value, out);
+    if (!model)
+      out.error(value->place, "split: only a model file has collision elements", "give it to the mesh of a body's collision");
+  }
   std::optional<Mimic> mimic;
   if (const Value* spring = fields.find("mimic")) {
     if (const std::string* word = spring->string()) {
@@ -332,8 +340,8 @@ void read_mechanism(const Value& table, Reading& reading) {
   JointTables tables(model || chain ? joints : nullptr, model ? "model" : "chain", reading);
   if (model)
     read_model(*model, name,
-               {held, pose, state, limits, mimic, collision, model->place, fields.place_of("root"), fields.place_of("limits"),
-                fields.place_of("mimic")},
+               {held, pose, state, limits, mimic, collision, split, model->place, fields.place_of("root"),
+                fields.place_of("limits"), fields.place_of("mimic")},
                tables, errors, reading);
   else if (chain)
     read_chain(*chain, name, held == Held::free, pose, state, tables, errors, reading);

@@ -361,7 +361,7 @@ void read_model(const Value& file, const std::string& mechanism, const ModelChoi
     for (const auto& [name, kept] : reading.models)
       if (kept.get() == import)
         reading.model_colliders.push_back(
-            {kept, mechanism, first, choice.pose, choice.model_place, has_ground || choice.collision.has_value()});
+            {kept, mechanism, first, choice.pose, choice.model_place, has_ground || choice.collision.has_value(), choice.split});
   read_model_loops(*import, mechanism, choice, joints, first, errors, reading);
   if (coupled && errors == reading.out.errors()) couple_followers(*import, choice, first, reading);
   if (errors == reading.out.errors()) add_springs(*import, choice, mechanism, first, reading);

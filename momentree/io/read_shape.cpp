@@ -9,6 +9,7 @@
 #include <momentree/io/file_name.hpp>
 #include <momentree/io/height_grid.hpp>
 #include <momentree/io/mesh/source.hpp>
+#include <momentree/io/mesh/split.hpp>
 #include <momentree/io/scenario_parts.hpp>
 
 namespace momentree::io {
@@ -43,6 +44,8 @@ constexpr Key shape_entries[] = {
     {"scale", other(R"({"anyOf": [{"type": ["number", "string"]},
       {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 3, "maxItems": 3}]})"),
      "Scale of a mesh: one factor, or one along each axis", "1"},
+    {"split", other(R"({"type": "number", "minimum": 0.01, "maximum": 1})"),
+     "A closed mesh touches with convex parts of this concavity, of which 0.05 is usual; default: with its hull"},
     {"at", table(placement_table), "Placement of the shape's centre in the body's frame"},
     {"colour", string, "Colour: \"#rrggbb\" or a name; default: that of the mechanism"},
     {"color", string, "The same as colour"},
@@ -224,6 +227,12 @@ Shape read_one(const Value& value, ShapeUse use, Reading& reading) {
     else
       out.error(scale->place, "scale: only a mesh is scaled", "give the shape its size");
   }
+  if (const Value* split = fields.find("split")) {
+    if (shape.kind == Shape::Kind::mesh || fields.has("mesh"))
+      shape.split = read_split(*split, out);
+    else
+      out.error(split->place, "split: only a mesh is split");
+  }
   if (kinds != 1 && value.table())
     out.error(fields.place(),
               std::string("a shape is one of ") + (of_ground ? "plane, heightmap, " : "") +
@@ -248,6 +257,14 @@ constinit const KeyTable ground_shape_table{"shape",
                                             "What bodies touch, fixed in the world",
                                             shape_entries,
                                             {{KeyRule::How::one, "plane heightmap box sphere cylinder capsule ellipsoid mesh"}}};
+
+double read_split(const Value& value, Diagnostics& out) {
+  const double split = read_number(value, dimension::number, "split", out).value_or(usual_split);
+  if (split >= least_split && split <= 1) return split;
+  out.error(value.place, "split: must be from 0.01 to 1",
+            "0.05 is usual: parts reach up to 2.5 % of the mesh's extent outside of it");
+  return usual_split;
+}
 
 Shape read_shape(const Value& value, Reading& reading, ShapeUse use) {
   const Value::Array* several = value.array();

@@ -59,7 +59,8 @@ struct Scenario {
   std::vector<ScenarioEvent> events;     ///< in the order of the file
   std::vector<StateFile> state_files;    ///< the document of the whole world first
   std::vector<Shape> shapes;             ///< by body number
-  std::vector<Shape> collision_shapes;   ///< by collider; none, or missing: it was not given as a shape of a body
+  /// By collider; none, or missing: it was not given as a shape of a body. Of a mesh that is split the first part has the shape.
+  std::vector<Shape> collision_shapes;
   std::shared_ptr<InputCache> inputs{};  ///< files that further readings need not read again; null: they read them
 };
 

@@ -79,6 +79,7 @@ struct Reading {
     Pose pose{};    ///< of the file's axes in the world
     Place place{};
     bool always = false;
+    std::optional<double> split{};  ///< of its meshes, see Shape::split; nothing: as the file says
   };
   std::vector<ModelColliders> model_colliders{};
   std::optional<ContactRule> floor_rule{};
@@ -111,7 +112,7 @@ struct BodyEntry {
   BodySpec spec;
   Shape shape;
   std::vector<contact::Solid> collision;  ///< what it touches with
-  std::vector<Shape> collision_shapes{};  ///< of which these are made, one of each
+  std::vector<Shape> collision_shapes{};  ///< of which these are made, by solid; see Scenario::collision_shapes
   const Value* table = nullptr;
   const Value* joint = nullptr;  ///< the joint's table, or null
   std::string bare_name, bare_joint, parent;
@@ -144,6 +145,7 @@ struct ModelChoice {
   std::optional<bool> limits{};     ///< whether the file's limits are used
   std::optional<Mimic> mimic{};     ///< how joints follow others according to the file
   std::optional<bool> collision{};  ///< whether its collision elements are used
+  std::optional<double> split{};    ///< of its meshes, see Shape::split
   Place model_place{}, root_place{}, limits_place{}, mimic_place{};
 };
 
@@ -154,6 +156,8 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
 /// Reads a shape table, or a list of them. A drawn mesh that does not exist is a warning; otherwise the caller judges it.
 enum class ShapeUse { drawn, body, ground };
 Shape read_shape(const Value& value, Reading& reading, ShapeUse use = ShapeUse::drawn);
+/// The value of `split` of a mesh.
+double read_split(const Value& value, Diagnostics& out);
 /// Reads kind, geometry, parameters, initial values and parent of a joint.
 void read_joint(const Value& table, BodyEntry& body, Reading& reading);
 /// Initial values that a mechanism's state gives under a joint's name: a number for kinds with one DoF, a list of coordinates,
@@ -213,12 +217,18 @@ void read_collision(const Value& value, BodyEntry& body, Reading& reading);
 /// See contact::Solid::belt.
 Vec3 read_belt(const Value& value, Diagnostics& out);
 void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model& model);
-/// What a shape touches with, in the body's frame. If it has no volume or cannot be read: nothing, and `refuse` is called.
-/// `warn` is called where a mesh differs from its hull.
 using ReportOnShape = std::function<void(const std::string& what, const std::string& hint)>;
-std::optional<contact::Solid> solid_of(const Shape& shape, const ReportOnShape& refuse, const ReportOnShape& warn);
-/// A plane, or what a shape touches with, as a collider of the ground; `pose`: of the shape's frame. Nothing: as solid_of().
-std::optional<Collider> ground_collider(Shape shape, const Pose& pose, const ReportOnShape& refuse, const ReportOnShape& warn);
+struct ShapeReports {
+  ReportOnShape refuse;    ///< it touches nothing: it has no volume, or cannot be read
+  ReportOnShape warn;      ///< a mesh differs from what touches
+  ReportOnShape unclosed;  ///< a mesh that was to be split is not closed: its hull touches
+  ReportOnShape fail;      ///< a mesh was to be split, and could not be
+};
+/// What a shape touches with, in the body's frame: one solid, or the parts of a mesh. Nothing, with a report, if it touches
+/// nothing.
+std::vector<contact::Solid> solids_of(const Shape& shape, const ShapeReports& report);
+/// A plane, or what a shape touches with, as colliders of the ground; `pose`: of the shape's frame. Nothing: as solids_of().
+std::vector<Collider> ground_colliders(Shape shape, const Pose& pose, const ShapeReports& report);
 /// Adds the collision elements of model files and their friction, then the floor's friction. `[[contact]]` comes after it.
 void add_model_colliders(bool rules, Reading& reading);
 void read_floor(const Value& value, Reading& reading);

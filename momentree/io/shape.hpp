@@ -21,12 +21,14 @@ struct Shape {
   double length = 0;    ///< cylinder: its height; capsule: between the centres of its caps (m). Both lie along z of `at`
   std::string mesh{};   ///< a file, relative to the folder of the file that names it
   Vec3 scale{1, 1, 1};  ///< of a mesh
+  double split = 0;     ///< of a mesh that touches: the concavity of its convex parts (mesh/split.hpp); 0: its hull touches
   /// of a mesh: how it can be read (mesh/source.hpp); null if it does not exist, or if no files are accessed
   std::shared_ptr<const MeshSource> source{};
   std::shared_ptr<const HeightGrid> heights{};  ///< centred at the shape's origin
   Pose at{};                                    ///< placement of the shape's centre in the body's frame
   std::string colour{};                         ///< as CSS writes it, "#rrggbb" or a name; empty: the colour of the mechanism
   std::vector<Shape> more{};                    ///< further shapes of the same body
+  bool part = false;                            ///< in a list by collider: a further part of the mesh before it
 };
 
 /// Only the ground can have it.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from momentree import distributions, events, joints
+from momentree import _coacd, distributions, events, joints
 from momentree._core import Body, Context, Joint, ModelBody, Snapshot, Spring, World, __version__
 from momentree._errors import Diagnostic, Error, RunError
 from momentree._records import (
@@ -95,6 +95,8 @@ __all__: list[str] = [
 __all__ += distributions.__all__
 __all__ += events.__all__
 __all__ += joints.__all__
+
+_coacd.locate()
 
 _LATER = ("bridge", "envs", "typing")  # imported when they are used first; the former two need other packages
 

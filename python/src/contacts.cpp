@@ -91,9 +91,9 @@ nb::tuple contact_state(const ModelObject& self) {
   for (std::size_t i = 0; i < self.collision_shapes.size(); ++i) {
     const io::Shape& shape = self.collision_shapes[i];
     const Quat& r = shape.at.rotation;
-    if (shape.kind == io::Shape::Kind::mesh)
-      meshes.append(
-          nb::make_tuple(i, shape.mesh, from_vec(shape.scale), from_vec(shape.at.position), nb::make_tuple(r.w, r.x, r.y, r.z)));
+    if (shape.kind == io::Shape::Kind::mesh || shape.part)
+      meshes.append(nb::make_tuple(i, shape.mesh, from_vec(shape.scale), from_vec(shape.at.position),
+                                   nb::make_tuple(r.w, r.x, r.y, r.z), shape.split, shape.part));
   }
   return nb::make_tuple(colliders, rules, meshes);
 }
@@ -110,7 +110,9 @@ void set_contact_state(ModelObject& self, nb::handle state) {
   for (nb::handle each : state[2]) {
     io::Shape& shape = self.collision_shapes.at(nb::cast<std::size_t>(each[0]));
     const auto part = [&each](int k) { return nb::cast<double>(each[4][k]); };
-    shape.kind = io::Shape::Kind::mesh, shape.mesh = nb::cast<std::string>(each[1]), shape.scale = vec_from(each[2]);
+    shape.split = nb::cast<double>(each[5]), shape.part = nb::cast<bool>(each[6]);
+    if (!shape.part) shape.kind = io::Shape::Kind::mesh;
+    shape.mesh = nb::cast<std::string>(each[1]), shape.scale = vec_from(each[2]);
     shape.at = {vec_from(each[3]), {part(0), part(1), part(2), part(3)}};
   }
   for (nb::handle each : state[1])

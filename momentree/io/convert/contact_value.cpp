@@ -127,6 +127,7 @@ Value describe_collision(const Model& model, BodyId body, const std::vector<Shap
       all.push_back(describe_field(*collider.field));
       continue;
     }
+    if (i < collision_shapes.size() && collision_shapes[i].part) continue;
     const bool mesh = i < collision_shapes.size() && collision_shapes[i].kind == Shape::Kind::mesh;
     all.push_back(
         describe_shape(mesh ? collision_shapes[i] : shape_of(collider.solid, std::string(model.body_name(body))), {}, none));

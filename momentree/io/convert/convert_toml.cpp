@@ -133,6 +133,8 @@ class Converter {
   int ground_of_files() const {
     const std::vector<Collider>& all = scenario_.model.colliders();
     auto count = std::count_if(all.begin(), all.end(), [](const Collider& each) { return each.body == ground; });
+    for (std::size_t i = 0; i < scenario_.collision_shapes.size(); ++i)
+      if (all[i].body == ground && scenario_.collision_shapes[i].part) --count;
     const Value::Entry* const world = scenario_.document->find("world");
     if (const auto* floor = world ? world->value.find("floor") : nullptr;
         floor && (!floor->value.boolean() || *floor->value.boolean()))

@@ -72,6 +72,7 @@ Value::Table one_shape(const Shape& shape, const MeshFolders& folders, LeftOut& 
       add(table, "mesh", text(mesh));
       const Vec3& s = shape.scale;
       if (s.x != 1 || s.y != 1 || s.z != 1) add(table, "scale", s.x == s.y && s.y == s.z ? number(s.x) : list(s));
+      if (shape.split > 0) add(table, "split", number(shape.split));
       break;
     }
   }

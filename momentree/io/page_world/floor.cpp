@@ -53,7 +53,7 @@ std::vector<contact::Solid> solids_of(const BodySpec& body, const Shape& shape, 
   const auto ignore = [](const std::string&, const std::string&) {};
   const auto add = [&](const Shape& each) {
     if (each.kind == Shape::Kind::none || each.kind == Shape::Kind::mesh) return;
-    if (auto solid = solid_of(each, ignore, ignore)) solids.push_back(std::move(*solid));
+    for (contact::Solid& solid : solids_of(each, {ignore, ignore, ignore, ignore})) solids.push_back(std::move(solid));
   };
   add(shape);
   for (const Shape& more : shape.more) add(more);

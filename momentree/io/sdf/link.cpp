@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include <momentree/io/mesh/split.hpp>
 #include <momentree/io/sdf/parts.hpp>
 
 namespace momentree::io::sdf {
@@ -92,7 +93,7 @@ void read_geometry(XmlElement geometry, bool drawn, Shape& shape, Import& import
     const auto uri = texts.string("uri");
     const XmlLocation location = texts.location();
     shape.scale = texts.vec3("scale").value_or(Vec3{1, 1, 1});
-    texts.fields.known({"optimization"});
+    if (texts.fields.string("optimization") == "convex_decomposition" && !drawn) shape.split = usual_split;
     std::string submesh;
     if (const XmlElement part = texts.fields.child("submesh")) {
       Texts of(part, file);
@@ -101,7 +102,10 @@ void read_geometry(XmlElement geometry, bool drawn, Shape& shape, Import& import
         file.once(Severity::note, "<center> is ignored: pictures show the submesh where it is in the mesh", "", {part});
       of.fields.finish();
     }
-    texts.fields.known_children({"convex_decomposition"});
+    if (drawn || shape.split == 0)
+      texts.fields.known_children({"convex_decomposition"});
+    else
+      texts.fields.leave_out({"convex_decomposition"}, "split in the mechanism says how close convex parts are");
     texts.fields.finish();
     if (uri)
       import.read_mesh(*uri, location, shape, file, submesh);
