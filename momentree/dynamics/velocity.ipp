@@ -14,6 +14,7 @@
 // In a stage the accelerations are those of points, v̇ + ω × v at the body's origin. Then velocities may be relative to a frame
 // that moves with the parent's origin: linear ones, which would only cancel, are not handed on.
 #include <momentree/dynamics/forward.ipp>
+#include <momentree/dynamics/step_table.hpp>
 #include <momentree/dynamics/velocity_in_plane.ipp>
 #include <momentree/joint/velocity_derived_list.hpp>  // generated: the kinds with derived steps in velocities
 
@@ -45,6 +46,54 @@ struct VelocitySweep {
     return {q + tree.first_q(b), workspace.cos.get() + tree.first_angle(b), workspace.sin.get() + tree.first_angle(b)};
   }
 
+  // The passes over one body that is not welded.
+
+  /// From its parent's motion to its own, with its bias.
+  template <class K>
+  MOMENTREE_INLINE static void body_velocities(const LinkConstants& link, bool aligned, const JointState<T>& joint, const T* u,
+                                               typename K::template Record<T>& record, BodyBias<T>& bias, Motion<T>& a, T* qdot) {
+    if constexpr (!Keep) a.v = {T(0), T(0), T(0)};
+    if (K::rotates_about_z && aligned)
+      K::template joint_transform<true, T>(link, joint, record).outboard(a);
+    else
+      K::template joint_transform<false, T>(link, joint, record).outboard(a);
+    a = K::template spatial_velocity<T>(link, joint, a, u);                       // (17)
+    put(K::template acceleration_bias<T>(link, joint, a, u), bias.acceleration);  // (39)
+    K::template coordinate_rate<T>(joint.q, u, qdot);
+    if constexpr (!Keep) {
+      bias.acceleration.v += cross(a.w, a.v);
+      a.v = {T(0), T(0), T(0)};
+    }
+    put(gyroscopic_wrench(link.body, a), bias.wrench);
+  }
+  /// From the contributions of its children to its own, unless it is a root.
+  template <class K>
+  MOMENTREE_INLINE static void body_contribution(const LinkConstants& link, bool aligned, bool root, const JointState<T>& joint,
+                                                 const typename K::template Record<T>& record, const BodyBias<T>& bias,
+                                                 Inboard<T>& a) {
+    const auto over = [&](const auto& transform) MOMENTREE_INLINE_LAMBDA {
+      if (root) return;
+      K::add_reduced_bias(record, bias.acceleration, a.D);
+      transform.inboard(a.M);  // (16)
+      transform.inboard(a.D);
+    };
+    if (K::rotates_about_z && aligned)
+      over(K::template cached_transform<true, T>(link, joint, record));
+    else
+      over(K::template cached_transform<false, T>(link, joint, record));
+  }
+  /// From its parent's acceleration to a′.
+  template <class K>
+  MOMENTREE_INLINE static void body_acceleration(const LinkConstants& link, bool aligned, const JointState<T>& joint,
+                                                 const typename K::template Record<T>& record, const BodyBias<T>& bias,
+                                                 Motion<T>& a) {
+    if (K::rotates_about_z && aligned)
+      K::template cached_transform<true, T>(link, joint, record).outboard(a);
+    else
+      K::template cached_transform<false, T>(link, joint, record).outboard(a);
+    a = a + bias.acceleration;
+  }
+
   /// First outward pass, from the velocities in workspace.v.
   template <class K>
   void velocities(const KernelRun& run) const {
@@ -61,25 +110,13 @@ struct VelocitySweep {
       const JointState<T> joint = joint_state(b);
       BodyBias<T>& bias = workspace.biases[static_cast<std::size_t>(b)];
       buffers.load_parent(b, flags, {}, a);
-      if constexpr (!Keep) a.v = {T(0), T(0), T(0)};
       if constexpr (K::rigid) {
         bias.acceleration = {};
+        put(gyroscopic_wrench(link.body, a), bias.wrench);
       } else {
-        const T* const u = workspace.v.get() + tree.first_p(b);
-        auto& record = records[i - run.begin];
-        if (K::rotates_about_z && (flags & node::aligned) != 0)
-          K::template joint_transform<true, T>(link, joint, record).outboard(a);
-        else
-          K::template joint_transform<false, T>(link, joint, record).outboard(a);
-        a = K::template spatial_velocity<T>(link, joint, a, u);                       // (17)
-        put(K::template acceleration_bias<T>(link, joint, a, u), bias.acceleration);  // (39)
-        K::template coordinate_rate<T>(joint.q, u, workspace.qdot.get() + tree.first_q(b));
+        body_velocities<K>(link, (flags & node::aligned) != 0, joint, workspace.v.get() + tree.first_p(b), records[i - run.begin],
+                           bias, a, workspace.qdot.get() + tree.first_q(b));
       }
-      if constexpr (!Keep) {
-        bias.acceleration.v += cross(a.w, a.v);
-        a.v = {T(0), T(0), T(0)};
-      }
-      put(gyroscopic_wrench(link.body, a), bias.wrench);
       if constexpr (Keep) workspace.motions[static_cast<std::size_t>(b)].velocity = a;
       buffers.store_for_children(b, flags, a);
     }
@@ -115,16 +152,7 @@ struct VelocitySweep {
       }
       if constexpr (Keep) put(a.D, workspace.reduced_bias_wrenches[static_cast<std::size_t>(b)]);
       if constexpr (!K::rigid) {
-        const auto over = [&](const auto& transform) MOMENTREE_INLINE_LAMBDA {
-          if ((flags & roots) != 0) return;
-          K::add_reduced_bias(record, bias.acceleration, a.D);
-          transform.inboard(a.M);  // (16)
-          transform.inboard(a.D);
-        };
-        if (K::rotates_about_z && (flags & node::aligned) != 0)
-          over(K::template cached_transform<true, T>(link, joint, record));
-        else
-          over(K::template cached_transform<false, T>(link, joint, record));
+        body_contribution<K>(link, (flags & node::aligned) != 0, (flags & roots) != 0, joint, record, bias, a);
       }
       if ((flags & roots) == 0) buffers.add_to_parent(b, flags, a);
     }
@@ -145,14 +173,8 @@ struct VelocitySweep {
       const unsigned flags = node_flags[static_cast<std::size_t>(i)];
       buffers.load_parent(b, flags, base, a);
       if constexpr (!K::rigid) {
-        const LinkConstants& link = tree.link(b);
-        const JointState<T> joint = joint_state(b);
-        const auto& record = records[i - run.begin];
-        if (K::rotates_about_z && (flags & node::aligned) != 0)
-          K::template cached_transform<true, T>(link, joint, record).outboard(a);
-        else
-          K::template cached_transform<false, T>(link, joint, record).outboard(a);
-        a = a + workspace.biases[static_cast<std::size_t>(b)].acceleration;
+        body_acceleration<K>(tree.link(b), (flags & node::aligned) != 0, joint_state(b), records[i - run.begin],
+                             workspace.biases[static_cast<std::size_t>(b)], a);
       }
       if constexpr (Keep) put(a, workspace.inboard_accelerations[static_cast<std::size_t>(b)]);
       if constexpr (!K::rigid) {
@@ -333,6 +355,31 @@ MOMENTREE_INLINE void each_velocity_run(const Tree& tree, P&& in_plane, F&& f) {
   }
 }
 
+/// The steps of the tree as machine code, and the arrays of a workspace for them; without steps the passes below run.
+template <class T, bool Keep>
+struct MachineSteps {
+  const StepTable* steps = nullptr;
+  StepArrays arrays;
+
+  MOMENTREE_INLINE MachineSteps(const Tree& tree, const T* q, Workspace<T>& workspace) {
+    if constexpr (std::is_same_v<T, double> && !Keep) {
+      if (!workspace.steps->follow(tree)) return;
+      steps = workspace.steps.get();
+      arrays = {q,
+                workspace.cos.get(),
+                workspace.sin.get(),
+                workspace.v.get(),
+                workspace.qdot.get(),
+                workspace.a.get(),
+                workspace.records.get(),
+                reinterpret_cast<double*>(workspace.child_sums.get()),
+                reinterpret_cast<double*>(workspace.parent_accelerations.get()),
+                reinterpret_cast<double*>(workspace.biases.get()),
+                tree.armature()};
+    }
+  }
+};
+
 template <class T, bool Keep>
 void sweep_velocities(const Tree& tree, const T* q, const T* u, Workspace<T>& workspace) noexcept {
   MT_REQUIRE(workspace.capacity() >= tree.bodies(), "the workspace has room for the tree's bodies: construct it for this tree");
@@ -346,9 +393,12 @@ void sweep_velocities(const Tree& tree, const T* q, const T* u, Workspace<T>& wo
   for (int i = 0; i < tree.nv(); ++i) workspace.v[i] = u[i];
   const VelocitySweep<T, Keep> sweep{tree, q, workspace};
   const InPlaneVelocitySweep<T> planar{tree, workspace};
+  const MachineSteps<T, Keep> machine(tree, q, workspace);
+  if (machine.steps != nullptr) machine.steps->velocities(machine.arrays);
   each_velocity_run<Keep, false>(
       tree, [&](const KernelRun& run) { planar.velocities(run); },
       [&](const KernelRun& run, auto tag) {
+        if (machine.steps != nullptr) return;
         using K = typename decltype(tag)::type;
         if constexpr (!Keep && is_velocity_derived<K>)
           if (is_as_declared<K>(run.variant)) return sweep.template velocities_derived<K>(run);
@@ -365,14 +415,17 @@ struct AccelerationSweeps {
   const Tree& tree;
   const VelocitySweep<T, Keep> general;
   const InPlaneVelocitySweep<T> planar;
+  const MachineSteps<T, Keep> machine;
   MOMENTREE_INLINE AccelerationSweeps(const Tree& of, const T* q, Workspace<T>& workspace)
-      : tree(of), general{of, q, workspace}, planar{of, workspace} {}
+      : tree(of), general{of, q, workspace}, planar{of, workspace}, machine(of, q, workspace) {}
 
   MOMENTREE_INLINE void reduce() const {
+    if (machine.steps != nullptr) machine.steps->inboard(machine.arrays);
     each_velocity_run<Keep, true>(
         tree, [&](const KernelRun& run) { planar.inboard(run); },
         [&](const KernelRun& run, auto tag) {
           using K = typename decltype(tag)::type;
+          if (machine.steps != nullptr) return;
           if constexpr (!Keep && is_velocity_derived<K>)
             if (is_as_declared<K>(run.variant)) return general.template inboard_derived<K>(run);
           if constexpr (!requires { typename K::Steps; })
@@ -382,10 +435,13 @@ struct AccelerationSweeps {
         });
   }
   MOMENTREE_INLINE void resolve(const Motion<T>& base) const {
+    if constexpr (std::is_same_v<T, double>)
+      if (machine.steps != nullptr) machine.steps->outboard(machine.arrays, base.v);
     each_velocity_run<Keep, false>(
         tree, [&](const KernelRun& run) { planar.outboard(run); },
         [&](const KernelRun& run, auto tag) {
           using K = typename decltype(tag)::type;
+          if (machine.steps != nullptr) return;
           if constexpr (!Keep && is_velocity_derived<K>)
             if (is_as_declared<K>(run.variant)) return general.template outboard_derived<K>(run, base);
           if constexpr (!requires { typename K::Steps; })

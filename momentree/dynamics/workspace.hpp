@@ -33,6 +33,7 @@ template <class T>
 struct BodyBias;
 struct PairWorkspace;
 struct LoopWorkspace;
+class StepTable;
 struct ContactWorkspace;
 
 /// Power at an instant (W): dissipated by dampers and absorbed by soft stops (including what they store), and work of efforts.
@@ -124,6 +125,7 @@ class Workspace : public WorkspaceStamps {
   detail::Untouched<int> path;            ///< scratch of topology changes that walk from a root to a body
   detail::Untouched<Kinematics<T>> bodies;
   std::unique_ptr<PairWorkspace, void (*)(PairWorkspace*)> pairs{nullptr, nullptr};           ///< only for double
+  std::unique_ptr<StepTable, void (*)(StepTable*)> steps{nullptr, nullptr};                   ///< only for double
   std::unique_ptr<LoopWorkspace, void (*)(LoopWorkspace*)> loops{nullptr, nullptr};           ///< only with closed loops
   std::unique_ptr<ContactWorkspace, void (*)(ContactWorkspace*)> contacts{nullptr, nullptr};  ///< only with contacts
 };

@@ -21,6 +21,8 @@ struct Kinematics {
 };
 
 namespace detail {
+std::unique_ptr<StepTable, void (*)(StepTable*)> make_step_table();
+
 template <class T>
 MOMENTREE_INLINE Untouched<T> untouched(std::size_t count) {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -50,6 +52,7 @@ Workspace<T>::Workspace(const Tree& tree)
   by_body(in_plane_child_sums), by_body(in_plane_parent_states), by_body(in_plane);
   by_body(motions), by_body(inboard_accelerations), by_body(reduced_bias_wrenches), by_body(loads), by_body(path);
   by_body(biases), by_body(carried), by_body(bodies);
+  if constexpr (std::is_same_v<T, double>) steps = detail::make_step_table();
   if constexpr (has_pair_lanes && std::is_same_v<T, double>) {
     pairs = {new PairWorkspace, [](PairWorkspace* all) { delete all; }};
     by_body(pairs->records), by_body(pairs->child_sums), by_body(pairs->parent_states);

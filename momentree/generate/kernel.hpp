@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <momentree/generate/expressions.hpp>
+#include <momentree/derive/expressions.hpp>
 #include <momentree/tree/state.hpp>
 
 namespace momentree {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <momentree/generate/kernel.hpp>
-#include <momentree/generate/symbolic.hpp>
+#include <momentree/derive/symbolic.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree::detail {

@@ -9,8 +9,8 @@
 #include <string>
 
 #include <momentree/joint/kinds.hpp>
-#include <tools/derive/steps.hpp>
-#include <tools/derive/velocity_steps.hpp>
+#include <momentree/derive/momentum_steps.hpp>
+#include <momentree/derive/velocity_steps.hpp>
 #include <tools/derive/writer.hpp>
 
 namespace {

@@ -8,7 +8,7 @@
 #include <map>
 #include <string>
 
-#include <tools/derive/recorder.hpp>
+#include <momentree/derive/recorder.hpp>
 
 namespace momentree::derive {
 

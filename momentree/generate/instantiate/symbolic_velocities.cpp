@@ -1,5 +1,5 @@
 #include <momentree/dynamics/derived_velocity.ipp>
-#include <momentree/generate/symbolic.hpp>
+#include <momentree/derive/symbolic.hpp>
 
 namespace momentree {
 template void sweep_velocities<Symbolic<false>, false>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,

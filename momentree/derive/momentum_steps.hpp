@@ -1,7 +1,7 @@
 #pragma once
 // The steps of both passes across a joint of any kind, as a text that runs on symbols: (22)–(26) and (16) inboard, (17), (27),
 // (21) and (20) outboard.
-#include <tools/derive/crossing.hpp>
+#include <momentree/derive/crossing.hpp>
 
 namespace momentree::derive {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include <tools/derive/recorder.hpp>
+#include <momentree/derive/recorder.hpp>
 
 namespace momentree::derive {
 

@@ -3,7 +3,7 @@
 #include <type_traits>
 
 #include <momentree/base/check.hpp>
-#include <momentree/generate/expressions.hpp>
+#include <momentree/derive/expressions.hpp>
 #include <momentree/joint/revolute_steps.hpp>
 #include <momentree/math/lanes.hpp>
 

@@ -4,7 +4,7 @@
 //
 // The accelerations are those of points, a = v̇ + ω × v at the body's origin. Then the wrench of a body's own motion and the bias
 // contain angular velocities only, and no linear velocities are found.
-#include <tools/derive/crossing.hpp>
+#include <momentree/derive/crossing.hpp>
 
 namespace momentree::derive {
 

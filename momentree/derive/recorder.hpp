@@ -1,10 +1,11 @@
 #pragma once
 // The expressions of one step: its inputs by name, its outputs in sections, and comments where a part begins.
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <momentree/generate/symbolic.hpp>
+#include <momentree/derive/symbolic.hpp>
 #include <momentree/joint/placement_shapes.hpp>
 
 namespace momentree::derive {
@@ -84,8 +85,11 @@ class Recorder {
 
   /// A number of the state, or handed over from another body.
   T number(const std::string& name) { return input(Operation::q, name, numbers); }
-  /// A constant of the link.
-  T constant(const std::string& name) { return input(Operation::p, name, constants); }
+  /// A constant of the link; a number if its value is known.
+  T constant(const std::string& name) {
+    if (const std::optional<double> value = known_value ? known_value(name) : std::nullopt) return T(*value);
+    return input(Operation::p, name, constants);
+  }
   Vector3<T> numbers_of(const std::string& name) { return {number(name + ".x"), number(name + ".y"), number(name + ".z")}; }
   Vector3<T> constants_of(const std::string& name) {
     return {constant(name + ".x"), constant(name + ".y"), constant(name + ".z")};
@@ -94,6 +98,7 @@ class Recorder {
   void known(T value, const std::string& name) { names.emplace_back(value.node(), name); }
   int size() const { return static_cast<int>(expressions.nodes().size()); }
 
+  std::function<std::optional<double>(const std::string&)> known_value{};
   Expressions expressions;
   std::vector<std::string> numbers, constants;
   std::vector<std::pair<int, std::string>> names;

@@ -1,4 +1,4 @@
-#include <momentree/generate/expressions.hpp>
+#include <momentree/derive/expressions.hpp>
 
 #include <doctest/doctest.h>
 

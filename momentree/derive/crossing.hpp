@@ -10,8 +10,9 @@
 #include <string>
 #include <vector>
 
+#include <momentree/derive/elimination.hpp>
 #include <momentree/joint/derived_steps.hpp>
-#include <tools/derive/elimination.hpp>
+#include <momentree/joint/screw_kernels.hpp>
 
 namespace momentree::derive {
 

@@ -1,0 +1,88 @@
+#pragma once
+// One step of a kind of joint, recorded for a link: from the kind's own functions to functions that can become machine code.
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <momentree/derive/recorder.hpp>
+#include <momentree/derive/step_arguments.hpp>
+#include <momentree/joint/derived_steps.hpp>
+#include <momentree/joint/joint.hpp>
+#include <momentree/machine/function.hpp>
+
+namespace momentree::derive {
+
+/// The constants of a link that steps read.
+struct LinkNumbers {
+  std::array<double, 29> placement_and_body{};  ///< from cos_a to R0
+  std::array<double, 6> angle_and_geometry{};   ///< from cos_0 to geometry
+  double armature = 0;                          ///< of the joint's only DoF (kg m², kg)
+};
+[[nodiscard]] LinkNumbers numbers_of(const LinkConstants& link, double armature);
+[[nodiscard]] bool same_numbers(const LinkNumbers& numbers, const LinkConstants& link, double armature);
+
+/// Which steps a body has: the kind of its joint, its place, and which of its constants are 0, 1 or −1.
+struct StepKey {
+  Kind kind{};
+  bool armature = false;
+  BodyPlace place{};
+  PlacementShape shape{};
+  std::array<std::uint64_t, 2> pattern{};
+  friend auto operator<=>(const StepKey&, const StepKey&) = default;
+};
+/// Without the pattern of the constants.
+[[nodiscard]] StepKey key_of(Kind kind, bool armature, BodyPlace place, const LinkConstants& link);
+void add_pattern(const LinkNumbers& numbers, StepKey& key);
+/// Whether joints of this kind that are used like this have steps: as declared, or with an armature if the kind has kernels for
+/// it.
+[[nodiscard]] bool has_steps(Kind kind, Variant variant);
+
+/// How a pass hands on its numbers. Outward, a body whose parent comes directly before it can find them in registers.
+struct Handing {
+  bool adds = false;          ///< inward, to the contributions of other children
+  bool in_registers = false;  ///< outward, from the parent
+  bool to_registers = false;  ///< outward, to the child that comes next
+  bool to_memory = true;      ///< outward, to others
+  friend bool operator==(const Handing&, const Handing&) = default;
+};
+
+/// The steps of a key in velocities: outward, inward, outward.
+class Step {
+ public:
+  static constexpr std::size_t passes = 3;
+
+  explicit Step(const StepKey& key);
+
+  /// Numbers that its passes store for later ones.
+  int record() const { return static_cast<int>(record_.size()); }
+  /// Numbers that follow from the link's.
+  std::size_t constants() const { return constants_.size(); }
+  void find_constants(const LinkNumbers& link, double* to) const;
+  /// A pass as a function with the arguments of StepFunction.
+  [[nodiscard]] machine::Function function(std::size_t pass, const Handing& how, const machine::Target& target) const;
+
+ private:
+  friend class Lowering;
+  /// Of an expression: a number, a constant of the link, or a number of the state.
+  enum class Level : std::uint8_t { number, link, state };
+  struct Constant {
+    Operation operation = Operation::constant;
+    int a = 0, b = 0;  ///< of an operation: earlier ones; of an input: a number of the link
+    double value = 0;
+  };
+
+  void find_levels();
+  void find_constants();
+
+  std::unique_ptr<Recorder> in_;
+  Derived steps_;
+  std::vector<Level> levels_;
+  std::vector<int> record_;         ///< expressions
+  std::vector<int> place_;          ///< by expression: where it is in the record; −1: nowhere
+  std::vector<Constant> program_;   ///< finds the constants
+  std::vector<int> constants_;      ///< places in the program
+  std::vector<int> constant_slot_;  ///< by expression; −1: it is no constant that a pass reads
+};
+
+}  // namespace momentree::derive

@@ -1,0 +1,34 @@
+#pragma once
+// Memory for machine code. It is mapped twice: where it is executed it can't be written.
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <span>
+
+namespace momentree::machine {
+
+/// Makes a fork wait for the mutex, which is then free in both processes: no other thread holds it there. For one mutex.
+void hold_at_forks(std::mutex& mutex) noexcept;
+
+/// Code memory of this process. Not thread-safe.
+class CodeMemory {
+ public:
+  CodeMemory() = default;
+  CodeMemory(const CodeMemory&) = delete;
+  CodeMemory& operator=(const CodeMemory&) = delete;
+  /// Leaves the code in place: pointers to it live as long as the process.
+  ~CodeMemory() = default;
+
+  /// Puts bytes at a multiple of 64 where they can be executed; null if the system refuses such memory.
+  [[nodiscard]] const std::uint8_t* put(std::span<const std::uint8_t> bytes) noexcept;
+
+ private:
+  bool map(std::size_t least) noexcept;
+
+  std::uint8_t* written_ = nullptr;
+  const std::uint8_t* executed_ = nullptr;
+  std::size_t used_ = 0, size_ = 0;
+  long process_ = 0;  ///< which can write there: a forked process has memory of its own for new code
+};
+
+}  // namespace momentree::machine
