@@ -68,24 +68,21 @@ void project(const LawNewton::Point& law, const double* y, double* r, std::array
 
 }  // namespace
 
-void LawNewton::clear(const std::vector<int>& sizes) {
+void LawMatrix::clear(const std::vector<int>& sizes) {
   sizes_ = sizes;
-  points_.clear();
-  prepared_ = false;
+  points.clear();
 }
 
-void LawNewton::prepare() {
-  if (std::exchange(prepared_, true)) return;
+void LawMatrix::prepare() {
   matrix_.clear(sizes_);
-  A_.assign(points_.size(), {}), K_.assign(points_.size(), {});
-  const bool moments = std::ranges::any_of(points_, [](const Point& point) { return point.pressed_by >= 0; });
-  G_.assign(moments ? points_.size() : 0, {});
-  tangential_.resize(points_.size()), normal_.resize(points_.size());
-  scale_ = 0;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Point& point = points_[i];
+  A.assign(points.size(), {}), K.assign(points.size(), {});
+  const bool moments = std::ranges::any_of(points, [](const Point& point) { return point.pressed_by >= 0; });
+  G.assign(moments ? points.size() : 0, {});
+  tangential.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point& point = points[i];
     if (point.parts[0].block >= 0 && point.parts[1].block >= 0) matrix_.connect(point.parts[0].block, point.parts[1].block);
-    std::array<double, 9>& A = A_[i];
+    std::array<double, 9>& own = A[i];
     for (const Part& one : point.parts)
       for (const Part& other : point.parts) {
         if (one.block < 0 || one.block != other.block) continue;
@@ -93,32 +90,29 @@ void LawNewton::prepare() {
         for (std::size_t row = 0; row < 3; ++row)
           for (std::size_t column = 0; column < 3; ++column)
             for (std::size_t k = 0; k < n; ++k)
-              A[3 * row + column] += one.J[row * n + k] * other.Y[column * whole + at(one.first) + k];
+              own[3 * row + column] += one.J[row * n + k] * other.Y[column * whole + at(one.first) + k];
       }
-    tangential_[i] = 0.5 * (A[4] + A[8] + length_of(A[4] - A[8], A[5] + A[7]));
-    if (point.pressed_by >= 0 && !(A[0] > 0)) A[0] = tangential_[i];
-    for (const double b : point.b) scale_ = std::max(scale_, std::fabs(b));
-    scale_ = std::max(scale_, point.least * A[0]);
+    tangential[i] = 0.5 * (own[4] + own[8] + length_of(own[4] - own[8], own[5] + own[7]));
+    if (point.pressed_by >= 0 && !(own[0] > 0)) own[0] = tangential[i];
   }
   matrix_.analyse();
-  x_.resize(matrix_.unknowns()), w_.resize(3 * points_.size()), c_.resize(3 * points_.size());
+  x_.resize(matrix_.unknowns()), c.resize(3 * points.size());
 }
 
-// (C1): w_ = b + J Σ Y r.
-void LawNewton::find_velocities(const double* r) {
-  for (std::size_t i = 0; i < points_.size(); ++i) std::copy_n(points_[i].b.data(), 3, w_.data() + 3 * i);
-  find_change(r, w_.data());
+void LawMatrix::find_velocities(const double* r, std::vector<double>& w) {
+  w.resize(3 * points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) std::copy_n(points[i].b.data(), 3, w.data() + 3 * i);
+  add_change(r, w.data());
 }
 
-// Adds J Σ Y r to w.
-void LawNewton::find_change(const double* r, double* w) {
+void LawMatrix::add_change(const double* r, double* w) {
   std::fill(x_.begin(), x_.end(), 0.0);
-  for (std::size_t i = 0; i < points_.size(); ++i) add_motion(points_[i], r + 3 * i);
-  for (std::size_t i = 0; i < points_.size(); ++i) add_velocity(points_[i], w + 3 * i);
+  for (std::size_t i = 0; i < points.size(); ++i) add_motion(points[i], r + 3 * i);
+  for (std::size_t i = 0; i < points.size(); ++i) add_velocity(points[i], w + 3 * i);
 }
 
 // Adds Σ Y r of a point to x_.
-void LawNewton::add_motion(const Point& point, const double* r) {
+void LawMatrix::add_motion(const Point& point, const double* r) {
   for (const Part& part : point.parts)
     if (part.block >= 0)
       sized(size_of(part), [&](auto n) {
@@ -128,7 +122,7 @@ void LawNewton::add_motion(const Point& point, const double* r) {
 }
 
 // Adds J x_ of a point to w.
-void LawNewton::add_velocity(const Point& point, double* w) const {
+void LawMatrix::add_velocity(const Point& point, double* w) const {
   for (const Part& part : point.parts)
     if (part.block >= 0)
       sized(at(part.count), [&](auto n) {
@@ -141,7 +135,7 @@ void LawNewton::add_velocity(const Point& point, double* w) const {
 }
 
 // Adds Y K J to the matrix: impulses of a point by velocities of another, or of itself.
-void LawNewton::add_matrix(const Point& point, const Point& by, const std::array<double, 9>& K) {
+void LawMatrix::add_matrix(const Point& point, const Point& by, const std::array<double, 9>& factors) {
   for (const Part& other : by.parts) {
     if (other.block < 0) continue;
     KJ_.resize(3 * at(other.count));
@@ -149,7 +143,8 @@ void LawNewton::add_matrix(const Point& point, const Point& by, const std::array
     sized(at(other.count), [&](auto n) {
       for (std::size_t k = 0; k < 3; ++k)
         for (std::size_t j = 0; j < n; ++j)
-          KJ[k * n + j] = K[3 * k] * other.J[j] + K[3 * k + 1] * other.J[n + j] + K[3 * k + 2] * other.J[2 * n + j];
+          KJ[k * n + j] =
+              factors[3 * k] * other.J[j] + factors[3 * k + 1] * other.J[n + j] + factors[3 * k + 2] * other.J[2 * n + j];
     });
     for (const Part& part : point.parts) {
       if (part.block < 0) continue;
@@ -160,15 +155,50 @@ void LawNewton::add_matrix(const Point& point, const Point& by, const std::array
   }
 }
 
-// (C3) with yield (C5) at the velocities w_: F = a (r − P(r − w/a)). Returns Σ |F|²/a. With c_ and K_ its derivative: F vanishes
+bool LawMatrix::solve(std::vector<double>& step) {
+  matrix_.reset();
+  std::fill(x_.begin(), x_.end(), 0.0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    add_motion(points[i], c.data() + 3 * i);
+    if (K[i] != std::array<double, 9>{}) add_matrix(points[i], points[i], K[i]);
+    if (points[i].pressed_by >= 0) add_matrix(points[i], points[at(points[i].pressed_by)], G[i]);
+  }
+  if (!matrix_.factorise()) return false;
+  matrix_.solve(x_.data());
+  step = c;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    double dw[3] = {};
+    add_velocity(points[i], dw);
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t l = 0; l < 3; ++l) step[3 * i + k] -= K[i][3 * k + l] * dw[l];
+    if (points[i].pressed_by < 0) continue;
+    double pressing[3] = {};
+    add_velocity(points[at(points[i].pressed_by)], pressing);
+    for (std::size_t k = 0; k < 3; ++k) step[3 * i + k] -= G[i][3 * k] * pressing[0];
+  }
+  return std::ranges::all_of(step, [](double x) { return std::isfinite(x); });
+}
+
+void LawNewton::prepare() {
+  if (std::exchange(prepared_, true)) return;
+  law_.prepare();
+  normal_.resize(law_.points.size());
+  scale_ = 0;
+  for (std::size_t i = 0; i < law_.points.size(); ++i) {
+    for (const double b : law_.points[i].b) scale_ = std::max(scale_, std::fabs(b));
+    scale_ = std::max(scale_, law_.points[i].least * law_.A[i][0]);
+  }
+}
+
+// (C3) with yield (C5) at the velocities w_: F = a (r − P(r − w/a)). Returns Σ |F|²/a. With c and K its derivative: F vanishes
 // for Δr = c − K Δw, to first order.
 double LawNewton::natural_map(const double* r, bool linearise) {
   double square = 0;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Point& point = points_[i];
+  for (std::size_t i = 0; i < law_.points.size(); ++i) {
+    const Point& point = law_.points[i];
     const bool moment = point.pressed_by >= 0;
     const std::size_t by = moment ? at(point.pressed_by) : i;
-    const double *const own = r + 3 * i, a = A_[i][0], d = tangential_[i], mu = point.friction;
+    const double *const own = r + 3 * i, a = law_.A[i][0], d = law_.tangential[i], mu = point.friction;
     double w[3];
     for (std::size_t k = 0; k < 3; ++k) w[k] = w_[3 * i + k] + yield_ * (k == 0 ? a : d) * (own[k] - centre_[3 * i + k]);
     const double free = own[0] - w[0] / a;
@@ -177,17 +207,17 @@ double LawNewton::natural_map(const double* r, bool linearise) {
     const double twist = point.torsion * normal_[i], bound = moment ? std::clamp(free, -twist, twist) : point.least;
     const bool pressed = moment ? std::fabs(free) < twist : free > point.least;
     const double most = mu * normal_[i];
-    double* const c = c_.data() + 3 * i;
-    std::array<double, 9>& K = K_[i];
+    double* const c = law_.c.data() + 3 * i;
+    std::array<double, 9>& K = law_.K[i];
     double F[3] = {pressed ? w[0] : a * (own[0] - bound), d * own[1], d * own[2]};
     // Bounds follow ΔN = c − K Δw of the point that presses.
     const auto follows = [&](std::size_t row, double part) {
-      (moment ? G_ : K_)[i][3 * row] = part * K_[by][0];
-      return part * (r[3 * by] + c_[3 * by]);
+      (moment ? law_.G : law_.K)[i][3 * row] = part * law_.K[by][0];
+      return part * (r[3 * by] + law_.c[3 * by]);
     };
     if (linearise) {
       K = {};
-      if (moment) G_[i] = {};
+      if (moment) law_.G[i] = {};
       c[0] = pressed ? -w[0] / (yield_ * a) : bound - own[0], c[1] = -own[1], c[2] = -own[2];
       K[0] = pressed ? 1 / (yield_ * a) : 0;
       if (moment && !pressed) c[0] = follows(0, std::copysign(point.torsion, free)) - own[0];
@@ -220,16 +250,16 @@ double LawNewton::natural_map(const double* r, bool linearise) {
 
 double LawNewton::residual(const double* r) {
   prepare();
-  find_velocities(r);
+  law_.find_velocities(r, w_);
   return violation(r);
 }
 
 // The largest violation of (C3) at the velocities w_.
 double LawNewton::violation(const double* r) const {
   double worst = 0;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Point& point = points_[i];
-    const double *const own = r + 3 * i, *const w = w_.data() + 3 * i, a = A_[i][0], d = tangential_[i];
+  for (std::size_t i = 0; i < law_.points.size(); ++i) {
+    const Point& point = law_.points[i];
+    const double *const own = r + 3 * i, *const w = w_.data() + 3 * i, a = law_.A[i][0], d = law_.tangential[i];
     const double N = std::max(point.pressed_by >= 0 ? r[3 * point.pressed_by] : own[0], 0.0);
     const double most = point.friction * N, twist = point.torsion * N, unit = d > 0 ? d : a;
     const double t1 = own[1] - w[1] / unit, t2 = own[2] - w[2] / unit, size = length_of(t1, t2);
@@ -245,43 +275,19 @@ double LawNewton::violation(const double* r) const {
   return scale_ > 0 ? worst / scale_ : worst;
 }
 
-// (C4): Δr of the linearised law, in step_.
-bool LawNewton::find_step() {
-  matrix_.reset();
-  std::fill(x_.begin(), x_.end(), 0.0);
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    add_motion(points_[i], c_.data() + 3 * i);
-    if (K_[i] != std::array<double, 9>{}) add_matrix(points_[i], points_[i], K_[i]);
-    if (points_[i].pressed_by >= 0) add_matrix(points_[i], points_[at(points_[i].pressed_by)], G_[i]);
-  }
-  if (!matrix_.factorise()) return false;
-  matrix_.solve(x_.data());
-  step_ = c_;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    double dw[3] = {};
-    add_velocity(points_[i], dw);
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t l = 0; l < 3; ++l) step_[3 * i + k] -= K_[i][3 * k + l] * dw[l];
-    if (points_[i].pressed_by < 0) continue;
-    double pressing[3] = {};
-    add_velocity(points_[at(points_[i].pressed_by)], pressing);
-    for (std::size_t k = 0; k < 3; ++k) step_[3 * i + k] -= G_[i][3 * k] * pressing[0];
-  }
-  return std::ranges::all_of(step_, [](double x) { return std::isfinite(x); });
-}
-
 // The law itself, with yield about centre_: steps from r_ are halved until |F| decreases. Where it hardly does, a whole step
 // leaves the local minimum. False if no solution was found.
 bool LawNewton::newton() {
   double inertia = 0;  // Σ 1/a
-  for (const std::array<double, 9>& A : A_) inertia += 1 / A[0];
+  for (const std::array<double, 9>& A : law_.A) inertia += 1 / A[0];
   const double small = std::max(vanishing, 0.1 * accuracy_) * scale_;
   const auto map = [this](bool linearise) {
-    find_velocities(r_.data());
+    law_.find_velocities(r_.data(), w_);
     return natural_map(r_.data(), linearise);
   };
   double now = map(true);
-  for (int k = 0, flat = 0; k < most_newton_steps && now > small * small * inertia && flat < most_flat && find_step(); ++k) {
+  for (int k = 0, flat = 0; k < most_newton_steps && now > small * small * inertia && flat < most_flat && law_.solve(step_);
+       ++k) {
     from_ = r_;
     const auto step_to = [&](double length) {
       for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = from_[i] + length * step_[i];
@@ -300,13 +306,13 @@ bool LawNewton::newton() {
   return now <= small * small * inertia;
 }
 
-// (C6) of a point with velocity w; with K_ the derivative.
+// (C6) of a point with velocity w; with K the derivative.
 void LawNewton::find_nearest(std::size_t point, const double* w, double* r, bool linearise) {
-  const double delta = yield_ * std::max(A_[point][0], tangential_[point]);
+  const double delta = yield_ * std::max(law_.A[point][0], law_.tangential[point]);
   double y[3];
   for (std::size_t k = 0; k < 3; ++k) y[k] = centre_[3 * point + k] - (w[k] + (k == 0 ? shift_[point] : 0)) / delta;
   std::array<double, 9> H{};
-  if (const Point& law = points_[point]; law.slipping) {  // with the friction of the last solution
+  if (const Point& law = law_.points[point]; law.slipping) {  // with the friction of the last solution
     r[0] = std::max(law.least, y[0]), H[0] = y[0] > law.least ? 1 : 0;
     for (std::size_t k = 0; k < 2; ++k) r[k + 1] = -law.friction * std::max(law.least, centre_[3 * point]) * law.direction[k];
   } else if (law.pressed_by >= 0) {  // moments within bounds of the last solution
@@ -317,13 +323,13 @@ void LawNewton::find_nearest(std::size_t point, const double* w, double* r, bool
     project(law, y, r, H);
   }
   if (!linearise) return;
-  for (std::size_t k = 0; k < 9; ++k) K_[point][k] = H[k] / delta;
+  for (std::size_t k = 0; k < 9; ++k) law_.K[point][k] = H[k] / delta;
 }
 
 // The slope of the function that (C6) minimises, that far along the step: (r − Π)ᵀ Δw.
 double LawNewton::slope(double length) {
   double sum = 0;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
+  for (std::size_t i = 0; i < law_.points.size(); ++i) {
     double w[3], to[3];
     for (std::size_t k = 0; k < 3; ++k) w[k] = w_[3 * i + k] + length * moved_[3 * i + k];
     find_nearest(i, w, to, false);
@@ -352,21 +358,21 @@ double LawNewton::find_length() {
 double LawNewton::minimise() {
   double off = 0;
   for (int step = 0; step < most_newton_steps; ++step) {
-    find_velocities(r_.data());
+    law_.find_velocities(r_.data(), w_);
     double size = 0;
     off = 0;
-    for (std::size_t i = 0; i < points_.size(); ++i) {
+    for (std::size_t i = 0; i < law_.points.size(); ++i) {
       double to[3];
       find_nearest(i, w_.data() + 3 * i, to, true);
       for (std::size_t k = 0; k < 3; ++k) {
-        c_[3 * i + k] = to[k] - r_[3 * i + k];
-        off = std::max(off, std::fabs(c_[3 * i + k])), size = std::max(size, std::fabs(to[k]));
+        law_.c[3 * i + k] = to[k] - r_[3 * i + k];
+        off = std::max(off, std::fabs(law_.c[3 * i + k])), size = std::max(size, std::fabs(to[k]));
       }
     }
     if (size > 0) off /= size;
-    if (off < minimal || !find_step()) break;
+    if (off < minimal || !law_.solve(step_)) break;
     moved_.assign(r_.size(), 0.0);
-    find_change(step_.data(), moved_.data());
+    law_.add_change(step_.data(), moved_.data());
     const double length = find_length();
     for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += length * step_[i];
   }
@@ -382,7 +388,7 @@ double LawNewton::take_whole_steps(double accuracy, double enough) {
   for (int k = 0, idle = 0; k < most_whole_steps && best > accuracy && (best > enough || idle < most_idle_steps); ++k) {
     yield_ = std::clamp(10 * now, least_whole_yield, most_yield), centre_ = r_;
     natural_map(r_.data(), true);
-    if (!find_step()) break;
+    if (!law_.solve(step_)) break;
     for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += step_[i];
     now = residual(r_.data());
     ++idle;
@@ -402,18 +408,18 @@ double LawNewton::take_shorter_steps(double best, double accuracy) {
     return now;
   };
   yield_ = first_yield, accuracy_ = accuracy;
-  shift_.assign(points_.size(), 0.0);
+  shift_.assign(law_.points.size(), 0.0);
   double shrink = 0.1;
   bool nearby = std::any_of(r_.begin(), r_.end(), [](double x) { return x != 0; });  // Newton's method converges from r_
   for (int k = 0, idle = 0; k < most_problems && best > accuracy && idle < most_idle; ++k) {
     const double before = best;
     centre_ = r_;
     if (!nearby) {
-      find_velocities(r_.data());
+      law_.find_velocities(r_.data(), w_);
       // At first s = 0: where nothing slips then, the law is obeyed. Later half of the change, since s may alternate.
-      for (std::size_t i = 0; i < points_.size() && k > 0; ++i)
-        if (points_[i].pressed_by < 0)
-          shift_[i] = 0.5 * (shift_[i] + points_[i].friction * length_of(w_[3 * i + 1], w_[3 * i + 2]));
+      for (std::size_t i = 0; i < law_.points.size() && k > 0; ++i)
+        if (law_.points[i].pressed_by < 0)
+          shift_[i] = 0.5 * (shift_[i] + law_.points[i].friction * length_of(w_[3 * i + 1], w_[3 * i + 2]));
       if (minimise() > far) {  // more slowly
         r_ = centre_, yield_ = std::min(5 * yield_, 1.0), shrink = 0.4;
         continue;
@@ -433,9 +439,9 @@ double LawNewton::take_shorter_steps(double best, double accuracy) {
 }
 
 double LawNewton::solve(double* r, double accuracy, double enough) {
-  if (points_.empty()) return 0;
+  if (law_.points.empty()) return 0;
   prepare();
-  r_.assign(r, r + 3 * points_.size());
+  r_.assign(r, r + 3 * law_.points.size());
   double best = take_whole_steps(accuracy, enough);
   if (best > enough) best = take_shorter_steps(best, enough);
   take_best(r);
@@ -443,9 +449,9 @@ double LawNewton::solve(double* r, double accuracy, double enough) {
 }
 
 double LawNewton::solve_carefully(double* r, double accuracy) {
-  if (points_.empty()) return 0;
+  if (law_.points.empty()) return 0;
   prepare();
-  best_.assign(r, r + 3 * points_.size());
+  best_.assign(r, r + 3 * law_.points.size());
   const double best = take_shorter_steps(residual(r), accuracy);
   take_best(r);
   return best;
@@ -453,8 +459,8 @@ double LawNewton::solve_carefully(double* r, double accuracy) {
 
 // Rounding leaves no pull and no friction beyond the cone.
 void LawNewton::take_best(double* r) {
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Point& point = points_[i];
+  for (std::size_t i = 0; i < law_.points.size(); ++i) {
+    const Point& point = law_.points[i];
     double* const own = best_.data() + 3 * i;
     const double N = point.pressed_by >= 0 ? best_[3 * at(point.pressed_by)] : std::max(own[0], point.least);
     own[0] = point.pressed_by >= 0 ? std::clamp(own[0], -point.torsion * N, point.torsion * N) : N;

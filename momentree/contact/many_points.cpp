@@ -35,12 +35,21 @@ void add_rows(N n, const double* __restrict rows, double r0, double r1, double r
 
 }  // namespace
 
-void ManyPoints::clear(int dofs, int groups, int bodies) {
+void MovedPoints::clear(int dofs, int groups, int bodies) {
   dofs_ = dofs;
   links.clear(bodies, groups);
-  moved_.x.clear();
-  blocks_.clear();
-  points.clear(), J.clear(), Y.clear(), b.clear(), r.clear();
+  trial_.x.clear();
+  points.clear(), J.clear(), Y.clear();
+}
+
+LinksMotion& MovedPoints::unmoved() {
+  if (trial_.x.empty()) start(trial_);
+  return trial_;
+}
+
+void ManyPoints::clear(int dofs, int groups, int bodies) {
+  MovedPoints::clear(dofs, groups, bodies);
+  blocks_.clear(), b.clear(), r.clear();
   parent_.resize(static_cast<std::size_t>(groups));
   std::iota(parent_.begin(), parent_.end(), 0);
 }
@@ -55,7 +64,7 @@ int ManyPoints::root(int group) {
 }
 
 // Groups that share a point are in one island. Islands, and the points in them, are in the order of the points.
-void ManyPoints::find_islands() {
+void ManyPoints::prepare() {
   for (const Point& point : points) {
     if (point.parts[0].group < 0 || point.parts[1].group < 0) continue;
     const int one = root(point.parts[0].group), other = root(point.parts[1].group);
@@ -71,9 +80,6 @@ void ManyPoints::find_islands() {
   ends_.clear();
   for (std::size_t k = 1; k <= order_.size(); ++k)
     if (k == order_.size() || island(order_[k]) != island(order_[k - 1])) ends_.push_back(k);
-}
-
-void ManyPoints::find_blocks() {
   blocks_.assign(points.size(), {});
   tangential_.resize(points.size()), inverses_.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -83,19 +89,24 @@ void ManyPoints::find_blocks() {
   }
 }
 
-std::array<double, 9> ManyPoints::block(std::size_t point) {
+ManyPoints::Island ManyPoints::island(std::size_t number) const {
+  const std::size_t first = number == 0 ? 0 : ends_[number - 1];
+  return {order_.data() + first, ends_[number] - first};
+}
+
+std::array<double, 9> MovedPoints::block(std::size_t point) {
   std::array<double, 9> A{};
   const auto& parts = points[point].parts;
   if (parts[0].link >= 0 && parts[0].group == parts[1].group) {  // two bodies of one mechanism
-    if (moved_.x.empty()) links.start(moved_, dofs_);
+    LinksMotion& trial = unmoved();
     for (std::size_t column = 0; column < 3; ++column) {
       double impulse[3] = {}, w[3];
       impulse[column] = 1;
-      add(point, impulse, moved_);
-      all_along(point, moved_, w);
+      add(point, impulse, trial);
+      all_along(point, trial, w);
       for (std::size_t row = 0; row < 3; ++row) A[3 * row + column] = w[row];
       impulse[column] = -1;
-      add(point, impulse, moved_);
+      add(point, impulse, trial);
     }
     return A;
   }
@@ -110,12 +121,15 @@ std::array<double, 9> ManyPoints::block(std::size_t point) {
   return A;
 }
 
-void ManyPoints::forget(const Part& part, LinksMotion& motion) const {
-  if (part.link >= 0) return links.forget(part.group, motion);
-  std::fill_n(motion.x.begin() + part.first, part.count, 0.0);
+void MovedPoints::forget(std::size_t point, LinksMotion& motion) const {
+  for (const Part& part : points[point].parts)
+    if (part.link >= 0)
+      links.forget(part.group, motion);
+    else
+      std::fill_n(motion.x.begin() + part.first, part.count, 0.0);
 }
 
-double ManyPoints::along(std::size_t point, std::size_t row, LinksMotion& motion) {
+double MovedPoints::along(std::size_t point, std::size_t row, LinksMotion& motion) {
   double sum = 0;
   for (const Part& part : points[point].parts) {
     if (part.link >= 0) links.walk(motion, part.link);
@@ -127,7 +141,7 @@ double ManyPoints::along(std::size_t point, std::size_t row, LinksMotion& motion
 }
 
 // All three rows in one pass: most of the time of the sweeps is spent here.
-void ManyPoints::all_along(std::size_t point, LinksMotion& motion, double* w) {
+void MovedPoints::all_along(std::size_t point, LinksMotion& motion, double* w) {
   double sum[3] = {};
   for (const Part& part : points[point].parts) {
     if (part.link >= 0) links.walk(motion, part.link);
@@ -141,7 +155,7 @@ void ManyPoints::all_along(std::size_t point, LinksMotion& motion, double* w) {
   w[0] = sum[0], w[1] = sum[1], w[2] = sum[2];
 }
 
-void ManyPoints::add(std::size_t point, const double* impulse, LinksMotion& motion) {
+void MovedPoints::add(std::size_t point, const double* impulse, LinksMotion& motion) {
   for (const Part& part : points[point].parts) {
     if (part.link >= 0) {
       links.walk(motion, part.link);
@@ -240,12 +254,11 @@ double ManyPoints::relax_moments(std::size_t point, const std::vector<double>& s
 // Sweeps in both directions carry loads down and up a pile, from the impulses of the last step. Where they do not converge at
 // once, Newton's method goes on. What rests must not move: what had no impulses before is exact at once, and otherwise the
 // residual of the guess is squared. Returns the residual.
-double ManyPoints::find_impulses(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                                 std::vector<double>& impulses) {
+double ManyPoints::find_impulses(Island island, const std::vector<double>& start, std::vector<double>& impulses) {
   double scale = 0, change = 0, wanted = at_rest;
-  const bool fresh = std::all_of(first, last, [&](std::size_t i) { return impulses[3 * i] == 0; });
-  for (const std::size_t* p = first; p != last; ++p)
-    for (std::size_t k = 0; k < 3; ++k) scale = std::max(scale, std::fabs(start[3 * *p + k]));
+  const bool fresh = std::ranges::all_of(island, [&](std::size_t i) { return impulses[3 * i] == 0; });
+  for (const std::size_t p : island)
+    for (std::size_t k = 0; k < 3; ++k) scale = std::max(scale, std::fabs(start[3 * p + k]));
   const auto visit = [&](std::size_t i) {
     const double own = relax(i, start, impulses);
     change = std::max(change, own - LawNewton::round_off * blocks_[i][0] * std::fabs(impulses[3 * i]));
@@ -253,48 +266,47 @@ double ManyPoints::find_impulses(const std::size_t* first, const std::size_t* la
   for (int k = 1;; ++k) {
     change = 0;
     if (k % 2 == 1)
-      std::for_each(first, last, visit);
+      std::ranges::for_each(island, visit);
     else
-      std::for_each(std::make_reverse_iterator(last), std::make_reverse_iterator(first), visit);
+      std::for_each(island.rbegin(), island.rend(), visit);
     if (!(scale > 0)) return 0;
     if (k == 1 && !fresh) wanted = std::clamp(change * change / (scale * scale), at_rest, accuracy_);
     if (!(change > wanted * scale) || k == most_sweeps) return change / scale;
-    if (k == first_sweeps && begin_newton(first, last, start, false))
-      return solve_exactly(first, last, impulses, wanted, fresh ? wanted : accuracy_);
+    if (k != first_sweeps || !newton_.begin(*this, island, blocks_, tangential_, start, &least_)) continue;
+    const double residual = newton_.solve(impulses, 3, wanted, fresh ? wanted : accuracy_);
+    restart(island, impulses);
+    return residual;
   }
 }
 
-double ManyPoints::energy_change(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                                 const std::vector<double>& impulses) {
+double ManyPoints::energy_change(Island island, const std::vector<double>& start, const std::vector<double>& impulses) {
   double sum = 0;
-  for (const std::size_t* p = first; p != last; ++p)
-    for (std::size_t k = 0; k < 3; ++k) sum += impulses[3 * *p + k] * (start[3 * *p + k] + 0.5 * along(*p, k, change_));
+  for (const std::size_t p : island)
+    for (std::size_t k = 0; k < 3; ++k) sum += impulses[3 * p + k] * (start[3 * p + k] + 0.5 * along(p, k, change_));
   return sum;
 }
 
 // change_ of the points of an island.
-void ManyPoints::restart(const std::size_t* first, const std::size_t* last, const std::vector<double>& impulses) {
-  for (const std::size_t* p = first; p != last; ++p)
-    for (const Part& part : points[*p].parts) forget(part, change_);
-  for (const std::size_t* p = first; p != last; ++p) add(*p, impulses.data() + 3 * *p, change_);
+void ManyPoints::restart(Island island, const std::vector<double>& impulses) {
+  for (const std::size_t p : island) forget(p, change_);
+  for (const std::size_t p : island) add(p, impulses.data() + 3 * p, change_);
 }
 
 // Impulses that were not found exactly may add energy: then less of them is applied. Returns the largest velocity that is left
 // out, relative to the largest one before.
-double ManyPoints::lose_energy(const std::size_t* first, const std::size_t* last, const std::vector<double>& start,
-                               std::vector<double>& impulses) {
-  if (!(energy_change(first, last, start, impulses) > 0)) return 0;
+double ManyPoints::lose_energy(Island island, const std::vector<double>& start, std::vector<double>& impulses) {
+  if (!(energy_change(island, start, impulses) > 0)) return 0;
   double rate = 0, size = 0, fastest = 0, scale = 0;
-  for (const std::size_t* p = first; p != last; ++p)
+  for (const std::size_t p : island)
     for (std::size_t k = 0; k < 3; ++k) {
-      const double before = start[3 * *p + k], gained = along(*p, k, change_);
-      rate += impulses[3 * *p + k] * before, size += impulses[3 * *p + k] * gained;
+      const double before = start[3 * p + k], gained = along(p, k, change_);
+      rate += impulses[3 * p + k] * before, size += impulses[3 * p + k] * gained;
       scale = std::max(scale, std::fabs(before)), fastest = std::max(fastest, std::fabs(gained));
     }
   const double part = rate < 0 && size > 0 ? std::min(1.0, -rate / size) : 0.0;
-  for (const std::size_t* p = first; p != last; ++p)
-    for (std::size_t k = 0; k < 3; ++k) impulses[3 * *p + k] *= part;
-  restart(first, last, impulses);
+  for (const std::size_t p : island)
+    for (std::size_t k = 0; k < 3; ++k) impulses[3 * p + k] *= part;
+  restart(island, impulses);
   return scale > 0 ? (1 - part) * fastest / scale : 1 - part;
 }
 
@@ -305,76 +317,76 @@ void ManyPoints::velocities(std::vector<double>& w) {
 }
 
 LinksMotion& ManyPoints::displacement(const std::vector<double>& factors) {
-  links.start(shift_, dofs_);
+  start(moved_);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double scaled[3] = {factors[i] * r[3 * i], factors[i] * r[3 * i + 1], factors[i] * r[3 * i + 2]};
-    add(i, scaled, shift_);
+    add(i, scaled, moved_);
   }
-  return shift_;
+  return moved_;
 }
 
 // What stops a body in a step also carries its weight, where points that carry the body below press the two together. It is not
 // returned: otherwise bodies that bounce on others would never come to rest.
-void ManyPoints::return_no_weight(const std::size_t* first, const std::size_t* last) {
+void ManyPoints::return_no_weight(Island island) {
   const auto same_bodies = [this](std::size_t i, std::size_t j) {
     for (std::size_t side = 0; side < 2; ++side)
       if (points[i].parts[side].group != points[j].parts[side].group || points[i].parts[side].link != points[j].parts[side].link)
         return false;
     return true;
   };
-  const auto add_all = [this](const std::size_t* from, const std::size_t* to, double sign) {
-    for (const std::size_t* p = from; p != to; ++p) {
-      const double impulse[3] = {sign * r[3 * *p], sign * r[3 * *p + 1], sign * r[3 * *p + 2]};
-      add(*p, impulse, change_);
+  const auto add_all = [this](Island same, double sign) {
+    for (const std::size_t p : same) {
+      const double impulse[3] = {sign * r[3 * p], sign * r[3 * p + 1], sign * r[3 * p + 2]};
+      add(p, impulse, change_);
     }
   };
-  for (const std::size_t* begin = first; begin != last;) {
-    const std::size_t* const end = std::find_if(begin, last, [&](std::size_t i) { return !same_bodies(i, *begin); });
-    if (std::any_of(begin, end, [this](std::size_t i) { return returns_[i] > 0; })) {
-      add_all(begin, end, -1);
-      for (const std::size_t* p = begin; p != end; ++p) {
-        const double pressed = -along(*p, 0, change_), approach = pressed - b[3 * *p];  // by others; with its own
-        if (pressed > 0 && approach > 0) returns_[*p] *= std::max(0.0, 1 - std::min(pressed, points[*p].carried) / approach);
-      }
-      add_all(begin, end, 1);
+  while (!island.empty()) {
+    const auto end = std::ranges::find_if(island, [&](std::size_t i) { return !same_bodies(i, island.front()); });
+    const Island same = island.first(static_cast<std::size_t>(end - island.begin()));
+    island = island.subspan(same.size());
+    if (std::ranges::none_of(same, [this](std::size_t i) { return returns_[i] > 0; })) continue;
+    add_all(same, -1);
+    for (const std::size_t p : same) {
+      const double pressed = -along(p, 0, change_), approach = pressed - b[3 * p];  // by others; with its own
+      if (pressed > 0 && approach > 0) returns_[p] *= std::max(0.0, 1 - std::min(pressed, points[p].carried) / approach);
     }
-    begin = end;
+    add_all(same, 1);
   }
 }
 
 // Of each normal impulse the restitution returns a part; see ImpactLaw.
-void ManyPoints::expand(const std::size_t* first, const std::size_t* last) {
+void ManyPoints::expand(Island island) {
   double most_work = 0;
   bool elastic = false;
-  for (const std::size_t* p = first; p != last; ++p) {
-    const std::size_t n = 3 * *p;
-    for (std::size_t k = 0; k < 3; ++k) after_[n + k] = b[n + k] + along(*p, k, change_);
-    const double e = returns_[*p] = points[*p].restitution;
+  for (const std::size_t p : island) {
+    const std::size_t n = 3 * p;
+    for (std::size_t k = 0; k < 3; ++k) after_[n + k] = b[n + k] + along(p, k, change_);
+    const double e = returns_[p] = points[p].restitution;
     most_work -= e * e * 0.5 * r[n] * (b[n] + after_[n]);
     elastic = elastic || e * r[n] > 0;
   }
   if (!elastic) return;
-  return_no_weight(first, last);
-  const double lost = -energy_change(first, last, b, r), tolerance = 1e-12 * (std::fabs(lost) + std::fabs(most_work));
+  return_no_weight(island);
+  const double lost = -energy_change(island, b, r), tolerance = 1e-12 * (std::fabs(lost) + std::fabs(most_work));
   const auto expanded = [&](double part) {
-    for (const std::size_t* p = first; p != last; ++p) {
-      least_[*p] = part * returns_[*p] * r[3 * *p];
-      for (std::size_t k = 0; k < 3; ++k) rebound_[3 * *p + k] = 0;
-      rebound_[3 * *p] = least_[*p];
+    for (const std::size_t p : island) {
+      least_[p] = part * returns_[p] * r[3 * p];
+      for (std::size_t k = 0; k < 3; ++k) rebound_[3 * p + k] = 0;
+      rebound_[3 * p] = least_[p];
     }
-    restart(first, last, rebound_);
-    const double residual = find_impulses(first, last, after_, rebound_);
+    restart(island, rebound_);
+    const double residual = find_impulses(island, after_, rebound_);
     double work = 0;
-    for (const std::size_t* p = first; p != last; ++p)
-      if (points[*p].pressed_by < 0) work += rebound_[3 * *p] * (after_[3 * *p] + 0.5 * along(*p, 0, change_));
-    if (!(work <= std::max(most_work, 0.0) + tolerance && energy_change(first, last, after_, rebound_) <= lost + tolerance))
+    for (const std::size_t p : island)
+      if (points[p].pressed_by < 0) work += rebound_[3 * p] * (after_[3 * p] + 0.5 * along(p, 0, change_));
+    if (!(work <= std::max(most_work, 0.0) + tolerance && energy_change(island, after_, rebound_) <= lost + tolerance))
       return false;
     residual_ = std::max(residual_, residual);
     return true;
   };
   const auto keep = [&] {
-    for (const std::size_t* p = first; p != last; ++p)
-      std::copy_n(rebound_.begin() + static_cast<std::ptrdiff_t>(3 * *p), 3, best_.begin() + static_cast<std::ptrdiff_t>(3 * *p));
+    for (const std::size_t p : island)
+      std::copy_n(rebound_.begin() + static_cast<std::ptrdiff_t>(3 * p), 3, best_.begin() + static_cast<std::ptrdiff_t>(3 * p));
   };
   if (expanded(1)) {
     keep();
@@ -388,62 +400,51 @@ void ManyPoints::expand(const std::size_t* first, const std::size_t* last) {
         high = part;
     }
   }
-  for (const std::size_t* p = first; p != last; ++p)
-    for (std::size_t k = 0; k < 3; ++k) r[3 * *p + k] += best_[3 * *p + k];
-  restart(first, last, r);
-}
-
-void ManyPoints::prepare() {
-  find_islands();
-  find_blocks();
+  for (const std::size_t p : island)
+    for (std::size_t k = 0; k < 3; ++k) r[3 * p + k] += best_[3 * p + k];
+  restart(island, r);
 }
 
 void ManyPoints::solve(double accuracy) {
-  accuracy_ = accuracy;
+  accuracy_ = accuracy, residual_ = 0;
   r.resize(3 * points.size());
   prepare();
-  residual_ = 0;
-  links.start(change_, dofs_);
+  start(change_);
   least_.assign(points.size(), 0.0), returns_.assign(points.size(), 0.0);
-  links.start(moved_, dofs_);
   after_.assign(b.size(), 0.0), rebound_.assign(b.size(), 0.0), best_.assign(b.size(), 0.0);
-  std::size_t begin = 0;
-  for (const std::size_t end : ends_) {
-    const std::size_t *const first = order_.data() + begin, *const last = order_.data() + end;
-    restart(first, last, r);
-    residual_ = std::max(residual_, find_impulses(first, last, b, r));
-    residual_ = std::max(residual_, lose_energy(first, last, b, r));
-    expand(first, last);
-    begin = end;
+  for (std::size_t i = 0; i < ends_.size(); ++i) {
+    restart(island(i), r);
+    residual_ = std::max(residual_, find_impulses(island(i), b, r));
+    residual_ = std::max(residual_, lose_energy(island(i), b, r));
+    expand(island(i));
   }
 }
 
 // The displacements along the normals obey the law of impulses without friction, with gaps for velocities.
 LinksMotion& ManyPoints::separate(const std::vector<double>& gaps, std::vector<double>& pushes, double accuracy) {
   if (blocks_.size() != points.size()) prepare();
-  links.start(moved_, dofs_);
+  start(moved_);
   pushes.assign(points.size(), 0.0);
   double push[3] = {};
-  std::size_t begin = 0;
-  for (const std::size_t end : ends_) {
-    const std::size_t *const first = order_.data() + begin, *const last = order_.data() + end;
+  for (std::size_t i = 0; i < ends_.size(); ++i) {
     double deepest = 0, most = HUGE_VAL;
-    for (const std::size_t* p = first; p != last; ++p) deepest = std::max(deepest, -gaps[*p]);
+    for (const std::size_t p : island(i)) deepest = std::max(deepest, -gaps[p]);
     for (int k = 0; k < most_sweeps && most > accuracy * deepest; ++k) {
-      if (k == first_sweeps && begin_newton(first, last, gaps, true)) {
-        separate_exactly(first, last, pushes, accuracy);
+      if (k == first_sweeps && newton_.begin(*this, island(i), blocks_, tangential_, gaps, nullptr)) {
+        newton_.solve(pushes, 1, accuracy, accuracy);
+        for (const std::size_t p : island(i)) forget(p, moved_);
+        for (const std::size_t p : island(i)) push[0] = pushes[p], add(p, push, moved_);
         break;
       }
       most = 0;
-      for (const std::size_t* p = first; p != last; ++p) {
-        const double a = blocks_[*p][0];
-        if (!(a > 0) || points[*p].pressed_by >= 0) continue;
-        const double after = std::max(0.0, pushes[*p] - (gaps[*p] + along(*p, 0, moved_)) / a);
-        push[0] = after - std::exchange(pushes[*p], after);
-        if (push[0] != 0) add(*p, push, moved_), most = std::max(most, std::fabs(push[0]) * a);
+      for (const std::size_t p : island(i)) {
+        const double a = blocks_[p][0];
+        if (!(a > 0) || points[p].pressed_by >= 0) continue;
+        const double after = std::max(0.0, pushes[p] - (gaps[p] + along(p, 0, moved_)) / a);
+        push[0] = after - std::exchange(pushes[p], after);
+        if (push[0] != 0) add(p, push, moved_), most = std::max(most, std::fabs(push[0]) * a);
       }
     }
-    begin = end;
   }
   return moved_;
 }

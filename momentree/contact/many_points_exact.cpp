@@ -1,5 +1,3 @@
-// An island of ManyPoints as a problem of LawNewton. What moves together is a mechanism, or all links of a large tree that have
-// points.
 #include <algorithm>
 #include <cmath>
 
@@ -8,48 +6,50 @@
 
 namespace momentree::contact {
 
-// How each of these links moves by wrenches on each of them: the motion of links[j] by unit wrenches on links[i] is in six
-// columns.
-void ManyPoints::find_link_responses(const std::vector<int>& touched, std::vector<double>& responses) {
+void MovedPoints::find_responses(const std::vector<int>& touched, std::vector<double>& responses) {
   const std::size_t n = 6 * touched.size();
   responses.resize(n * n);
+  LinksMotion& trial = unmoved();
   for (std::size_t i = 0; i < touched.size(); ++i) {
     const Link& link = links.all[at(touched[i])];
     for (std::size_t k = 0; k < 6; ++k) {
       const std::size_t own = 6 * at(touched[i]);
-      links.forget(link.group, moved_);
-      links.walk(moved_, touched[i]);
-      moved_.sum[own + k] = 1;
-      std::copy_n(link.whole.data() + 6 * k, 6, moved_.x.data() + own);
+      links.forget(link.group, trial);
+      links.walk(trial, touched[i]);
+      trial.sum[own + k] = 1;
+      std::copy_n(link.whole.data() + 6 * k, 6, trial.x.data() + own);
       for (std::size_t j = 0; j < touched.size(); ++j) {
-        links.walk(moved_, touched[j]);
-        std::copy_n(moved_.x.data() + 6 * touched[j], 6, responses.data() + (6 * i + k) * n + 6 * j);
+        links.walk(trial, touched[j]);
+        std::copy_n(trial.x.data() + 6 * touched[j], 6, responses.data() + (6 * i + k) * n + 6 * j);
       }
     }
-    links.forget(link.group, moved_);
+    links.forget(link.group, trial);
   }
 }
 
-// The points of an island that anything can press: with the velocities `start` without impulses, or with these gaps and normal
-// directions alone. False if a tree has so many links with points that its dense matrix would take long.
-bool ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last, const std::vector<double>& start, bool gaps) {
-  block_of_.resize(parent_.size()), place_of_.resize(links.all.size());
+bool IslandNewton::begin(MovedPoints& of, std::span<const std::size_t> island, const std::vector<std::array<double, 9>>& A,
+                         const std::vector<double>& tangential, const std::vector<double>& start,
+                         const std::vector<double>* least) {
+  const std::vector<MovedPoints::Point>& points = of.points;
+  const bool gaps = least == nullptr;
+  place_of_.resize(of.links.all.size());
   pressing_.clear();
   const auto place_of = [&](int point) { return std::ranges::lower_bound(pressing_, at(point)); };
-  for (const std::size_t* p = first; p != last; ++p) {
-    const int by = points[*p].pressed_by;
-    if (by < 0 && (!(blocks_[*p][0] > 0) || (!gaps && points[*p].slack == HUGE_VAL))) continue;
-    if (by >= 0 && (gaps || !(std::max(blocks_[*p][0], tangential_[*p]) > 0))) continue;
+  for (const std::size_t p : island) {
+    const int by = points[p].pressed_by;
+    if (by < 0 && (!(A[p][0] > 0) || (!gaps && points[p].slack == HUGE_VAL))) continue;
+    if (by >= 0 && (gaps || !(std::max(A[p][0], tangential[p]) > 0))) continue;
     if (by >= 0 && (place_of(by) == pressing_.end() || *place_of(by) != at(by))) continue;
-    pressing_.push_back(*p);
-    for (const Part& part : points[*p].parts) {
+    pressing_.push_back(p);
+    for (const MovedPoints::Part& part : points[p].parts) {
+      if (part.group >= 0 && at(part.group) >= block_of_.size()) block_of_.resize(at(part.group) + 1);
       if (part.group >= 0) block_of_[at(part.group)] = -1;
       if (part.link >= 0) place_of_[at(part.link)] = -1;
     }
   }
   sizes_.clear();
   for (const std::size_t p : pressing_)
-    for (const Part& part : points[p].parts) {
+    for (const MovedPoints::Part& part : points[p].parts) {
       if (part.group < 0) continue;
       int& block = block_of_[at(part.group)];
       if (block < 0) {
@@ -67,11 +67,11 @@ bool ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last,
     if (!touched_[i].empty() && sizes_[i] > most_unknowns) return false;
   std::size_t wide = 0;  // rows of Y that act on several links
   for (const std::size_t p : pressing_)
-    for (const Part& part : points[p].parts)
+    for (const MovedPoints::Part& part : points[p].parts)
       if (part.link >= 0) wide += 3 * at(sizes_[at(block_of_[at(part.group)])]);
   wide_.assign(wide, 0.0);
   for (std::size_t i = 0; i < sizes_.size(); ++i)
-    if (!touched_[i].empty()) find_link_responses(touched_[i], responses_[i]);
+    if (!touched_[i].empty()) of.find_responses(touched_[i], responses_[i]);
   newton_.clear(sizes_);
   double* next = wide_.data();
   for (const std::size_t p : pressing_) {
@@ -79,16 +79,16 @@ bool ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last,
     if (gaps) {
       point.b[0] = start[p];
     } else {
-      point.friction = points[p].friction, point.least = least_[p], point.torsion = points[p].torsion;
+      point.friction = points[p].friction, point.least = (*least)[p], point.torsion = points[p].torsion;
       if (points[p].pressed_by >= 0) point.pressed_by = static_cast<int>(place_of(points[p].pressed_by) - pressing_.begin());
       point.b = {start[3 * p] + points[p].slack, start[3 * p + 1], start[3 * p + 2]};
     }
     for (std::size_t side = 0; side < 2; ++side) {
-      const Part& part = points[p].parts[side];
+      const MovedPoints::Part& part = points[p].parts[side];
       if (part.group < 0) continue;
       const int block = block_of_[at(part.group)];
       LawNewton::Part& to = point.parts[side];
-      to = {block, 0, part.count, J.data() + part.at, Y.data() + part.at};
+      to = {block, 0, part.count, of.J.data() + part.at, of.Y.data() + part.at};
       if (part.link < 0) continue;
       const std::size_t n = at(sizes_[at(block)]);
       to.first = place_of_[at(part.link)], to.Y = next;
@@ -102,30 +102,14 @@ bool ManyPoints::begin_newton(const std::size_t* first, const std::size_t* last,
   return true;
 }
 
-// Improves impulses that sweeps have found, after begin_newton(). Returns the residual of the law.
-double ManyPoints::solve_exactly(const std::size_t* first, const std::size_t* last, std::vector<double>& impulses,
-                                 double accuracy, double enough) {
+double IslandNewton::solve(std::vector<double>& impulses, std::size_t rows, double accuracy, double enough) {
   exact_.clear();
-  for (const std::size_t p : pressing_) exact_.insert(exact_.end(), {impulses[3 * p], impulses[3 * p + 1], impulses[3 * p + 2]});
+  for (const std::size_t p : pressing_)
+    for (std::size_t row = 0; row < 3; ++row) exact_.push_back(row < rows ? impulses[rows * p + row] : 0);
   const double residual = newton_.solve(exact_.data(), accuracy, enough);
   for (std::size_t k = 0; k < pressing_.size(); ++k)
-    for (std::size_t row = 0; row < 3; ++row) impulses[3 * pressing_[k] + row] = exact_[3 * k + row];
-  restart(first, last, impulses);
+    for (std::size_t row = 0; row < rows; ++row) impulses[rows * pressing_[k] + row] = exact_[3 * k + row];
   return residual;
-}
-
-// Improves pushes that sweeps have found, and moved_ with them, after begin_newton().
-void ManyPoints::separate_exactly(const std::size_t* first, const std::size_t* last, std::vector<double>& pushes,
-                                  double accuracy) {
-  exact_.clear();
-  for (const std::size_t p : pressing_) exact_.insert(exact_.end(), {pushes[p], 0.0, 0.0});
-  newton_.solve(exact_.data(), accuracy, accuracy);
-  for (const std::size_t* p = first; p != last; ++p)
-    for (const Part& part : points[*p].parts) forget(part, moved_);
-  for (std::size_t k = 0; k < pressing_.size(); ++k) {
-    pushes[pressing_[k]] = exact_[3 * k];
-    add(pressing_[k], exact_.data() + 3 * k, moved_);
-  }
 }
 
 }  // namespace momentree::contact
