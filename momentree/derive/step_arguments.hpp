@@ -26,6 +26,6 @@ struct StepEntry {
   std::int32_t q = 0, angle = 0, dof = 0, record = 0;
   std::int32_t in = 0, to = 0;  ///< in `sums` or `motions`
 };
-static_assert(sizeof(StepEntry) == 40);
+static_assert(sizeof(StepEntry) <= 40);
 
 }  // namespace momentree

@@ -1,13 +1,30 @@
 #include <momentree/dynamics/step_table.hpp>
 
+#include <momentree/dynamics/workspace_data.hpp>
+
+#ifndef __wasm__
 #include <new>
 
-#include <momentree/dynamics/workspace_data.hpp>
+#include <momentree/dynamics/step_library.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/joint/pass_data.hpp>
 #include <momentree/tree/unchecked_tree.hpp>
+#endif
 
 namespace momentree {
+
+std::unique_ptr<StepTable, void (*)(StepTable*)> detail::make_step_table() {
+  return {new StepTable, [](StepTable* table) { delete table; }};
+}
+
+#ifdef __wasm__  // browsers have no machine code
+
+bool StepTable::follow(const Tree&) noexcept { return false; }
+void StepTable::velocities(const StepArrays&) const noexcept {}
+void StepTable::inboard(const StepArrays&) const noexcept {}
+void StepTable::outboard(const StepArrays&, const Vec3&) const noexcept {}
+
+#else
 
 namespace {
 
@@ -23,10 +40,6 @@ BodyPlace place_of_body(bool leaf, bool root) {
 }
 
 }  // namespace
-
-std::unique_ptr<StepTable, void (*)(StepTable*)> detail::make_step_table() {
-  return {new StepTable, [](StepTable* table) { delete table; }};
-}
 
 bool StepTable::follow(const Tree& tree) noexcept try {
   if (revision_ == tree.revision()) return serves_;
@@ -209,12 +222,18 @@ bool StepTable::add_entries(const Tree& tree) {
   return true;
 }
 
+void StepTable::velocities(const StepArrays& arrays) const noexcept { StepLibrary::of_process().run(velocities_, arrays); }
+
+void StepTable::inboard(const StepArrays& arrays) const noexcept { StepLibrary::of_process().run(inboard_, arrays); }
+
 void StepTable::outboard(const StepArrays& arrays, const Vec3& acceleration) const noexcept {
   for (const int root : roots_) {
     double* const motion = arrays.motions + motion_size * at(root);
     motion[0] = acceleration.x, motion[1] = acceleration.y, motion[2] = acceleration.z;
   }
-  run(outboard_, arrays);
+  StepLibrary::of_process().run(outboard_, arrays);
 }
+
+#endif
 
 }  // namespace momentree

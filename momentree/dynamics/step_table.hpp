@@ -2,13 +2,14 @@
 // The bodies of a tree with their steps, in the order in which the passes call them.
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include <momentree/dynamics/step_library.hpp>
+#include <momentree/derive/step.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
+
+struct CompiledStep;
 
 /// What steps read that are not machine code: those of joints that are locked or reversed, or that have an armature for which
 /// their kind has no kernels.
@@ -29,8 +30,8 @@ class StepTable {
 
   // The passes, after `follow`: velocities outward, then with joint forces in `a` inward, and outward with the acceleration of
   // the ground (m/s²).
-  void velocities(const StepArrays& arrays) const noexcept { run(velocities_, arrays); }
-  void inboard(const StepArrays& arrays) const noexcept { run(inboard_, arrays); }
+  void velocities(const StepArrays& arrays) const noexcept;
+  void inboard(const StepArrays& arrays) const noexcept;
   void outboard(const StepArrays& arrays, const Vec3& acceleration) const noexcept;
 
  private:
@@ -52,9 +53,6 @@ class StepTable {
     int link = -1;         ///< −1: it is generic
   };
 
-  static void run(std::span<const StepEntry> entries, const StepArrays& arrays) noexcept {
-    StepLibrary::of_process().run(entries, arrays);
-  }
   bool rebuild(const Tree& tree);
   bool find_bodies(const Tree& tree);
   bool find_link(const Tree& tree, int b, int& previous);

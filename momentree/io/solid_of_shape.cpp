@@ -102,8 +102,8 @@ void warn_of_corners(const std::string& name, double beyond, const ReportOnShape
        "simplify it to choose which");
 }
 
-std::vector<contact::Solid> parts_of(const MeshPart& mesh, const Shape& shape, const std::string& name,
-                                     const ShapeReports& report) {
+std::vector<contact::Solid> parts_of([[maybe_unused]] const MeshPart& mesh, [[maybe_unused]] const Shape& shape,
+                                     const std::string& name, const ShapeReports& report) {
 #ifdef __cpp_exceptions
   const std::shared_ptr<const SplitMesh> split = split_mesh(mesh, shape.split);
   if (!split->problem.empty()) {
