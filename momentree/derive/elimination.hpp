@@ -2,7 +2,9 @@
 // Reduction by elimination: the columns of E one after the other, as if each were a joint with one DoF. The reduced mass then
 // fulfils M̂ E = 0 and the remainder Eᵀ D̂ = p (without armature); the entries that follow from this are not computed but set, so
 // that they are zeros for all later steps. A generic subtraction would leave round-off there, and the operations with it.
+#include <algorithm>
 #include <array>
+#include <new>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -62,6 +64,7 @@ inline Basis unit_basis(std::vector<Six> E) {
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t row = 6; row-- > 0 && basis.pivots[i] == 6;)
         if (ones ? is_one(C[i][row]) : !is_zero(C[i][row])) eliminate(i, row);
+  if (std::ranges::count(basis.pivots, std::size_t{6}) > 0) throw std::bad_alloc();  // all nodes are zero once memory ran out
   return basis;
 }
 

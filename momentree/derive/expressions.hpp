@@ -53,6 +53,9 @@ class Expressions {
   /// From now on, terms that cancel leave no operations, and sin² + cos² is 1. The derived steps of joint kinds are made without.
   void cancel_terms() { cancels_ = true; }
 
+  /// Frees what new nodes need: there will be no more.
+  void end() { numbers_ = {}; }
+
   int constant(double value);
   /// The number at `index` of q, p (or u) or tau.
   int input(Operation array, int index);

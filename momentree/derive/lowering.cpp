@@ -48,7 +48,7 @@ class Lowering {
 
  private:
   /// An array of StepArrays, or what a body has there.
-  enum Array : int { q, cos, sin, u, qdot, a, record, sum_in, sum_to, motion_in, motion_to, constants, arrays };
+  enum Array : int { q, cos, sin, u, qdot, a, record, sum_in, sum_to, motion_in, motion_to, armature, constants, arrays };
 
   static machine::Base base_of(Array array) {
     switch (array) {
@@ -65,6 +65,7 @@ class Lowering {
       MOMENTREE_BASE(sum_to, to, sums)
       MOMENTREE_BASE(motion_in, in, motions)
       MOMENTREE_BASE(motion_to, to, motions)
+      MOMENTREE_BASE(armature, dof, armature)
 #undef MOMENTREE_BASE
       default: return {offsetof(StepEntry, constants), -1};
     }
@@ -116,7 +117,8 @@ class Lowering {
   /// Read from the record: an earlier pass stored it.
   bool is_recorded(std::size_t i) const { return step_.place_[i] >= 0 && step_.steps_.owner(static_cast<int>(i)) < pass_; }
   bool is_input(std::size_t i) const {
-    return step_.levels_[i] != Step::Level::state || is_recorded(i) || nodes_[i].operation == Operation::q;
+    return step_.levels_[i] != Step::Level::state || is_recorded(i) || nodes_[i].operation == Operation::q ||
+           nodes_[i].operation == Operation::p;
   }
   template <class F>
   void each_operand(std::size_t i, F&& f) const {
@@ -168,7 +170,7 @@ class Lowering {
       base_[at(slot.array)] = static_cast<int>(out_.bases.size());
       out_.bases.push_back(base_of(slot.array));
     }
-    const bool shared = slot.array == constants;
+    const bool shared = slot.array == constants || slot.array == armature;
     return {static_cast<std::int8_t>(base_[at(slot.array)]), shared, 8 * (shared ? 1 : target_.lanes) * slot.index};
   }
   int input(std::size_t i) {
@@ -183,6 +185,8 @@ class Lowering {
       home = place({constants, step_.constant_slot_[i]});
     } else if (is_recorded(i)) {
       home = place({record, step_.place_[i]});
+    } else if (n.operation == Operation::p) {
+      home = place({armature, 0});
     } else {
       home = place(slot_of(step_.in_->numbers[at(n.a)], false));
     }
@@ -223,14 +227,16 @@ class Lowering {
     return value_[i];
   }
 
-  /// Each number is stored as soon as it is known, and nothing in the same memory is still to be read.
+  /// Whether a place may be that of a number which the pass reads.
+  bool overwrites(const Place& to) const { return to.base >= 0 && (to.base == base_[sum_to] || to.base == base_[motion_to]); }
   bool is_zero_number(int node) const { return nodes_[at(node)].operation == Operation::constant && nodes_[at(node)].value == 0; }
+  /// Each number is stored as soon as it is known, and nothing in the same memory is still to be read.
   void add_stores() {
     std::vector<machine::Store> stores;
     for (const Result& one : results_) {
       const int number = register_of(one.to, true);
       if (number < 0 && one.to.array == motion_to && !how_.to_memory) continue;
-      const Place to = number < 0 || one.to.array == motion_to || how_.adds ? place(one.to) : Place{};
+      const Place to = number < 0 || (one.to.array == motion_to ? how_.to_memory : how_.adds) ? place(one.to) : Place{};
       int value = visit(at(one.node));
       if (how_.adds && one.to.array == sum_to) {
         const bool nothing = is_zero_number(one.node);
@@ -265,16 +271,17 @@ class Lowering {
       known[at(v)] = t + 1;
       reads(out_.values[at(v)].a, t + 1), reads(out_.values[at(v)].b, t + 1), reads(out_.values[at(v)].c, t + 1);
     }
+    for (const int v : out_.outputs) reads(v, end);
     for (machine::Store& one : stores) {  // copies
       reads(one.value, end);
       const machine::Value& value = out_.values[at(one.value)];
       const bool child = value.home.base >= 0 && (value.home.base == base_[sum_in] || value.home.base == base_[motion_in]);
-      one.read_early = value.operation == machine::Operation::load && child && value.home.offset != one.to.offset;
+      const bool same = overwrites(one.to) && value.home.offset == one.to.offset;
+      one.read_early = value.operation == machine::Operation::load && child && !same;
     }
     for (machine::Store& one : stores) {
       one.due = out_.values[at(one.value)].operation == machine::Operation::load ? end : known[at(one.value)];
-      const bool overwrites = one.to.base >= 0 && (one.to.base == base_[sum_to] || one.to.base == base_[motion_to]);
-      if (overwrites && !(how_.adds && one.to.base == base_[sum_to]))
+      if (overwrites(one.to) && !(how_.adds && one.to.base == base_[sum_to]))
         one.due = std::max(one.due, last_read[at(one.to.offset / (8 * target_.lanes))]);
     }
     std::ranges::stable_sort(stores, {}, &machine::Store::due);

@@ -32,20 +32,18 @@ constexpr LinkNumber all_link_numbers[] = {
                                         MOMENTREE_LINK_NUMBER(geometry[1]) MOMENTREE_LINK_NUMBER(geometry[2])
 #undef MOMENTREE_LINK_NUMBER
 };
-constexpr std::size_t armature_number = std::size(all_link_numbers);
+constexpr std::size_t link_numbers = std::size(all_link_numbers);
 // What LinkNumbers takes as two blocks.
 constexpr std::size_t placement_and_body = 0, angle_and_geometry = offsetof(LinkConstants, cos_0);
 static_assert(offsetof(LinkConstants, cos_a) == 0 && offsetof(LinkConstants, R0) + sizeof(Mat3) == 29 * sizeof(double) &&
               offsetof(LinkConstants, geometry) + 3 * sizeof(double) == angle_and_geometry + 6 * sizeof(double));
 double number_of(const LinkNumbers& numbers, std::size_t i) {
-  if (i == armature_number) return numbers.armature;
   const std::size_t offset = all_link_numbers[i].offset;
   return offset < angle_and_geometry ? numbers.placement_and_body[offset / sizeof(double)]
                                      : numbers.angle_and_geometry[(offset - angle_and_geometry) / sizeof(double)];
 }
 
 std::size_t link_number(std::string_view name) {
-  if (name == "armature") return armature_number;
   const auto found = std::ranges::find(all_link_numbers, name, &LinkNumber::name);
   MT_REQUIRE(found != std::end(all_link_numbers), "a number of the link");
   return static_cast<std::size_t>(found - all_link_numbers);
@@ -137,20 +135,18 @@ Recorded record_step(const StepKey& key) {
 
 }  // namespace
 
-LinkNumbers numbers_of(const LinkConstants& link, double armature) {
+LinkNumbers numbers_of(const LinkConstants& link) {
   LinkNumbers all;
   const auto* const memory = reinterpret_cast<const char*>(&link);
   std::memcpy(all.placement_and_body.data(), memory + placement_and_body, sizeof all.placement_and_body);
   std::memcpy(all.angle_and_geometry.data(), memory + angle_and_geometry, sizeof all.angle_and_geometry);
-  all.armature = armature;
   return all;
 }
 
-bool same_numbers(const LinkNumbers& numbers, const LinkConstants& link, double armature) {
+bool same_numbers(const LinkNumbers& numbers, const LinkConstants& link) {
   const auto* const memory = reinterpret_cast<const char*>(&link);
   return std::memcmp(numbers.placement_and_body.data(), memory + placement_and_body, sizeof numbers.placement_and_body) == 0 &&
-         std::memcmp(numbers.angle_and_geometry.data(), memory + angle_and_geometry, sizeof numbers.angle_and_geometry) == 0 &&
-         numbers.armature == armature;
+         std::memcmp(numbers.angle_and_geometry.data(), memory + angle_and_geometry, sizeof numbers.angle_and_geometry) == 0;
 }
 
 StepKey key_of(Kind kind, bool armature, BodyPlace place, const LinkConstants& link) {
@@ -167,7 +163,7 @@ bool has_steps(Kind kind, Variant variant) {
 }
 
 void add_pattern(const LinkNumbers& numbers, StepKey& key) {
-  for (std::size_t i = 0; i < armature_number; ++i) {
+  for (std::size_t i = 0; i < link_numbers; ++i) {
     const auto* const known = std::ranges::find(known_values, number_of(numbers, i));
     const auto code = static_cast<std::uint64_t>(known - known_values);
     key.pattern[i / 32] |= code << 2 * (i % 32);
@@ -175,10 +171,12 @@ void add_pattern(const LinkNumbers& numbers, StepKey& key) {
 }
 
 Step::Step(const StepKey& key) {
+  Expressions* const outer = T::graph();  // this may happen while something else is recorded
   Recorded recorded = record_step(key);
   in_ = std::move(recorded.in), steps_ = std::move(recorded.steps);
-  T::graph() = nullptr;
+  T::graph() = outer;
   if (in_->expressions.exhausted()) throw std::bad_alloc();
+  in_->expressions.end();
   find_levels();
   find_constants();
 }
@@ -191,8 +189,8 @@ void Step::find_levels() {
     const auto& n = nodes[i];
     if (n.operation == Operation::constant)
       levels_[i] = Level::number;
-    else if (n.operation == Operation::p)
-      levels_[i] = Level::link;
+    else if (n.operation == Operation::p && in_->constants[static_cast<std::size_t>(n.a)] != "armature")
+      levels_[i] = Level::link;  // methods may change armatures at any time
     else if (unary(n.operation))
       levels_[i] = of(n.a);
     else if (binary(n.operation))
@@ -239,8 +237,9 @@ void Step::find_constants() {
   for (const int node : results) constants_.push_back(at[static_cast<std::size_t>(node)]);
 }
 
-void Step::find_constants(const LinkNumbers& link, double* to) const {
+void Step::evaluate_constants(const LinkNumbers& link, double* to) const {
   std::array<double, 512> x;
+  x[0] = 0;
   MT_REQUIRE(program_.size() <= x.size(), "constants follow from the link's in few operations");
   for (std::size_t i = 0; i < program_.size(); ++i) {
     const Constant& one = program_[i];

@@ -17,10 +17,9 @@ namespace momentree::derive {
 struct LinkNumbers {
   std::array<double, 29> placement_and_body{};  ///< from cos_a to R0
   std::array<double, 6> angle_and_geometry{};   ///< from cos_0 to geometry
-  double armature = 0;                          ///< of the joint's only DoF (kg m², kg)
 };
-[[nodiscard]] LinkNumbers numbers_of(const LinkConstants& link, double armature);
-[[nodiscard]] bool same_numbers(const LinkNumbers& numbers, const LinkConstants& link, double armature);
+[[nodiscard]] LinkNumbers numbers_of(const LinkConstants& link);
+[[nodiscard]] bool same_numbers(const LinkNumbers& numbers, const LinkConstants& link);
 
 /// Which steps a body has: the kind of its joint, its place, and which of its constants are 0, 1 or −1.
 struct StepKey {
@@ -41,8 +40,8 @@ void add_pattern(const LinkNumbers& numbers, StepKey& key);
 /// How a pass hands on its numbers. Outward, a body whose parent comes directly before it can find them in registers.
 struct Handing {
   bool adds = false;          ///< inward, to the contributions of other children
-  bool in_registers = false;  ///< outward, from the parent
-  bool to_registers = false;  ///< outward, to the child that comes next
+  bool in_registers = false;  ///< from the body before
+  bool to_registers = false;  ///< to the body that comes next
   bool to_memory = true;      ///< outward, to others
   friend bool operator==(const Handing&, const Handing&) = default;
 };
@@ -58,7 +57,7 @@ class Step {
   int record() const { return static_cast<int>(record_.size()); }
   /// Numbers that follow from the link's.
   std::size_t constants() const { return constants_.size(); }
-  void find_constants(const LinkNumbers& link, double* to) const;
+  void evaluate_constants(const LinkNumbers& link, double* to) const;
   /// A pass as a function with the arguments of StepFunction.
   [[nodiscard]] machine::Function function(std::size_t pass, const Handing& how, const machine::Target& target) const;
 

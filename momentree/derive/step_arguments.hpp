@@ -12,8 +12,8 @@ struct StepArrays {
   double* records = nullptr;             ///< what a step stores for later passes
   double* sums = nullptr;                ///< contributions of children, an Inboard per body
   double* motions = nullptr;             ///< what bodies hand to their children, a Motion per body
-  double* biases = nullptr;              ///< a BodyBias per body, for steps that are not machine code …
-  const double* armature = nullptr;      ///< … and the armatures of DoFs
+  double* biases = nullptr;              ///< a BodyBias per body, for steps that are not machine code
+  const double* armature = nullptr;      ///< of DoFs; the same for all worlds
 };
 
 struct StepEntry;

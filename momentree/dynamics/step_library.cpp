@@ -16,18 +16,18 @@ StepLibrary::StepLibrary() {
   return;
 #endif
   const char* const wanted = std::getenv("MOMENTREE_MACHINE");
-  if (wanted != nullptr && std::strcmp(wanted, "0") == 0) return;
+  if (wanted == nullptr || std::strcmp(wanted, "1") != 0) return;
   machine::Target wide = target_;
   wide.registers = 32;
   if (machine::processor_runs(wide)) target_ = wide;
   if (!machine::processor_runs(target_)) return;
-  machine::hold_at_forks(mutex_);
   run_ = put<decltype(run_)>(machine::encode_x86_run(sizeof(StepEntry)));
   available_ = run_ != nullptr;
   for (std::size_t pass = 0; pass < calls_.size(); ++pass) {
     calls_[pass] = put<StepFunction>(machine::encode_x86_call(static_cast<int>(pass * sizeof(StepFunction))));
     available_ = available_ && calls_[pass] != nullptr;
   }
+  if (available_) machine::keep_free_in_children(mutex_);
 }
 
 template <class F>
@@ -38,9 +38,11 @@ F StepLibrary::put(const machine::Bytes& bytes) noexcept {
 
 CompiledStep* StepLibrary::get(const derive::StepKey& key) noexcept try {
   const std::lock_guard lock(mutex_);
-  auto& step = steps_[key];
-  if (step == nullptr) step = std::make_unique<CompiledStep>(key);
-  return step.get();
+  const auto known = steps_.find(key);
+  if (known != steps_.end()) return known->second.get();
+  constexpr std::size_t most = 1024;  // of some 50 kB each
+  if (steps_.size() == most) return nullptr;
+  return steps_.emplace(key, std::make_unique<CompiledStep>(key)).first->second.get();
 } catch (const std::bad_alloc&) {
   return nullptr;
 }

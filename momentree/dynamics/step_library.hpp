@@ -27,10 +27,10 @@ class StepLibrary {
   /// The only one. Functions that it returns live as long as the process.
   static StepLibrary& of_process();
 
-  /// Whether there is machine code here: not on other processors, where the system refuses executable memory, or if the variable
-  /// MOMENTREE_MACHINE of the environment is 0.
+  /// Whether there is machine code here: only if the variable MOMENTREE_MACHINE of the environment is 1, and not on other
+  /// processors or where the system refuses executable memory.
   [[nodiscard]] bool available() const noexcept { return available_; }
-  /// The steps of a key; null if there is no memory. Thread-safe.
+  /// The steps of a key; null if there is no memory, or if there are very many others. Thread-safe.
   [[nodiscard]] CompiledStep* get(const derive::StepKey& key) noexcept;
   /// A pass of a step; null if there is no memory for it. Thread-safe.
   [[nodiscard]] StepFunction function(CompiledStep& step, std::size_t pass, const derive::Handing& how) noexcept;

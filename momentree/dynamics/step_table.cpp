@@ -3,6 +3,7 @@
 #include <momentree/dynamics/workspace_data.hpp>
 
 #ifndef __wasm__
+#include <algorithm>
 #include <new>
 
 #include <momentree/dynamics/step_library.hpp>
@@ -32,6 +33,8 @@ constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr std::int32_t bytes(std::size_t numbers) { return static_cast<std::int32_t>(numbers * sizeof(double)); }
 
 constexpr std::size_t sum_size = sizeof(Inboard<double>) / sizeof(double), motion_size = sizeof(Motion<double>) / sizeof(double);
+/// With more different steps, their code would not stay in the instruction cache: the compiled steps are then faster.
+constexpr std::size_t most_steps = 40;
 /// More bodies would have places that 32 bits don't reach.
 constexpr int most_bodies = 1 << 20;
 
@@ -50,11 +53,12 @@ bool StepTable::follow(const Tree& tree) noexcept try {
 }
 
 bool StepTable::rebuild(const Tree& tree) {
-  if (!find_bodies(tree)) return false;
+  find_bodies(tree);
   if (links_.size() > 2 * moving_.size() + 64) {  // mostly those of earlier topologies
     links_.clear(), constants_.clear();
     for (Body& body : bodies_) body.link = -1;
   }
+  ++rebuilt_, steps_.clear();
   int previous = -1;
   generic_.clear();
   for (const int b : moving_)
@@ -63,7 +67,7 @@ bool StepTable::rebuild(const Tree& tree) {
   return add_entries(tree);
 }
 
-bool StepTable::find_bodies(const Tree& tree) {
+void StepTable::find_bodies(const Tree& tree) {
   const UncheckedTree all(tree);
   const auto order = all.order();
   bodies_.resize(at(tree.bodies()));
@@ -87,7 +91,7 @@ bool StepTable::find_bodies(const Tree& tree) {
     }
   }
   welded_.clear();
-  if (!any_weld) return true;
+  if (!any_weld) return;
   welded_.resize(at(tree.bodies()));
   for (const KernelRun& run : all.kernel_runs())
     for (int i = run.begin; i < run.end && !run.planar && info(run.kind).nv == 0; ++i) {
@@ -97,7 +101,6 @@ bool StepTable::find_bodies(const Tree& tree) {
       const RigidMass& own = all.link(b).body;
       sum.m += own.m, sum.mc = sum.mc + own.mc, sum.J = sum.J + own.J;
     }
-  return true;
 }
 
 /// The constants of a body with those that are welded to it.
@@ -123,14 +126,13 @@ bool StepTable::find_link(const Tree& tree, int b, int& previous) {
   const LinkConstants* constants = &all.link(b);
   if (!welded_.empty()) merged = link_of(tree, b), constants = &merged;
   const bool has_armature = all.variant(b) == Variant::armature;
-  const double armature = has_armature ? all.armature()[all.first_p(b)] : 0.0;
   const derive::StepKey form = derive::key_of(all.kind(b), has_armature, place_of_body(leaf, root), *constants);
   const auto fits = [&](int other) {
-    return other >= 0 && links_[at(other)].form == form && derive::same_numbers(links_[at(other)].numbers, *constants, armature);
+    return other >= 0 && links_[at(other)].form == form && derive::same_numbers(links_[at(other)].numbers, *constants);
   };
   if (!fits(body.link)) body.link = previous;
   if (!fits(body.link)) {
-    Link link{derive::numbers_of(*constants, armature), form};
+    Link link{derive::numbers_of(*constants), form};
     derive::StepKey key = link.form;
     derive::add_pattern(link.numbers, key);
     CompiledStep* const compiled = StepLibrary::of_process().get(key);
@@ -140,12 +142,16 @@ bool StepTable::find_link(const Tree& tree, int b, int& previous) {
     link.step = compiled;
     link.constants = constants_.size();
     constants_.resize(constants_.size() + compiled->step.constants());
-    compiled->step.find_constants(link.numbers, constants_.data() + link.constants);
-    body.link = static_cast<int>(links_.size());
+    compiled->step.evaluate_constants(link.numbers, constants_.data() + link.constants);
     links_.push_back(link);
+    body.link = static_cast<int>(links_.size()) - 1;
   }
   previous = body.link;
-  return true;
+  Link& link = links_[at(body.link)];
+  if (link.used == rebuilt_) return true;
+  link.used = rebuilt_;
+  if (std::ranges::find(steps_, link.step) == steps_.end()) steps_.push_back(link.step);
+  return steps_.size() <= most_steps;
 }
 
 /// Along a chain all bodies share the memory of one sum and one motion, which then stay in the cache. Of several children the
@@ -197,6 +203,7 @@ bool StepTable::add_entries(const Tree& tree) {
     if (body.link < 0) {
       GenericBody& own = generic_[next_generic++];
       own.passes = generic_steps(all.kind(b), all.variant(b), body.adds);
+      MT_REQUIRE(own.passes[0] != nullptr, "kernels without machine code have generic steps");
       entry.constants = &own;
       for (std::size_t pass = 0; pass < passes.size(); ++pass) passes[pass] = library.call_of(pass);
     } else {

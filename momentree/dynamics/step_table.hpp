@@ -25,7 +25,8 @@ struct GenericBody {
 /// For the stages in velocities of the mechanisms of one tree, except those in a plane. Welded bodies are one body.
 class StepTable {
  public:
-  /// Follows the tree's topology. False if there is no machine code here. Allocates where links have changed.
+  /// Follows the tree's topology. False if there is no machine code here, or if it would not be faster.
+  /// Allocates where the topology has changed.
   [[nodiscard]] bool follow(const Tree& tree) noexcept;
 
   // The passes, after `follow`: velocities outward, then with joint forces in `a` inward, and outward with the acceleration of
@@ -40,6 +41,7 @@ class StepTable {
     derive::LinkNumbers numbers{};
     derive::StepKey form{};  ///< without its pattern
     CompiledStep* step = nullptr;
+    unsigned used = 0;          ///< the number of the last rebuilding that found it
     std::size_t constants = 0;  ///< the first one
   };
   /// The tree as the steps see it.
@@ -54,13 +56,15 @@ class StepTable {
   };
 
   bool rebuild(const Tree& tree);
-  bool find_bodies(const Tree& tree);
+  void find_bodies(const Tree& tree);
   bool find_link(const Tree& tree, int b, int& previous);
   LinkConstants link_of(const Tree& tree, int b) const;
   void share_memory();
   bool add_entries(const Tree& tree);
 
   std::uint64_t revision_ = 0;
+  unsigned rebuilt_ = 0;
+  std::vector<const CompiledStep*> steps_;  ///< different ones
   bool serves_ = false;
   std::vector<Body> bodies_;
   std::vector<int> moving_;        ///< bodies that are not welded to their parents, outward

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include <momentree/dynamics/step_library.hpp>
 #include <momentree/dynamics/step_table.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/joint/kinds.hpp>
@@ -76,6 +78,12 @@ double error_of_stage(const Tree& tree, const State& state, Workspace<double>& t
 }
 
 }  // namespace
+
+TEST_CASE("steps: where the processor runs it and the environment asks for it there is machine code") {
+  const char* const wanted = std::getenv("MOMENTREE_MACHINE");
+  if (wanted == nullptr || std::string(wanted) != "1") return;
+  CHECK((StepLibrary::of_process().available() || !machine::processor_runs({})));
+}
 
 TEST_CASE("steps: stages equal those of the generic functions, in robots and through their topology changes") {
   Random random(5);

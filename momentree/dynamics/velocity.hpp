@@ -10,7 +10,8 @@ namespace momentree {
 
 /// The passes for any scalar, at packed arrays q (nq numbers) and u (nv), which are not checked. The first one writes workspace.v
 /// and qdot, and of every body the bias that its velocity causes; `Keep`: also its motion, for forces that read motions, and
-/// what changes and readers of accelerations need. Neither allocates nor throws. The workspace then belongs to no state.
+/// what changes and readers of accelerations need. Neither throws; the first stage of a topology allocates its machine code. The
+/// workspace then belongs to no state.
 template <class T, bool Keep>
 void sweep_velocities(const Tree& tree, const T* q, const T* u, Workspace<T>& workspace) noexcept;
 /// The other two: from joint forces τ in workspace.a (zero for locked DoFs, s̈ for a prescribed motion) to accelerations there.

@@ -363,7 +363,7 @@ struct MachineSteps {
 
   MOMENTREE_INLINE MachineSteps(const Tree& tree, const T* q, Workspace<T>& workspace) {
     if constexpr (std::is_same_v<T, double> && !Keep) {
-      if (!workspace.steps->follow(tree)) return;
+      if (workspace.steps == nullptr || !workspace.steps->follow(tree)) return;
       steps = workspace.steps.get();
       arrays = {q,
                 workspace.cos.get(),

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include <momentree/generate/kernel.hpp>
 #include <momentree/derive/symbolic.hpp>
+#include <momentree/generate/kernel.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree::detail {

@@ -81,9 +81,8 @@ Function random_function(std::mt19937& random, const Target& target) {
   return f;
 }
 
-double value_of(const Function& f, const std::vector<double>& x, const Value& v) {
+double value_of(const std::vector<double>& x, const Value& v) {
   const auto of = [&](int i) { return x[at(i)]; };
-  static_cast<void>(f);
   switch (v.operation) {
     case Operation::add: return of(v.a) + of(v.b);
     case Operation::subtract: return of(v.a) - of(v.b);
@@ -122,7 +121,7 @@ void check_bits(const Function& f, const Target& target, Code code, Memory befor
     for (std::size_t i = 0; i < x.size(); ++i) {
       const Value& v = f.values[i];
       if (v.operation != Operation::load)
-        x[i] = value_of(f, x, v);
+        x[i] = value_of(x, v);
       else
         x[i] = v.home.base == Place::pool ? f.pool[at(v.home.offset / pool_stride(target))] : memory_of(before, v.home);
     }

@@ -12,28 +12,23 @@
 namespace momentree::machine {
 
 namespace {
-std::mutex* held_at_forks = nullptr;
+std::mutex* kept_free = nullptr;
+long generation = 0;  // the first process is 0, its children are 1, …
 }  // namespace
 
-void hold_at_forks(std::mutex& mutex) noexcept {
-  held_at_forks = &mutex;
-  ::pthread_atfork([] { held_at_forks->lock(); }, [] { held_at_forks->unlock(); }, [] { held_at_forks->unlock(); });
+void keep_free_in_children(std::mutex& mutex) noexcept {
+  kept_free = &mutex;
+  ::pthread_atfork([] { kept_free->lock(); }, [] { kept_free->unlock(); }, [] { kept_free->unlock(); });
 }
 
 bool CodeMemory::map(std::size_t least) noexcept {
+  static const bool counted = ::pthread_atfork(nullptr, nullptr, [] { ++generation; }) == 0;
+  if (!counted) return false;
   constexpr std::size_t block = 1 << 20;
   const std::size_t size = (least + block - 1) / block * block;
-  constexpr unsigned executable = 0x10;  // MFD_EXEC, of Linux 6.3
-  int file = ::memfd_create("momentree-steps", MFD_CLOEXEC | executable);
-  if (file < 0) file = ::memfd_create("momentree-steps", MFD_CLOEXEC);
-  if (file < 0) return false;
-  void *written = MAP_FAILED, *executed = MAP_FAILED;
-  if (::ftruncate(file, static_cast<off_t>(size)) == 0) {
-    written = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
-    executed = ::mmap(nullptr, size, PROT_READ | PROT_EXEC, MAP_SHARED, file, 0);
-  }
-  ::close(file);
-  const bool both = written != MAP_FAILED && executed != MAP_FAILED;
+  void* const written = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  void* const executed = written == MAP_FAILED ? MAP_FAILED : ::mremap(written, 0, size, MREMAP_MAYMOVE);  // the same memory
+  const bool both = executed != MAP_FAILED && ::mprotect(executed, size, PROT_READ | PROT_EXEC) == 0;
   // A forked process shares the memory: it executes the code, and can't change it.
   if (!both || ::madvise(written, size, MADV_DONTFORK) != 0) {
     if (written != MAP_FAILED) ::munmap(written, size);
@@ -41,12 +36,12 @@ bool CodeMemory::map(std::size_t least) noexcept {
     return false;
   }
   written_ = static_cast<std::uint8_t*>(written), executed_ = static_cast<const std::uint8_t*>(executed);
-  used_ = 0, size_ = size, process_ = ::getpid();
+  used_ = 0, size_ = size, generation_ = generation;
   return true;
 }
 
 const std::uint8_t* CodeMemory::put(std::span<const std::uint8_t> bytes) noexcept {
-  if ((bytes.size() > size_ - used_ || process_ != ::getpid()) && !map(bytes.size())) return nullptr;
+  if ((bytes.size() > size_ - used_ || generation_ != generation) && !map(bytes.size())) return nullptr;
   const std::uint8_t* const at = executed_ + used_;
   std::memcpy(written_ + used_, bytes.data(), bytes.size());
   used_ = std::min(size_, (used_ + bytes.size() + 63) / 64 * 64);
@@ -59,7 +54,7 @@ const std::uint8_t* CodeMemory::put(std::span<const std::uint8_t> bytes) noexcep
 
 namespace momentree::machine {
 
-void hold_at_forks(std::mutex&) noexcept {}
+void keep_free_in_children(std::mutex&) noexcept {}
 const std::uint8_t* CodeMemory::put(std::span<const std::uint8_t>) noexcept { return nullptr; }
 
 }  // namespace momentree::machine

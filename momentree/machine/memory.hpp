@@ -7,8 +7,8 @@
 
 namespace momentree::machine {
 
-/// Makes a fork wait for the mutex, which is then free in both processes: no other thread holds it there. For one mutex.
-void hold_at_forks(std::mutex& mutex) noexcept;
+/// Makes fork() wait for the mutex, which is then free in both processes. For one mutex.
+void keep_free_in_children(std::mutex& mutex) noexcept;
 
 /// Code memory of this process. Not thread-safe.
 class CodeMemory {
@@ -28,7 +28,7 @@ class CodeMemory {
   std::uint8_t* written_ = nullptr;
   const std::uint8_t* executed_ = nullptr;
   std::size_t used_ = 0, size_ = 0;
-  long process_ = 0;  ///< which can write there: a forked process has memory of its own for new code
+  long generation_ = 0;  ///< which process can write there: a child has memory of its own for new code
 };
 
 }  // namespace momentree::machine

@@ -22,6 +22,7 @@ class Encoder {
 
   Bytes run() {
     MT_REQUIRE(f_.bases.size() <= base_registers.size(), "there is a register for each base");
+    MT_REQUIRE(f_.outputs.empty() || target_.lanes == 1, "vzeroupper would change outputs");
     pool();
     const std::size_t entry = out_.size();
     const int frame = allocated_.frame * 8 * target_.lanes;
@@ -154,8 +155,6 @@ Bytes encode_x86(const Function& function, const Allocated& allocated, const Tar
 Bytes encode_x86_run(int entry_size) {
   MT_REQUIRE(entry_size > 0 && entry_size < 128, "entries are short");
   return {{0x41, 0x56,                                               // push r14
-           0x41, 0x57,                                               // push r15
-           0x48, 0x83, 0xEC, 0x08,                                   // sub rsp, 8
            0x49, 0x89, 0xF6,                                         // mov r14, rsi
            0x48, 0x89, 0xD6,                                         // mov rsi, rdx
            0x4C, 0x39, 0xF7,                                         // cmp rdi, r14
@@ -164,9 +163,7 @@ Bytes encode_x86_run(int entry_size) {
            0x48, 0x83, 0xC7, static_cast<std::uint8_t>(entry_size),  // add rdi, entry_size
            0x4C, 0x39, 0xF7,                                         // cmp rdi, r14
            0x75, 0xF5,                                               // jne next
-           0x48, 0x83, 0xC4, 0x08,                                   // end: add rsp, 8
-           0x41, 0x5F,                                               // pop r15
-           0x41, 0x5E,                                               // pop r14
+           0x41, 0x5E,                                               // end: pop r14
            0xC3},                                                    // ret
           0};
 }
@@ -189,7 +186,8 @@ Bytes encode_x86_call(int place) {
 bool processor_runs([[maybe_unused]] const Target& target) noexcept {
 #ifdef __x86_64__
   if (target.avx512 || target.registers > 16 || target.lanes == 8)
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq");
+    return __builtin_cpu_supports("fma") && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+           __builtin_cpu_supports("avx512dq");
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 #else
   return false;

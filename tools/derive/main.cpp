@@ -8,9 +8,9 @@
 #include <iterator>
 #include <string>
 
-#include <momentree/joint/kinds.hpp>
 #include <momentree/derive/momentum_steps.hpp>
 #include <momentree/derive/velocity_steps.hpp>
+#include <momentree/joint/kinds.hpp>
 #include <tools/derive/writer.hpp>
 
 namespace {

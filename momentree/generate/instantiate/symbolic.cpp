@@ -1,5 +1,5 @@
-#include <momentree/dynamics/derived_sweep.ipp>
 #include <momentree/derive/symbolic.hpp>
+#include <momentree/dynamics/derived_sweep.ipp>
 
 namespace momentree {
 template void evaluate_rates<Symbolic<false>>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,

@@ -1,6 +1,6 @@
+#include <momentree/derive/symbolic.hpp>
 #include <momentree/dynamics/loop_place.ipp>
 #include <momentree/dynamics/velocity.ipp>
-#include <momentree/derive/symbolic.hpp>
 
 namespace momentree {
 #define MOMENTREE_LOOPS_OF(T)                                                                                                   \

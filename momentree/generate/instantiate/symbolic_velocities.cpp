@@ -1,5 +1,5 @@
-#include <momentree/dynamics/derived_velocity.ipp>
 #include <momentree/derive/symbolic.hpp>
+#include <momentree/dynamics/derived_velocity.ipp>
 
 namespace momentree {
 template void sweep_velocities<Symbolic<false>, false>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,
