@@ -3,11 +3,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include <doctest/doctest.h>
 
 #include <momentree/io/convert/convert.hpp>
+#include <momentree/io/mesh_test_support.hpp>
 #include <momentree/io/test_support.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <tests/bad_input.hpp>
@@ -15,41 +15,10 @@
 using namespace momentree;
 using namespace momentree::io;
 using namespace momentree::io::bad_input;
+using namespace momentree::io::test;
 
 namespace {
 
-void write(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
-
-std::string warnings(const ReadResult& result) {
-  std::string text;
-  for (const Diagnostic& each : result.diagnostics)
-    if (each.severity == Severity::warning) text += each.message() + "\n";
-  return text;
-}
-
-// An OBJ file of a box from −half to half, with every corner twice.
-std::string box_mesh(const Vec3& half) {
-  std::string text;
-  for (int copy = 0; copy < 2; ++copy)
-    for (int i = 0; i < 8; ++i)
-      text += "v " + std::to_string((i & 1) != 0 ? half.x : -half.x) + " " + std::to_string((i & 2) != 0 ? half.y : -half.y) +
-              " " + std::to_string((i & 4) != 0 ? half.z : -half.z) + "\n";
-  text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n";
-  return text + "f 2 4 8 6\n";
-}
-
-const std::string a_floor = "format = 1\n[world]\nfloor = true\n";
-const std::string a_mesh_above =
-    "[[mechanism]]\nname = \"m\"\nroot = \"free\"\npose = { xyz = [0, 0, 1] }\n[[mechanism.body]]\nname = \"m\"\nmass = 1\n"
-    "inertia = [0.1, 0.1, 0.1]\n";
-
-std::string link(const std::string& name, const std::string& collision) {
-  return "<link name='" + name + "'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial>" + collision +
-         "</link>\n";
-}
-std::string collision(const std::string& geometry, const std::string& at = "0 0 0") {
-  return "<collision><origin xyz='" + at + "'/><geometry>" + geometry + "</geometry></collision>";
-}
 // A mesh of two boxes, 0.2 m long, 1 m apart.
 std::string two_boxes() {
   std::string two = box_mesh({0.1, 0.1, 0.1});

@@ -3,7 +3,7 @@
 //
 // Contacts are *located*: each change happens at its instant, as an event, and in between closed contacts are equations of
 // motion. An island with too many points or changes for that is *stepped* through, until its bodies have hit nothing for a while
-// (contact_runs.cpp, contact_islands.cpp). Tolerances of geometry and of the solver stand beside their code in momentree/contact.
+// (contact_runs.cpp, contact_islands.cpp). Tolerances of geometry and of the solver are next to their code, in momentree/contact.
 #include <cstddef>
 
 namespace momentree::policy {
@@ -79,7 +79,7 @@ inline constexpr double step_touch = 1e-6;
 inline constexpr double least_depth = 1e-9;
 /// Bodies that approach more slowly (m/s) do not hit each other.
 inline constexpr double slow_impact = 1e-3;
-/// Of bodies that lie on each other: slower approach, and slower slip (m/s), is none.
+/// Of bodies that lie on each other: slower approach and slower slip (m/s) count as rest.
 inline constexpr double step_approach = 1e-5, step_slip = 1e-6;
 /// A body that is slower (m/s, rad/s) stands still: it would move by 1e-11 m in 10 s. Rounding leaves 1e-16.
 inline constexpr double standing_still = 1e-12;

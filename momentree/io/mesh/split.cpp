@@ -185,8 +185,9 @@ std::string run_coacd(const MeshPart& mesh, double concavity, int nodes) {
   return result;
 }
 
-// CoACD crashes on some meshes, so that it runs in a process of its own, which Ctrl-C ends. Empty if that fails.
+// CoACD crashes on some meshes, so that it runs in a process of its own, which Ctrl-C ends. Empty if that fails at any point.
 std::string in_a_process(const std::function<std::string()>& work) {
+  constexpr std::string_view whole = "whole";  // ends what the process writes
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) return {};
   const pid_t process = fork();
@@ -197,7 +198,7 @@ std::string in_a_process(const std::function<std::string()>& work) {
     ::setrlimit(RLIMIT_CORE, &no_core);
     const int nowhere = ::open("/dev/null", O_WRONLY);
     if (nowhere >= 0) ::dup2(nowhere, STDOUT_FILENO), ::dup2(nowhere, STDERR_FILENO);
-    const std::string result = work();
+    const std::string result = work() + std::string(whole);
     for (std::size_t done = 0; done < result.size();) {
       const ssize_t n = ::write(ends[1], result.data() + done, result.size() - done);
       if (n <= 0) ::_exit(1);
@@ -218,6 +219,8 @@ std::string in_a_process(const std::function<std::string()>& work) {
   while (process > 0 && ::waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) return "Ecannot be split: interrupted\na larger split takes less time";
+  if (!result.ends_with(whole)) return {};
+  result.resize(result.size() - whole.size());
   return result;
 }
 
