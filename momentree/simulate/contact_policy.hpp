@@ -79,6 +79,8 @@ inline constexpr double step_touch = 1e-6;
 inline constexpr double least_depth = 1e-9;
 /// Bodies that approach more slowly (m/s) do not hit each other.
 inline constexpr double slow_impact = 1e-3;
+/// Nor bodies that gravity would stop in fewer steps: flights as short as these are not resolved, and could go on for ever.
+inline constexpr double least_flight = 4;
 /// Of bodies that lie on each other: slower approach and slower slip (m/s) count as rest.
 inline constexpr double step_approach = 1e-5, step_slip = 1e-6;
 /// A body that is slower (m/s, rad/s) stands still: it would move by 1e-11 m in 10 s. Rounding leaves 1e-16.

@@ -2,6 +2,7 @@
 // contact_forces_test.cpp.)
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -114,10 +115,12 @@ TEST_CASE("stepping: light boxes carry heavy ones, and nothing at rest moves") {
 // long.
 TEST_CASE("stepping: a box that bounces on a column of others comes to rest") {
   for (const double e : {0.3, 0.5, 0.7, 0.9})
-    for (const int count : {2, 4}) {
+    for (const auto& [count, tilt] : {std::pair{2, 0.0}, {2, 1e-12}, {2, 1e-6}, {4, 0.0}}) {
       Model model;
       for (int k = 0; k < count; ++k) {
-        BodySpec box = crate("box" + std::to_string(k), {0, 0, 0.15 + 0.3 * k + (k + 1 == count ? 0.05 : 0)});
+        const bool top = k + 1 == count;
+        BodySpec box = crate("box" + std::to_string(k), {0, 0, 0.15 + 0.3 * k + (top ? 0.05 : 0)},
+                             {1, top ? tilt : 0, 0, 0});
         box.com = {};
         add_box(model, model.add(std::move(box)), {0.3, 0.3, 0.3});
       }

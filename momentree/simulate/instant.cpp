@@ -98,18 +98,6 @@ ActionResult check_energy(const Totals& before, const Totals& after, ActionPhase
   return no_free_mass();
 }
 
-// True if some body lacks the mass or inertia to move freely alone, such as a point mass or a rod. Only such bodies can make a
-// joint singular.
-bool has_thin_bodies(const Model& model) {
-  return std::any_of(model.bodies().begin(), model.bodies().end(), [](const BodySpec& body) {
-    const Sym3& J = body.inertia;
-    const double size = (J.xx + J.yy + J.zz) / 3;
-    const double product =
-        J.xx * (J.yy * J.zz - J.yz * J.yz) - J.xy * (J.xy * J.zz - J.yz * J.xz) + J.xz * (J.xy * J.yz - J.yy * J.xz);
-    return !(body.mass > 0) || !(product > 1e-9 * size * size * size);
-  });
-}
-
 ActionRecord record_of(const ActionBase& action, const std::string& made_joint, const ActionResult& result, const World& world) {
   ActionRecord record{std::string(action.key()), action.target(), made_joint, {}, {}, {}};
   if (const std::vector<std::string> joints = action.joints(); !joints.empty()) {
@@ -125,6 +113,16 @@ ActionRecord record_of(const ActionBase& action, const std::string& made_joint, 
 }
 
 }  // namespace
+
+bool has_thin_bodies(const Model& model) {
+  return std::any_of(model.bodies().begin(), model.bodies().end(), [](const BodySpec& body) {
+    const Sym3& J = body.inertia;
+    const double size = (J.xx + J.yy + J.zz) / 3;
+    const double product =
+        J.xx * (J.yy * J.zz - J.yz * J.yz) - J.xy * (J.xy * J.zz - J.yz * J.xz) + J.xz * (J.xy * J.yz - J.yy * J.xz);
+    return !(body.mass > 0) || !(product > 1e-9 * size * size * size);
+  });
+}
 
 std::string refusal(const DueEvent& event, const Action& action, double time, const ActionResult& result) {
   char at[40];

@@ -51,4 +51,8 @@ std::string refusal(const DueEvent& event, const Action& action, double time, co
 /// `dry_run`: see TopologyEditor.
 InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_run = false);
 
+/// True if some body lacks the mass or inertia to move freely alone, such as a point mass or a rod. Only such bodies can make a
+/// joint singular.
+[[nodiscard]] bool has_thin_bodies(const Model& model);
+
 }  // namespace momentree

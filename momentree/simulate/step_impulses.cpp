@@ -141,7 +141,8 @@ void StepImpulses::set_law(double h) {
   reached.assign(many.points.size(), 0.5 * h);  // what lies on something falls with it before the impulse
   hit_.assign(many.points.size(), false);
   // What contacts do in the step may accelerate bodies by as much as gravity, though they fall alike without these.
-  const double by_gravity = world_->gravity() * h, slow = std::max(policy::slow_impact, by_gravity);
+  const double by_gravity = world_->gravity() * h;
+  const double slow = std::max(policy::slow_impact, policy::least_flight * by_gravity);
   for (std::size_t i = 0; i < near.size(); ++i) {
     const Contact& c = near[i];
     const ContactLaw& law = pairs_->law(c.pair);

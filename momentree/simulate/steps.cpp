@@ -55,18 +55,23 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   const std::span<const Watch> watched = watches(most);
   const bool closed = !world.tree_.contacts().empty();
   if (closed) note_before_contact_step();
-  const bool pressing = geometry.pairs.any() && (steps_through() || some_step()) && has_motions();
-  const double scale = pressing ? energy_scale() : 0, taken = ledger.impacts, projected = ledger.projection;
-  // Where prescribed motions press bodies against others that cannot give way, contacts bring in energy without bounds.
+  // Where prescribed motions press bodies against others that cannot give way, contacts bring in energy without bounds; and where
+  // bodies without inertia come to lie so that some motion moves no mass.
+  const bool through = geometry.pairs.any() && (steps_through() || some_step());
+  const bool pressing = through && has_motions(), unsafe = pressing || (through && has_thin_bodies(world.model()));
+  const double scale = unsafe ? energy_scale() : 0, taken = ledger.impacts, projected = ledger.projection;
   const auto exploded = [&] {
-    constexpr double most_gained = 1e3;  // impacts of what moves change the energy by its scale at most
+    const double most_gained = pressing ? 1e3 : 1;  // impacts of what moves change the energy by its scale at most
     const double gained = std::fabs(ledger.impacts - taken) + std::fabs(ledger.projection - projected);
-    if (!pressing || gained <= most_gained * scale) return false;
+    if (!unsafe || gained <= most_gained * scale) return false;
     undo_contact_step();
-    report_pressing(gained);
+    if (pressing)
+      report_pressing(gained);
+    else
+      report_divergence(h);
     return true;
   };
-  if (pressing && !closed) note_before_contact_step();
+  if (unsafe && !closed) note_before_contact_step();
   std::optional<double> stepped = stops.step(present_method(), ledger, most, watched);
   if (closed && stepped && contacts.watches.slip.kept_too_much()) {
     undo_contact_step();
