@@ -257,10 +257,6 @@ TEST_CASE("run --generate: the same motion, a line about it, and a fallback with
           here.call(run + name + " --generate --set integrate.method=" + method + " --set integrate.variables=" + variables);
       CHECK(outcome.errors == "");
       CHECK(contains(outcome.output, "Generated code: 2 topologies compiled, found again 1 time, in "));
-      REQUIRE(
-          here.call(run + "by-kernels-" + name + " --set integrate.method=" + method + " --set integrate.variables=" + variables)
-              .code == 0);
-      CHECK(here.text((name + "/bodies.csv").c_str()) != here.text(("by-kernels-" + name + "/bodies.csv").c_str()));  // last bits
     }
   const Outcome json = here.call(run + "json --generate --json");
   CHECK(json.code == 0);

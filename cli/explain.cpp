@@ -122,20 +122,6 @@ std::string joints_by_kind(const World& world) {
   return text;
 }
 
-/// Isomorphic branches, which one world evaluates as body pairs: "hip_left and hip_right, … (10 bodies of 13)".
-std::string pairs_text(const World& world) {
-  const Tree& tree = world.tree();
-  const auto name = [&](int place) { return world.model()[BodyId{tree.order()[static_cast<std::size_t>(place)]}].name; };
-  std::string text;
-  int bodies = 0;
-  for (const KernelRun& run : tree.paired_runs()) {
-    if (run.pair < 0) continue;
-    bodies += run.end - run.begin;
-    if (run.branch && run.begin < run.pair) text += (text.empty() ? "" : ", ") + name(run.begin) + " and " + name(run.pair);
-  }
-  return text.empty() || !has_pair_lanes ? "" : text + format(" (%d of %d bodies)", bodies, tree.bodies());
-}
-
 /// Bodies of mechanisms that move in a plane, which have separate kernels.
 int bodies_in_planes(const Tree& tree) {
   int bodies = 0;
@@ -210,7 +196,6 @@ std::string totals_text(const World& world) {
                             count_text(operations.sincos, "pair", "pairs") + " of sine and cosine" +
                             (world.tree().has_loops() ? ", of the tree without its equations" : ""));
   if (const int bodies = bodies_in_planes(world.tree()); bodies > 0) row("in a plane", count_text(bodies, "body", "bodies"));
-  if (const std::string pairs = pairs_text(world); !pairs.empty()) row("paired branches", pairs);
   return table.text("  ");
 }
 

@@ -26,8 +26,6 @@ function(momentree_kind_list folder macro list_header umbrella_header)
 endfunction()
 
 momentree_kind_list(momentree/joint/kinds MOMENTREE_KINDS momentree/joint/kind_list.hpp momentree/joint/kinds.hpp)
-momentree_kind_list(momentree/joint/derived MOMENTREE_DERIVED momentree/joint/derived_list.hpp momentree/joint/all_derived.hpp)
-momentree_kind_list(momentree/joint/derived_velocity MOMENTREE_VELOCITY_DERIVED momentree/joint/velocity_derived_list.hpp momentree/joint/all_velocity_derived.hpp)
 momentree_kind_list(momentree/integrate/kinds MOMENTREE_METHODS momentree/integrate/method_list.hpp momentree/integrate/methods.hpp)
 momentree_kind_list(momentree/simulate/actions MOMENTREE_ACTIONS momentree/simulate/action_list.hpp momentree/simulate/all_actions.hpp)
 momentree_kind_list(momentree/simulate/quantities MOMENTREE_QUANTITIES momentree/simulate/quantity_list.hpp momentree/simulate/all_quantities.hpp)

@@ -10,7 +10,7 @@
 
 namespace momentree::cli {
 
-/// Operations as printed: "316 n − 354", or the readable part of it.
+/// Operations as printed: "315 n − 434", or the readable part of it.
 struct OperationsRow {
   std::string algorithm, additions, multiplications, total;
   long of_100 = 0;  ///< total for 100 bodies; 0: unknown

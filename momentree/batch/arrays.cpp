@@ -74,7 +74,7 @@ void Batch::Impl::convert(const Tree& tree, Variables given, const double* q, co
     project_momentum(tree, q, y, to, own.projection);
     clear_locked(tree, to);
   } else {
-    evaluate_rates<double>(tree, q, y, own.workspace);
+    evaluate_motions<double>(tree, q, y, own.workspace);
     std::copy_n(own.workspace.v.get(), tree.nv(), to);
   }
 }
@@ -146,7 +146,7 @@ void Batch::Impl::read_velocities(Group& group, std::span<const int> worlds, dou
     double* const rates = scratches[static_cast<std::size_t>(thread)].lanes.data();
     double* const velocities = rates + width * static_cast<std::size_t>(nq + nv);
     const batch::Block block = group.block(tasks[static_cast<std::size_t>(i)].block);
-    steppers[static_cast<std::size_t>(thread)]->rates(group.tree(), block.q, block.y, rates,
+    steppers[static_cast<std::size_t>(thread)]->rates(group.tree(), group.plan(), block.q, block.y, rates,
                                                       rates + width * static_cast<std::size_t>(nq), velocities);
     for (std::size_t k = first[static_cast<std::size_t>(i)]; k < first[static_cast<std::size_t>(i) + 1]; ++k) {
       const auto row = static_cast<std::size_t>(rows[k]);

@@ -131,11 +131,12 @@ struct Batch::Impl {
   std::unique_ptr<Group> new_group(Topology topology, const Tree& tree) {
     had_loops |= !tree.loops().empty();
     if (!had_loops && !one_by_one)
-      return std::make_unique<Group>(std::move(topology), tree, lanes_of_group(tree), variables_of(tree));
+      return std::make_unique<Group>(std::move(topology), tree, lanes_of_group(tree), variables_of(tree), scalar_of(tree));
     Tree bare = declared;  // later loop joints get numbers that do not depend on earlier ones
     if (had_loops || !batch::same(topology, declared_topology)) bare.restore(topology);
-    return std::make_unique<Group>(std::move(topology), bare, lanes_of_group(bare), variables_of(bare));
+    return std::make_unique<Group>(std::move(topology), bare, lanes_of_group(bare), variables_of(bare), scalar_of(bare));
   }
+  StepScalar scalar_of(const Tree& tree) const { return one_by_one || tree.has_loops() ? StepScalar{} : steppers[0]->scalar(); }
   // Worlds with loops in momenta are stepped one by one.
   static bool in_loop_lanes(const Group& group) { return group.tree().has_loops() && group.variables() == Variables::velocities; }
   int lanes_of_group(const Tree& tree) {

@@ -104,8 +104,13 @@ void check(const Tree& tree) {
   if (const std::optional<Unsupported> why = unsupported(tree)) throw_error({why->problem, "", why->hint});
 }
 
-Group::Group(Topology topology, const Tree& tree, int lanes, Variables variables)
-    : topology_(std::move(topology)), key_(key_of(topology_)), tree_(tree), plan_(tree_), lanes_(lanes), variables_(variables) {}
+Group::Group(Topology topology, const Tree& tree, int lanes, Variables variables, const StepScalar& scalar)
+    : topology_(std::move(topology)),
+      key_(key_of(topology_)),
+      tree_(tree),
+      plan_(tree_, scalar),
+      lanes_(lanes),
+      variables_(variables) {}
 
 void Group::resize(std::size_t slots) {
   q_.resize(slots * at(tree_.nq())), y_.resize(slots * at(tree_.nv())), effort_.resize(slots * at(tree_.nv()));

@@ -34,12 +34,13 @@ struct ExtraEffort {
 
 class Group {
  public:
-  Group(Topology topology, const Tree& tree, int lanes, Variables variables);
+  /// `scalar`: of the stepper.
+  Group(Topology topology, const Tree& tree, int lanes, Variables variables, const StepScalar& scalar = {});
 
   const Topology& topology() const { return topology_; }
   std::size_t key() const { return key_; }
   const Tree& tree() const { return tree_; }
-  const ForcePlan& plan() const { return plan_; }
+  const TopologyPlan& plan() const { return plan_; }
   Variables variables() const { return variables_; }
   int worlds() const { return static_cast<int>(world_.size()); }
   int blocks() const { return (worlds() + lanes_ - 1) / lanes_; }
@@ -82,7 +83,7 @@ class Group {
   Topology topology_;
   std::size_t key_;
   Tree tree_;
-  ForcePlan plan_;
+  TopologyPlan plan_;
   int lanes_;
   Variables variables_;
   int number_ = 0;

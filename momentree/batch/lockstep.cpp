@@ -73,7 +73,8 @@ Group& Lockstep::group_of(const Simulation::Impl& impl) {
       steps.stepper = batch::make_stepper(isa_, Precision::float64, tree, variables);
     steps.capacity = tree.bodies();
   }
-  return *groups_.emplace_back(std::make_unique<Group>(topology, tree, steps.stepper->lanes(), variables));
+  return *groups_.emplace_back(
+      std::make_unique<Group>(topology, tree, steps.stepper->lanes(), variables, steps.stepper->scalar()));
 }
 
 bool Lockstep::board(Member& member) {

@@ -31,7 +31,7 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
     choosing_ = true;
   }
 
-  void evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
+  void evaluate(const Tree& tree, const TopologyPlan& plan, const double* effort, const double* t, const T* q,
                 const T* u) noexcept override {
     Workspace<T>& workspace = this->workspace_;
     sweep_velocities<T, true>(tree, q, u, workspace);

@@ -1,16 +1,20 @@
 #pragma once
 // Steps of states in momenta, in lanes; included only by instantiate/*.cpp.
 #include <momentree/batch/stepper.ipp>
-#include <momentree/dynamics/derived_sweep.ipp>
+#include <momentree/dynamics/forward.ipp>
 
 namespace momentree::batch {
 
 template <class T>
 class PackMomentaStepper final : public PackStepper<T> {
  public:
-  explicit PackMomentaStepper(const Tree& tree) : PackStepper<T>(tree) {}
-  void rates(const Tree& tree, const double* q, const double* p, double* qdot, double* pdot, double* v) noexcept override {
+  /// `width`: of the machine code for lanes like these.
+  PackMomentaStepper(const Tree& tree, StepWidth width) : PackStepper<T>(tree), width_(width) {}
+  StepScalar scalar() const override { return step_scalar<T, true>(width_); }
+  void rates(const Tree& tree, const TopologyPlan& plan, const double* q, const double* p, double* qdot, double* pdot,
+             double* v) noexcept override {
     this->load(tree, q, p, this->q_.get(), this->y_.get());
+    this->workspace_.steps = plan.steps.get();
     evaluate_rates<T>(tree, this->q_.get(), this->y_.get(), this->workspace_);
     this->store(tree.nq(), this->workspace_.qdot.get(), qdot);
     this->store(tree.nv(), this->workspace_.pdot.get(), pdot);
@@ -18,12 +22,15 @@ class PackMomentaStepper final : public PackStepper<T> {
   }
 
  private:
-  void evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
+  void evaluate(const Tree& tree, const TopologyPlan& plan, const double* effort, const double* t, const T* q,
                 const T* p) noexcept override {
+    this->workspace_.steps = plan.steps.get();
     evaluate_rates<T>(tree, q, p, this->workspace_);
     this->add_forces(tree, plan, effort, t, q, this->workspace_.pdot.get());
   }
   const T* ydot() const noexcept override { return this->workspace_.pdot.get(); }
+
+  StepWidth width_;
 };
 
 }  // namespace momentree::batch

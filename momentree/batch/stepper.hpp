@@ -4,22 +4,26 @@
 #include <vector>
 
 #include <momentree/dynamics/forces/linear_spring.hpp>
+#include <momentree/dynamics/step_scalar.hpp>
 #include <momentree/math/isa.hpp>
 #include <momentree/tree/state.hpp>
 
 namespace momentree {
+
+class StepTable;
 
 /// The precision of worlds in lanes. Their states are stored as doubles in either case.
 enum class Precision : unsigned char { float64, float32 };
 
 namespace batch {
 
-/// The elements from which the joint forces of one topology are computed.
-struct ForcePlan {
+/// What the steps of one topology are made of.
+struct TopologyPlan {
   std::vector<forces::LinearSpring> springs;
   std::vector<int> elements;  ///< bodies whose joint has other forces, which are evaluated lane by lane
-  ForcePlan() = default;
-  explicit ForcePlan(const Tree& tree);
+  std::unique_ptr<StepTable, void (*)(StepTable*)> steps{nullptr, nullptr};  ///< of stages; null for worlds with loops
+  /// `scalar`: of the stepper. Throws Error if there are too many bodies for it.
+  TopologyPlan(const Tree& tree, const StepScalar& scalar);
 };
 
 /// Worlds in lanes; number i of lane l is at [i·lanes + l].
@@ -39,9 +43,11 @@ class Stepper {
   Stepper& operator=(const Stepper&) = delete;
   virtual ~Stepper();
   virtual int lanes() const = 0;
+  /// For the plans of its topologies; empty if its stages use no steps.
+  virtual StepScalar scalar() const;
   /// One step of the classical Runge–Kutta method in every lane. The tree must not have more bodies than that of the constructor.
   /// Neither allocates nor throws.
-  virtual void step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept = 0;
+  virtual void step(const Tree& tree, const TopologyPlan& plan, const Block& block) noexcept = 0;
 };
 
 /// Of worlds without loops.
@@ -49,7 +55,8 @@ class TreeStepper : public Stepper {
  public:
   ~TreeStepper() override;
   /// One evaluation without joint forces: q̇, ẏ (ṗ or u̇) and v of all lanes.
-  virtual void rates(const Tree& tree, const double* q, const double* y, double* qdot, double* ydot, double* v) noexcept = 0;
+  virtual void rates(const Tree& tree, const TopologyPlan& plan, const double* q, const double* y, double* qdot, double* ydot,
+                     double* v) noexcept = 0;
 };
 
 /// Of worlds with closed loops or exact couplings.

@@ -13,7 +13,7 @@ template <class T, class Base = TreeStepper>
 class PackStepper : public Base {
  public:
   int lanes() const final { return N; }
-  void step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept final;
+  void step(const Tree& tree, const TopologyPlan& plan, const Block& block) noexcept final;
 
  protected:
   static constexpr int N = T::lanes;
@@ -30,7 +30,7 @@ class PackStepper : public Base {
         y_sum_(make(6 * tree.bodies())) {}
 
   /// Rates with the joint forces, to workspace_.qdot and ydot(); t by lane.
-  virtual void evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
+  virtual void evaluate(const Tree& tree, const TopologyPlan& plan, const double* effort, const double* t, const T* q,
                         const T* y) noexcept = 0;
   virtual const T* ydot() const noexcept = 0;
   /// Before a step.
@@ -41,7 +41,8 @@ class PackStepper : public Base {
   void normalise(const Tree& tree, T* q, const bool* lanes) noexcept;
   /// Adds the joint forces to `force`, at the velocities in workspace_.v; the accelerations of prescribed motions in their
   /// places.
-  void add_forces(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q, T* force) noexcept;
+  void add_forces(const Tree& tree, const TopologyPlan& plan, const double* effort, const double* t, const T* q,
+                  T* force) noexcept;
   static void load(const Tree& tree, const double* q, const double* y, T* to_q, T* to_y) noexcept {
     for (int i = 0; i < tree.nq(); ++i) to_q[i] = T::load(q + i * N);
     for (int i = 0; i < tree.nv(); ++i) to_y[i] = T::load(y + i * N);
@@ -74,8 +75,8 @@ void PackStepper<T, Base>::add_elements(const Tree& tree, int b, const double* t
 }
 
 template <class T, class Base>
-void PackStepper<T, Base>::add_forces(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
-                                      T* force) noexcept {
+void PackStepper<T, Base>::add_forces(const Tree& tree, const TopologyPlan& plan, const double* effort, const double* t,
+                                      const T* q, T* force) noexcept {
   const int nv = tree.nv();
   const T* const v = workspace_.v.get();
   if (tree.has_forces())
@@ -120,7 +121,7 @@ void PackStepper<T, Base>::end_step(const Tree& tree, const double* t) noexcept 
 }
 
 template <class T, class Base>
-void PackStepper<T, Base>::step(const Tree& tree, const ForcePlan& plan, const Block& block) noexcept {
+void PackStepper<T, Base>::step(const Tree& tree, const TopologyPlan& plan, const Block& block) noexcept {
   const int nq = tree.nq(), nv = tree.nv();
   load(tree, block.q, block.y, q0_.get(), y0_.get());
   double t[N];

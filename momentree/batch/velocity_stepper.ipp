@@ -1,16 +1,20 @@
 #pragma once
 // Steps of states in velocities, in lanes; included only by instantiate/*.cpp.
 #include <momentree/batch/stepper.ipp>
-#include <momentree/dynamics/derived_velocity.ipp>
+#include <momentree/dynamics/velocity.ipp>
 
 namespace momentree::batch {
 
 template <class T>
 class PackVelocityStepper final : public PackStepper<T> {
  public:
-  explicit PackVelocityStepper(const Tree& tree) : PackStepper<T>(tree) {}
-  void rates(const Tree& tree, const double* q, const double* u, double* qdot, double* udot, double* v) noexcept override {
+  /// `width`: of the machine code for lanes like these.
+  PackVelocityStepper(const Tree& tree, StepWidth width) : PackStepper<T>(tree), width_(width) {}
+  StepScalar scalar() const override { return step_scalar<T, false>(width_); }
+  void rates(const Tree& tree, const TopologyPlan& plan, const double* q, const double* u, double* qdot, double* udot,
+             double* v) noexcept override {
     this->load(tree, q, u, this->q_.get(), this->y_.get());
+    this->workspace_.steps = plan.steps.get();
     evaluate_with(tree, this->q_.get(), this->y_.get(), [](T*) {});
     this->store(tree.nq(), this->workspace_.qdot.get(), qdot);
     this->store(tree.nv(), this->workspace_.a.get(), udot);
@@ -28,11 +32,14 @@ class PackVelocityStepper final : public PackStepper<T> {
     add_forces(tau);
     solve_accelerations<T, false>(tree, q, this->workspace_, {{T(-g.x), T(-g.y), T(-g.z)}, {T(0), T(0), T(0)}});
   }
-  void evaluate(const Tree& tree, const ForcePlan& plan, const double* effort, const double* t, const T* q,
+  void evaluate(const Tree& tree, const TopologyPlan& plan, const double* effort, const double* t, const T* q,
                 const T* u) noexcept override {
+    this->workspace_.steps = plan.steps.get();
     evaluate_with(tree, q, u, [&](T* tau) { this->add_forces(tree, plan, effort, t, q, tau); });
   }
   const T* ydot() const noexcept override { return this->workspace_.a.get(); }
+
+  StepWidth width_;
 };
 
 }  // namespace momentree::batch

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include <momentree/derive/elimination.hpp>
-#include <momentree/joint/derived_steps.hpp>
 #include <momentree/joint/screw_kernels.hpp>
 
 namespace momentree::derive {
@@ -24,13 +23,11 @@ struct Order {
 
 /// What the derivation needs to know of a kind besides its functions.
 struct Traits {
-  std::string name, kernels;
-  std::vector<Form> forms;
+  std::string name;
   int angle = -1;  ///< the angle of the last rotation if F is the frame before it
   int dof = -1;    ///< and its DoF
   bool armature = false;
-  Order::Frame frame_in_velocities = Order::before_rotation;  ///< of a screw
-  bool shared_kernels = false;                                ///< the kernels are declared by the file of the kind only
+  Order::Frame frame = Order::before_rotation;  ///< of a screw, for the least time
 };
 
 template <class K, std::size_t NQ, std::size_t NV>
@@ -47,14 +44,14 @@ struct Crossing {
   Derived out{};
 
   /// `name`: the numbers of the DoFs that the first function is given.
-  Crossing(const Traits& of, const Form& form, BodyPlace place, const Order& by_order, Recorder& recorder,
+  Crossing(const Traits& of, std::optional<PlacementShape> shape, BodyPlace place, const Order& by_order, Recorder& recorder,
            const std::string& name)
       : kind(of),
         leaf(place == BodyPlace::leaf || place == BodyPlace::single),
         root(place == BodyPlace::root || place == BodyPlace::single),
         order(by_order),
         in(recorder),
-        k(recorder, form),
+        k(recorder, shape),
         given(inputs<NV>(name)) {
     if (kind.name == "free" && !root) k.geometry[0] = k.geometry[1] = k.geometry[2] = T(0);  // the frame is that of the joint
     c_F = c, s_F = s;
@@ -82,11 +79,11 @@ struct Crossing {
   void part(const std::string& text) { out.functions.back().comments.push_back({in.size(), text}); }
   void end() { out.functions.back().end = in.size(); }
   static void store(std::vector<Store>& to, const std::string& name, const Vector3<T>& a) {
-    to.push_back({name + ".x", a.x.node(), {}}), to.push_back({name + ".y", a.y.node(), {}});
-    to.push_back({name + ".z", a.z.node(), {}});
+    to.push_back({name + ".x", a.x.node()}), to.push_back({name + ".y", a.y.node()});
+    to.push_back({name + ".z", a.z.node()});
   }
   static void store(std::vector<Store>& to, const std::string& name, const SpatialMass<T>& M) {
-    const auto put = [&](const char* element, const T& x) { to.push_back({name + element, x.node(), {}}); };
+    const auto put = [&](const char* element, const T& x) { to.push_back({name + element, x.node()}); };
     put(".A.xx", M.A.xx), put(".A.yy", M.A.yy), put(".A.zz", M.A.zz), put(".A.xy", M.A.xy), put(".A.xz", M.A.xz);
     put(".A.yz", M.A.yz), put(".B.xx", M.B.xx), put(".B.xy", M.B.xy), put(".B.xz", M.B.xz), put(".B.yx", M.B.yx);
     put(".B.yy", M.B.yy), put(".B.yz", M.B.yz), put(".B.zx", M.B.zx), put(".B.zy", M.B.zy), put(".B.zz", M.B.zz);

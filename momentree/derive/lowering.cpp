@@ -16,14 +16,18 @@ using machine::Place;
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // The numbers of an Inboard and of a Motion by name, in the order of their memory.
-constexpr std::string_view sum_numbers[] = {"M.A.xx", "M.A.yy", "M.A.zz", "M.A.xy", "M.A.xz", "M.A.yz", "M.B.xx",
-                                            "M.B.xy", "M.B.xz", "M.B.yx", "M.B.yy", "M.B.yz", "M.B.zx", "M.B.zy",
-                                            "M.B.zz", "M.J.xx", "M.J.yy", "M.J.zz", "M.J.xy", "M.J.xz", "M.J.yz",
-                                            "D.l.x",  "D.l.y",  "D.l.z",  "D.h.x",  "D.h.y",  "D.h.z"};
+constexpr std::string_view sum_numbers[] = {"M.A.xx", "M.A.yy", "M.A.zz", "M.A.xy", "M.A.xz", "M.A.yz", "M.B.xx", "M.B.xy",
+                                            "M.B.xz", "M.B.yx", "M.B.yy", "M.B.yz", "M.B.zx", "M.B.zy", "M.B.zz", "M.J.xx",
+                                            "M.J.yy", "M.J.zz", "M.J.xy", "M.J.xz", "M.J.yz", "D.l.x",  "D.l.y",  "D.l.z",
+                                            "D.h.x",  "D.h.y",  "D.h.z",  "mc.x",   "mc.y",   "mc.z"};
 constexpr std::string_view motion_numbers[] = {"v.x", "v.y", "v.z", "w.x", "w.y", "w.z"};
+constexpr std::string_view output_numbers[] = {"velocity.v.x", "velocity.v.y", "velocity.v.z", "velocity.w.x", "velocity.w.y",
+                                               "velocity.w.z", "gravity.x",    "gravity.y",    "gravity.z"};
+constexpr std::string_view moment_numbers[] = {"x", "y", "z"};
 static_assert(offsetof(Inboard<double>, M.A.yz) == 5 * 8 && offsetof(Inboard<double>, M.B.yx) == 9 * 8 &&
               offsetof(Inboard<double>, M.J.xx) == 15 * 8 && offsetof(Inboard<double>, D.h.z) == 26 * 8 &&
-              offsetof(Motion<double>, w.z) == 5 * 8);
+              offsetof(Inboard<double>, mc.z) == 29 * 8 && offsetof(Motion<double>, w.z) == 5 * 8 &&
+              offsetof(Outboard<double>, gravity.z) == 8 * 8);
 
 }  // namespace
 
@@ -48,7 +52,24 @@ class Lowering {
 
  private:
   /// An array of StepArrays, or what a body has there.
-  enum Array : int { q, cos, sin, u, qdot, a, record, sum_in, sum_to, motion_in, motion_to, armature, constants, arrays };
+  enum Array : int {
+    q,
+    cos,
+    sin,
+    u,
+    qdot,
+    a,
+    p,
+    pdot,
+    record,
+    sum_in,
+    sum_to,
+    motion_in,
+    motion_to,
+    armature,
+    constants,
+    arrays
+  };
 
   static machine::Base base_of(Array array) {
     switch (array) {
@@ -60,6 +81,8 @@ class Lowering {
       MOMENTREE_BASE(u, dof, u)
       MOMENTREE_BASE(qdot, q, qdot)
       MOMENTREE_BASE(a, dof, a)
+      MOMENTREE_BASE(p, dof, p)
+      MOMENTREE_BASE(pdot, dof, pdot)
       MOMENTREE_BASE(record, record, records)
       MOMENTREE_BASE(sum_in, in, sums)
       MOMENTREE_BASE(sum_to, to, sums)
@@ -76,7 +99,7 @@ class Lowering {
     int index = 0;
   };
   /// Where a number is that a pass reads or stores.
-  static Slot slot_of(std::string_view name, bool stored) {
+  Slot slot_of(std::string_view name, bool stored) const {
     const auto indexed = [&](std::string_view prefix) { return name.starts_with(prefix); };
     const auto index = [&] { return std::atoi(name.data() + name.find('[') + 1); };
     const auto in = [](std::span<const std::string_view> all, std::string_view part) {
@@ -89,6 +112,10 @@ class Lowering {
     if (indexed("u[")) return {u, index()};
     if (indexed("qdot[")) return {qdot, index()};
     if (indexed("tau[") || indexed("udot[")) return {a, index()};
+    if (indexed("p[")) return {p, index()};
+    if (indexed("pdot[")) return {pdot, index()};
+    if (indexed("out.")) return {stored ? motion_to : motion_in, in(output_numbers, name.substr(4))};
+    if (indexed("w.mc.")) return {record, step_.record() - 3 + in(moment_numbers, name.substr(5))};
     if (indexed("velocity.")) return {stored ? motion_to : motion_in, in(motion_numbers, name.substr(9))};
     if (indexed("to.")) return {sum_to, in(sum_numbers, name.substr(3))};
     MT_REQUIRE(indexed("a."), "a number that passes read or store");
@@ -109,10 +136,8 @@ class Lowering {
         const Slot to = slot_of(one.to, true);
         results_.push_back({one.node, to});
       }
-    for (int k = 0; k < step_.record(); ++k) {
-      const int node = step_.record_[at(k)];
-      if (step_.steps_.owner(node) == pass_) results_.push_back({node, {record, k}});
-    }
+    for (const int node : step_.record_)
+      if (step_.steps_.owner(node) == pass_) results_.push_back({node, {record, step_.place_[at(node)]}});
   }
   /// Read from the record: an earlier pass stored it.
   bool is_recorded(std::size_t i) const { return step_.place_[i] >= 0 && step_.steps_.owner(static_cast<int>(i)) < pass_; }
@@ -157,8 +182,9 @@ class Lowering {
   /// Which register hands on a number; −1: none.
   int register_of(Slot slot, bool stored) const {
     if (!(stored ? how_.to_registers : how_.in_registers)) return -1;
-    if (slot.array == (stored ? motion_to : motion_in)) return pass_ == 0 ? slot.index - 3 : slot.index;  // ω alone, or all
-    if (slot.array != (stored ? sum_to : sum_in)) return -1;
+    const bool angular = step_.passes() == 3 && pass_ == 0;  // velocities hand on ω alone
+    if (slot.array == (stored ? motion_to : motion_in)) return angular ? slot.index - 3 : slot.index;
+    if (slot.array != (stored ? sum_to : sum_in) || slot.index >= 27) return -1;
     const int number = slot.index < 15 ? slot.index + 12 : slot.index - 15;  // J, D, A, B
     return number < handed_sums(target_) ? number : -1;
   }
@@ -170,8 +196,8 @@ class Lowering {
       base_[at(slot.array)] = static_cast<int>(out_.bases.size());
       out_.bases.push_back(base_of(slot.array));
     }
-    const bool shared = slot.array == constants || slot.array == armature;
-    return {static_cast<std::int8_t>(base_[at(slot.array)]), shared, 8 * (shared ? 1 : target_.lanes) * slot.index};
+    const bool shared = slot.array == constants;
+    return {static_cast<std::int8_t>(base_[at(slot.array)]), shared, (shared ? target_.number : target_.vector()) * slot.index};
   }
   int input(std::size_t i) {
     const auto& n = nodes_[i];
@@ -186,7 +212,7 @@ class Lowering {
     } else if (is_recorded(i)) {
       home = place({record, step_.place_[i]});
     } else if (n.operation == Operation::p) {
-      home = place({armature, 0});
+      home = place(step_.in_->constants[at(n.a)] == "mass" ? Slot{record, 0} : Slot{armature, 0});
     } else {
       home = place(slot_of(step_.in_->numbers[at(n.a)], false));
     }
@@ -264,7 +290,7 @@ class Lowering {
       if (v < 0 || out_.values[at(v)].operation != machine::Operation::load) return;
       const Place& home = out_.values[at(v)].home;
       for (const Array array : {sum_in, motion_in})
-        if (home.base == base_[at(array)]) last_read[at(home.offset / (8 * target_.lanes))] = when;
+        if (home.base == base_[at(array)]) last_read[at(home.offset / target_.vector())] = when;
     };
     for (int t = 0; t < end; ++t) {
       const int v = out_.order[at(t)];
@@ -282,7 +308,7 @@ class Lowering {
     for (machine::Store& one : stores) {
       one.due = out_.values[at(one.value)].operation == machine::Operation::load ? end : known[at(one.value)];
       if (overwrites(one.to) && !(how_.adds && one.to.base == base_[sum_to]))
-        one.due = std::max(one.due, last_read[at(one.to.offset / (8 * target_.lanes))]);
+        one.due = std::max(one.due, last_read[at(one.to.offset / target_.vector())]);
     }
     std::ranges::stable_sort(stores, {}, &machine::Store::due);
     out_.stores = std::move(stores);

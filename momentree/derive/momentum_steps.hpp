@@ -13,8 +13,11 @@ struct MomentumSteps : Crossing<K, NQ, NV> {
 
   std::vector<T> p_basis;
 
-  MomentumSteps(const Traits& of, const Form& form, BodyPlace place, const Order& by_order, Recorder& recorder)
-      : Base(of, form, place, by_order, recorder, "p"), p_basis(this->along_basis(this->given)) {}
+  bool has_gravity;
+
+  MomentumSteps(const Traits& of, std::optional<PlacementShape> shape, BodyPlace place, const Order& by_order, Recorder& recorder,
+                bool gravity)
+      : Base(of, shape, place, by_order, recorder, "p"), p_basis(this->along_basis(this->given)), has_gravity(gravity) {}
 
   Derived run() {
     inboard();
@@ -28,13 +31,13 @@ struct MomentumSteps : Crossing<K, NQ, NV> {
     Function& f = this->begin("(22), (23): the body and its children");
     SpatialMass<T> M = this->mass_of_children();
     Force<T> D = this->force_of_children();
-    Vector3<T> mc = leaf ? this->zero() : in.numbers_of("a.mc");
+    Vector3<T> mc = leaf || !has_gravity ? this->zero() : in.numbers_of("a.mc");
     articulated_mass(k.body, M), remainder_momentum(D);
-    mc += k.body.mc;
+    if (has_gravity) mc += k.body.mc;
     this->before_last_rotation(M, D.l, D.h, mc);
     const auto displace = [&] {
       Base::displace(M, D);
-      mc.z = mc.z + mass * screw.d;
+      if (has_gravity) mc.z = mc.z + mass * screw.d;
     };
     if constexpr (K::rotates_about_z) {
       this->find_screw();
@@ -46,7 +49,7 @@ struct MomentumSteps : Crossing<K, NQ, NV> {
     M_hat = M, D_hat = D;
     const char* const axes[] = {"x", "y", "z"};
     const T moments[] = {mc.x, mc.y, mc.z};
-    for (std::size_t i = 0; i < 3; ++i) f.stores.push_back({"w.mc." + std::string(axes[i]), moments[i].node(), "gravity"});
+    for (std::size_t i = 0; i < 3 && has_gravity; ++i) f.stores.push_back({"w.mc." + std::string(axes[i]), moments[i].node()});
     if (root) {
       if constexpr (!K::rotates_about_z) this->find_transform();
       return this->end();
@@ -60,16 +63,17 @@ struct MomentumSteps : Crossing<K, NQ, NV> {
       const Vector3<T> r = this->offset();
       this->rotate_placement(M), this->rotate_placement(D.l, D.h), this->rotate_placement(mc);
       shift(M, r), shift(D, r);
-      mc += mass * r;
+      if (has_gravity) mc += mass * r;
     } else {
       this->find_transform();
       rotate(M, across_joint.R);
       shift(M, across_joint.r);
       across_joint.inboard(D);
-      mc = across_joint.R * mc + mass * across_joint.r;
+      if (has_gravity) mc = across_joint.R * mc + mass * across_joint.r;
     }
     this->store(f.last, "to.M", M);
-    this->store(f.last, "to.D.l", D.l), this->store(f.last, "to.D.h", D.h), this->store(f.last, "to.mc", mc);
+    this->store(f.last, "to.D.l", D.l), this->store(f.last, "to.D.h", D.h);
+    if (has_gravity) this->store(f.last, "to.mc", mc);
     this->end();
   }
 
@@ -77,7 +81,7 @@ struct MomentumSteps : Crossing<K, NQ, NV> {
     Function& f = this->begin("(17): into the joint's frame");
     Motion<T> velocity{this->zero(), this->zero()};  // the ground rests
     if (!root) velocity = {in.numbers_of("out.velocity.v"), in.numbers_of("out.velocity.w")};
-    Vector3<T> gravity = in.numbers_of("out.gravity");
+    Vector3<T> gravity = has_gravity ? in.numbers_of("out.gravity") : this->zero();
     if constexpr (K::rotates_about_z) {
       shift_outboard(velocity, this->offset());
       this->placement_out(velocity.v, velocity.w, gravity);
@@ -95,24 +99,25 @@ struct MomentumSteps : Crossing<K, NQ, NV> {
     this->part("(21)");
     const Six Pb = this->reduced_sum(before, p_basis);
     this->part("(15), (20)");
-    const Force<T> weight = accumulated_force(mass, in.numbers_of("w.mc"), gravity);
+    Force<T> weight{this->zero(), this->zero()};
+    if (has_gravity) weight = accumulated_force(mass, in.numbers_of("w.mc"), gravity);
     const std::array<T, NV> rate = momentum_rate(weight, this->velocity_of_F(before, now, u), Pb);
     for (std::size_t i = 0; i < NV; ++i) {
       const std::string place = '[' + std::to_string(i) + ']';
-      f.stores.push_back({"u" + place, u[i].node(), {}});
-      f.stores.push_back({"pdot" + place, rate[i].node(), {}});
+      f.stores.push_back({"u" + place, u[i].node()});
+      f.stores.push_back({"pdot" + place, rate[i].node()});
     }
     this->part("rates of the coordinates");
     std::array<T, NQ> qdot;
     K::template coordinate_rate<T>(q.data(), u.data(), qdot.data());
-    for (std::size_t i = 0; i < NQ; ++i) f.stores.push_back({"qdot[" + std::to_string(i) + ']', qdot[i].node(), {}});
+    for (std::size_t i = 0; i < NQ; ++i) f.stores.push_back({"qdot[" + std::to_string(i) + ']', qdot[i].node()});
     if (leaf) return this->end();  // nothing reads its velocity
     this->part("(17): the body's own velocity");
     velocity = motion(now);
     if (order.frame == Order::before_displacement) shift_outboard(velocity, Vector3<T>{T(0), T(0), screw.d});
     this->to_child(velocity.v, velocity.w, gravity);
     this->store(f.last, "out.velocity.v", velocity.v), this->store(f.last, "out.velocity.w", velocity.w);
-    this->store(f.last, "out.gravity", gravity);
+    if (has_gravity) this->store(f.last, "out.gravity", gravity);
     this->end();
   }
 

@@ -10,13 +10,12 @@
 
 namespace momentree::derive {
 
-using T = Symbolic<false>;
+using T = Symbolic;
 
 /// A number that a step writes: `to = prefix value;`.
 struct Store {
   std::string to;
   int node = 0;
-  std::string guard;  ///< a condition without which zero is stored
 };
 struct Comment {
   int before = 0;  ///< the first node of the part
@@ -94,14 +93,11 @@ class Recorder {
   Vector3<T> constants_of(const std::string& name) {
     return {constant(name + ".x"), constant(name + ".y"), constant(name + ".z")};
   }
-  /// Gives a product of constants that the link stores a name.
-  void known(T value, const std::string& name) { names.emplace_back(value.node(), name); }
   int size() const { return static_cast<int>(expressions.nodes().size()); }
 
   std::function<std::optional<double>(const std::string&)> known_value{};
   Expressions expressions;
   std::vector<std::string> numbers, constants;
-  std::vector<std::pair<int, std::string>> names;
 
  private:
   T input(Operation array, const std::string& name, std::vector<std::string>& all) {
@@ -110,11 +106,8 @@ class Recorder {
   }
 };
 
-/// What is known of a link: its rotation or, for steps by the shape of the link, more.
-struct Form {
-  LinkRotation rotation = LinkRotation::any;
-  std::optional<PlacementShape> shape{};
-};
+/// The place of a body in its mechanism, by what its steps can omit: the children of a leaf, the parent of a root.
+enum class BodyPlace : unsigned char { inner, leaf, root, single };
 
 /// The constants of a link as symbols.
 struct Link {
@@ -130,37 +123,32 @@ struct Link {
   T geometry[3];
   T d{0};  ///< offset along the joint's axis, if the shape has it apart from r
 
-  Link(Recorder& in, const Form& form) : Link(in, form.rotation) {
-    if (!form.shape) return;
-    dispatch_shape(*form.shape, [&](auto shape) {
-      using Has = PlacementTerms<shape()>;
+  /// `shape`: of the placement, for kinds that are placed by it.
+  Link(Recorder& in, std::optional<PlacementShape> shape) : Link(in) {
+    if (!shape) return;
+    dispatch_shape(*shape, [&](auto is) {
+      using Has = PlacementTerms<is()>;
       if (!Has::any_offset) r = {Has::a ? r.x : T(0), T(0), T(0)}, d = Has::d ? in.constant("k.d") : T(0);
       if (Has::right) cos_a = T(0), sin_a = T(1);
     });
   }
-  Link(Recorder& in, LinkRotation rotation)
-      : cos_a(rotation > LinkRotation::tilted ? T(1) : in.constant("k.cos_a")),
-        sin_a(rotation > LinkRotation::tilted ? T(0) : in.constant("k.sin_a")),
-        cos_b(rotation > LinkRotation::any ? T(1) : in.constant("k.cos_b")),
-        sin_b(rotation > LinkRotation::any ? T(0) : in.constant("k.sin_b")),
+
+ private:
+  explicit Link(Recorder& in)
+      : cos_a(in.constant("k.cos_a")),
+        sin_a(in.constant("k.sin_a")),
+        cos_b(in.constant("k.cos_b")),
+        sin_b(in.constant("k.sin_b")),
         cos_0(in.constant("k.cos_0")),
         sin_0(in.constant("k.sin_0")),
-        R0{T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)},
+        R0{in.constant("k.R0.xx"), in.constant("k.R0.xy"), in.constant("k.R0.xz"), in.constant("k.R0.yx"), in.constant("k.R0.yy"),
+           in.constant("k.R0.yz"), in.constant("k.R0.zx"), in.constant("k.R0.zy"), in.constant("k.R0.zz")},
         r(in.constants_of("k.r")),
         body{in.constant("k.body.m"),
              in.constants_of("k.body.mc"),
              {in.constant("k.body.J.xx"), in.constant("k.body.J.yy"), in.constant("k.body.J.zz"), in.constant("k.body.J.xy"),
               in.constant("k.body.J.xz"), in.constant("k.body.J.yz")}},
-        geometry{in.constant("k.geometry[0]"), in.constant("k.geometry[1]"), in.constant("k.geometry[2]")} {
-    if (rotation <= LinkRotation::tilted) in.known(cos_a * sin_a, "k.cs_a"), in.known(sin_a * sin_a, "k.ss_a");
-    if (rotation == LinkRotation::none) return;
-    if (rotation == LinkRotation::about_z) {
-      R0.xx = R0.yy = cos_0, R0.xy = -sin_0, R0.yx = sin_0;
-      return;
-    }
-    R0 = {in.constant("k.R0.xx"), in.constant("k.R0.xy"), in.constant("k.R0.xz"), in.constant("k.R0.yx"), in.constant("k.R0.yy"),
-          in.constant("k.R0.yz"), in.constant("k.R0.zx"), in.constant("k.R0.zy"), in.constant("k.R0.zz")};
-  }
+        geometry{in.constant("k.geometry[0]"), in.constant("k.geometry[1]"), in.constant("k.geometry[2]")} {}
 };
 
 }  // namespace momentree::derive

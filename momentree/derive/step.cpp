@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include <momentree/derive/momentum_steps.hpp>
 #include <momentree/derive/velocity_steps.hpp>
 #include <momentree/joint/dispatch.hpp>
 
@@ -63,10 +64,10 @@ constexpr bool is_placed_by_shape = requires {
 /// What the derivation needs to know of kernels besides their functions.
 template <class K>
 Traits traits_of(const StepKey& key) {
-  Traits traits{info(key.kind).name, {}, {}};
+  Traits traits{info(key.kind).name};
   if constexpr (!K::rotates_about_z && !K::angles.empty())  // the last rotation is about z
     traits.angle = static_cast<int>(K::angles.size()) - 1, traits.dof = K::angles.back();
-  if constexpr (is_placed_by_shape<K>) traits.frame_in_velocities = Order::before_displacement;
+  if constexpr (is_placed_by_shape<K>) traits.frame = Order::before_displacement;
   traits.armature = key.armature;
   return traits;
 }
@@ -98,19 +99,26 @@ struct Recorded {
 template <class K, std::size_t NQ, std::size_t NV>
 Recorded record_step(const StepKey& key) {
   const Traits traits = traits_of<K>(key);
-  const Form form{LinkRotation::any, is_placed_by_shape<K> ? std::optional(key.shape) : std::nullopt};
+  const std::optional<PlacementShape> shape = is_placed_by_shape<K> ? std::optional(key.shape) : std::nullopt;
   Recorded least;
   int fewest = 0;
-  for (const bool one_shift : {false, true}) {
-    const Order order{K::rotates_about_z ? traits.frame_in_velocities : Order::child, one_shift};
-    if (one_shift && (!K::rotates_about_z || order.frame == Order::before_displacement)) continue;
+  std::vector<Order> orders;
+  if (!K::rotates_about_z) orders.push_back({});
+  for (const Order::Frame frame : {Order::child, Order::before_rotation, Order::before_displacement})
+    for (const bool one_shift : {false, true})
+      if (K::rotates_about_z && (key.fewest || frame == traits.frame))
+        if (!one_shift || frame != Order::before_displacement) orders.push_back({frame, one_shift});
+  for (const Order& order : orders) {
     Recorded other{std::make_unique<Recorder>(), {}};
     other.in->known_value = [&key](const std::string& name) -> std::optional<double> {
       if (name == "mass" || name == "armature") return {};
       const std::uint64_t code = code_in(key, link_number(name));
       return code == any_value ? std::nullopt : std::optional(known_values[code]);
     };
-    other.steps = VelocitySteps<K, NQ, NV>(traits, form, key.place, order, *other.in).run();
+    if (key.momenta)
+      other.steps = MomentumSteps<K, NQ, NV>(traits, shape, key.place, order, *other.in, key.gravity).run();
+    else
+      other.steps = VelocitySteps<K, NQ, NV>(traits, shape, key.place, order, *other.in).run();
     const int count = operations(*other.in, other.steps);
     if (least.in == nullptr || count < fewest) least = std::move(other), fewest = count;
   }
@@ -152,7 +160,8 @@ bool same_numbers(const LinkNumbers& numbers, const LinkConstants& link) {
 StepKey key_of(Kind kind, bool armature, BodyPlace place, const LinkConstants& link) {
   const bool by_shape = dispatch(kind, [](auto tag) { return is_placed_by_shape<typename decltype(tag)::type::Kernels>; });
   const bool has_parent = place == BodyPlace::inner || place == BodyPlace::leaf;  // the placement of a root is used once
-  return {kind, armature, place, by_shape && has_parent ? link.shape : PlacementShape::general};
+  return {
+      .kind = kind, .armature = armature, .place = place, .shape = by_shape && has_parent ? link.shape : PlacementShape::general};
 }
 
 bool has_steps(Kind kind, Variant variant) {
@@ -170,6 +179,14 @@ void add_pattern(const LinkNumbers& numbers, StepKey& key) {
   }
 }
 
+void add_general_pattern(StepKey& key) { key.pattern.fill(~std::uint64_t{0}); }
+
+bool is_general(const StepKey& key) {
+  StepKey general = key;
+  add_general_pattern(general);
+  return key == general;
+}
+
 Step::Step(const StepKey& key) {
   Expressions* const outer = T::graph();  // this may happen while something else is recorded
   Recorded recorded = record_step(key);
@@ -177,6 +194,7 @@ Step::Step(const StepKey& key) {
   T::graph() = outer;
   if (in_->expressions.exhausted()) throw std::bad_alloc();
   in_->expressions.end();
+  if (key.momenta && key.gravity) mass_ = 1, moments_ = 3;
   find_levels();
   find_constants();
 }
@@ -187,9 +205,10 @@ void Step::find_levels() {
   const auto of = [&](int i) { return levels_[static_cast<std::size_t>(i)]; };
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto& n = nodes[i];
+    const auto is = [&](const char* name) { return in_->constants[static_cast<std::size_t>(n.a)] == name; };
     if (n.operation == Operation::constant)
       levels_[i] = Level::number;
-    else if (n.operation == Operation::p && in_->constants[static_cast<std::size_t>(n.a)] != "armature")
+    else if (n.operation == Operation::p && !is("armature") && !is("mass"))
       levels_[i] = Level::link;  // methods may change armatures at any time
     else if (unary(n.operation))
       levels_[i] = of(n.a);
@@ -198,7 +217,10 @@ void Step::find_levels() {
   }
   place_.assign(nodes.size(), -1);
   for (const int node : steps_.record)
-    if (of(node) == Level::state) place_[static_cast<std::size_t>(node)] = record(), record_.push_back(node);
+    if (of(node) == Level::state) {
+      place_[static_cast<std::size_t>(node)] = mass_ + static_cast<int>(record_.size());
+      record_.push_back(node);
+    }
 }
 
 /// The constants that the passes read, and the operations that find them from the link's.

@@ -7,7 +7,6 @@
 
 #include <momentree/derive/recorder.hpp>
 #include <momentree/derive/step_arguments.hpp>
-#include <momentree/joint/derived_steps.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/machine/function.hpp>
 
@@ -25,6 +24,9 @@ struct LinkNumbers {
 struct StepKey {
   Kind kind{};
   bool armature = false;
+  bool momenta = false;  ///< else velocities
+  bool gravity = true;   ///< in momenta: there is some
+  bool fewest = false;   ///< in the order with the fewest operations; else in that which takes the least time for one world
   BodyPlace place{};
   PlacementShape shape{};
   std::array<std::uint64_t, 2> pattern{};
@@ -33,6 +35,9 @@ struct StepKey {
 /// Without the pattern of the constants.
 [[nodiscard]] StepKey key_of(Kind kind, bool armature, BodyPlace place, const LinkConstants& link);
 void add_pattern(const LinkNumbers& numbers, StepKey& key);
+/// For links with any constants.
+void add_general_pattern(StepKey& key);
+[[nodiscard]] bool is_general(const StepKey& key);
 /// Whether joints of this kind that are used like this have steps: as declared, or with an armature if the kind has kernels for
 /// it.
 [[nodiscard]] bool has_steps(Kind kind, Variant variant);
@@ -46,15 +51,19 @@ struct Handing {
   friend bool operator==(const Handing&, const Handing&) = default;
 };
 
-/// The steps of a key in velocities: outward, inward, outward.
+/// The steps of a key: in velocities outward, inward, outward; in momenta inward, outward.
 class Step {
  public:
-  static constexpr std::size_t passes = 3;
+  static constexpr std::size_t most_passes = 3;
 
   explicit Step(const StepKey& key);
 
-  /// Numbers that its passes store for later ones.
-  int record() const { return static_cast<int>(record_.size()); }
+  std::size_t passes() const { return steps_.functions.size(); }
+  /// Which pass goes inward.
+  std::size_t inward() const { return passes() - 2; }
+  /// Numbers in its record: what its passes store for later ones. In momenta with gravity the first one is given: the mass of the
+  /// body and of all bodies outboard (kg).
+  int record() const { return mass_ + static_cast<int>(record_.size()) + moments_; }
   /// Numbers that follow from the link's.
   std::size_t constants() const { return constants_.size(); }
   void evaluate_constants(const LinkNumbers& link, double* to) const;
@@ -74,6 +83,7 @@ class Step {
   void find_levels();
   void find_constants();
 
+  int mass_ = 0, moments_ = 0;  ///< numbers at the begin and at the end of the record; the latter are first moments
   std::unique_ptr<Recorder> in_;
   Derived steps_;
   std::vector<Level> levels_;

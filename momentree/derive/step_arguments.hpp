@@ -6,14 +6,17 @@ namespace momentree {
 
 /// The arrays of a pass, shared by its steps. Of several worlds at once, every number is one per world.
 struct StepArrays {
-  const double *q = nullptr, *cos = nullptr, *sin = nullptr;
-  double *u = nullptr, *qdot = nullptr;  ///< velocities, and the rates of coordinates
-  double* a = nullptr;                   ///< joint forces τ, then accelerations u̇
-  double* records = nullptr;             ///< what a step stores for later passes
-  double* sums = nullptr;                ///< contributions of children, an Inboard per body
-  double* motions = nullptr;             ///< what bodies hand to their children, a Motion per body
-  double* biases = nullptr;              ///< a BodyBias per body, for steps that are not machine code
-  const double* armature = nullptr;      ///< of DoFs; the same for all worlds
+  const void *q = nullptr, *cos = nullptr, *sin = nullptr;
+  void *u = nullptr, *qdot = nullptr;      ///< velocities, and the rates of coordinates
+  void* a = nullptr;                       ///< in velocities: joint forces τ, then accelerations u̇
+  const void* p = nullptr;                 ///< in momenta: these …
+  void* pdot = nullptr;                    ///< … and their rates
+  void* records = nullptr;                 ///< what a step stores for later passes
+  void* sums = nullptr;                    ///< contributions of children, an Inboard per body
+  void* motions = nullptr;                 ///< what bodies hand to their children: a Motion per body; in momenta an Outboard
+  void* biases = nullptr;                  ///< a BodyBias per body, for generic steps in velocities
+  const void* armature = nullptr;          ///< of DoFs
+  const double* model_armature = nullptr;  ///< the same, once for all worlds, for generic steps
 };
 
 struct StepEntry;

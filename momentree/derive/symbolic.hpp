@@ -4,13 +4,10 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/derive/expressions.hpp>
-#include <momentree/joint/revolute_steps.hpp>
 #include <momentree/math/lanes.hpp>
 
 namespace momentree {
 
-/// `RotatesFirst`: use the order of reduction and rotation of a single world (RevoluteSteps::rotate_then_reduce).
-template <bool RotatesFirst>
 class Symbolic {
  public:
   Symbolic() = default;
@@ -46,17 +43,10 @@ class Symbolic {
   int node_;  // 0, the constant 0, for T{} in a kernel
 };
 
-template <>
-inline constexpr bool one_world_at_a_time<Symbolic<true>> = true;
-
 /// It has no lanes: what the kernels of loops compute in double, lane by lane, is left out of the expressions.
-template <bool RotatesFirst>
-inline constexpr int lanes_of<Symbolic<RotatesFirst>> = 0;
-template <bool RotatesFirst>
-double get_lane(const Symbolic<RotatesFirst>&, int) {
-  return 0;
-}
-template <bool RotatesFirst>
-void set_lane(Symbolic<RotatesFirst>&, int, double) {}
+template <>
+inline constexpr int lanes_of<Symbolic> = 0;
+inline double get_lane(const Symbolic&, int) { return 0; }
+inline void set_lane(Symbolic&, int, double) {}
 
 }  // namespace momentree

@@ -14,8 +14,8 @@ struct VelocitySteps : Crossing<K, NQ, NV> {
   using Base::kind, Base::leaf, Base::root, Base::order, Base::in, Base::k, Base::q, Base::c, Base::s;
   using Base::out, Base::E, Base::basis, Base::eliminated, Base::M_hat, Base::D_hat, Base::across_joint, Base::screw;
 
-  VelocitySteps(const Traits& of, const Form& form, BodyPlace place, const Order& by_order, Recorder& recorder)
-      : Base(of, form, place, by_order, recorder, "u") {}
+  VelocitySteps(const Traits& of, std::optional<PlacementShape> shape, BodyPlace place, const Order& by_order, Recorder& recorder)
+      : Base(of, shape, place, by_order, recorder, "u") {}
 
   Derived run() {
     velocities();
@@ -54,7 +54,7 @@ struct VelocitySteps : Crossing<K, NQ, NV> {
     this->part("rates of the coordinates");
     std::array<T, NQ> qdot;
     K::template coordinate_rate<T>(q.data(), u.data(), qdot.data());
-    for (std::size_t i = 0; i < NQ; ++i) f.stores.push_back({"qdot[" + std::to_string(i) + ']', qdot[i].node(), {}});
+    for (std::size_t i = 0; i < NQ; ++i) f.stores.push_back({"qdot[" + std::to_string(i) + ']', qdot[i].node()});
     this->part("(17): the body's own angular velocity");
     angular = motion(now).w;
     this->to_child(angular);
@@ -122,7 +122,7 @@ struct VelocitySteps : Crossing<K, NQ, NV> {
     std::vector<T> udot_basis(NV);
     const Six now = this->joint_velocity(six(a), udot_basis);
     const std::array<T, NV> udot = this->from_basis(udot_basis);
-    for (std::size_t i = 0; i < NV; ++i) f.stores.push_back({"udot[" + std::to_string(i) + ']', udot[i].node(), {}});
+    for (std::size_t i = 0; i < NV; ++i) f.stores.push_back({"udot[" + std::to_string(i) + ']', udot[i].node()});
     if (leaf) return this->end();  // nothing reads its acceleration
     this->part("(17): the body's own acceleration");
     a = motion(now);

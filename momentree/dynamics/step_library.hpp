@@ -5,21 +5,23 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 
 #include <momentree/derive/step.hpp>
+#include <momentree/dynamics/step_scalar.hpp>
 #include <momentree/machine/memory.hpp>
-#include <momentree/machine/x86.hpp>
+#include <momentree/machine/native.hpp>
 
 namespace momentree {
 
-/// A step and its machine code, for every way to hand on numbers that was needed.
+/// A step and its machine code, for every width and every way to hand on numbers that was needed.
 struct CompiledStep {
-  static constexpr std::size_t ways = 8;  ///< of one pass
+  static constexpr std::size_t widths = 7, ways = 8;
 
   explicit CompiledStep(const derive::StepKey& key) : step(key) {}
   derive::Step step;
-  std::array<std::array<std::atomic<StepFunction>, ways>, derive::Step::passes> functions{};
+  std::array<std::array<std::array<std::atomic<StepFunction>, ways>, derive::Step::most_passes>, widths> functions{};
 };
 
 class StepLibrary {
@@ -27,13 +29,13 @@ class StepLibrary {
   /// The only one. Functions that it returns live as long as the process.
   static StepLibrary& of_process();
 
-  /// Whether there is machine code here: only if the variable MOMENTREE_MACHINE of the environment is 1, and not on other
-  /// processors or where the system refuses executable memory.
-  [[nodiscard]] bool available() const noexcept { return available_; }
-  /// The steps of a key; null if there is no memory, or if there are very many others. Thread-safe.
-  [[nodiscard]] CompiledStep* get(const derive::StepKey& key) noexcept;
-  /// A pass of a step; null if there is no memory for it. Thread-safe.
-  [[nodiscard]] StepFunction function(CompiledStep& step, std::size_t pass, const derive::Handing& how) noexcept;
+  /// Whether there is machine code here: not on other processors, not where the system refuses executable memory, and not if
+  /// the variable MOMENTREE_MACHINE of the environment is 0.
+  [[nodiscard]] bool available(StepWidth width) const noexcept { return targets_[place_of(width)].has_value(); }
+  /// The steps of a key; null if there are very many others. Thread-safe. Throws std::bad_alloc.
+  [[nodiscard]] CompiledStep* get(const derive::StepKey& key);
+  /// A pass of a step; null if there is no executable memory for it. Thread-safe. Throws std::bad_alloc.
+  [[nodiscard]] StepFunction function(CompiledStep& step, StepWidth width, std::size_t pass, const derive::Handing& how);
   /// A function for an entry whose constants begin with a StepFunction for each pass: calls that of this pass.
   [[nodiscard]] StepFunction call_of(std::size_t pass) const noexcept { return calls_[pass]; }
   /// Calls the steps of all entries in turn.
@@ -43,15 +45,15 @@ class StepLibrary {
 
  private:
   StepLibrary();
+  static std::size_t place_of(StepWidth width) { return static_cast<std::size_t>(width); }
   template <class F>
   F put(const machine::Bytes& bytes) noexcept;
 
-  machine::Target target_{};
-  bool available_ = false;
+  std::array<std::optional<machine::Target>, CompiledStep::widths + 1> targets_{};  ///< by StepWidth
   std::mutex mutex_;
   machine::CodeMemory memory_;
   void (*run_)(const StepEntry*, const StepEntry*, const StepArrays*) = nullptr;
-  std::array<StepFunction, derive::Step::passes> calls_{};
+  StepFunctions calls_{};
   std::map<derive::StepKey, std::unique_ptr<CompiledStep>> steps_;
 };
 

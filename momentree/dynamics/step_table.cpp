@@ -1,70 +1,101 @@
 #include <momentree/dynamics/step_table.hpp>
 
-#include <momentree/dynamics/workspace_data.hpp>
+#include <atomic>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <utility>
 
 #ifndef __wasm__
-#include <algorithm>
-#include <new>
-
 #include <momentree/dynamics/step_library.hpp>
+#endif
+#include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/joint/pass_data.hpp>
 #include <momentree/tree/unchecked_tree.hpp>
-#endif
 
 namespace momentree {
-
-std::unique_ptr<StepTable, void (*)(StepTable*)> detail::make_step_table() {
-  return {new StepTable, [](StepTable* table) { delete table; }};
-}
-
-#ifdef __wasm__  // browsers have no machine code
-
-bool StepTable::follow(const Tree&) noexcept { return false; }
-void StepTable::velocities(const StepArrays&) const noexcept {}
-void StepTable::inboard(const StepArrays&) const noexcept {}
-void StepTable::outboard(const StepArrays&, const Vec3&) const noexcept {}
-
-#else
 
 namespace {
 
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr std::int32_t bytes(std::size_t numbers) { return static_cast<std::int32_t>(numbers * sizeof(double)); }
 
-constexpr std::size_t sum_size = sizeof(Inboard<double>) / sizeof(double), motion_size = sizeof(Motion<double>) / sizeof(double);
-/// With more different steps, their code would not stay in the instruction cache: the compiled steps are then faster.
+constexpr std::size_t sum_size = sizeof(Inboard<double>) / sizeof(double);
+/// Of what bodies hand to their children; and where the vector that roots are given begins there.
+constexpr std::size_t motion_size(bool momenta) {
+  return (momenta ? sizeof(Outboard<double>) : sizeof(Motion<double>)) / sizeof(double);
+}
+constexpr std::size_t base_place(bool momenta) { return momenta ? offsetof(Outboard<double>, gravity) / sizeof(double) : 0; }
+/// With more different steps, their code would not stay in the instruction cache: those that serve any link are then faster.
 constexpr std::size_t most_steps = 40;
-/// More bodies would have places that 32 bits don't reach.
-constexpr int most_bodies = 1 << 20;
 
-BodyPlace place_of_body(bool leaf, bool root) {
-  return leaf ? root ? BodyPlace::single : BodyPlace::leaf : root ? BodyPlace::root : BodyPlace::inner;
+derive::BodyPlace place_of_body(bool leaf, bool root) {
+  return leaf   ? root ? derive::BodyPlace::single : derive::BodyPlace::leaf
+         : root ? derive::BodyPlace::root
+                : derive::BodyPlace::inner;
 }
 
 }  // namespace
 
-bool StepTable::follow(const Tree& tree) noexcept try {
-  if (revision_ == tree.revision()) return serves_;
-  revision_ = tree.revision();
-  return serves_ = StepLibrary::of_process().available() && tree.bodies() <= most_bodies && rebuild(tree);
-} catch (const std::bad_alloc&) {
-  return serves_ = false;
+StepTable::StepTable(const StepScalar& scalar) : scalar_(scalar), links_(scalar) {}
+
+std::unique_ptr<StepTable, void (*)(StepTable*)> detail::make_step_table(const StepScalar& scalar) {
+  return {new StepTable(scalar), [](StepTable* table) { delete table; }};
 }
 
-bool StepTable::rebuild(const Tree& tree) {
-  find_bodies(tree);
-  if (links_.size() > 2 * moving_.size() + 64) {  // mostly those of earlier topologies
-    links_.clear(), constants_.clear();
-    for (Body& body : bodies_) body.link = -1;
+void StepTable::velocities(const StepArrays& arrays) const noexcept { run(velocities_, arrays); }
+
+void StepTable::inboard(const StepArrays& arrays) const noexcept { run(inboard_, arrays); }
+
+void StepTable::outboard(const StepArrays& arrays, const void* base) const noexcept {
+  const std::size_t size = motion_size(scalar_.momenta), place = base_place(scalar_.momenta);
+  for (const int root : roots_)
+    std::memcpy(static_cast<char*>(arrays.motions) + scalar_.size * (size * at(root) + place), base, 3 * scalar_.size);
+  run(outboard_, arrays);
+}
+
+void StepTable::prepare(void* records, std::uint64_t& made_for) const noexcept {
+  if (std::exchange(made_for, version_) == version_) return;
+  for (const Mass& one : masses_) scalar_.put(static_cast<char*>(records) + one.record, one.mass);
+}
+
+void StepTable::run(const std::vector<StepEntry>& entries, const StepArrays& arrays) const noexcept {
+#ifndef __wasm__
+  if (in_machine_code_) return StepLibrary::of_process().run(entries, arrays);
+#endif
+  for (const StepEntry& entry : entries) entry.step(entry, arrays);
+}
+
+bool StepTable::follow(const Tree& tree) noexcept {
+  if (revision_ == tree.revision()) return serves_;
+  revision_ = tree.revision(), serves_ = false;
+  const std::size_t most_bytes = tree.record_capacity() * scalar_.size;
+  if (most_bytes > std::numeric_limits<std::int32_t>::max()) return false;
+  static std::atomic<std::uint64_t> versions = 0;
+  version_ = ++versions;
+#ifdef __cpp_exceptions
+  try {
+    rebuild(tree);
+  } catch (const std::bad_alloc&) {
+    return false;
   }
-  ++rebuilt_, steps_.clear();
-  int previous = -1;
-  generic_.clear();
-  for (const int b : moving_)
-    if (!find_link(tree, b, previous)) return false;
+#else
+  rebuild(tree);  // an error ends the program
+#endif
+  return serves_ = true;
+}
+
+void StepTable::rebuild(const Tree& tree) {
+  find_bodies(tree);
+  in_machine_code_ = scalar_.width != StepWidth::none && links_.available();
+  find_links(tree, false);
+  if (in_machine_code_ && links_.different() > most_steps) find_links(tree, true);
   share_memory();
-  return add_entries(tree);
+  if (add_entries(tree)) return;
+  in_machine_code_ = false;  // the system refused more executable memory
+  for (const int b : moving_) bodies_[at(b)].link = -1;
+  MT_REQUIRE(add_entries(tree), "generic steps need no executable memory");
 }
 
 void StepTable::find_bodies(const Tree& tree) {
@@ -104,54 +135,32 @@ void StepTable::find_bodies(const Tree& tree) {
 }
 
 /// The constants of a body with those that are welded to it.
-LinkConstants StepTable::link_of(const Tree& tree, int b) const {
-  LinkConstants link = UncheckedTree(tree).link(b);
-  if (welded_.empty()) return link;
+const LinkConstants& StepTable::link_of(const Tree& tree, int b, LinkConstants& merged) const {
+  const LinkConstants& own = UncheckedTree(tree).link(b);
+  if (welded_.empty()) return own;
   const RigidMass& more = welded_[at(b)];
-  link.body.m += more.m, link.body.mc = link.body.mc + more.mc, link.body.J = link.body.J + more.J;
-  return link;
+  merged = own;
+  merged.body.m += more.m, merged.body.mc = merged.body.mc + more.mc, merged.body.J = merged.body.J + more.J;
+  return merged;
 }
 
-/// Keeps the link of a body if it is still the same; takes that of the body before if it is equal; or makes its own.
-bool StepTable::find_link(const Tree& tree, int b, int& previous) {
+void StepTable::find_links(const Tree& tree, bool general) {
   const UncheckedTree all(tree);
-  Body& body = bodies_[at(b)];
-  const bool leaf = body.children == 0, root = body.parent < 0;
-  if (!derive::has_steps(all.kind(b), all.variant(b))) {
-    generic_.push_back({{}, link_of(tree, b), b, leaf, root});
-    body.link = -1;
-    return true;
-  }
+  const Vec3& g = tree.gravity();
+  bool gravity = g.x != 0 || g.y != 0 || g.z != 0;  // generic steps hand it on in any case
+  for (const int b : moving_) gravity = gravity || !links_.serves(all.kind(b), all.variant(b));
+  links_.begin(moving_.size(), general, gravity);
+  int before = -1;
   LinkConstants merged;
-  const LinkConstants* constants = &all.link(b);
-  if (!welded_.empty()) merged = link_of(tree, b), constants = &merged;
-  const bool has_armature = all.variant(b) == Variant::armature;
-  const derive::StepKey form = derive::key_of(all.kind(b), has_armature, place_of_body(leaf, root), *constants);
-  const auto fits = [&](int other) {
-    return other >= 0 && links_[at(other)].form == form && derive::same_numbers(links_[at(other)].numbers, *constants);
-  };
-  if (!fits(body.link)) body.link = previous;
-  if (!fits(body.link)) {
-    Link link{derive::numbers_of(*constants), form};
-    derive::StepKey key = link.form;
-    derive::add_pattern(link.numbers, key);
-    CompiledStep* const compiled = StepLibrary::of_process().get(key);
-    if (compiled == nullptr) return false;
-    MT_REQUIRE(at(compiled->step.record()) <= shape(key.kind).record[static_cast<std::size_t>(all.variant(b))],
-               "the record of a step fits into that of the kind");
-    link.step = compiled;
-    link.constants = constants_.size();
-    constants_.resize(constants_.size() + compiled->step.constants());
-    compiled->step.evaluate_constants(link.numbers, constants_.data() + link.constants);
-    links_.push_back(link);
-    body.link = static_cast<int>(links_.size()) - 1;
+  for (const int b : moving_) {
+    Body& body = bodies_[at(b)];
+    const derive::BodyPlace place = place_of_body(body.children == 0, body.parent < 0);
+    const LinkConstants& link = link_of(tree, b, merged);
+    body.link = links_.serves(all.kind(b), all.variant(b))
+                    ? links_.find(all.kind(b), all.variant(b), place, link, body.link, before)
+                    : -1;
+    if (body.link >= 0) before = body.link;
   }
-  previous = body.link;
-  Link& link = links_[at(body.link)];
-  if (link.used == rebuilt_) return true;
-  link.used = rebuilt_;
-  if (std::ranges::find(steps_, link.step) == steps_.end()) steps_.push_back(link.step);
-  return steps_.size() <= most_steps;
 }
 
 /// Along a chain all bodies share the memory of one sum and one motion, which then stay in the cache. Of several children the
@@ -177,11 +186,14 @@ void StepTable::share_memory() {
 
 bool StepTable::add_entries(const Tree& tree) {
   const UncheckedTree all(tree);
-  StepLibrary& library = StepLibrary::of_process();
   const std::size_t n = moving_.size();
-  velocities_.resize(n), inboard_.resize(n), outboard_.resize(n);
+  const auto bytes = [&](std::size_t numbers) { return static_cast<std::int32_t>(numbers * scalar_.size); };
+  inboard_.resize(n), outboard_.resize(n), velocities_.resize(scalar_.momenta ? 0 : n);
   roots_.clear(), roots_.reserve(n);
-  std::size_t next_generic = 0;
+  generic_.clear(), generic_.reserve(n);  // entries point to them
+  masses_.clear(), masses_.reserve(scalar_.momenta ? n : 0);
+  const std::size_t motion = motion_size(scalar_.momenta), inward_pass = scalar_.momenta ? 0 : 1;
+  std::size_t record = 0;
   // Registers hand on numbers between two steps of machine code.
   const auto follows_in_registers = [&](std::size_t i) {
     if (i == 0 || i >= n) return false;
@@ -191,56 +203,41 @@ bool StepTable::add_entries(const Tree& tree) {
   for (std::size_t i = 0; i < n; ++i) {
     const int b = moving_[i];
     const Body& body = bodies_[at(b)];
-    StepEntry entry{nullptr,
-                    nullptr,
-                    bytes(at(all.first_q(b))),
-                    bytes(at(all.first_angle(b))),
-                    bytes(at(all.first_p(b))),
-                    bytes(all.record(b)),
-                    0,
-                    0};
-    std::array<StepFunction, derive::Step::passes> passes;
+    StepEntry entry;
+    entry.q = bytes(at(all.first_q(b))), entry.angle = bytes(at(all.first_angle(b))), entry.dof = bytes(at(all.first_p(b)));
+    entry.record = bytes(record);
+    StepFunctions passes;
     if (body.link < 0) {
-      GenericBody& own = generic_[next_generic++];
-      own.passes = generic_steps(all.kind(b), all.variant(b), body.adds);
-      MT_REQUIRE(own.passes[0] != nullptr, "kernels without machine code have generic steps");
+      const GenericStep step = scalar_.generic(all.kind(b), all.variant(b), body.adds);
+      GenericBody& own = generic_.emplace_back();
+      LinkConstants merged;
+      own = {step.passes, link_of(tree, b, merged), all.subtree_mass(b), b, body.children == 0, body.parent < 0};
       entry.constants = &own;
-      for (std::size_t pass = 0; pass < passes.size(); ++pass) passes[pass] = library.call_of(pass);
+      record += step.record;
+      passes = step.passes;
+#ifndef __wasm__
+      if (in_machine_code_)
+        for (std::size_t pass = 0; pass < passes.size(); ++pass) passes[pass] = StepLibrary::of_process().call_of(pass);
+#endif
     } else {
-      const Link& link = links_[at(body.link)];
-      entry.constants = constants_.data() + link.constants;
+      if (scalar_.momenta) masses_.push_back({entry.record, all.subtree_mass(b)});
+      record += links_.record(body.link);
       const bool parent = follows_in_registers(i), child = follows_in_registers(i + 1);
       const derive::Handing outward{false, parent, child, body.children > (child ? 1 : 0)},
           inward{body.adds, child, parent, false};
-      for (std::size_t pass = 0; pass < passes.size(); ++pass) {
-        passes[pass] = library.function(*link.step, pass, pass == 1 ? inward : outward);
-        if (passes[pass] == nullptr) return false;
-      }
+      if (!links_.functions(body.link, outward, inward, passes, entry.constants)) return false;
     }
     if (body.parent < 0) roots_.push_back(b);
-    entry.in = bytes(motion_size * at(body.parent < 0 ? b : bodies_[at(body.parent)].motion));
-    entry.to = bytes(motion_size * at(body.motion));
-    entry.step = passes[0], velocities_[i] = entry;
-    entry.step = passes[2], outboard_[i] = entry;
+    entry.in = bytes(motion * at(body.parent < 0 ? b : bodies_[at(body.parent)].motion));
+    entry.to = bytes(motion * at(body.motion));
+    if (!scalar_.momenta) entry.step = passes[0], velocities_[i] = entry;
+    entry.step = passes[inward_pass + 1], outboard_[i] = entry;
     entry.in = bytes(sum_size * at(body.sum));
     entry.to = bytes(sum_size * at(body.parent < 0 ? b : bodies_[at(body.parent)].sum));
-    entry.step = passes[1], inboard_[n - 1 - i] = entry;
+    entry.step = passes[inward_pass], inboard_[n - 1 - i] = entry;
   }
+  MT_REQUIRE(record <= tree.record_capacity(), "the records of steps fit into the memory for those of the kinds");
   return true;
 }
-
-void StepTable::velocities(const StepArrays& arrays) const noexcept { StepLibrary::of_process().run(velocities_, arrays); }
-
-void StepTable::inboard(const StepArrays& arrays) const noexcept { StepLibrary::of_process().run(inboard_, arrays); }
-
-void StepTable::outboard(const StepArrays& arrays, const Vec3& acceleration) const noexcept {
-  for (const int root : roots_) {
-    double* const motion = arrays.motions + motion_size * at(root);
-    motion[0] = acceleration.x, motion[1] = acceleration.y, motion[2] = acceleration.z;
-  }
-  StepLibrary::of_process().run(outboard_, arrays);
-}
-
-#endif
 
 }  // namespace momentree

@@ -1,49 +1,43 @@
 #pragma once
 // The bodies of a tree with their steps, in the order in which the passes call them.
-#include <array>
 #include <cstdint>
 #include <vector>
 
-#include <momentree/derive/step.hpp>
+#include <momentree/dynamics/step_links.hpp>
+#include <momentree/dynamics/step_scalar.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
 
-struct CompiledStep;
-
-/// What steps read that are not machine code: those of joints that are locked or reversed, or that have an armature for which
-/// their kind has no kernels.
+/// What generic steps read: those of joints that are locked or reversed, or that have an armature for which their kind has no
+/// kernels, and all where there is no machine code.
 struct GenericBody {
-  std::array<StepFunction, derive::Step::passes> passes{};
+  StepFunctions passes{};
   LinkConstants link{};
+  double mass = 0;  ///< of the body and of all bodies outboard (kg)
   int body = 0;
   bool leaf = false, root = false;
 };
-/// Their passes: the generic functions of the kinds, on a GenericBody. `adds`: to the contributions of other children.
-[[nodiscard]] std::array<StepFunction, derive::Step::passes> generic_steps(Kind kind, Variant variant, bool adds) noexcept;
 
-/// For the stages in velocities of the mechanisms of one tree, except those in a plane. Welded bodies are one body.
+/// For the stages of the mechanisms of one tree, except those in a plane. Welded bodies are one body. Once it follows a tree it
+/// may be used by many threads, each with arrays of its own.
 class StepTable {
  public:
-  /// Follows the tree's topology. False if there is no machine code here, or if it would not be faster.
-  /// Allocates where the topology has changed.
+  explicit StepTable(const StepScalar& scalar);
+
+  /// Follows the tree's topology. False if there is no memory, or if 32 bits do not count that of so many bodies. Allocates where
+  /// the topology has changed.
   [[nodiscard]] bool follow(const Tree& tree) noexcept;
 
-  // The passes, after `follow`: velocities outward, then with joint forces in `a` inward, and outward with the acceleration of
-  // the ground (m/s²).
+  // The passes, after `follow`. In velocities: velocities outward, then with joint forces in `a` inward, and outward with the
+  // acceleration of the ground. In momenta: inward, and outward with gravity. `base`: this vector, a Vector3 of the scalar.
   void velocities(const StepArrays& arrays) const noexcept;
   void inboard(const StepArrays& arrays) const noexcept;
-  void outboard(const StepArrays& arrays, const Vec3& acceleration) const noexcept;
+  void outboard(const StepArrays& arrays, const void* base) const noexcept;
+  /// Writes what records have to contain before the first pass, unless `made_for` says that it was done; updates that.
+  void prepare(void* records, std::uint64_t& made_for) const noexcept;
 
  private:
-  /// What bodies with equal links share.
-  struct Link {
-    derive::LinkNumbers numbers{};
-    derive::StepKey form{};  ///< without its pattern
-    CompiledStep* step = nullptr;
-    unsigned used = 0;          ///< the number of the last rebuilding that found it
-    std::size_t constants = 0;  ///< the first one
-  };
   /// The tree as the steps see it.
   struct Body {
     int parent = -1;  ///< that is not welded to this one; −1: the ground
@@ -55,25 +49,31 @@ class StepTable {
     int link = -1;         ///< −1: it is generic
   };
 
-  bool rebuild(const Tree& tree);
+  void run(const std::vector<StepEntry>& entries, const StepArrays& arrays) const noexcept;
+  void rebuild(const Tree& tree);
   void find_bodies(const Tree& tree);
-  bool find_link(const Tree& tree, int b, int& previous);
-  LinkConstants link_of(const Tree& tree, int b) const;
+  void find_links(const Tree& tree, bool general);
+  const LinkConstants& link_of(const Tree& tree, int b, LinkConstants& merged) const;
   void share_memory();
-  bool add_entries(const Tree& tree);
+  [[nodiscard]] bool add_entries(const Tree& tree);
 
-  std::uint64_t revision_ = 0;
-  unsigned rebuilt_ = 0;
-  std::vector<const CompiledStep*> steps_;  ///< different ones
+  StepScalar scalar_;
+  std::uint64_t revision_ = ~std::uint64_t{0}, version_ = 0;
   bool serves_ = false;
+  bool in_machine_code_ = false;
+  StepLinks links_;
   std::vector<Body> bodies_;
   std::vector<int> moving_;        ///< bodies that are not welded to their parents, outward
   std::vector<RigidMass> welded_;  ///< by body: what is welded to it
-  std::vector<Link> links_;
-  std::vector<double> constants_;
-  std::vector<GenericBody> generic_;  ///< in the order of moving_
-  std::vector<int> roots_;            ///< places of motions
+  std::vector<GenericBody> generic_;
+  std::vector<int> roots_;  ///< places of motions
   std::vector<StepEntry> velocities_, inboard_, outboard_;
+  /// Masses that records begin with.
+  struct Mass {
+    std::int32_t record;
+    double mass;
+  };
+  std::vector<Mass> masses_;
 };
 
 }  // namespace momentree

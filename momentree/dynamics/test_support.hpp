@@ -76,9 +76,7 @@ inline void poison(const Tree& tree, Workspace<double>& workspace) {
   const auto fill = [](auto* first, std::size_t count) { std::memset(static_cast<void*>(first), 0xff, count * sizeof(*first)); };
   fill(workspace.records.get(), tree.record_capacity());
   fill(workspace.child_sums.get(), bodies), fill(workspace.parent_states.get(), bodies), fill(workspace.motions.get(), bodies);
-  if (!has_pair_lanes) return;
-  fill(workspace.pairs->records.get(), bodies), fill(workspace.pairs->child_sums.get(), bodies),
-      fill(workspace.pairs->parent_states.get(), bodies);
+  fill(workspace.step_records.get(), tree.record_capacity()), workspace.step_records_of = 0;
 }
 
 /// Largest difference relative to the largest number; infinite if any number is not finite.

@@ -31,7 +31,6 @@ template <class T>
 struct BodySweep;
 template <class T>
 struct BodyBias;
-struct PairWorkspace;
 struct LoopWorkspace;
 class StepTable;
 struct ContactWorkspace;
@@ -114,7 +113,6 @@ class Workspace : public WorkspaceStamps {
   detail::Untouched<Motion<T>> parent_accelerations;
   detail::Untouched<InPlaneInboard<T>> in_plane_child_sums;  ///< and for plane mechanisms
   detail::Untouched<InPlaneOutboard<T>> in_plane_parent_states;
-  detail::Untouched<bool> in_plane;  ///< by place of a root: true while a floating plane mechanism is evaluated in its plane
   detail::Untouched<BodySweep<T>> motions;             ///< of the state in `evaluated`
   detail::Untouched<Motion<T>> inboard_accelerations;  ///< a′ = Ω̇ − E u̇ of each body, less gravity; in its kernel frame
   detail::Untouched<Force<T>>
@@ -124,9 +122,12 @@ class Workspace : public WorkspaceStamps {
   detail::Untouched<Force<T>> carried;    ///< momenta of bodies during a change of a state in velocities
   detail::Untouched<int> path;            ///< scratch of topology changes that walk from a root to a body
   detail::Untouched<Kinematics<T>> bodies;
-  std::unique_ptr<PairWorkspace, void (*)(PairWorkspace*)> pairs{nullptr, nullptr};           ///< only for double
-  std::unique_ptr<StepTable, void (*)(StepTable*)> steps{nullptr, nullptr};                   ///< only for double
-  std::unique_ptr<LoopWorkspace, void (*)(LoopWorkspace*)> loops{nullptr, nullptr};           ///< only with closed loops
+  /// Of stages in velocities and in momenta; null if they belong to others.
+  std::unique_ptr<StepTable, void (*)(StepTable*)> velocity_steps{nullptr, nullptr}, momentum_steps{nullptr, nullptr};
+  const StepTable* steps = nullptr;                                                  ///< those of the present stage
+  Array step_records;                                                                ///< of these …
+  std::uint64_t step_records_of = 0;                                                 ///< … or others: see StepTable::prepare
+  std::unique_ptr<LoopWorkspace, void (*)(LoopWorkspace*)> loops{nullptr, nullptr};  ///< only with closed loops
   std::unique_ptr<ContactWorkspace, void (*)(ContactWorkspace*)> contacts{nullptr, nullptr};  ///< only with contacts
 };
 

@@ -5,6 +5,7 @@
 
 #include <momentree/base/inline.hpp>
 #include <momentree/dynamics/requirements.hpp>
+#include <momentree/dynamics/step_scalar.hpp>
 #include <momentree/dynamics/workspace.hpp>
 #include <momentree/joint/pass_data.hpp>
 #include <momentree/joint/revolute_record.hpp>
@@ -21,7 +22,12 @@ struct Kinematics {
 };
 
 namespace detail {
-std::unique_ptr<StepTable, void (*)(StepTable*)> make_step_table();
+std::unique_ptr<StepTable, void (*)(StepTable*)> make_step_table(const StepScalar& scalar);
+/// Of one world. In instantiate/.
+StepScalar double_velocities();
+StepScalar double_momenta();
+/// Of operations that are counted.
+StepScalar counting_scalar();
 
 template <class T>
 MOMENTREE_INLINE Untouched<T> untouched(std::size_t count) {
@@ -31,13 +37,6 @@ MOMENTREE_INLINE Untouched<T> untouched(std::size_t count) {
   return Untouched<T>(static_cast<T*>(memory), FreeUntouched{alignment});
 }
 }  // namespace detail
-
-/// Buffers for paired branches, indexed by the first one's body.
-struct PairWorkspace {
-  detail::Untouched<ArmatureRecord<BodyPair>> records;
-  detail::Untouched<Inboard<BodyPair>> child_sums;
-  detail::Untouched<Outboard<BodyPair>> parent_states;
-};
 
 template <class T>
 Workspace<T>::Workspace(const Tree& tree)
@@ -49,13 +48,13 @@ Workspace<T>::Workspace(const Tree& tree)
   v = numbers(6), qdot = numbers(7), pdot = numbers(6), a = numbers(6);
   p = numbers(6), impulse = numbers(6), passive = numbers(1);
   by_body(child_sums), by_body(parent_states), by_body(child_wrenches), by_body(parent_accelerations);
-  by_body(in_plane_child_sums), by_body(in_plane_parent_states), by_body(in_plane);
+  by_body(in_plane_child_sums), by_body(in_plane_parent_states);
   by_body(motions), by_body(inboard_accelerations), by_body(reduced_bias_wrenches), by_body(loads), by_body(path);
   by_body(biases), by_body(carried), by_body(bodies);
-  if constexpr (std::is_same_v<T, double>) steps = detail::make_step_table();
-  if constexpr (has_pair_lanes && std::is_same_v<T, double>) {
-    pairs = {new PairWorkspace, [](PairWorkspace* all) { delete all; }};
-    by_body(pairs->records), by_body(pairs->child_sums), by_body(pairs->parent_states);
+  step_records = detail::untouched<T>(tree.record_capacity());
+  if constexpr (std::is_same_v<T, double>) {
+    velocity_steps = detail::make_step_table(detail::double_velocities());
+    momentum_steps = detail::make_step_table(detail::double_momenta());
   }
 }
 

@@ -83,7 +83,7 @@ std::string fingerprint(const Tree& tree, Variables variables, std::span<const i
     bytes.add(tree.first_q(b)), bytes.add(tree.first_p(b)), bytes.add(tree.first_angle(b));
     bytes.add(tree.link(b)), bytes.add(tree.subtree_mass(b));
   }
-  for (const KernelRun& s : tree.kernel_runs()) bytes.add(s.begin), bytes.add(s.end), bytes.add(s.planar), bytes.add(s.plane);
+  for (const KernelRun& s : tree.kernel_runs()) bytes.add(s.begin), bytes.add(s.end), bytes.add(s.planar);
   for (const int q : tree.angle_coordinates()) bytes.add(q);
   for (const double offset : tree.angle_offsets()) bytes.add(offset);
   for (int i = 0; i < tree.nv(); ++i) bytes.add(tree.armature()[i]);

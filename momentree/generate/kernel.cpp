@@ -11,26 +11,26 @@
 namespace momentree {
 
 // In instantiate/.
-extern template void evaluate_rates<Symbolic<false>>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,
-                                                     Workspace<Symbolic<false>>&) noexcept;
-extern template void evaluate_rates<Symbolic<true>>(const Tree&, const Symbolic<true>*, const Symbolic<true>*,
-                                                    Workspace<Symbolic<true>>&) noexcept;
-extern template void sweep_velocities<Symbolic<false>, false>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,
-                                                              Workspace<Symbolic<false>>&) noexcept;
-extern template void sweep_velocities<Symbolic<true>, false>(const Tree&, const Symbolic<true>*, const Symbolic<true>*,
-                                                             Workspace<Symbolic<true>>&) noexcept;
-extern template void solve_accelerations<Symbolic<false>, false>(const Tree&, const Symbolic<false>*, Workspace<Symbolic<false>>&,
-                                                                 const Motion<Symbolic<false>>&) noexcept;
-extern template void solve_accelerations<Symbolic<true>, false>(const Tree&, const Symbolic<true>*, Workspace<Symbolic<true>>&,
-                                                                const Motion<Symbolic<true>>&) noexcept;
+extern template void evaluate_rates<Symbolic>(const Tree&, const Symbolic*, const Symbolic*, Workspace<Symbolic>&) noexcept;
+extern template void sweep_velocities<Symbolic, false>(const Tree&, const Symbolic*, const Symbolic*,
+                                                       Workspace<Symbolic>&) noexcept;
+extern template void solve_accelerations<Symbolic, false>(const Tree&, const Symbolic*, Workspace<Symbolic>&,
+                                                          const Motion<Symbolic>&) noexcept;
 
-namespace {
+using detail::resting, detail::take;
 
-using detail::in_order, detail::resting, detail::take;
+std::vector<int> KernelExpressions::results() const {
+  std::vector<int> all = v;
+  all.insert(all.end(), qdot.begin(), qdot.end());
+  all.insert(all.end(), pdot.begin(), pdot.end());
+  all.insert(all.end(), udot.begin(), udot.end());
+  all.insert(all.end(), lambda.begin(), lambda.end());
+  all.insert(all.end(), effort.begin(), effort.end());
+  return all;
+}
 
-template <bool RotatesFirst>
-KernelExpressions expressions_of(const Tree& tree) {
-  using T = Symbolic<RotatesFirst>;
+KernelExpressions kernel_expressions(const Tree& tree) {
+  using T = Symbolic;
   KernelExpressions kernel;
   Expressions& all = kernel.expressions;
   T::graph() = &all;
@@ -38,6 +38,7 @@ KernelExpressions expressions_of(const Tree& tree) {
   for (int i = 0; i < tree.nq(); ++i) q.push_back(T::of_node(all.input(Operation::q, i)));
   for (int i = 0; i < tree.nv(); ++i) p.push_back(T::of_node(all.input(Operation::p, i)));
   Workspace<T> workspace(tree);
+  detail::record_steps(tree, Variables::momenta, workspace);
   evaluate_rates(tree, q.data(), p.data(), workspace);
   take(workspace.v, tree.nv(), kernel.v);
   take(workspace.qdot, tree.nq(), kernel.qdot);
@@ -47,9 +48,8 @@ KernelExpressions expressions_of(const Tree& tree) {
   return kernel;
 }
 
-template <bool RotatesFirst>
-KernelExpressions velocity_expressions_of(const Tree& tree, bool plain_forces) {
-  using T = Symbolic<RotatesFirst>;
+KernelExpressions velocity_expressions(const Tree& tree, bool plain_forces) {
+  using T = Symbolic;
   KernelExpressions kernel;
   kernel.variables = Variables::velocities;
   Expressions& all = kernel.expressions;
@@ -60,6 +60,7 @@ KernelExpressions velocity_expressions_of(const Tree& tree, bool plain_forces) {
   for (int i = 0; i < tree.nv(); ++i)
     u.push_back(rests[static_cast<std::size_t>(i)] ? T(0) : T::of_node(all.input(Operation::p, i)));
   Workspace<T> workspace(tree);
+  detail::record_steps(tree, Variables::velocities, workspace);
   sweep_velocities<T, false>(tree, q.data(), u.data(), workspace);
   for (int i = 0; i < tree.nv(); ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -77,26 +78,6 @@ KernelExpressions velocity_expressions_of(const Tree& tree, bool plain_forces) {
   T::graph() = nullptr;
   if (all.exhausted()) throw std::bad_alloc();
   return kernel;
-}
-
-}  // namespace
-
-std::vector<int> KernelExpressions::results() const {
-  std::vector<int> all = v;
-  all.insert(all.end(), qdot.begin(), qdot.end());
-  all.insert(all.end(), pdot.begin(), pdot.end());
-  all.insert(all.end(), udot.begin(), udot.end());
-  all.insert(all.end(), lambda.begin(), lambda.end());
-  all.insert(all.end(), effort.begin(), effort.end());
-  return all;
-}
-
-KernelExpressions kernel_expressions(const Tree& tree, RevoluteOrder order) {
-  return in_order(order, [&](auto rotates_first) { return expressions_of<rotates_first()>(tree); });
-}
-
-KernelExpressions velocity_expressions(const Tree& tree, bool plain_forces, RevoluteOrder order) {
-  return in_order(order, [&](auto rotates_first) { return velocity_expressions_of<rotates_first()>(tree, plain_forces); });
 }
 
 void add_plain_forces(const Tree& tree, KernelExpressions& kernel) {

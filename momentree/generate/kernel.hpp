@@ -27,20 +27,14 @@ struct KernelExpressions {
   Operations operations() const { return expressions.operations(results()); }
 };
 
-/// The order of reduction (25) and rotation (16) about a revolute joint's axis in the kernels; see
-/// RevoluteSteps::rotate_then_reduce. `fewest`: the order with fewer operations after folding. The other one needs 16 % more for
-/// ANYmal B, 12 % more for the humanoid in scenarios/models/simple_humanoid, where the orders are reversed, and 0 to 4 % more for
-/// arms.
-enum class RevoluteOrder { fewest, reduce_first, rotate_first };
-
 /// Runs evaluate_rates on symbols: the recursions with gravity, armatures and locked or driven DoFs, without joint forces.
 /// Allocates; time and memory are proportional to the number of bodies.
-KernelExpressions kernel_expressions(const Tree& tree, RevoluteOrder order = RevoluteOrder::fewest);
+KernelExpressions kernel_expressions(const Tree& tree);
 
 /// Runs the passes in velocities on symbols: from q, u and further joint forces tau (packed as u) to q̇ and u̇, with gravity. For
 /// a prescribed motion tau has its acceleration; u and tau of locked DoFs are taken as zero. `plain_forces`: also with those
 /// joint forces that add_plain_forces() adds.
-KernelExpressions velocity_expressions(const Tree& tree, bool plain_forces = false, RevoluteOrder order = RevoluteOrder::fewest);
+KernelExpressions velocity_expressions(const Tree& tree, bool plain_forces = false);
 
 /// Adds the joint forces that are plain expressions to pdot: dampers, springs, constant efforts. `other_forces` lists all
 /// others.

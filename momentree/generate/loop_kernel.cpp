@@ -23,13 +23,12 @@ namespace momentree {
   extern template void detail::gather_loops<T>(const Tree&, const T*, Workspace<T>&, LoopSystem<T>&, const Motion<T>&,           \
                                                bool) noexcept;                                                                   \
   extern template void detail::apply_multipliers<T>(const Tree&, const T*, Workspace<T>&, LoopSystem<T>&) noexcept;
-MOMENTREE_LOOPS_OF(Symbolic<false>)
-MOMENTREE_LOOPS_OF(Symbolic<true>)
+MOMENTREE_LOOPS_OF(Symbolic)
 #undef MOMENTREE_LOOPS_OF
 
 namespace {
 
-using detail::in_order, detail::resting, detail::take;
+using detail::resting, detail::take;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -51,9 +50,8 @@ constexpr long most_in_place(std::size_t n) { return 400 + 20 * static_cast<long
 }
 
 // One recording of the passes with loops.
-template <bool RotatesFirst>
 class LoopRecording {
-  using T = Symbolic<RotatesFirst>;
+  using T = Symbolic;
 
  public:
   LoopRecording(const Tree& tree, std::span<const int> rows, LoopCode code, Expressions& all)
@@ -250,23 +248,19 @@ class LoopRecording {
 
 }  // namespace
 
-KernelExpressions loop_expressions(const Tree& tree, std::span<const int> rows, LoopCode code, bool plain_forces,
-                                   RevoluteOrder order) {
+KernelExpressions loop_expressions(const Tree& tree, std::span<const int> rows, LoopCode code, bool plain_forces) {
   MT_REQUIRE(tree.has_loops(), "a tree with closed loops or couplings");
-  return in_order(order, [&](auto rotates_first) {
-    using T = Symbolic<rotates_first()>;
-    KernelExpressions kernel;
-    kernel.variables = Variables::velocities;
-    kernel.loops = code == LoopCode::stages;
-    kernel.expressions.cancel_terms();
-    T::graph() = &kernel.expressions;
-    LoopRecording<rotates_first()> recording(tree, rows, code, kernel.expressions);
-    recording.record(plain_forces, kernel);
-    kernel.begin = recording.begin(), kernel.motions = tree.loop_motions();
-    T::graph() = nullptr;
-    if (kernel.expressions.exhausted()) throw std::bad_alloc();
-    return kernel;
-  });
+  KernelExpressions kernel;
+  kernel.variables = Variables::velocities;
+  kernel.loops = code == LoopCode::stages;
+  kernel.expressions.cancel_terms();
+  Symbolic::graph() = &kernel.expressions;
+  LoopRecording recording(tree, rows, code, kernel.expressions);
+  recording.record(plain_forces, kernel);
+  kernel.begin = recording.begin(), kernel.motions = tree.loop_motions();
+  Symbolic::graph() = nullptr;
+  if (kernel.expressions.exhausted()) throw std::bad_alloc();
+  return kernel;
 }
 
 ChosenRows chosen_loop_rows(const Tree& tree, const State& state) {

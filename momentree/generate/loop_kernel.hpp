@@ -20,7 +20,7 @@ enum class LoopCode : unsigned char {
 /// loops allow. `plain_forces`: as for velocity_expressions. Small systems of rows are solved in place, larger ones by a
 /// call. Requires a tree with loops, and for a file that loop_obstacles is empty.
 KernelExpressions loop_expressions(const Tree& tree, std::span<const int> rows, LoopCode code = LoopCode::stages,
-                                   bool plain_forces = false, RevoluteOrder order = RevoluteOrder::fewest);
+                                   bool plain_forces = false);
 
 /// The rows that were chosen at a state, and the least pivots there. Evaluates the state; allocates.
 struct ChosenRows {

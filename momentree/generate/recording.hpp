@@ -1,10 +1,9 @@
 #pragma once
 // What the recordings of kernels on symbols have in common.
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 #include <momentree/derive/symbolic.hpp>
+#include <momentree/dynamics/workspace.hpp>
 #include <momentree/generate/kernel.hpp>
 #include <momentree/tree/tree.hpp>
 
@@ -24,14 +23,7 @@ inline std::vector<bool> resting(const Tree& tree) {
   return all;
 }
 
-/// What f(std::bool_constant<RotatesFirst>) returns for the order.
-template <class F>
-KernelExpressions in_order(RevoluteOrder order, const F& f) {
-  if (order == RevoluteOrder::rotate_first) return f(std::true_type{});
-  KernelExpressions one = f(std::false_type{});
-  if (order == RevoluteOrder::reduce_first) return one;
-  KernelExpressions other = f(std::true_type{});
-  return other.operations().total() < one.operations().total() ? std::move(other) : std::move(one);
-}
+/// Gives a workspace the table of steps with which stages of a tree are recorded. Throws std::bad_alloc.
+void record_steps(const Tree& tree, Variables variables, Workspace<Symbolic>& workspace);
 
 }  // namespace momentree::detail

@@ -72,10 +72,6 @@ Mat3 tilt_rotation(const LinkConstants& k) {
 void find_rotation(LinkConstants& k) {
   k.cs_a = k.cos_a * k.sin_a, k.ss_a = k.sin_a * k.sin_a;
   k.R0 = placement_rotation(k);
-  k.rotation = !aligned(k)                    ? LinkRotation::any
-               : k.sin_a != 0 || k.cos_a != 1 ? LinkRotation::tilted
-               : k.sin_0 != 0 || k.cos_0 != 1 ? LinkRotation::about_z
-                                              : LinkRotation::none;
 }
 Mat3 placement_rotation(const LinkConstants& k) {
   return tilt_rotation(k) * Mat3{k.cos_0, -k.sin_0, 0, k.sin_0, k.cos_0, 0, 0, 0, 1};

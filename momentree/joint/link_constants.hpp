@@ -25,17 +25,10 @@ enum class PlacementShape : unsigned char {
   parallel_a,     ///< α = 0, d = 0: a link in a plane
 };
 
-/// The rotations that a placement has. For kinds that rotate about z, θ0 is part of their own angle.
-enum class LinkRotation : unsigned char {
-  any,      ///< Rz(β) Rx(α) Rz(θ0)
-  tilted,   ///< β = 0
-  about_z,  ///< α = β = 0
-  none,     ///< θ0 = 0, too
-};
-
-/// Placement of the joint in the parent's frame: R = Rz(β) Rx(α) Rz(θ0), origin at r (m); mass properties in the body's kernel
-/// frame. Rotations about one axis at a time cost half of a general one, and β = 0 if the parent's x axis could be chosen for
-/// this link. Links that are made and placed alike have equal constants, and a tree stores equal links once.
+/// Placement of the joint in the parent's frame: R = Rz(β) Rx(α) Rz(θ0), where kinds that rotate about z add θ0 to their own
+/// angle; origin at r (m); mass properties in the body's kernel frame. Rotations about one axis at a time cost half of a general
+/// one, and β = 0 if the parent's x axis could be chosen for this link. Links that are made and placed alike have equal
+/// constants, and a tree stores equal links once.
 struct LinkConstants {
   double cos_a = 1, sin_a = 0;
   double cs_a = 0, ss_a = 0;  ///< cos α sin α, sin² α
@@ -45,7 +38,6 @@ struct LinkConstants {
   RigidMass body{};
   Mat3 R0 = identity3<double>();  ///< Rz(β) Rx(α) Rz(θ0)
   PlacementShape shape{};
-  LinkRotation rotation = LinkRotation::none;
   unsigned char locked = 0;  ///< a bit per DoF without a momentum of its own: frozen or driven
   unsigned char driven = 0;  ///< a bit per DoF among these whose rate is prescribed: p holds the rate
   double cos_0 = 1, sin_0 = 0;
@@ -56,7 +48,7 @@ struct LinkConstants {
 };
 /// True if the link needs no rotation about the parent's z axis (β = 0).
 inline bool aligned(const LinkConstants& link) { return link.sin_b == 0 && link.cos_b == 1; }
-/// Sets what follows from α, β and θ0: cs_a, ss_a, R0 and rotation.
+/// Sets what follows from α, β and θ0: cs_a, ss_a and R0.
 void find_rotation(LinkConstants& link);
 /// Rz(β) Rx(α) Rz(θ0).
 Mat3 placement_rotation(const LinkConstants& link);

@@ -129,16 +129,4 @@ struct InPlaneRateKernels {
   template <class T>
   using Record = InPlaneRateRecord<T>;
 };
-/// The same for a root that floats, with a free or a planar joint; kept in the memory of that joint's record.
-template <class T>
-struct InPlaneRootRecord {
-  T vx, vy, w;
-  T gravity_x, gravity_y;
-  T mx, my;
-};
-struct InPlaneRootKernels {
-  template <class T>
-  using Record = InPlaneRootRecord<T>;
-};
-
 }  // namespace momentree

@@ -13,7 +13,7 @@ namespace momentree {
 
 /// True if a scalar represents a single world, whose evaluation is limited by the latency of the divisions.
 template <class T>
-inline constexpr bool one_world_at_a_time = std::is_same_v<T, double> || std::is_same_v<T, BodyPair>;
+inline constexpr bool one_world_at_a_time = std::is_same_v<T, double>;
 
 /// Contributions of its children that a body collects: none (leaf), one, or at a branching body the first child's and the sum of
 /// the others'.

@@ -26,6 +26,8 @@ struct Draw {
   }
 };
 
+/// Rotations of a placement: Rz(β) Rx(α) Rz(θ0); β = 0; α = 0, too; and θ0 = 0.
+enum class LinkRotation { any, tilted, about_z, none };
 inline LinkConstants random_link(Draw& draw, LinkRotation rotation) {
   LinkConstants k;
   const double a = rotation > LinkRotation::tilted ? 0 : 3 * draw();

@@ -7,10 +7,13 @@ namespace momentree::machine {
 
 /// What the machine code is for.
 struct Target {
-  int lanes = 1;       ///< worlds at once: 1, 4 or 8
+  int lanes = 1;       ///< worlds at once: 1, or as many as fill 32 bytes, or 64 with AVX-512
+  int number = 8;      ///< bytes of a number: 8, or 4 in single precision
   int registers = 16;  ///< of vectors: 16, or 32 with AVX-512
   bool avx512 = false;
   bool fused = true;  ///< multiply-adds round once
+
+  constexpr int vector() const { return lanes * number; }  ///< bytes
 };
 
 /// A number in memory. Of several worlds, each has its own number there, or all share one.
@@ -96,6 +99,6 @@ struct Allocated {
 [[nodiscard]] Allocated allocate(const Function& function, const Target& target);
 
 /// Bytes of one constant in the pool: with AVX2 they are stored once per lane, because only AVX-512 spreads operands.
-constexpr int pool_stride(const Target& target) { return target.lanes > 1 && !target.avx512 ? 8 * target.lanes : 8; }
+constexpr int pool_stride(const Target& target) { return target.lanes > 1 && !target.avx512 ? target.vector() : target.number; }
 
 }  // namespace momentree::machine

@@ -3,15 +3,15 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <random>
-#include <thread>
 #include <vector>
 
+#include <momentree/machine/evaluate.hpp>
 #include <momentree/machine/memory.hpp>
+#include <momentree/machine/test_support.hpp>
 #include <momentree/machine/x86.hpp>
 
 #ifdef __linux__
@@ -26,11 +26,11 @@ constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // What the functions below are called with.
 struct Arrays {
-  double *inputs = nullptr, *changed = nullptr;
+  void *inputs = nullptr, *changed = nullptr;
 };
 struct Entry {
-  const double* shared = nullptr;
-  double* results = nullptr;
+  const void* shared = nullptr;
+  void* results = nullptr;
   std::int32_t inputs = 0, changed = 0;
 };
 enum : std::int8_t { inputs, changed, shared, results };
@@ -46,14 +46,14 @@ Function random_function(std::mt19937& random, const Target& target) {
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
   Function f;
   f.bases = bases;
-  const int lanes = target.lanes;
+  const int size = target.vector();
   for (int i = 0; i < numbers; ++i) {
-    f.values.push_back({Operation::load, -1, -1, -1, {inputs, false, 8 * lanes * i}});
-    f.values.push_back({Operation::load, -1, -1, -1, {changed, false, 8 * lanes * i}});
-    f.values.push_back({Operation::load, -1, -1, -1, {shared, true, 8 * i}});
+    f.values.push_back({Operation::load, -1, -1, -1, {inputs, false, size * i}});
+    f.values.push_back({Operation::load, -1, -1, -1, {changed, false, size * i}});
+    f.values.push_back({Operation::load, -1, -1, -1, {shared, true, target.number * i}});
   }
   for (int i = 0; i < 5; ++i) {
-    f.values.push_back({Operation::load, -1, -1, -1, {Place::pool, lanes == 1 || target.avx512, i * pool_stride(target)}});
+    f.values.push_back({Operation::load, -1, -1, -1, {Place::pool, target.lanes == 1 || target.avx512, i * pool_stride(target)}});
     f.pool.push_back(0.25 * i - 0.5);
   }
   for (int k = below(120); k > 0; --k) {
@@ -69,10 +69,10 @@ Function random_function(std::mt19937& random, const Target& target) {
   for (int t = 0; t < end; ++t) known[at(f.order[at(t)])] = t + 1;
   for (int i = 0; i < numbers; ++i) {
     const int v = below(n), w = below(n);
-    f.stores.push_back({v, {results, false, 8 * lanes * i}, f.values[at(v)].operation == Operation::load ? end : known[at(v)]});
+    f.stores.push_back({v, {results, false, size * i}, f.values[at(v)].operation == Operation::load ? end : known[at(v)]});
     const Place& home = f.values[at(w)].home;
     const bool copy = f.values[at(w)].operation == Operation::load && home.base == changed;
-    f.stores.push_back({w, {changed, false, 8 * lanes * i}, end, copy});
+    f.stores.push_back({w, {changed, false, size * i}, end, copy});
   }
   for (Store& one : f.stores)  // a copy to elsewhere, too, comes before the number is changed
     if (f.values[at(one.value)].operation == Operation::load && f.values[at(one.value)].home.base == changed)
@@ -81,76 +81,58 @@ Function random_function(std::mt19937& random, const Target& target) {
   return f;
 }
 
-double value_of(const std::vector<double>& x, const Value& v) {
-  const auto of = [&](int i) { return x[at(i)]; };
-  switch (v.operation) {
-    case Operation::add: return of(v.a) + of(v.b);
-    case Operation::subtract: return of(v.a) - of(v.b);
-    case Operation::multiply: return of(v.a) * of(v.b);
-    case Operation::divide: return of(v.a) / of(v.b);
-    case Operation::multiply_add: return std::fma(of(v.a), of(v.b), of(v.c));
-    case Operation::multiply_subtract: return std::fma(of(v.a), of(v.b), -of(v.c));
-    case Operation::subtract_product: return std::fma(-of(v.a), of(v.b), of(v.c));
-    default: return -of(v.a);
-  }
-}
-
-bool same_bits(double a, double b) {
-  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b));
-}
-
+template <class S, int N>
 struct Memory {
-  alignas(64) std::array<double, numbers * 8> inputs, changed, results;
-  std::array<double, numbers> shared;
+  alignas(64) std::array<Worlds<S, N>, numbers> inputs, changed, results;
+  std::array<S, numbers> shared;
+
+  template <class F>
+  void run(F&& code) {
+    const Arrays arrays{reinterpret_cast<char*>(inputs.data()) - 24, changed.data()};
+    const Entry entry{shared.data(), results.data(), 24, 0};
+    code(&entry, &arrays);
+  }
+  bool equals(const Memory& other) const { return changed == other.changed && results == other.results; }
 };
 
-void check_bits(const Function& f, const Target& target, Code code, Memory before) {
-  Memory after = before;
-  const Arrays arrays{after.inputs.data() - 3, after.changed.data()};
-  const Entry entry{after.shared.data(), after.results.data(), 3 * 8, 0};
-  code(&entry, &arrays);
-  for (int lane = 0; lane < target.lanes; ++lane) {
-    const auto memory_of = [&](Memory& m, const Place& place) -> double& {
-      const int offset = place.offset / 8 + (place.shared ? 0 : lane);
-      return place.base == inputs    ? m.inputs[at(offset)]
-             : place.base == changed ? m.changed[at(offset)]
-             : place.base == shared  ? m.shared[at(offset)]
-                                     : m.results[at(offset)];
-    };
-    std::vector<double> x(f.values.size());
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const Value& v = f.values[i];
-      if (v.operation != Operation::load)
-        x[i] = value_of(x, v);
-      else
-        x[i] = v.home.base == Place::pool ? f.pool[at(v.home.offset / pool_stride(target))] : memory_of(before, v.home);
-    }
-    for (const Store& one : f.stores) CHECK(same_bits(memory_of(after, one.to), x[at(one.value)]));
+template <class S, int N>
+void check_bits(std::mt19937& random, Target target) {
+  target.lanes = N, target.number = sizeof(S);
+  if (!processor_runs(target)) return;
+  CodeMemory memory;
+  for (int round = 0; round < 300; ++round) {
+    const Function f = random_function(random, target);
+    const Bytes bytes = encode_x86(f, allocate(f, target), target);
+    const std::uint8_t* const code = memory.put(bytes.all);
+    REQUIRE(code != nullptr);
+    Memory<S, N> found;
+    std::uniform_real_distribution<S> any(-2, 2);
+    for (auto* array : {&found.inputs, &found.changed, &found.results})
+      for (auto& number : *array)
+        for (S& x : number.x) x = any(random);
+    for (S& x : found.shared) x = any(random);
+    Memory<S, N> expected = found;
+    found.run(reinterpret_cast<Code>(const_cast<std::uint8_t*>(code) + bytes.entry));
+    expected.run([&](const Entry* entry, const Arrays* arrays) {
+      std::vector<Worlds<S, N>> x(f.values.size());
+      evaluate<Worlds<S, N>, S>(f, target, entry, arrays, std::span(x));
+    });
+    CHECK(found.equals(expected));
   }
 }
 
-TEST_CASE("machine code: random functions have the bits of their evaluation, whatever the registers and lanes") {
+TEST_CASE("machine code: random functions have the bits of their evaluation, whatever the registers, lanes and precision") {
   std::mt19937 random(7);
-  CodeMemory memory;
-  int run = 0;
-  for (const Target& target : {Target{1, 16}, Target{1, 5}, Target{1, 32, true}, Target{4, 16}, Target{4, 6}, Target{4, 32, true},
-                               Target{8, 32, true}, Target{8, 7, true}}) {
-    if (!processor_runs(target)) continue;
-    for (int round = 0; round < 300; ++round) {
-      const Function f = random_function(random, target);
-      const Bytes bytes = encode_x86(f, allocate(f, target), target);
-      const std::uint8_t* const code = memory.put(bytes.all);
-      REQUIRE(code != nullptr);
-      Memory numbers_in;
-      std::uniform_real_distribution<double> any(-2, 2);
-      for (auto* array : {&numbers_in.inputs, &numbers_in.changed, &numbers_in.results})
-        for (double& x : *array) x = any(random);
-      for (double& x : numbers_in.shared) x = any(random);
-      check_bits(f, target, reinterpret_cast<Code>(const_cast<std::uint8_t*>(code) + bytes.entry), numbers_in);
-      ++run;
-    }
+  for (const int registers : {5, 16}) {
+    const Target narrow{.registers = registers};
+    check_bits<double, 1>(random, narrow), check_bits<double, 4>(random, narrow);
+    check_bits<float, 1>(random, narrow), check_bits<float, 8>(random, narrow);
   }
-  MESSAGE(run << " functions");
+  for (const int registers : {7, 32}) {
+    const Target wide{.registers = registers, .avx512 = true};
+    check_bits<double, 1>(random, wide), check_bits<double, 4>(random, wide), check_bits<double, 8>(random, wide);
+    check_bits<float, 8>(random, wide), check_bits<float, 16>(random, wide);
+  }
 }
 
 #if defined(__linux__) && defined(__x86_64__)

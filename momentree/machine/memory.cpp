@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#if defined(__linux__) && defined(__x86_64__)
+#if defined(__linux__) && (defined(__x86_64__) || defined(__aarch64__))
 #include <pthread.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -44,6 +44,8 @@ const std::uint8_t* CodeMemory::put(std::span<const std::uint8_t> bytes) noexcep
   if ((bytes.size() > size_ - used_ || generation_ != generation) && !map(bytes.size())) return nullptr;
   const std::uint8_t* const at = executed_ + used_;
   std::memcpy(written_ + used_, bytes.data(), bytes.size());
+  char* const begin = reinterpret_cast<char*>(const_cast<std::uint8_t*>(at));  // instructions may be cached apart from data
+  __builtin___clear_cache(begin, begin + bytes.size());
   used_ = std::min(size_, (used_ + bytes.size() + 63) / 64 * 64);
   return at;
 }

@@ -112,7 +112,7 @@ class Allocator {
         ++out_.frame;
       else
         slot = free_slots_.back(), free_slots_.pop_back();
-      home_[at(v)] = {Place::frame, false, slot * 8 * target_.lanes};
+      home_[at(v)] = {Place::frame, false, slot * target_.vector()};
       has_home_[at(v)] = 1, slot_[at(v)] = slot;
       emit(Code::store, 0, best, -1, home_[at(v)]);
     }

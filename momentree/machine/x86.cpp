@@ -22,15 +22,13 @@ class Encoder {
 
   Bytes run() {
     MT_REQUIRE(f_.bases.size() <= base_registers.size(), "there is a register for each base");
-    MT_REQUIRE(f_.outputs.empty() || target_.lanes == 1, "vzeroupper would change outputs");
     pool();
     const std::size_t entry = out_.size();
-    const int frame = allocated_.frame * 8 * target_.lanes;
+    const int frame = allocated_.frame * target_.vector();
     for (std::size_t i = free_registers; i < f_.bases.size(); ++i) push(base_registers[i]);
     if (frame > 0) bytes({0x48, 0x81, 0xEC}), number(frame);  // sub rsp, frame
     for (std::size_t i = 0; i < f_.bases.size(); ++i) load_base(base_registers[i], f_.bases[i]);
     for (const Instruction& one : allocated_.code) vector_instruction(one);
-    if (target_.lanes > 1) bytes({0xC5, 0xF8, 0x77});         // vzeroupper
     if (frame > 0) bytes({0x48, 0x81, 0xC4}), number(frame);  // add rsp, frame
     for (std::size_t i = f_.bases.size(); i-- > free_registers;) pop(base_registers[i]);
     byte(0xC3);  // ret
@@ -51,10 +49,14 @@ class Encoder {
     const bool repeated = target_.lanes > 1 && !target_.avx512;
     const auto put = [&](double x, int times) {
       const auto bits = std::bit_cast<std::uint64_t>(x);
-      for (int i = 0; i < times; ++i) number(static_cast<std::int32_t>(bits)), number(static_cast<std::int32_t>(bits >> 32));
+      const auto single = std::bit_cast<std::int32_t>(static_cast<float>(x));
+      for (int i = 0; i < times; ++i) {
+        number(is_single() ? single : static_cast<std::int32_t>(bits));
+        if (!is_single()) number(static_cast<std::int32_t>(bits >> 32));
+      }
     };
     for (const double x : f_.pool) put(x, repeated ? target_.lanes : 1);
-    put(-0.0, repeated ? target_.lanes : 2);  // the instruction for one world reads two numbers
+    put(-0.0, repeated ? target_.lanes : 16 / target_.number);  // the instruction for one world reads 16 bytes
     while (out_.size() % 16 != 0) byte(0);
   }
 
@@ -78,20 +80,22 @@ class Encoder {
   }
 
   static bool is_fused(Code code) { return code >= Code::fused_132; }
+  bool is_single() const { return target_.number == 4; }
 
   void vector_instruction(const Instruction& one) {
     const bool wide = target_.lanes > 1, memory = one.other < 0;
-    int map = 1, prefix = wide ? 1 : 3, opcode = 0, first = one.to, second = one.from;
+    const int packed = is_single() ? 0 : 1;  // the prefix of instructions on whole registers
+    int map = 1, prefix = wide ? packed : is_single() ? 2 : 3, opcode = 0, first = one.to, second = one.from;
     switch (one.code) {
-      case Code::load: opcode = 0x10, second = 0; break;  // vmovsd, vmovupd
+      case Code::load: opcode = 0x10, second = 0; break;  // vmovsd, vmovupd; in single precision vmovss, vmovups, and so on
       case Code::store: opcode = 0x11, first = one.from, second = 0; break;
-      case Code::spread: map = 2, prefix = 1, opcode = 0x19, second = 0; break;  // vbroadcastsd
-      case Code::move: opcode = 0x28, prefix = 1, second = 0; break;             // vmovapd
+      case Code::spread: map = 2, prefix = 1, opcode = is_single() ? 0x18 : 0x19, second = 0; break;  // vbroadcastsd
+      case Code::move: opcode = 0x28, prefix = packed, second = 0; break;                             // vmovapd
       case Code::add: opcode = 0x58; break;
       case Code::subtract: opcode = 0x5C; break;
       case Code::multiply: opcode = 0x59; break;
       case Code::divide: opcode = 0x5E; break;
-      case Code::flip_sign: opcode = 0x57, prefix = 1; break;  // vxorpd
+      case Code::flip_sign: opcode = 0x57, prefix = packed; break;  // vxorpd
       case Code::fused_132:
       case Code::fused_213:
       case Code::fused_231: {  // vfmadd, vfmsub, vfnmadd
@@ -103,21 +107,23 @@ class Encoder {
     }
     const bool spread = memory && one.place.shared && wide && one.code != Code::spread;
     const int rm = memory ? register_of(one.place) : one.other;
-    const bool evex = target_.lanes == 8 || first > 15 || second > 15 || (!memory && rm > 15) || spread;
+    const bool evex = target_.vector() == 64 || first > 15 || second > 15 || (!memory && rm > 15) || spread;
     if (evex) {
-      const int length = target_.lanes == 8 ? 2 : target_.lanes == 4 ? 1 : 0;
+      const int length = target_.vector() / 32;
       bytes({0x62, (first & 8 ? 0 : 0x80) | (!memory && rm & 16 ? 0 : 0x40) | (rm & 8 ? 0 : 0x20) | (first & 16 ? 0 : 0x10) | map,
-             0x80 | (~second & 15) << 3 | 4 | prefix, length << 5 | (spread ? 0x10 : 0) | (second & 16 ? 0 : 8)});
+             (is_single() ? 0 : 0x80) | (~second & 15) << 3 | 4 | prefix,
+             length << 5 | (spread ? 0x10 : 0) | (second & 16 ? 0 : 8)});
     } else {
       const int length = wide ? 1 : 0, last = (~second & 15) << 3 | length << 2 | prefix;
       if (map == 1 && (rm & 8) == 0)
         bytes({0xC5, (first & 8 ? 0 : 0x80) | last});
       else
-        bytes({0xC4, (first & 8 ? 0 : 0x80) | 0x40 | (rm & 8 ? 0 : 0x20) | map, (is_fused(one.code) ? 0x80 : 0) | last});
+        bytes({0xC4, (first & 8 ? 0 : 0x80) | 0x40 | (rm & 8 ? 0 : 0x20) | map,
+               (is_fused(one.code) && !is_single() ? 0x80 : 0) | last});
     }
     byte(opcode);
     if (!memory) return byte(0xC0 | (first & 7) << 3 | (rm & 7));
-    const int size = !evex ? 1 : spread || one.code == Code::spread ? 8 : 8 * target_.lanes;
+    const int size = !evex ? 1 : spread || one.code == Code::spread ? target_.number : target_.vector();
     address(first & 7, one.place, size);
   }
 
@@ -163,14 +169,16 @@ Bytes encode_x86_run(int entry_size) {
            0x48, 0x83, 0xC7, static_cast<std::uint8_t>(entry_size),  // add rdi, entry_size
            0x4C, 0x39, 0xF7,                                         // cmp rdi, r14
            0x75, 0xF5,                                               // jne next
-           0x41, 0x5E,                                               // end: pop r14
+           0xC5, 0xF8, 0x77,                                         // end: vzeroupper
+           0x41, 0x5E,                                               // pop r14
            0xC3},                                                    // ret
           0};
 }
 
 Bytes encode_x86_call(int place) {
   MT_REQUIRE(place >= 0 && place < 128, "what entries point to begins with these pointers");
-  return {{0x57, 0x56,  // push rdi, rsi
+  return {{0xC5, 0xF8, 0x77,  // vzeroupper
+           0x57, 0x56,        // push rdi, rsi
            0x48, 0x83, 0xEC,
            0x08,  // sub rsp, 8
            0x48, 0x8B, 0x47,
@@ -185,7 +193,7 @@ Bytes encode_x86_call(int place) {
 
 bool processor_runs([[maybe_unused]] const Target& target) noexcept {
 #ifdef __x86_64__
-  if (target.avx512 || target.registers > 16 || target.lanes == 8)
+  if (target.avx512 || target.registers > 16 || target.vector() == 64)
     return __builtin_cpu_supports("fma") && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
            __builtin_cpu_supports("avx512dq");
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");

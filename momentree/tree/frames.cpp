@@ -214,7 +214,6 @@ void Tree::make_link(int b) {
 void Tree::classify(int b) {
   const LinkConstants& k = links_[at(b)];
   class_[at(b)].parallel = k.cos_a == 1 && k.sin_a == 0;
-  class_[at(b)].flat = class_[at(b)].parallel && k.r.z == 0 && k.body.mc.z == 0 && k.body.J.xz == 0 && k.body.J.yz == 0;
   class_[at(b)].aligned = aligned(k);
 }
 

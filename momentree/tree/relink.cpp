@@ -247,11 +247,8 @@ void Tree::build_runs() {
   int* places = place_.data();
   Offsets* offsets = offsets_.data();
   std::size_t scalars = 0, record = 0;
-  unsigned any = 0;
   Class same{};
   bool planar = false;
-  int plane = 0, plane_end = 0;  // of the present mechanism, if it floats and may move in a plane
-  has_planes_ = false;
   for (int place = 0; place < count; ++place) {
     const int b = order[place], outer = parent[b], child = first_child[b];
     places[b] = place;
@@ -268,25 +265,16 @@ void Tree::build_runs() {
     if (outer < 0 || (classes[outer].kind == Kind::weld && (node_flags_[at(places[outer])] & node::grounded) != 0))
       f |= node::grounded;
     node_flags_[at(place)] = static_cast<unsigned char>(f);
-    any |= f;
     const Class own = classes[b];
     bool cut = place == 0 || !(own == same);
     if (outer < 0) {
-      cut = cut || planar || plane_end > 0;
-      planar = in_a_plane(place), plane_end = planar ? 0 : floating_plane_end(place);
-      cut = cut || planar || plane_end > 0;
-      if (plane_end > 0) plane = place;
-      has_planes_ = has_planes_ || planar || plane_end > 0;
+      cut = cut || planar;
+      planar = in_a_plane(place);
+      cut = cut || planar;
     }
     if (cut) {
       if (place > 0) runs_.back().end = place;
-      runs_.push_back({.begin = place,
-                       .end = count,
-                       .kind = own.kind,
-                       .variant = own.variant,
-                       .planar = planar,
-                       .plane = plane_end > 0 ? plane : -1,
-                       .plane_end = plane_end});
+      runs_.push_back({.begin = place, .end = count, .kind = own.kind, .variant = own.variant, .planar = planar});
       record = shape(own.kind).record[static_cast<std::size_t>(own.variant)];
       same = own;
     }
@@ -295,7 +283,6 @@ void Tree::build_runs() {
   }
   MT_REQUIRE(scalars <= std::numeric_limits<std::uint32_t>::max(), "fewer than a few hundred million bodies");
   record_scalars_ = scalars;
-  if (has_pair_lanes) find_pairs((any & node::branching) != 0);
   list_loaded_bodies();
   if (!loops_.empty() || !coupling_ended_.empty()) list_loops();
 }

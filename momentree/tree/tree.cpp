@@ -15,11 +15,9 @@ void Tree::resize(int bodies) {
   for (auto* list : {&parent_, &first_child_, &next_sibling_, &place_, &joint_of_, &carrier_, &joint_at_}) list->resize(n, -1);
   offsets_.resize(n), reversed_.resize(n), class_.resize(n), special_.resize(n), subtree_mass_.resize(n);
   links_.resize(n);
-  for (auto* list :
-       {&order_, &end_, &pair_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
+  for (auto* list : {&order_, &spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_})
     detail::reserve(*list, n);
-  detail::reserve(runs_, n), detail::reserve(paired_runs_, n), detail::reserve(paired_links_, n / 2),
-      detail::reserve(node_flags_, n);
+  detail::reserve(runs_, n), detail::reserve(node_flags_, n);
   detail::reserve(own_joints_, n), detail::reserve(own_parameters_, n), detail::reserve(own_dofs_, n);
   detail::reserve(angle_q_, 2 * n), detail::reserve(angle_offset_, 2 * n);
   for (auto* list : {&armature_, &damping_, &effort_}) detail::reserve(*list, 6 * n);

@@ -77,7 +77,6 @@ inline Joint floating_root_joint() {
 
 struct KernelRun;
 struct LinkConstants;
-struct PairedLinks;
 
 /// A value type: copies are independent, and several threads may read a const tree at once.
 class Tree {
@@ -163,14 +162,6 @@ class Tree {
   /// Depth-first, inboard before outboard; siblings and roots in ascending order of numbers.
   std::span<const int> order() const { return order_; }
   std::span<const KernelRun> kernel_runs() const;
-  /// True if any kernel run belongs to a plane mechanism.
-  bool has_planes() const { return has_planes_; }
-  /// The kernel runs cut where paired branches begin and end: branches of one body, or mechanisms, with revolute joints and welds
-  /// in the same order and the same branching, such as the legs of a robot. The passes for a single world process two such
-  /// branches at once.
-  std::span<const KernelRun> paired_runs() const;
-  /// The constants of paired bodies, by the place of the first one in its branch: see KernelRun::links.
-  std::span<const PairedLinks> paired_links() const;
   /// Flags of the bodies in the order: see namespace node.
   std::span<const unsigned char> node_flags() const { return node_flags_; }
   std::size_t record_scalars() const { return record_scalars_; }
@@ -375,14 +366,7 @@ class Tree {
 
   // planes.cpp
   bool in_a_plane(int place) const;
-  bool may_float_in_plane(int place) const;
-  bool floats_in_plane(int root, int b) const;
-  int floating_plane_end(int place) const;
 
-  // pairs.cpp
-  void find_pairs(bool any_branching);
-  void pair_siblings(int first, int end);
-  void pair_branches();
   void cut_runs();
   bool are_isomorphic(int place, int other, int count) const;
   void update_subtree_mass(int b);
@@ -446,8 +430,6 @@ class Tree {
     Kind kind = Kind::weld;
     Variant variant = Variant::plain;
     bool parallel : 1 = false;     // its axis is parallel to its parent's
-    bool flat : 1 = false;         // in addition, its origin and its parent's are at the same height along it, and its mass is
-                                   // symmetrical about the plane through them
     bool aligned : 1 = false;      // its link needs no rotation about the parent's z
     bool as_declared : 1 = false;  // while everything is linked: its frame is as declared
     friend bool operator==(Class a, Class b) { return a.kind == b.kind && a.variant == b.variant; }
@@ -459,9 +441,7 @@ class Tree {
   std::vector<MassProperties> added_masses_;
   detail::Reserved<JointParameters> own_parameters_;  // set by changes for one joint, in the order in which they were set
   detail::Reserved<detail::DofParameters> own_dofs_;
-  detail::Reserved<KernelRun> runs_, paired_runs_;
-  detail::Reserved<PairedLinks> paired_links_;
-  detail::Reserved<int> end_, pair_;  // while branches are compared, by place: end of the subtree; place of the partner, or −1
+  detail::Reserved<KernelRun> runs_;
   detail::Reserved<unsigned char> node_flags_;
   detail::Reserved<int> spring_joints_, quaternion_joints_, forced_joints_, driven_joints_, strength_joints_;
   std::vector<std::shared_ptr<const JointFunction>> functions_;  // in the order in which they were set
@@ -469,7 +449,7 @@ class Tree {
   // Packed, by angle and by DoF.
   detail::Reserved<int> angle_q_;
   detail::Reserved<double> angle_offset_, armature_, damping_, effort_;
-  bool has_forces_ = false, has_functions_ = false, has_pairs_ = false, has_planes_ = false;
+  bool has_forces_ = false, has_functions_ = false;
   bool has_constraints_ = false;
   std::vector<Topology::Loaded> body_functions_;
   std::vector<Topology::SpringChange> spring_states_;  // by spring

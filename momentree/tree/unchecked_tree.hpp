@@ -22,7 +22,6 @@ class UncheckedTree {
 
   std::span<const int> order() const { return tree_.order(); }
   std::span<const KernelRun> kernel_runs() const { return tree_.kernel_runs(); }
-  std::span<const PairedLinks> paired_links() const { return tree_.paired_links(); }
   std::span<const unsigned char> node_flags() const { return tree_.node_flags(); }
   std::span<const int> loaded_bodies() const { return tree_.loaded_bodies(); }
   const double* armature() const { return tree_.armature(); }

@@ -24,7 +24,7 @@ Changed random_world(std::uint64_t seed);
 /// The variants that a test covered, so that none is assumed tested that never occurred.
 struct Seen {
   bool kernels[9][5] = {};  ///< by kind and variant
-  int planar = 0, floating_planar = 0, pairs = 0, branching = 0, reversed = 0, locked = 0, driven = 0, loaded = 0, weightless = 0;
+  int planar = 0, branching = 0, reversed = 0, locked = 0, driven = 0, loaded = 0, weightless = 0;
 
   void note(const Tree& tree);
   /// The variants that are missing, as text; empty: none.

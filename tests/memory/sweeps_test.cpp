@@ -125,7 +125,6 @@ TEST_CASE("lanes: rates and steps of every instruction set and precision") {
           CAPTURE(seed);
           const Changed world = random_world(seed);
           const Tree& tree = world.tree;
-          const batch::ForcePlan plan(tree);
           bool can_step = true;
           try {
             batch::check(tree);
@@ -139,6 +138,7 @@ TEST_CASE("lanes: rates and steps of every instruction set and precision") {
               const Filled filled(fill);
               stepper = batch::make_stepper(isa, precision, tree, variables);
             }
+            const batch::TopologyPlan plan(tree, stepper->scalar());
             const int lanes = stepper->lanes();
             const auto spread = [&](std::span<const double> of_one) {
               std::vector<double> all;
@@ -150,7 +150,7 @@ TEST_CASE("lanes: rates and steps of every instruction set and precision") {
             std::vector<double> time(static_cast<std::size_t>(lanes)), h(time.size(), 1e-3);
             std::vector<unsigned char> ran_away(time.size());
             watch();
-            stepper->rates(tree, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
+            stepper->rates(tree, plan, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
             if (can_step) stepper->step(tree, plan, {q.data(), p.data(), nullptr, time.data(), h.data(), ran_away.data()});
             if (fill != Fill::zeros) CHECK_FALSE(signalled());
             for (const auto& numbers : {q, p, qdot, pdot, v}) found.add(numbers.data(), static_cast<int>(numbers.size()));
@@ -178,23 +178,21 @@ TEST_CASE("operation counts and symbolic expressions") {
     }
     counted[1] = count_operations(tree);
     CHECK(counted[0].total() == counted[1].total());
-    for (const RevoluteOrder order : {RevoluteOrder::reduce_first, RevoluteOrder::rotate_first}) {
-      KernelExpressions one;
-      {
-        const Filled fill(Fill::quiet);
-        one = kernel_expressions(tree, order);
-      }
-      const KernelExpressions other = kernel_expressions(tree, order);
-      CHECK((one.expressions.nodes() == other.expressions.nodes()));
-      CHECK((one.results() == other.results()));
-      {
-        const Filled filled(Fill::quiet);
-        one = velocity_expressions(tree, false, order);
-      }
-      const KernelExpressions again = velocity_expressions(tree, false, order);
-      CHECK((one.expressions.nodes() == again.expressions.nodes()));
-      CHECK((one.results() == again.results()));
+    KernelExpressions one;
+    {
+      const Filled fill(Fill::quiet);
+      one = kernel_expressions(tree);
     }
+    const KernelExpressions other = kernel_expressions(tree);
+    CHECK((one.expressions.nodes() == other.expressions.nodes()));
+    CHECK((one.results() == other.results()));
+    {
+      const Filled filled(Fill::quiet);
+      one = velocity_expressions(tree);
+    }
+    const KernelExpressions again = velocity_expressions(tree);
+    CHECK((one.expressions.nodes() == again.expressions.nodes()));
+    CHECK((one.results() == again.results()));
   }
 }
 

@@ -216,9 +216,8 @@ TEST_CASE("loops: expressions are what the kernels compute, on random mechanisms
     armatures += tree.loop_armatures() > 0 ? 1 : 0;
     redundant += std::ssize(closed.rows()) < tree.loop_rows() ? 1 : 0;
     const double weakest = closed.weakest_pivot();
-    const RevoluteOrder order = seed % 2 == 0 ? RevoluteOrder::reduce_first : RevoluteOrder::rotate_first;
     const std::vector<int> rows(closed.rows().begin(), closed.rows().end());
-    const KernelExpressions kernel = loop_expressions(tree, rows, LoopCode::stages, false, order);
+    const KernelExpressions kernel = loop_expressions(tree, rows, LoopCode::stages);
     forces += kernel.expressions.calls().empty() ? 0 : 1;
     interpreted_kernel = &kernel;
     const GeneratedRates generated = [&] {

@@ -47,8 +47,7 @@ void check_same(const Tree& a, const Tree& b) {
   REQUIRE(a.kernel_runs().size() == b.kernel_runs().size());
   for (std::size_t i = 0; i < a.kernel_runs().size(); ++i) {
     const KernelRun &s = a.kernel_runs()[i], &t = b.kernel_runs()[i];
-    CHECK((s.begin == t.begin && s.end == t.end && s.kind == t.kind && s.variant == t.variant && s.planar == t.planar &&
-           s.plane == t.plane && s.plane_end == t.plane_end));
+    CHECK((s.begin == t.begin && s.end == t.end && s.kind == t.kind && s.variant == t.variant && s.planar == t.planar));
   }
   CHECK(std::equal(a.node_flags().begin(), a.node_flags().end(), b.node_flags().begin(), b.node_flags().end()));
   for (int k : a.order()) {

@@ -2,6 +2,6 @@
 
 namespace momentree::batch {
 TreeStepper* make_avx512_float_velocities(const Tree& tree) {
-  return new PackVelocityStepper<Pack<float, 16, Isa::avx512>>(tree);
+  return new PackVelocityStepper<Pack<float, 16, Isa::avx512>>(tree, StepWidth::float_16);
 }
 }  // namespace momentree::batch

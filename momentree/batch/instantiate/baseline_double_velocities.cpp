@@ -2,6 +2,6 @@
 
 namespace momentree::batch {
 TreeStepper* make_baseline_double_velocities(const Tree& tree) {
-  return new PackVelocityStepper<Pack<double, 2, Isa::baseline>>(tree);
+  return new PackVelocityStepper<Pack<double, 2, Isa::baseline>>(tree, StepWidth::double_2);
 }
 }  // namespace momentree::batch

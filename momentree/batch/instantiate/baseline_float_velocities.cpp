@@ -2,6 +2,6 @@
 
 namespace momentree::batch {
 TreeStepper* make_baseline_float_velocities(const Tree& tree) {
-  return new PackVelocityStepper<Pack<float, 4, Isa::baseline>>(tree);
+  return new PackVelocityStepper<Pack<float, 4, Isa::baseline>>(tree, StepWidth::float_4);
 }
 }  // namespace momentree::batch

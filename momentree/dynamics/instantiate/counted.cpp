@@ -1,6 +1,8 @@
-#include <momentree/dynamics/derived_sweep.ipp>
+#include <momentree/dynamics/forward.ipp>
 #include <momentree/math/counted.hpp>
 
 namespace momentree {
 template void evaluate_rates<Counted>(const Tree&, const Counted*, const Counted*, Workspace<Counted>&) noexcept;
+
+StepScalar detail::counting_scalar() { return interpreting_scalar<Counted, true>(); }
 }  // namespace momentree

@@ -1,9 +1,20 @@
+#include <new>
+
 #include <momentree/derive/symbolic.hpp>
-#include <momentree/dynamics/derived_sweep.ipp>
+#include <momentree/dynamics/forward.ipp>
+#include <momentree/dynamics/velocity.ipp>
+#include <momentree/generate/recording.hpp>
 
 namespace momentree {
-template void evaluate_rates<Symbolic<false>>(const Tree&, const Symbolic<false>*, const Symbolic<false>*,
-                                              Workspace<Symbolic<false>>&) noexcept;
-template void evaluate_rates<Symbolic<true>>(const Tree&, const Symbolic<true>*, const Symbolic<true>*,
-                                             Workspace<Symbolic<true>>&) noexcept;
+using T = Symbolic;
+template void evaluate_rates<T>(const Tree&, const T*, const T*, Workspace<T>&) noexcept;
+template void sweep_velocities<T, false>(const Tree&, const T*, const T*, Workspace<T>&) noexcept;
+template void solve_accelerations<T, false>(const Tree&, const T*, Workspace<T>&, const Motion<T>&) noexcept;
+
+void detail::record_steps(const Tree& tree, Variables variables, Workspace<T>& workspace) {
+  const bool momenta = variables == Variables::momenta;
+  auto& steps = momenta ? workspace.momentum_steps : workspace.velocity_steps;
+  steps = make_step_table(momenta ? interpreting_scalar<T, true>() : interpreting_scalar<T, false>());
+  if (!steps->follow(tree)) throw std::bad_alloc();
+}
 }  // namespace momentree

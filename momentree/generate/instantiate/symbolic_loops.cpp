@@ -11,7 +11,6 @@ namespace momentree {
   template void detail::soften<T>(LoopSystem<T>&) noexcept;                                                                     \
   template void detail::gather_loops<T>(const Tree&, const T*, Workspace<T>&, LoopSystem<T>&, const Motion<T>&, bool) noexcept; \
   template void detail::apply_multipliers<T>(const Tree&, const T*, Workspace<T>&, LoopSystem<T>&) noexcept;
-MOMENTREE_LOOPS_OF(Symbolic<false>)
-MOMENTREE_LOOPS_OF(Symbolic<true>)
+MOMENTREE_LOOPS_OF(Symbolic)
 #undef MOMENTREE_LOOPS_OF
 }  // namespace momentree

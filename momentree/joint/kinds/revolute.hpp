@@ -65,6 +65,7 @@ struct RevoluteKernelsWith : RevoluteKernelsBase<RevoluteKernelsWith<Armature>> 
   /// Whole steps of both passes by the shape of the link, in place of the separate functions of other kinds: (24)–(27), (21),
   /// (20).
   using Steps = RevoluteStepsOf<Armature>;
+  using Generic = GenericRevolute;
   template <class T>
   using Record = typename Steps::template Record<T>;
 

@@ -1,0 +1,16 @@
+#pragma once
+// Machine code of a function.
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace momentree::machine {
+
+/// Position-independent: constants, then instructions. The code has the C signature void(const void*, const void*): it finds its
+/// bases in these arguments.
+struct Bytes {
+  std::vector<std::uint8_t> all;  ///< to be put at a multiple of 64
+  std::size_t entry = 0;          ///< where the first instruction is
+};
+
+}  // namespace momentree::machine
