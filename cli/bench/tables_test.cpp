@@ -118,7 +118,7 @@ TEST_CASE("momentree bench: tables for people, one document for programs") {
 #endif
   }
 #ifdef __linux__
-  // Equal joints, masses and placements are stored once. So few bodies leave pages half used: a million bodies need 537 and 633
+  // Equal joints, masses and placements are stored once. So few bodies leave pages half used: a million bodies need 531 and 867
   // bytes each.
   for (const char* key : {"bytes_per_body", "bytes_per_body_with_motions"}) {
     CHECK(large.at(0).at(key) < 900);

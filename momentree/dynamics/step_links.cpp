@@ -14,7 +14,7 @@ namespace momentree {
 bool StepLinks::available() const { return false; }
 bool StepLinks::serves(Kind, Variant) const { return false; }
 void StepLinks::begin(std::size_t, bool, bool) {}
-int StepLinks::find(Kind, Variant, derive::BodyPlace, const LinkConstants&, int, int) { return -1; }
+int StepLinks::find(Kind, Variant, derive::BodyPlace, const LinkConstants&, int) { return -1; }
 std::size_t StepLinks::record(int) const { return 0; }
 bool StepLinks::functions(int, const derive::Handing&, const derive::Handing&, StepFunctions&, const void*&) { return false; }
 
@@ -38,7 +38,7 @@ void StepLinks::begin(std::size_t bodies, bool general, bool gravity) {
   ++rebuilt_, steps_.clear(), interpreted_.clear();
 }
 
-int StepLinks::find(Kind kind, Variant variant, derive::BodyPlace place, const LinkConstants& link, int same, int before) {
+int StepLinks::find(Kind kind, Variant variant, derive::BodyPlace place, const LinkConstants& link, int same) {
   derive::StepKey form = derive::key_of(kind, variant == Variant::armature, place, link);
   form.momenta = scalar_.momenta, form.gravity = gravity_ || !scalar_.momenta;
   form.fewest = scalar_.interpreted[0] != nullptr;
@@ -46,8 +46,10 @@ int StepLinks::find(Kind kind, Variant variant, derive::BodyPlace place, const L
     return other >= 0 && at(other) < links_.size() && links_[at(other)].form == form &&
            derive::same_numbers(links_[at(other)].numbers, link);
   };
-  int found = fits(same) ? same : before;
-  if (!fits(found)) {
+  int found = fits(same) ? same : -1;
+  for (std::size_t i = 0; found < 0 && i < recent_.size(); ++i)
+    if (fits(recent_[i])) found = recent_[i];
+  if (found < 0) {
     Link own{derive::numbers_of(link), form};
     derive::StepKey key = form, any = form;
     derive::add_pattern(own.numbers, key), derive::add_general_pattern(any);
@@ -58,6 +60,7 @@ int StepLinks::find(Kind kind, Variant variant, derive::BodyPlace place, const L
     own.step->step.evaluate_constants(own.numbers, constants_.data() + own.constants);
     links_.push_back(own);
     found = static_cast<int>(links_.size()) - 1;
+    recent_[next_] = found, next_ = (next_ + 1) % recent_.size();
   }
   Link& one = links_[at(found)];
   if (one.used == rebuilt_) return found;

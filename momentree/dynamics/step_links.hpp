@@ -36,8 +36,9 @@ class StepLinks {
   /// Before the links of some number of bodies are looked up. `general`: with steps that serve any constants of a link, of which
   /// there are few. `gravity`: there is some.
   void begin(std::size_t bodies, bool general, bool gravity);
-  /// The link of a body that they serve: `same` if that is still right, else `before` if it is equal, or one of its own.
-  [[nodiscard]] int find(Kind kind, Variant variant, derive::BodyPlace place, const LinkConstants& link, int same, int before);
+  /// The link of a body that they serve: `same` if that is still right, else an equal one that was found lately, or one of its
+  /// own.
+  [[nodiscard]] int find(Kind kind, Variant variant, derive::BodyPlace place, const LinkConstants& link, int same);
   /// The number of different steps since begin().
   std::size_t different() const { return steps_.size(); }
   std::size_t record(int link) const;  ///< numbers
@@ -58,6 +59,8 @@ class StepLinks {
   StepScalar scalar_;
   bool general_ = false, gravity_ = true;
   unsigned rebuilt_ = 0;
+  std::array<int, 8> recent_{};             ///< links that were found lately: ropes and chains alternate between a few
+  std::size_t next_ = 0;                    ///< which of these is the oldest
   std::vector<const CompiledStep*> steps_;  ///< different ones
   std::vector<Link> links_;
   std::vector<double> constants_;

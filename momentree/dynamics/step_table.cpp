@@ -150,16 +150,15 @@ void StepTable::find_links(const Tree& tree, bool general) {
   bool gravity = g.x != 0 || g.y != 0 || g.z != 0;  // generic steps hand it on in any case
   for (const int b : moving_) gravity = gravity || !links_.serves(all.kind(b), all.variant(b));
   links_.begin(moving_.size(), general, gravity);
-  int before = -1;
   LinkConstants merged;
   for (const int b : moving_) {
     Body& body = bodies_[at(b)];
+    if (!links_.serves(all.kind(b), all.variant(b))) {
+      body.link = -1;
+      continue;
+    }
     const derive::BodyPlace place = place_of_body(body.children == 0, body.parent < 0);
-    const LinkConstants& link = link_of(tree, b, merged);
-    body.link = links_.serves(all.kind(b), all.variant(b))
-                    ? links_.find(all.kind(b), all.variant(b), place, link, body.link, before)
-                    : -1;
-    if (body.link >= 0) before = body.link;
+    body.link = links_.find(all.kind(b), all.variant(b), place, link_of(tree, b, merged), body.link);
   }
 }
 

@@ -82,7 +82,8 @@ def unfinished(partial, good, killed, lasts=False):
     own, _ = split(partial)
     status = status_of(own)
     if status == "done":
-        require(same({n: t for n, t in own.items() if n not in HELPERS}, {n: t for n, t in good.items() if n not in HELPERS}),
+        besides = HELPERS | ({"checkpoint"} if killed else set())  # which is removed after the folder has its name
+        require(same({n: t for n, t in own.items() if n not in besides}, {n: t for n, t in good.items() if n not in besides}),
                 "DIR.partial says done, but is not whole")
     for name, text in own.items():
         if name in TABLES:
