@@ -1,24 +1,11 @@
 #include <momentree/dynamics/step_links.hpp>
 
-#ifndef __wasm__
 #include <algorithm>
 
 #include <momentree/base/check.hpp>
 #include <momentree/dynamics/step_library.hpp>
-#endif
 
 namespace momentree {
-
-#ifdef __wasm__  // browsers have no machine code
-
-bool StepLinks::available() const { return false; }
-bool StepLinks::serves(Kind, Variant) const { return false; }
-void StepLinks::begin(std::size_t, bool, bool) {}
-int StepLinks::find(Kind, Variant, derive::BodyPlace, const LinkConstants&, int) { return -1; }
-std::size_t StepLinks::record(int) const { return 0; }
-bool StepLinks::functions(int, const derive::Handing&, const derive::Handing&, StepFunctions&, const void*&) { return false; }
-
-#else
 
 namespace {
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -99,7 +86,5 @@ bool StepLinks::functions(int link, const derive::Handing& outward, const derive
   constants = singles_.data() + own.constants;
   return true;
 }
-
-#endif
 
 }  // namespace momentree

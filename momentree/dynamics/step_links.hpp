@@ -25,6 +25,21 @@ struct InterpretedStep {
   const Room* room = nullptr;
 };
 
+#ifdef __wasm__  // browsers have no machine code
+class StepLinks {
+ public:
+  explicit StepLinks(const StepScalar&) {}
+  [[nodiscard]] bool available() const { return false; }
+  [[nodiscard]] bool serves(Kind, Variant) const { return false; }
+  void begin(std::size_t, bool, bool) {}
+  [[nodiscard]] int find(Kind, Variant, derive::BodyPlace, const LinkConstants&, int) { return -1; }
+  std::size_t different() const { return 0; }
+  std::size_t record(int) const { return 0; }
+  [[nodiscard]] bool functions(int, const derive::Handing&, const derive::Handing&, StepFunctions&, const void*&) {
+    return false;
+  }
+};
+#else
 class StepLinks {
  public:
   explicit StepLinks(const StepScalar& scalar) : scalar_(scalar) {}
@@ -70,5 +85,6 @@ class StepLinks {
   std::vector<double> values_;
   InterpretedStep::Room room_;
 };
+#endif
 
 }  // namespace momentree
