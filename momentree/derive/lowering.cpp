@@ -1,6 +1,9 @@
 // A pass of a recorded step as a function for machine code.
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
@@ -158,8 +161,30 @@ class Lowering {
     for (std::size_t i = nodes_.size(); i-- > 0;)
       if (needed_[i] && !is_input(i)) each_operand(i, [&](std::size_t operand) { needed_[operand] = 1, ++uses_[operand]; });
   }
+  /// A number for each expression that depends on what it computes alone, up to its sign: not on the order in which the compiler
+  /// evaluated the arguments of functions while it was recorded, nor on whether a − b or b − a was recorded first.
+  std::vector<std::uint64_t> digests() const {
+    std::vector<std::uint64_t> all(nodes_.size());
+    const auto mix = [](std::uint64_t h, std::uint64_t x) { return ((h ^ x) * 1099511628211u) ^ (h >> 29); };
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const auto& n = nodes_[i];
+      const auto of = [&](int k) { return all[at(k)]; };
+      const Operation kind = n.operation == Operation::difference ? Operation::sum : n.operation;
+      std::uint64_t h = mix(14695981039346656037u, static_cast<std::uint64_t>(kind));
+      if (kind == Operation::constant) h = mix(h, std::bit_cast<std::uint64_t>(std::abs(n.value)));
+      if (kind == Operation::q || kind == Operation::p)
+        for (const char c : (kind == Operation::q ? step_.in_->numbers : step_.in_->constants)[at(n.a)])
+          h = mix(h, static_cast<unsigned char>(c));
+      if (kind == Operation::quotient) h = mix(mix(h, of(n.a)), of(n.b));
+      if (kind == Operation::sum || kind == Operation::product)
+        h = mix(mix(h, std::min(of(n.a), of(n.b))), std::max(of(n.a), of(n.b)));
+      all[i] = kind == Operation::negative ? of(n.a) : h;
+    }
+    return all;
+  }
   /// Products that are used once become part of a multiply-add; of two, the one that is known later.
   void choose_fused() {
+    const std::vector<std::uint64_t> digest = digests();
     fused_.assign(nodes_.size(), 0), factor_.assign(nodes_.size(), 0);
     std::vector<int> delay(nodes_.size(), 0);  // in cycles
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -174,7 +199,8 @@ class Lowering {
       };
       const bool first = product(left), second = product(right) && left != right;
       if (!first && !second) continue;
-      factor_[i] = first && (!second || delay[left] > delay[right]) ? 1 : 2;
+      const bool left_last = delay[left] != delay[right] ? delay[left] > delay[right] : digest[left] > digest[right];
+      factor_[i] = first && (!second || left_last) ? 1 : 2;
       fused_[factor_[i] == 1 ? left : right] = 1;
     }
   }

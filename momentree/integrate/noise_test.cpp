@@ -96,10 +96,11 @@ TEST_CASE("noise: in momenta, neither does the inertia of a body whose frame is 
     const Sphere::Run light = Sphere{.inertia = 1e-12, .away = 0, .gravity = gravity, .variables = Variables::momenta}.run();
     CHECK(light.evaluations == plain.evaluations);
     CHECK(light.off < 1e-10);
-    // p holds the angular momentum about the frame's own origin, where that of the spin is lost in rounding.
+    // p holds the angular momentum about the frame's own origin, where that of the spin is lost in rounding: each one that is of
+    // the size of p/2⁵³ turns a body with so little inertia by some 1e-8 rad in a second.
     const Sphere::Run far = Sphere{.inertia = 1e-6, .away = 1, .gravity = gravity, .variables = Variables::momenta}.run();
     CHECK(far.evaluations < 2 * plain.evaluations);
-    CHECK(far.off < 1e-7);
+    CHECK(far.off < 3e-7);
   }
 }
 

@@ -26,8 +26,18 @@ bool CodeMemory::map(std::size_t least) noexcept {
   if (!counted) return false;
   constexpr std::size_t block = 1 << 20;
   const std::size_t size = (least + block - 1) / block * block;
-  void* const written = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  void* const executed = written == MAP_FAILED ? MAP_FAILED : ::mremap(written, 0, size, MREMAP_MAYMOVE);  // the same memory
+  void* written = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  void* executed = written == MAP_FAILED ? MAP_FAILED : ::mremap(written, 0, size, MREMAP_MAYMOVE);  // the same memory
+  if (written != MAP_FAILED && executed == MAP_FAILED) {  // emulators and sandboxes do not map memory twice; they map files
+    ::munmap(written, size);
+    written = MAP_FAILED;
+    if (const int file = ::memfd_create("momentree", MFD_CLOEXEC); file >= 0) {
+      const auto map_file = [&](int protection) { return ::mmap(nullptr, size, protection, MAP_SHARED, file, 0); };
+      if (::ftruncate(file, static_cast<off_t>(size)) == 0)
+        written = map_file(PROT_READ | PROT_WRITE), executed = map_file(PROT_READ);
+      ::close(file);
+    }
+  }
   const bool both = executed != MAP_FAILED && ::mprotect(executed, size, PROT_READ | PROT_EXEC) == 0;
   // A forked process shares the memory: it executes the code, and can't change it.
   if (!both || ::madvise(written, size, MADV_DONTFORK) != 0) {
