@@ -10,7 +10,7 @@ namespace momentree::machine {
 
 namespace {
 
-constexpr int x0 = 0, x1 = 1, first_base = 2, x16 = 16, x30 = 30, sp = 31;
+constexpr int x0 = 0, x1 = 1, first_base = 2, x16 = 16, sp = 31;
 constexpr std::size_t most_bases = 14;    // x2 to x15
 constexpr int operand = 31, result = 30;  // vector registers for what x86 reads from memory, and for results
 constexpr std::uint32_t ret = 0xD65F03C0;
