@@ -119,8 +119,7 @@ TEST_CASE("stepping: a box that bounces on a column of others comes to rest") {
       Model model;
       for (int k = 0; k < count; ++k) {
         const bool top = k + 1 == count;
-        BodySpec box = crate("box" + std::to_string(k), {0, 0, 0.15 + 0.3 * k + (top ? 0.05 : 0)},
-                             {1, top ? tilt : 0, 0, 0});
+        BodySpec box = crate("box" + std::to_string(k), {0, 0, 0.15 + 0.3 * k + (top ? 0.05 : 0)}, {1, top ? tilt : 0, 0, 0});
         box.com = {};
         add_box(model, model.add(std::move(box)), {0.3, 0.3, 0.3});
       }

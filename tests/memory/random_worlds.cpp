@@ -154,8 +154,7 @@ std::string Seen::missing() const {
   for (const auto& kind : kernels)
     for (const bool variant : kind) combinations += variant ? 1 : 0;
   want(combinations >= 25, "kinds and variants");
-  want(planar > 10, "planar mechanisms"),
-      want(branching > 50, "branching bodies");
+  want(planar > 10, "planar mechanisms"), want(branching > 50, "branching bodies");
   want(reversed > 10, "reversed joints"), want(locked > 10, "locks"), want(driven > 10, "prescribed motions");
   want(loaded > 10, "forces on bodies"), want(weightless > 10, "worlds without gravity");
   return all;
