@@ -2,9 +2,7 @@
 // Steps of both passes across a revolute joint: (22)–(26) and (16) inboard, (17), (27), (21), (20) outboard, each fused into one
 // function. They exploit the zeros that reduction about z leaves (without armature) and those of the placement of most links.
 //
-// Written by hand: steps derived by tools/derive take 8 % more time for UR5, 12 % for iiwa, 4 % for Panda, 9 % for a binary tree
-// of 100 bodies, 2 to 6 % for chains (g++ 12, AVX-512; ADR 20). These also serve joints with armature, paired branches, and
-// evaluations whose records are kept.
+// Written by hand, for evaluations whose records are kept (ADR 20). Stages of integrators go through the StepTable.
 #include <momentree/joint/placement_shapes.hpp>
 #include <momentree/joint/revolute_blocks.hpp>
 #include <momentree/joint/revolute_record.hpp>

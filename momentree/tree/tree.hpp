@@ -368,7 +368,6 @@ class Tree {
   bool in_a_plane(int place) const;
 
   void cut_runs();
-  bool are_isomorphic(int place, int other, int count) const;
   void update_subtree_mass(int b);
   void update_subtree_masses(int b);
   int end_of(int b) const;
