@@ -33,6 +33,7 @@ void lanes(benchmark::State& run, Model (*make)(int), Precision precision) {
   const Tree tree = compile(model);
   const State start = start_state(model, tree);
   const auto stepper = batch::make_stepper(isa, precision, tree);
+  const batch::TopologyPlan plan(tree, stepper->scalar());
   const int n = stepper->lanes();
   const auto numbers = [&](int count) { return std::vector<double>(static_cast<std::size_t>(count * n)); };
   auto q = numbers(tree.nq()), p = numbers(tree.nv()), qdot = q, pdot = p, v = p, move = q;
@@ -41,7 +42,7 @@ void lanes(benchmark::State& run, Model (*make)(int), Precision precision) {
   for (std::size_t i = 0; i < p.size(); ++i) p[i] = start.p()[i / static_cast<std::size_t>(n)];
   for (auto _ : run) {
     for (std::size_t i = 0; i < q.size(); ++i) q[i] += move[i], move[i] = -move[i];
-    stepper->rates(tree, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
+    stepper->rates(tree, plan, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
     benchmark::DoNotOptimize(pdot.data());
     benchmark::ClobberMemory();
   }
