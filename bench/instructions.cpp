@@ -108,7 +108,8 @@ void lanes(const World& w, long count, Precision precision) {
   };
   const auto q = spread(w.state.q()), p = spread(w.state.p());
   auto qdot = q, pdot = p, v = p;
-  for (long i = 0; i < count; ++i) stepper->rates(w.tree, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
+  const batch::TopologyPlan plan(w.tree, stepper->scalar());
+  for (long i = 0; i < count; ++i) stepper->rates(w.tree, plan, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
 }
 
 /// At two fifths of the chain.
