@@ -148,7 +148,8 @@ void CommandLine::add_run() {
   sub->add_flag("--resume", run_.resume, "Go on from the last checkpoint of a run into the same folder, if there is one");
   sub->add_flag("--report", run_.report, "Also write report.html: the motion, events and plots in one page");
   sub->add_flag("--reactions", run_.reactions, "Add the reactions of the joints to joints.csv: fx, fy, fz, mx, my, mz");
-  sub->add_flag("--generate", run_.generate, "Compile and run code for each topology that occurs (short chains and arms)");
+  sub->add_flag("--generate", run_.generate,
+                "Make one function of machine code for each topology that occurs: faster for closed loops and robots");
   sub->add_flag("--quiet", run_.quiet, "Print nothing but warnings and errors");
   verbose(sub, run_.verbose);
   sub->add_flag("--json", run_.json, "Print summary.json and nothing else");

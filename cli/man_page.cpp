@@ -92,8 +92,8 @@ Interrupted; what was computed is kept.
 .B NO_COLOR
 If set, output on a terminal has no colours.
 .TP
-.BR MOMENTREE_CXX ", " CXX
-The compiler that \fBrun \-\-generate\fR calls; default: the one that is found.
+.B MOMENTREE_MACHINE
+If 0, no machine code is made while the program runs: evaluations take two to four times as long.
 .SH EXAMPLES
 .EX
 momentree check crane.toml

@@ -40,7 +40,7 @@ function(deb component package section)
   set(CPACK_DEBIAN_${COMPONENT}_DESCRIPTION "${about}\n${text}" PARENT_SCOPE)
 endfunction()
 deb(program momentree science "This package has the command momentree.")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "momentree-hdf5, momentree-mpi, libmomentree-dev, g++")  # g++: run --generate
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "momentree-hdf5, momentree-mpi, libmomentree-dev")
 deb(library libmomentree-dev libdevel "This package has the headers and static libraries of C++, with files for"
   "find_package(momentree) and pkg-config.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libexpat1-dev")

@@ -68,7 +68,7 @@ void write_own(io::JsonWriter& json, const std::vector<OwnRow>& rows) {
 int measure(const BenchOptions& options, const std::vector<io::Scenario>& scenarios, const std::vector<std::string>& peers,
             const std::vector<std::string>& files) {
   const InterruptGuard guard;
-  const KernelCache kernels({.compiler = {}, .most_operations = 20000});
+  const KernelCache kernels({.most_operations = 20000});
   std::vector<OwnRow> rows;
   for (const io::Scenario& scenario : scenarios) {
     if (InterruptGuard::interrupted()) return interrupted;

@@ -1,12 +1,11 @@
 // A pass of a recorded step as a function for machine code.
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
+#include <momentree/derive/graph_lowering.hpp>
 #include <momentree/derive/step.hpp>
 #include <momentree/joint/pass_data.hpp>
 
@@ -15,8 +14,6 @@ namespace momentree::derive {
 namespace {
 
 using machine::Place;
-
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // The numbers of an Inboard and of a Motion by name, in the order of their memory.
 constexpr std::string_view sum_numbers[] = {"M.A.xx", "M.A.yy", "M.A.zz", "M.A.xy", "M.A.xz", "M.A.yz", "M.B.xx", "M.B.xy",
@@ -34,21 +31,21 @@ static_assert(offsetof(Inboard<double>, M.A.yz) == 5 * 8 && offsetof(Inboard<dou
 
 }  // namespace
 
-class Lowering {
+class Lowering : GraphLowering {
  public:
   Lowering(const Step& step, std::size_t pass, const Handing& how, const machine::Target& target)
-      : step_(step), nodes_(step.in_->expressions.nodes()), pass_(pass), how_(how), target_(target) {}
+      : GraphLowering(step.in_->expressions.nodes(), target), step_(step), pass_(pass), how_(how) {}
 
   machine::Function run() {
     find_stores();
-    find_needed();
-    choose_fused();
+    for (const Result& one : results_) need(one.node);
+    choose();
     for (int i : step_.steps_.functions[pass_].first) {
       while (nodes_[at(i)].operation == Operation::negative) i = nodes_[at(i)].a;
-      if (needed_[at(i)] && !fused_[at(i)]) visit(at(i));
+      if (is_needed(at(i)) && !is_fused(at(i))) visit(at(i));
     }
     for (std::size_t i = 0; i < nodes_.size(); ++i)
-      if (needed_[i] && !fused_[i] && !is_input(i)) visit(i);
+      if (is_computed(i)) visit(i);
     add_stores();
     return std::move(out_);
   }
@@ -144,65 +141,14 @@ class Lowering {
   }
   /// Read from the record: an earlier pass stored it.
   bool is_recorded(std::size_t i) const { return step_.place_[i] >= 0 && step_.steps_.owner(static_cast<int>(i)) < pass_; }
-  bool is_input(std::size_t i) const {
+  bool is_input(std::size_t i) const override {
     return step_.levels_[i] != Step::Level::state || is_recorded(i) || nodes_[i].operation == Operation::q ||
            nodes_[i].operation == Operation::p;
   }
-  template <class F>
-  void each_operand(std::size_t i, F&& f) const {
-    const auto& n = nodes_[i];
-    if (unary(n.operation) || binary(n.operation)) f(at(n.a));
-    if (binary(n.operation)) f(at(n.b));
-  }
-  void find_needed() {
-    needed_.assign(nodes_.size(), 0);
-    uses_.assign(nodes_.size(), 0);
-    for (const Result& one : results_) needed_[at(one.node)] = 1, uses_[at(one.node)] += 2;  // it is needed by itself
-    for (std::size_t i = nodes_.size(); i-- > 0;)
-      if (needed_[i] && !is_input(i)) each_operand(i, [&](std::size_t operand) { needed_[operand] = 1, ++uses_[operand]; });
-  }
-  /// A number for each expression that depends on what it computes alone, up to its sign: not on the order in which the compiler
-  /// evaluated the arguments of functions while it was recorded, nor on whether a − b or b − a was recorded first.
-  std::vector<std::uint64_t> digests() const {
-    std::vector<std::uint64_t> all(nodes_.size());
-    const auto mix = [](std::uint64_t h, std::uint64_t x) { return ((h ^ x) * 1099511628211u) ^ (h >> 29); };
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      const auto& n = nodes_[i];
-      const auto of = [&](int k) { return all[at(k)]; };
-      const Operation kind = n.operation == Operation::difference ? Operation::sum : n.operation;
-      std::uint64_t h = mix(14695981039346656037u, static_cast<std::uint64_t>(kind));
-      if (kind == Operation::constant) h = mix(h, std::bit_cast<std::uint64_t>(std::abs(n.value)));
-      if (kind == Operation::q || kind == Operation::p)
-        for (const char c : (kind == Operation::q ? step_.in_->numbers : step_.in_->constants)[at(n.a)])
-          h = mix(h, static_cast<unsigned char>(c));
-      if (kind == Operation::quotient) h = mix(mix(h, of(n.a)), of(n.b));
-      if (kind == Operation::sum || kind == Operation::product)
-        h = mix(mix(h, std::min(of(n.a), of(n.b))), std::max(of(n.a), of(n.b)));
-      all[i] = kind == Operation::negative ? of(n.a) : h;
-    }
-    return all;
-  }
-  /// Products that are used once become part of a multiply-add; of two, the one that is known later.
-  void choose_fused() {
-    const std::vector<std::uint64_t> digest = digests();
-    fused_.assign(nodes_.size(), 0), factor_.assign(nodes_.size(), 0);
-    std::vector<int> delay(nodes_.size(), 0);  // in cycles
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      if (!needed_[i] || is_input(i)) continue;
-      const Operation operation = nodes_[i].operation;
-      each_operand(i, [&](std::size_t operand) { delay[i] = std::max(delay[i], delay[operand]); });
-      delay[i] += operation == Operation::quotient ? 13 : binary(operation) ? 4 : 0;
-      if (!target_.fused || (operation != Operation::sum && operation != Operation::difference)) continue;
-      const std::size_t left = at(nodes_[i].a), right = at(nodes_[i].b);
-      const auto product = [&](std::size_t k) {
-        return nodes_[k].operation == Operation::product && uses_[k] == 1 && !is_input(k);
-      };
-      const bool first = product(left), second = product(right) && left != right;
-      if (!first && !second) continue;
-      const bool left_last = delay[left] != delay[right] ? delay[left] > delay[right] : digest[left] > digest[right];
-      factor_[i] = first && (!second || left_last) ? 1 : 2;
-      fused_[factor_[i] == 1 ? left : right] = 1;
-    }
+  std::uint64_t digest_of(std::size_t i, std::uint64_t h) const override {
+    for (const char c : (nodes_[i].operation == Operation::q ? step_.in_->numbers : step_.in_->constants)[at(nodes_[i].a)])
+      h = mix(h, static_cast<unsigned char>(c));
+    return h;
   }
 
   /// Which register hands on a number; −1: none.
@@ -225,58 +171,14 @@ class Lowering {
     const bool shared = slot.array == constants;
     return {static_cast<std::int8_t>(base_[at(slot.array)]), shared, (shared ? target_.number : target_.vector()) * slot.index};
   }
-  int input(std::size_t i) {
+  Place place_of(std::size_t i) override {
     const auto& n = nodes_[i];
-    Place home;
-    if (step_.levels_[i] == Step::Level::number) {
-      const double value = n.operation == Operation::constant ? n.value : -nodes_[at(n.a)].value;
-      home = {Place::pool, target_.lanes == 1 || target_.avx512,
-              static_cast<int>(out_.pool.size()) * machine::pool_stride(target_)};
-      out_.pool.push_back(value);
-    } else if (step_.levels_[i] == Step::Level::link) {
-      home = place({constants, step_.constant_slot_[i]});
-    } else if (is_recorded(i)) {
-      home = place({record, step_.place_[i]});
-    } else if (n.operation == Operation::p) {
-      home = place(step_.in_->constants[at(n.a)] == "mass" ? Slot{record, 0} : Slot{armature, 0});
-    } else {
-      home = place(slot_of(step_.in_->numbers[at(n.a)], false));
-    }
-    return add({machine::Operation::load, -1, -1, -1, home});
-  }
-  int add(const machine::Value& value) {
-    out_.values.push_back(value);
-    return static_cast<int>(out_.values.size()) - 1;
-  }
-  /// The value of an expression, after those that it needs.
-  int visit(std::size_t i) {
-    if (value_.empty()) value_.assign(nodes_.size(), -1);
-    if (value_[i] >= 0) return value_[i];
-    if (is_input(i)) return value_[i] = input(i);
-    const auto& n = nodes_[i];
-    machine::Value x{};
-    if (n.operation == Operation::negative) {
-      x = {machine::Operation::negate, visit(at(n.a))};
-    } else if (factor_[i] != 0) {
-      const auto& product = nodes_[at(factor_[i] == 1 ? n.a : n.b)];
-      const int left = visit(at(product.a)), right = visit(at(product.b)), rest = visit(at(factor_[i] == 1 ? n.b : n.a));
-      using enum machine::Operation;
-      x = {n.operation == Operation::sum ? multiply_add
-           : factor_[i] == 1             ? multiply_subtract
-                                         : subtract_product,
-           left, right, rest};
-    } else {
-      const int left = visit(at(n.a)), right = visit(at(n.b));
-      using enum machine::Operation;
-      x = {n.operation == Operation::sum          ? machine::Operation::add
-           : n.operation == Operation::difference ? subtract
-           : n.operation == Operation::product    ? multiply
-                                                  : divide,
-           left, right};
-    }
-    value_[i] = add(x);
-    out_.order.push_back(value_[i]);
-    return value_[i];
+    if (step_.levels_[i] == Step::Level::number)
+      return pool(n.operation == Operation::constant ? n.value : -nodes_[at(n.a)].value);
+    if (step_.levels_[i] == Step::Level::link) return place({constants, step_.constant_slot_[i]});
+    if (is_recorded(i)) return place({record, step_.place_[i]});
+    if (n.operation == Operation::p) return place(step_.in_->constants[at(n.a)] == "mass" ? Slot{record, 0} : Slot{armature, 0});
+    return place(slot_of(step_.in_->numbers[at(n.a)], false));
   }
 
   /// Whether a place may be that of a number which the pass reads.
@@ -293,10 +195,10 @@ class Lowering {
       if (how_.adds && one.to.array == sum_to) {
         const bool nothing = is_zero_number(one.node);
         if (nothing && number < 0) continue;
-        const int before = add({machine::Operation::load, -1, -1, -1, to});
+        const int before = append({machine::Operation::load, -1, -1, -1, to});
         if (!nothing) {
           const auto known = std::ranges::find(out_.order, value);
-          value = add({machine::Operation::add, value, before});
+          value = append({machine::Operation::add, value, before});
           out_.order.insert(known == out_.order.end() ? known : known + 1, value);
         } else {
           value = before;
@@ -341,14 +243,9 @@ class Lowering {
   }
 
   const Step& step_;
-  const std::vector<Expressions::Node>& nodes_;
   std::size_t pass_;
   const Handing& how_;
-  const machine::Target& target_;
-  machine::Function out_;
   std::vector<Result> results_;
-  std::vector<char> needed_, fused_, factor_;
-  std::vector<int> uses_, value_;
   std::array<int, arrays> base_ = [] {
     std::array<int, arrays> none;
     none.fill(-1);

@@ -10,7 +10,6 @@
 #include <iterator>
 #include <vector>
 
-#include <momentree/generate/compiler.hpp>
 #include <momentree/generate/source.hpp>
 #include <momentree/joint/kinds.hpp>
 
@@ -125,17 +124,16 @@ TEST_CASE("compilers produce the same code, whatever the comment contains") {
   for (const std::string& text : hostile()) all += text + '\n';
   int compilers = 0;
   for (const char* name : {MOMENTREE_COMPILER, "g++", "clang++", "clang++-14"}) {
-    const std::vector<std::string> compiler = find_compiler(name);
-    if (compiler.empty()) continue;
+    if (std::system((std::string("command -v '") + name + "' > /dev/null").c_str()) != 0) continue;
     ++compilers;
     CAPTURE(name);
     for (const char* flags : {"-std=c++20", "-std=gnu++14 -trigraphs"}) {
       CAPTURE(flags);
-      const std::string expected = without_comments(compiler.front(), flags, plain);
+      const std::string expected = without_comments(name, flags, plain);
       CHECK(expected.find("kernel_rates") != std::string::npos);
-      CHECK(without_comments(compiler.front(), flags, "int evil;\n" + plain) != expected);  // a difference would be detected
-      CHECK(without_comments(compiler.front(), flags, kernel_source(kernel, {"kernel", all})) == expected);
-      CHECK(without_comments(compiler.front(), flags, kernel_source(kernel, {"kernel", "arm\\"})) == expected);
+      CHECK(without_comments(name, flags, "int evil;\n" + plain) != expected);  // a difference would be detected
+      CHECK(without_comments(name, flags, kernel_source(kernel, {"kernel", all})) == expected);
+      CHECK(without_comments(name, flags, kernel_source(kernel, {"kernel", "arm\\"})) == expected);
     }
   }
   CHECK(compilers > 0);

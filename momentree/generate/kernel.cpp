@@ -19,6 +19,17 @@ extern template void solve_accelerations<Symbolic, false>(const Tree&, const Sym
 
 using detail::resting, detail::take;
 
+std::vector<int> KernelExpressions::rows() const {
+  std::vector<int> all;
+  int before = 0;
+  for (int i = 0; i < static_cast<int>(begin.size()); ++i) {
+    const int first = begin[static_cast<std::size_t>(i)];
+    all.push_back(before - first);
+    before += i + 1 - first;
+  }
+  return all;
+}
+
 std::vector<int> KernelExpressions::results() const {
   std::vector<int> all = v;
   all.insert(all.end(), qdot.begin(), qdot.end());

@@ -22,6 +22,8 @@ struct KernelExpressions {
   std::vector<double> least_pivots{};  ///< by chosen row, for code without LoopCalls
   std::vector<int> begin{};            ///< by chosen row: the first one with which it shares an element of A
 
+  /// By chosen row: where its element of column 0 would be in A, which has the elements from column begin[row] to the diagonal.
+  std::vector<int> rows() const;
   /// All results, in that order.
   std::vector<int> results() const;
   Operations operations() const { return expressions.operations(results()); }

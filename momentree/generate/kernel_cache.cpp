@@ -5,25 +5,19 @@
 #include <unordered_map>
 #include <utility>
 
-#include <momentree/generate/compiler.hpp>
 #include <momentree/generate/fingerprint.hpp>
 #include <momentree/generate/loop_kernel.hpp>
-#include <momentree/generate/source.hpp>
+#include <momentree/generate/machine_code.hpp>
 
 namespace momentree {
 
 struct KernelCache::Impl {
   struct Code {
-    Library library;        // keeps the function loaded
-    GeneratedRates rates;   // one of them, or none
-    std::vector<int> rows;  // that `rates` refers to
-    bool any() const { return rates.momenta != nullptr || rates.velocities != nullptr || rates.loops != nullptr; }
+    std::unique_ptr<const MachineKernel> kernel;  // keeps the function
+    GeneratedRates rates;                         // one of them, or none
+    std::vector<int> rows;                        // that `rates` refers to
   };
-  explicit Impl(KernelCacheOptions how) : options(std::move(how)), compiler(find_compiler(options.compiler)) {
-    if (compiler.empty())
-      message = options.compiler.empty() ? "no C++ compiler was found: name one in MOMENTREE_CXX"
-                                         : "the compiler '" + options.compiler + "' was not found";
-  }
+  explicit Impl(KernelCacheOptions how) : options(how) {}
 
   GeneratedRates leave(std::string why) {
     ++statistics.left;
@@ -33,7 +27,7 @@ struct KernelCache::Impl {
 
   Code make(const Tree& tree, Variables variables, std::span<const int> rows) {
     const auto without = [this](std::string why) { return Code{{}, leave(std::move(why)), {}}; };
-    if (statistics.compiled + statistics.failed >= options.most_topologies)
+    if (statistics.compiled >= options.most_topologies)
       return without("more than " + std::to_string(options.most_topologies) + " topologies are not compiled");
     // Every DoF takes more than ten operations: models that are far too large are not even written as expressions.
     const long most = options.most_operations * (tree.has_loops() ? 2 : 1);
@@ -48,24 +42,21 @@ struct KernelCache::Impl {
                                                         : velocity_expressions(tree);
     if (const long operations = kernel.operations().total(); huge || operations > most)
       return without("an evaluation of more than " + std::to_string(most) + " operations is not compiled");
-    std::string why;
-    Code code{compile_library(compiler, kernel_source(kernel), why), {}, {}};
-    const char* const name = momenta ? "kernel_rates" : "kernel_accelerations";
-    void* const symbol = code.library.symbol(name);
+    Code code{MachineKernel::make(kernel), {}, {}};
+    if (code.kernel == nullptr)
+      return without("there is no machine code here: the system refuses it, or MOMENTREE_MACHINE=0 switches it off");
     if (tree.has_loops())
-      code.rates.loops = reinterpret_cast<LoopRatesFunction>(symbol), code.rows.assign(rows.begin(), rows.end());
+      code.rates.loops = code.kernel->loops(), code.rows.assign(rows.begin(), rows.end());
     else if (momenta)
-      code.rates.momenta = reinterpret_cast<RatesFunction>(symbol);
+      code.rates.momenta = code.kernel->momenta();
     else
-      code.rates.velocities = reinterpret_cast<VelocityRatesFunction>(symbol);
-    ++(code.any() ? statistics.compiled : statistics.failed);
-    if (!code.any()) explain(why.empty() ? "the compiler left out " + std::string(name) : why);
+      code.rates.velocities = code.kernel->velocities();
+    ++statistics.compiled;
     return code;
   }
 
   GeneratedRates find(const Tree& tree, Variables variables, std::span<const int> rows) {
     const std::lock_guard lock(mutex);
-    if (compiler.empty()) return {};
     if (tree.has_loops() ? !stages_take_loop_rates(tree, variables) : !stages_take_rates(tree))
       return leave(tree.has_loops()
                        ? "stages with closed loops or couplings run the kernels themselves in momenta, and with "
@@ -76,7 +67,7 @@ struct KernelCache::Impl {
     if (fresh) {
       place->second = make(tree, variables, rows);
       place->second.rates.rows = place->second.rows;
-    } else if (place->second.any()) {
+    } else if (place->second.kernel != nullptr) {
       ++statistics.found_again;
     }
     statistics.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -88,7 +79,6 @@ struct KernelCache::Impl {
   }
 
   const KernelCacheOptions options;
-  const std::vector<std::string> compiler;
   std::mutex mutex;
   std::unordered_map<std::string, Code> codes;    // by fingerprint
   std::unordered_map<std::string, long> choices;  // of rows, by the fingerprint of the topology alone
@@ -96,7 +86,7 @@ struct KernelCache::Impl {
   std::string message;
 };
 
-KernelCache::KernelCache(KernelCacheOptions options) : impl_(std::make_shared<Impl>(std::move(options))) {}
+KernelCache::KernelCache(KernelCacheOptions options) : impl_(std::make_shared<Impl>(options)) {}
 
 RatesProvider KernelCache::provider() const {
   return [impl = impl_](const Tree& tree, Variables variables, std::span<const int> rows) {
@@ -119,6 +109,5 @@ std::string KernelCache::message() const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->message;
 }
-std::vector<std::string> KernelCache::compiler() const { return impl_->compiler; }
 
 }  // namespace momentree

@@ -1,9 +1,8 @@
 #pragma once
-// Kernels compiled while a simulation runs, one for each topology that it reaches (paper, section 2).
+// Machine code for whole mechanisms, made while a simulation runs, for each topology that it reaches (paper, section 2).
 #include <memory>
 #include <span>
 #include <string>
-#include <vector>
 
 #include <momentree/dynamics/rates_function.hpp>
 #include <momentree/tree/state.hpp>
@@ -11,13 +10,9 @@
 namespace momentree {
 
 struct KernelCacheOptions {
-  /// The C++ compiler, with arguments if it needs any: a name in PATH or a path. Empty: the environment variable MOMENTREE_CXX,
-  /// else CXX, else the first of c++, g++, clang++ in PATH.
-  std::string compiler;
-  /// Evaluations with more operations, with closed loops twice as many, run the kernels themselves, which are then as fast; and
-  /// compiling would take long.
+  /// Evaluations with more operations, with closed loops twice as many, run the kernels themselves, which are then as fast.
   long most_operations = 8000;
-  /// Largest number of topologies to compile: a world with a new topology after every event would spend its time compiling.
+  /// Largest number of topologies to compile: a world with a new topology after every event would spend its time on that.
   long most_topologies = 100;
   /// Largest number of choices of independent rows to compile for one topology with closed loops.
   long most_choices = 8;
@@ -27,19 +22,16 @@ struct KernelCacheOptions {
 struct KernelCacheStatistics {
   long compiled = 0;     ///< topologies
   long found_again = 0;  ///< requests for a topology compiled before
-  long left = 0;         ///< topologies too large or too many for code, and requests for which stages_take_rates and
-                         ///< stages_take_loop_rates are false: they run the kernels themselves
-  long failed = 0;       ///< topologies for which the compiler failed, likewise
-  double seconds = 0;    ///< time to write, compile and load (s)
+  long left = 0;         ///< topologies too large or too many for code, or for which there is no machine code here, and requests
+                         ///< for which stages_take_rates and stages_take_loop_rates are false: they run the kernels themselves
+  double seconds = 0;    ///< time to make code (s)
 };
 
-/// Code for every requested topology: written, compiled, loaded, and kept while the cache or a provider exists. Topologies are
+/// Code for every requested topology, kept while the cache or a provider exists. Topologies are
 /// distinguished by what the kernels read: forest, kinds, constants, gravity, armatures and locks, but not dampers or springs.
 /// Code for momenta and code for velocities are made when they are asked for, and count as separate topologies. Code for closed
-/// loops is in velocities, and for one choice of independent rows: each choice counts as a topology. POSIX only; the
-/// compiler runs as a child process without a shell, in a separate directory under TMPDIR that no other user can write to and
-/// that is removed once the code is loaded. Compilation is synchronous, inside the call, so the same run gives the same bits
-/// every time. Copies share their contents; thread-safe.
+/// loops is in velocities, and for one choice of independent rows: each choice counts as a topology. Code is made inside the
+/// call, in milliseconds, so the same run gives the same bits every time. Copies share their contents; thread-safe.
 class KernelCache {
  public:
   explicit KernelCache(KernelCacheOptions options = {});
@@ -56,8 +48,6 @@ class KernelCache {
   KernelCacheStatistics statistics() const;
   /// The first reason for which a topology has no code although it should; empty if there was none.
   std::string message() const;
-  /// The compiler with its arguments, as it is run; empty if none was found.
-  std::vector<std::string> compiler() const;
 
  private:
   struct Impl;

@@ -5,11 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 
-#include <momentree/generate/compiler.hpp>
 #include <momentree/generate/fingerprint.hpp>
 #include <momentree/generate/test_support.hpp>
 #include <momentree/joint/kinds.hpp>
@@ -54,8 +50,6 @@ Simulation moving(const Model& model, Variables variables = Variables::momenta) 
   return sim;
 }
 
-KernelCache cache() { return KernelCache({.compiler = MOMENTREE_COMPILER}); }
-
 long calls = 0;  // of the code below
 
 }  // namespace
@@ -63,7 +57,7 @@ long calls = 0;  // of the code below
 TEST_CASE("locks, unlocks, a break: the same motion, three topologies compiled, two reused") {
   for (const Variables variables : {Variables::momenta, Variables::velocities}) {
     Simulation plain = moving(arm(), variables), generated = moving(arm(), variables);
-    const KernelCache kernels = cache();
+    const KernelCache kernels;
     generated.use_generated(kernels.provider());
     for (const double until : {0.05, 0.15, 0.25, 0.45, 0.6}) {
       REQUIRE(plain.run_until(until) == Status::ok);
@@ -74,7 +68,6 @@ TEST_CASE("locks, unlocks, a break: the same motion, three topologies compiled, 
     const KernelCacheStatistics s = kernels.statistics();
     CHECK(s.compiled == 3);  // free, locked, broken
     CHECK(s.found_again == 3);
-    CHECK(s.failed == 0);
     CHECK(s.left == 0);
     CHECK(s.seconds > 0);
     CHECK(kernels.message() == "");
@@ -84,7 +77,7 @@ TEST_CASE("locks, unlocks, a break: the same motion, three topologies compiled, 
 }
 
 TEST_CASE("one cache serves runs in momenta and in velocities, adaptive ones too") {
-  const KernelCache kernels = cache();
+  const KernelCache kernels;
   for (const Variables variables : {Variables::momenta, Variables::velocities}) {
     const Integration how{.method = "dop853", .variables = variables};
     Simulation plain(arm(), how), generated(arm(), how);
@@ -99,7 +92,7 @@ TEST_CASE("one cache serves runs in momenta and in velocities, adaptive ones too
 }
 
 TEST_CASE("the same run gives the same bits, and so do a branch and an undone world") {
-  const KernelCache kernels = cache();
+  const KernelCache kernels;
   Simulation one = moving(arm()), other = moving(arm());
   one.use_generated(kernels.provider());
   other.use_generated(kernels.provider());
@@ -121,7 +114,7 @@ TEST_CASE("the same run gives the same bits, and so do a branch and an undone wo
 TEST_CASE("stages use the provider's function until the tree changes") {
   Simulation sim(arm(), {.method = "rk4", .step = 1e-3});
   long asked = 0;
-  const KernelCache kernels = cache();
+  const KernelCache kernels;
   static RatesFunction inner = nullptr;
   sim.use_generated([&](const Tree& tree, Variables, std::span<const int>) -> RatesFunction {
     ++asked;
@@ -147,7 +140,7 @@ TEST_CASE("stages use the provider's function until the tree changes") {
 TEST_CASE("forces on bodies and functions: the kernels are used, with the reason") {
   Model model = arm();
   Simulation plain(model), generated(model);
-  const KernelCache kernels = cache();
+  const KernelCache kernels;
   generated.use_generated(kernels.provider());
   for (Simulation* sim : {&plain, &generated}) {
     sim->drive("elbow", [](const EvaluationContext&) { return 0.3; });
@@ -159,37 +152,15 @@ TEST_CASE("forces on bodies and functions: the kernels are used, with the reason
   CHECK(kernels.message().find("functions") != std::string::npos);
 }
 
-TEST_CASE("no compiler, one that fails, one that makes no library: the kernels are used, with one reason") {
-  const auto run = [](const std::string& compiler) {
-    const KernelCache kernels({.compiler = compiler});
-    Simulation plain = moving(arm()), generated = moving(arm());
-    generated.use_generated(kernels.provider());
-    REQUIRE(plain.run_until(0.6) == Status::ok);
-    REQUIRE(generated.run_until(0.6) == Status::ok);
-    check_same(plain, generated, 1e-300);
-    CHECK(kernels.statistics().compiled == 0);
-    return kernels;
-  };
-  CHECK(run("no-such-compiler").message() == "the compiler 'no-such-compiler' was not found");
-  CHECK(run("no-such-compiler").statistics().failed == 0);
-  const KernelCache failing = run("/bin/false");
-  CHECK(failing.message().find("/bin/false failed") != std::string::npos);
-  CHECK(failing.statistics().failed == 3);
-  CHECK(run("/bin/true").message().find("could not be loaded") != std::string::npos);
-  const KernelCache wrong = run(std::string(MOMENTREE_COMPILER) + " -include no_such_header.h");
-  CHECK(wrong.message().find("error") != std::string::npos);
-  CHECK(wrong.message().find("no_such_header.h") != std::string::npos);
-}
-
 TEST_CASE("too large or too many topologies: the kernels are used") {
-  const KernelCache small({.compiler = MOMENTREE_COMPILER, .most_operations = 100});
+  const KernelCache small({.most_operations = 100});
   CHECK((small.find(Tree(arm())) == nullptr));
   CHECK(small.statistics().left == 1);
   CHECK(small.message().find("100 operations") != std::string::npos);
-  const KernelCache tiny({.compiler = MOMENTREE_COMPILER, .most_operations = 30});  // not even written as expressions
+  const KernelCache tiny({.most_operations = 30});  // not even written as expressions
   CHECK((tiny.find(Tree(arm())) == nullptr));
   CHECK(tiny.message().find("30 operations") != std::string::npos);
-  const KernelCache few({.compiler = MOMENTREE_COMPILER, .most_topologies = 1});
+  const KernelCache few({.most_topologies = 1});
   Simulation sim = moving(arm());
   sim.use_generated(few.provider());
   REQUIRE(sim.run_until(0.6) == Status::ok);
@@ -212,61 +183,6 @@ TEST_CASE("topologies are distinguished by exactly what the recursion reads") {
   CHECK(fingerprint(Tree(light)) != one);
   CHECK(fingerprint(Tree(arm()), Variables::velocities) != one);
   CHECK(fingerprint(Tree(arm(0.7)), Variables::velocities) == fingerprint(Tree(arm()), Variables::velocities));
-}
-
-TEST_CASE("the compiler: as requested, else from the environment, else from PATH") {
-  const char* const names[] = {"MOMENTREE_CXX", "CXX"};
-  std::string before[2];
-  for (int i = 0; i < 2; ++i) before[i] = std::getenv(names[i]) != nullptr ? std::getenv(names[i]) : "";
-  setenv("MOMENTREE_CXX", "/bin/true -x", 1);
-  setenv("CXX", "/bin/false", 1);
-  CHECK(find_compiler("") == std::vector<std::string>{"/bin/true", "-x"});
-  CHECK(find_compiler("/bin/sh") == std::vector<std::string>{"/bin/sh"});
-  CHECK(find_compiler("sh").at(0).ends_with("/sh"));
-  setenv("MOMENTREE_CXX", "", 1);
-  CHECK(find_compiler("") == std::vector<std::string>{"/bin/false"});
-  setenv("CXX", "no-such-compiler", 1);
-  CHECK(find_compiler("").empty());  // if the named compiler is missing, no other one is used
-  CHECK(find_compiler("/bin").empty());
-  // No shell interprets it.
-  CHECK(find_compiler("/bin/true $(id) 'a b' ;x") == std::vector<std::string>{"/bin/true", "$(id)", "'a", "b'", ";x"});
-  for (int i = 0; i < 2; ++i) before[i].empty() ? unsetenv(names[i]) : setenv(names[i], before[i].c_str(), 1);
-}
-
-TEST_CASE("a compiler and a temporary folder whose paths have spaces, quotes and shell commands") {
-  namespace fs = std::filesystem;
-  const fs::path odd = fs::temp_directory_path() / ("momentree 'test' $(id) \"-" + std::to_string(std::rand()));
-  fs::create_directory(odd);
-  const fs::path compiler = odd / "my c++";
-  std::ofstream(compiler) << "#!/bin/sh\nexec '" MOMENTREE_COMPILER "' \"$@\"\n";
-  fs::permissions(compiler, fs::perms::owner_all);
-  CHECK(find_compiler(compiler.string()) == std::vector<std::string>{compiler.string()});
-  const char* const given = std::getenv("TMPDIR");
-  const std::string before = given != nullptr ? given : "";
-  setenv("TMPDIR", odd.c_str(), 1);
-  const KernelCache kernels({.compiler = compiler.string()});
-  CHECK((kernels.find(Tree(arm())) != nullptr));
-  CHECK(kernels.message() == "");
-  before.empty() ? unsetenv("TMPDIR") : setenv("TMPDIR", before.c_str(), 1);
-  fs::remove_all(odd);
-}
-
-TEST_CASE("nothing is left in the temporary folder, whatever happens") {
-  namespace fs = std::filesystem;
-  const fs::path folder = fs::temp_directory_path() / ("momentree-cache-test-" + std::to_string(std::rand()));
-  fs::create_directory(folder);
-  const char* const given = std::getenv("TMPDIR");
-  const std::string before = given != nullptr ? given : "";
-  setenv("TMPDIR", folder.c_str(), 1);
-  CHECK((cache().find(Tree(arm())) != nullptr));
-  CHECK((KernelCache({.compiler = "/bin/false"}).find(Tree(arm())) == nullptr));
-  CHECK(fs::is_empty(folder));
-  setenv("TMPDIR", "/nowhere/at/all", 1);
-  const KernelCache kernels = cache();
-  CHECK((kernels.find(Tree(arm())) == nullptr));
-  CHECK(kernels.message().find("TMPDIR") != std::string::npos);
-  before.empty() ? unsetenv("TMPDIR") : setenv("TMPDIR", before.c_str(), 1);
-  fs::remove_all(folder);
 }
 
 }  // namespace momentree

@@ -1,7 +1,6 @@
 // Invalid input of the generator.
 #include <doctest/doctest.h>
 
-#include <momentree/generate/compiler.hpp>
 #include <momentree/generate/kernel_cache.hpp>
 #include <momentree/generate/source.hpp>
 #include <momentree/simulate/simulation.hpp>
@@ -10,7 +9,7 @@
 using namespace momentree;
 using namespace momentree::test;
 
-TEST_CASE("misuse: expressions, sources and compilers") {
+TEST_CASE("misuse: expressions and sources") {
   const char* const no_node = "a node of these expressions";
   const Misuse all[] = {
       {"a sum of no node", no_node, [] { Expressions().sum(0, 7); }},
@@ -25,23 +24,17 @@ TEST_CASE("misuse: expressions, sources and compilers") {
       {"an input before the first", "an index into q, p or tau", [] { Expressions().input(Operation::q, -1); }},
       {"a source whose name is no identifier", "a name that is an identifier",
        [] { static_cast<void>(kernel_source(KernelExpressions(), {.name = "x; system(\"id\");", .about = ""})); }},
-      {"a library without a compiler", "a compiler, as find_compiler() returns it",
-       [] {
-         std::string why;
-         static_cast<void>(compile_library({}, "", why));
-       }},
   };
   for (const Misuse& misuse : all) check_stopped(misuse);
 }
 
-TEST_CASE("a cache that cannot compile reports the reason, and simulations run without it") {
+TEST_CASE("a cache without code reports the reason, and simulations run without it") {
   Model model;
   model.add({.name = "bob", .mass = 1, .com = {0.1, 0, 0}, .inertia = diagonal(0.1), .joint = Revolute{}});
-  KernelCacheOptions no_compiler, no_operations, no_topologies;
-  no_compiler.compiler = "/no/such/compiler";
+  KernelCacheOptions no_operations, no_topologies;
   no_operations.most_operations = -1;
   no_topologies.most_topologies = 0;
-  for (const KernelCacheOptions& options : {no_compiler, no_operations, no_topologies}) {
+  for (const KernelCacheOptions& options : {no_operations, no_topologies}) {
     const KernelCache cache(options);
     CHECK((cache.find(Tree(model)) == nullptr) == true);
     CHECK((cache.find(Tree()) == nullptr) == true);

@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cstring>
+#include <utility>
 
 #include <momentree/base/check.hpp>
 
@@ -47,7 +48,7 @@ class Arm64Encoder {
     const std::size_t entry = w_.out.size();
     const int frame = (allocated_.frame * target_.vector() + 15) / 16 * 16;
     if (frame > 0) move_stack(0xD1000000, frame);  // sub sp, sp, frame
-    for (std::size_t i = 0; i < f_.bases.size(); ++i) load_base(first_base + static_cast<int>(i), f_.bases[i]);
+    load_bases();
     for (const Instruction& one : allocated_.code) instruction(one);
     if (frame > 0) move_stack(0x91000000, frame);  // add sp, sp, frame
     w_.word(ret);
@@ -77,8 +78,26 @@ class Arm64Encoder {
   }
 
   void move_stack(std::uint32_t code, int bytes) {
-    MT_REQUIRE(bytes < 4096, "few numbers are in own memory");
-    w_.word(code | static_cast<std::uint32_t>(bytes) << 10 | sp << 5 | sp);
+    const auto by = static_cast<std::uint32_t>(bytes);
+    if (by >= 4096) w_.word(code | 1u << 22 | (by >> 12) << 10 | sp << 5 | sp);
+    if (by % 4096 != 0) w_.word(code | (by & 4095) << 10 | sp << 5 | sp);
+  }
+  void load_bases() {
+    for (std::size_t i = 0; i < f_.bases.size(); ++i) load_base(first_base + static_cast<int>(i), f_.bases[i]);
+  }
+  void call(const Call& to) {
+    MT_REQUIRE(to.memory < 4096 * 1000 && to.index < 65536, "memory and numbers of calls are few");
+    const auto memory = static_cast<std::uint32_t>(to.memory) + 32;
+    w_.word(0xA9BE07E0);                                       // stp x0, x1, [sp, -32]!
+    w_.word(0xF9000BFE);                                       // str x30, [sp, 16]
+    w_.word(0x91000000 | memory % 4096 << 10 | sp << 5 | x1);  // add x1, sp, 32 + …
+    if (memory >= 4096) w_.word(0x91400000 | (memory >> 12) << 10 | x1 << 5 | x1);
+    w_.word(0x52800000 | static_cast<std::uint32_t>(to.index) << 5 | 2);  // mov w2, index
+    w_.access(0xF9400000, x16, x0, to.context, 8);                        // ldr x16, [x0, context]
+    w_.access(0xF9400000, x16, x16, to.function, 8);                      // ldr x16, [x16, function]
+    w_.word(0xD63F0200);                                                  // blr x16
+    w_.word(0xF9400BFE), w_.word(0xA8C207E0);                             // ldr x30, [sp, 16]; ldp x0, x1, [sp], 32
+    load_bases();
   }
   void load_base(int r, const Base& base) {
     if (base.memory < 0) return w_.access(0xF9400000, r, x0, base.entry, 8);  // ldr
@@ -108,8 +127,8 @@ class Arm64Encoder {
 
   void instruction(const Instruction& one) {
     int other = one.other;
-    const bool reads =
-        one.code != Code::load && one.code != Code::spread && one.code != Code::store && one.code != Code::flip_sign;
+    const bool reads = one.code != Code::load && one.code != Code::spread && one.code != Code::store &&
+                       one.code != Code::flip_sign && one.code != Code::call;
     if (reads && other < 0) load(other = operand, one.place);
     const auto arithmetic = [&](std::uint32_t code) { w_.three(code, one.to, one.from, other); };
     switch (one.code) {
@@ -123,6 +142,11 @@ class Arm64Encoder {
       case Code::subtract: return arithmetic(of(0x1E603800, 0x1E203800, 0x4EE0D400, 0x4EA0D400));
       case Code::multiply: return arithmetic(of(0x1E600800, 0x1E200800, 0x6E60DC00, 0x6E20DC00));
       case Code::divide: return arithmetic(of(0x1E601800, 0x1E201800, 0x6E60FC00, 0x6E20FC00));
+      case Code::maximum:  // fcmgt, bsl
+        w_.three(of(0x7EE0E400, 0x7EA0E400, 0x6EE0E400, 0x6EA0E400), result, one.from, other);
+        w_.three(0x6E601C00, result, one.from, other);
+        return move(one.to, result);
+      case Code::call: return call(f_.calls[static_cast<std::size_t>(one.place.offset)]);
       case Code::flip_sign: return negate(one.to, one.from);
       case Code::fused_132: return fused(one, one.to, other, one.from);
       case Code::fused_213: return fused(one, one.from, one.to, other);
@@ -195,6 +219,33 @@ Bytes encode_arm64_call(int place) {
                   0xF9400210 | static_cast<std::uint32_t>(place / 8) << 10,  // ldr x16, [x16, place]
                   0xD63F0200,                                                // blr x16
                   0xF9400BFE, 0xA8C207E0, ret});                             // ldr x30, [sp, 16]; ldp x0, x1, [sp], 32
+}
+
+Bytes with_arguments_arm64(Bytes function, const void* context) {
+  Words w;
+  w.out = std::move(function.all);
+  while (w.out.size() % 8 != 0) w.out.push_back(0);
+  const auto address = static_cast<std::int32_t>(w.out.size());
+  const auto bits = reinterpret_cast<std::uintptr_t>(context);
+  w.word(static_cast<std::uint32_t>(bits)), w.word(static_cast<std::uint32_t>(static_cast<std::uint64_t>(bits) >> 32));
+  const auto body = static_cast<std::int32_t>(std::exchange(function.entry, w.out.size()));
+  const auto words_to = [&](std::int32_t place) {
+    return static_cast<std::uint32_t>((place - static_cast<std::int32_t>(w.out.size())) / 4);
+  };
+  w.word(0xD10283FF);                                                              // sub sp, sp, 160
+  w.word(0xA90007E0), w.word(0xA9010FE2), w.word(0xA90217E4);                      // stp x0, x1, [sp]; x2, x3; x4, x5
+  w.word(0x58000000 | (words_to(address) & 0x7FFFF) << 5 | x16);                   // ldr x16, context
+  w.word(0xA9037FF0);                                                              // stp x16, xzr, [sp, 48]
+  w.word(0xF90023FE);                                                              // str x30, [sp, 64]
+  w.word(0x6D0527E8), w.word(0x6D062FEA), w.word(0x6D0737EC), w.word(0x6D083FEE);  // stp d8, d9, [sp, 80] …
+  w.word(0xAA0303E1), w.word(0x910003E0);                                          // mov x1, x3; mov x0, sp
+  w.word(0x94000000 | (words_to(body) & 0x3FFFFFF));                               // bl
+  w.word(0x6D4527E8), w.word(0x6D462FEA), w.word(0x6D4737EC), w.word(0x6D483FEE);  // ldp d8, d9, [sp, 80] …
+  w.word(0xF94023FE);                                                              // ldr x30, [sp, 64]
+  w.word(0x910283FF);                                                              // add sp, sp, 160
+  w.word(ret);
+  function.all = std::move(w.out);
+  return function;
 }
 
 }  // namespace momentree::machine

@@ -11,5 +11,6 @@ inline constexpr int arm64_registers = 30;
 [[nodiscard]] Bytes encode_arm64(const Function& function, const Allocated& allocated, const Target& target);
 [[nodiscard]] Bytes encode_arm64_run(int entry_size);
 [[nodiscard]] Bytes encode_arm64_call(int place);
+[[nodiscard]] Bytes with_arguments_arm64(Bytes function, const void* context);
 
 }  // namespace momentree::machine

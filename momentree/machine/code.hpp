@@ -13,4 +13,11 @@ struct Bytes {
   std::size_t entry = 0;          ///< where the first instruction is
 };
 
+/// The first argument of functions that were made by with_arguments.
+struct CalledWith {
+  const void* arguments[6];
+  const void* context;
+  std::int64_t zero;  ///< for a Base in the second argument
+};
+
 }  // namespace momentree::machine

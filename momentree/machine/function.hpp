@@ -18,7 +18,8 @@ struct Target {
 
 /// A number in memory. Of several worlds, each has its own number there, or all share one.
 struct Place {
-  /// The function's constants; its own memory; and registers that hold a number when it is called, `offset` being which one.
+  /// The function's constants; its own memory, which begins with that for calls; and registers that hold a number when it is
+  /// called, `offset` being which one.
   static constexpr std::int8_t pool = 32, frame = 33, registers = 34;
 
   std::int8_t base = -1;  ///< number of the Base, or one of these
@@ -33,13 +34,14 @@ struct Base {
   int entry = 0, memory = -1;
 };
 
-/// `multiply_add`: a b + c, `multiply_subtract`: a b − c, `subtract_product`: c − a b.
+/// `maximum`: a if a > b, else b. `multiply_add`: a b + c, `multiply_subtract`: a b − c, `subtract_product`: c − a b.
 enum class Operation : std::uint8_t {
   load,
   add,
   subtract,
   multiply,
   divide,
+  maximum,
   multiply_add,
   multiply_subtract,
   subtract_product,
@@ -59,6 +61,16 @@ struct Store {
   bool read_early = false;  ///< its value, a load, is read before any store that is due at the end
 };
 
+/// A function of C++ that is called before operation number `time`, which comes before the last one: void(const void* entry,
+/// double* memory, int index). Its address is at `function` in what the pointer at `context` of the first argument points to.
+/// What it is given was stored in the function's own memory by then; values that are loaded from there are used after it alone.
+struct Call {
+  int time = 0;
+  int context = 0, function = 0;
+  int memory = 0;  ///< bytes: where the memory that it gets begins
+  int index = 0;
+};
+
 struct Function {
   std::vector<Value> values;
   std::vector<int> order;     ///< the values other than loads, in the order of the operations
@@ -66,6 +78,8 @@ struct Function {
   std::vector<double> pool;   ///< constants
   std::vector<Base> bases;
   std::vector<int> outputs{};  ///< values that registers 0, 1, … hold when it returns
+  std::vector<Call> calls{};   ///< by time; for one world in doubles
+  int memory = 0;              ///< numbers of own memory for calls
 };
 
 /// One instruction. `direct`: an operand in a register; else in memory at `place`.
@@ -78,17 +92,19 @@ enum class Code : std::uint8_t {
   subtract,
   multiply,
   divide,
+  maximum,
   flip_sign,
   fused_132,
   fused_213,
-  fused_231
+  fused_231,
+  call
 };
 struct Instruction {
   Code code = Code::load;
   std::uint8_t variant = 0;  ///< of fused_…: 0: a b + c, 1: a b − c, 2: c − a b
   std::uint8_t to = 0, from = 0;
   std::int8_t other = -1;  ///< the register of the last operand; −1: it is in memory
-  Place place{};
+  Place place{};           ///< of a call: `offset` is its number
 };
 
 /// A function with registers.

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <cstring>
+#include <new>
 
 namespace momentree::machine {
 
@@ -24,8 +25,12 @@ void keep_free_in_children(std::mutex& mutex) noexcept {
 bool CodeMemory::map(std::size_t least) noexcept {
   static const bool counted = ::pthread_atfork(nullptr, nullptr, [] { ++generation; }) == 0;
   if (!counted) return false;
-  constexpr std::size_t block = 1 << 20;
-  const std::size_t size = (least + block - 1) / block * block;
+  const std::size_t size = (least + block_ - 1) / block_ * block_;
+  try {
+    blocks_.reserve(blocks_.size() + 1);
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
   void* written = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   void* executed = written == MAP_FAILED ? MAP_FAILED : ::mremap(written, 0, size, MREMAP_MAYMOVE);  // the same memory
   if (written != MAP_FAILED && executed == MAP_FAILED) {  // emulators and sandboxes do not map memory twice; they map files
@@ -47,7 +52,15 @@ bool CodeMemory::map(std::size_t least) noexcept {
   }
   written_ = static_cast<std::uint8_t*>(written), executed_ = static_cast<const std::uint8_t*>(executed);
   used_ = 0, size_ = size, generation_ = generation;
+  blocks_.push_back({written_, executed_, size_, generation_});
   return true;
+}
+
+CodeMemory::~CodeMemory() {
+  for (const Block& one : blocks_) {
+    ::munmap(const_cast<std::uint8_t*>(one.executed), one.size);
+    if (one.generation == generation) ::munmap(one.written, one.size);  // else a parent's, which is not mapped here
+  }
 }
 
 const std::uint8_t* CodeMemory::put(std::span<const std::uint8_t> bytes) noexcept {
@@ -67,6 +80,7 @@ const std::uint8_t* CodeMemory::put(std::span<const std::uint8_t> bytes) noexcep
 namespace momentree::machine {
 
 void keep_free_in_children(std::mutex&) noexcept {}
+CodeMemory::~CodeMemory() = default;
 const std::uint8_t* CodeMemory::put(std::span<const std::uint8_t>) noexcept { return nullptr; }
 
 }  // namespace momentree::machine

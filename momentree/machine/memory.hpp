@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <mutex>
 #include <span>
+#include <vector>
 
 namespace momentree::machine {
 
@@ -13,11 +14,11 @@ void keep_free_in_children(std::mutex& mutex) noexcept;
 /// Code memory of this process. Not thread-safe.
 class CodeMemory {
  public:
-  CodeMemory() = default;
+  /// It is mapped in multiples of a block of bytes.
+  explicit CodeMemory(std::size_t block = 1 << 20) : block_(block) {}
   CodeMemory(const CodeMemory&) = delete;
   CodeMemory& operator=(const CodeMemory&) = delete;
-  /// Leaves the code in place: pointers to it live as long as the process.
-  ~CodeMemory() = default;
+  ~CodeMemory();
 
   /// Puts bytes at a multiple of 64 where they can be executed; null if the system refuses such memory.
   [[nodiscard]] const std::uint8_t* put(std::span<const std::uint8_t> bytes) noexcept;
@@ -25,6 +26,14 @@ class CodeMemory {
  private:
   bool map(std::size_t least) noexcept;
 
+  struct Block {
+    std::uint8_t* written;
+    const std::uint8_t* executed;
+    std::size_t size;
+    long generation;
+  };
+  std::size_t block_;
+  std::vector<Block> blocks_;
   std::uint8_t* written_ = nullptr;
   const std::uint8_t* executed_ = nullptr;
   std::size_t used_ = 0, size_ = 0;

@@ -13,9 +13,15 @@ namespace momentree::machine {
 #ifdef __aarch64__
 inline constexpr auto* encode = encode_arm64;
 inline constexpr auto *encode_run = encode_arm64_run, *encode_call = encode_arm64_call;
+inline constexpr auto* with_arguments = with_arguments_arm64;
+/// Numbers that a function can have in its own memory.
+inline constexpr int most_memory = 4000;
 #else
 inline constexpr auto* encode = encode_x86;
 inline constexpr auto *encode_run = encode_x86_run, *encode_call = encode_x86_call;
+inline constexpr auto* with_arguments = with_arguments_x86;
+/// Numbers that a function can have in its own memory.
+inline constexpr int most_memory = 1 << 16;
 #endif
 
 }  // namespace momentree::machine

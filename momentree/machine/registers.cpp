@@ -27,6 +27,7 @@ class Allocator {
     std::vector<int> fill = next_use_;
     each_use([&](int v, int t) { uses_[at(fill[at(v)]++)] = t; });
     held_.fill(-1);
+    out_.frame = f_.memory;
     for (std::size_t i = 0; i < n; ++i) {
       if (f_.values[i].operation != Operation::load) continue;
       const Place& home = f_.values[i].home;
@@ -43,6 +44,7 @@ class Allocator {
     for (int t = 0; t < end; ++t) {
       for (const int slot : freed_) free_slots_.push_back(slot);
       freed_.clear();
+      for (; called_ < f_.calls.size() && f_.calls[called_].time <= t; ++called_) call();
       const int v = f_.order[at(t)];
       const int to = operation(f_.values[at(v)], t);
       held_[at(to)] = v, register_[at(v)] = to;
@@ -105,7 +107,12 @@ class Allocator {
       if (distance > furthest) furthest = distance, best = r;
     }
     MT_REQUIRE(best >= 0, "some register is not pinned");
-    const int v = held_[at(best)];
+    free(best);
+    return best;
+  }
+  /// Leaves the value of a register in memory if it is used again.
+  void free(int r) {
+    const int v = held_[at(r)];
     if (!has_home_[at(v)] && next(v) < never) {
       int slot = out_.frame;
       if (free_slots_.empty())
@@ -114,10 +121,15 @@ class Allocator {
         slot = free_slots_.back(), free_slots_.pop_back();
       home_[at(v)] = {Place::frame, false, slot * target_.vector()};
       has_home_[at(v)] = 1, slot_[at(v)] = slot;
-      emit(Code::store, 0, best, -1, home_[at(v)]);
+      emit(Code::store, 0, r, -1, home_[at(v)]);
     }
-    register_[at(v)] = held_[at(best)] = -1;
-    return best;
+    register_[at(v)] = held_[at(r)] = -1;
+  }
+  /// A function of C++ keeps no registers.
+  void call() {
+    for (int r = 0; r < target_.registers; ++r)
+      if (held_[at(r)] >= 0) free(r);
+    emit(Code::call, 0, 0, -1, {Place::frame, false, static_cast<std::int32_t>(called_)});
   }
   void load_into(int r, int v) {
     emit(home_[at(v)].shared && target_.lanes > 1 ? Code::spread : Code::load, r, 0, -1, home_[at(v)]);
@@ -151,7 +163,8 @@ class Allocator {
       const Store& one = f_.stores[stored_];
       const int r = in_register(one.value) ? register_[at(one.value)] : load(one.value, 0, t);
       emit(Code::store, 0, r, -1, one.to);
-      if (!has_home_[at(one.value)]) home_[at(one.value)] = one.to, has_home_[at(one.value)] = 1;
+      if (!has_home_[at(one.value)] && one.to.base != Place::frame)  // a call may change what it was given
+        home_[at(one.value)] = one.to, has_home_[at(one.value)] = 1;
       used(one.value);
     }
   }
@@ -215,7 +228,7 @@ class Allocator {
     if (commutes && !in_register(a) && (in_register(b) || after(b, t) < after(a, t))) std::swap(a, b);
     if (!in_register(a)) load(a, pinned, t);
     pinned |= 1u << register_[at(a)];
-    constexpr Code codes[] = {Code::load, Code::add, Code::subtract, Code::multiply, Code::divide};
+    constexpr Code codes[] = {Code::load, Code::add, Code::subtract, Code::multiply, Code::divide, Code::maximum};
     const int ra = register_[at(a)], rb = register_[at(b)];
     const Place place = rb < 0 ? home_[at(b)] : Place{};
     used(a), used(b);
@@ -275,7 +288,7 @@ class Allocator {
   std::vector<char> has_home_;
   std::array<int, 32> held_;  // by register: the value in it
   std::vector<int> free_slots_, freed_;
-  std::size_t stored_ = 0;
+  std::size_t stored_ = 0, called_ = 0;
 };
 
 }  // namespace

@@ -41,6 +41,9 @@ struct Worlds {
       if (std::memcmp(&a.x[i], &b.x[i], sizeof(S)) != 0 && !(std::isnan(a.x[i]) && std::isnan(b.x[i]))) return false;
     return true;
   }
+  friend Worlds maximum(const Worlds& a, const Worlds& b) {
+    return each([&](auto i) { return a.x[i] > b.x[i] ? a.x[i] : b.x[i]; });
+  }
   friend Worlds fused(const Worlds& a, const Worlds& b, const Worlds& c) {
     return each([&](auto i) { return std::fma(a.x[i], b.x[i], c.x[i]); });
   }

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <bit>
+#include <cstddef>
+#include <utility>
 
 #include <momentree/base/check.hpp>
 
@@ -24,11 +26,14 @@ class Encoder {
     MT_REQUIRE(f_.bases.size() <= base_registers.size(), "there is a register for each base");
     pool();
     const std::size_t entry = out_.size();
-    const int frame = allocated_.frame * target_.vector();
+    const std::size_t pushed = f_.bases.size() > free_registers ? f_.bases.size() - free_registers : 0;
+    int frame = allocated_.frame * target_.vector();
+    if (!f_.calls.empty() && (8 * (pushed + 1) + static_cast<std::size_t>(frame)) % 16 != 0) frame += 8;  // calls are aligned
     for (std::size_t i = free_registers; i < f_.bases.size(); ++i) push(base_registers[i]);
     if (frame > 0) bytes({0x48, 0x81, 0xEC}), number(frame);  // sub rsp, frame
-    for (std::size_t i = 0; i < f_.bases.size(); ++i) load_base(base_registers[i], f_.bases[i]);
-    for (const Instruction& one : allocated_.code) vector_instruction(one);
+    load_bases();
+    for (const Instruction& one : allocated_.code)
+      one.code == Code::call ? call(f_.calls[static_cast<std::size_t>(one.place.offset)]) : vector_instruction(one);
     if (frame > 0) bytes({0x48, 0x81, 0xC4}), number(frame);  // add rsp, frame
     for (std::size_t i = f_.bases.size(); i-- > free_registers;) pop(base_registers[i]);
     byte(0xC3);  // ret
@@ -73,13 +78,26 @@ class Encoder {
     MT_REQUIRE(displacement >= 0 && displacement < 128, "the arguments of steps are short");
     bytes({0x48 | r >> 3 << 2, opcode, 0x40 | (r & 7) << 3 | from, displacement});
   }
+  void load_bases() {
+    for (std::size_t i = 0; i < f_.bases.size(); ++i) load_base(base_registers[i], f_.bases[i]);
+  }
+  void call(const Call& to) {
+    bytes({0x57, 0x56});                                      // push rdi, rsi
+    bytes({0x48, 0x8D, 0xB4, 0x24}), number(16 + to.memory);  // lea rsi, [rsp + 16 + memory]
+    byte(0xBA), number(to.index);                             // mov edx, index
+    integer(0x8B, 0, rdi, to.context);                        // mov rax, [rdi + context]
+    MT_REQUIRE(to.function >= 0 && to.function < 128, "few functions are called");
+    bytes({0xFF, 0x50, to.function});  // call [rax + function]
+    bytes({0x5E, 0x5F});               // pop rsi, rdi
+    load_bases();
+  }
   void load_base(int r, const Base& base) {
     if (base.memory < 0) return integer(0x8B, r, rdi, base.entry);  // mov
     integer(0x63, r, rdi, base.entry);                              // movsxd
     integer(0x03, r, rsi, base.memory);                             // add
   }
 
-  static bool is_fused(Code code) { return code >= Code::fused_132; }
+  static bool is_fused(Code code) { return code >= Code::fused_132 && code <= Code::fused_231; }
   bool is_single() const { return target_.number == 4; }
 
   void vector_instruction(const Instruction& one) {
@@ -95,6 +113,7 @@ class Encoder {
       case Code::subtract: opcode = 0x5C; break;
       case Code::multiply: opcode = 0x59; break;
       case Code::divide: opcode = 0x5E; break;
+      case Code::maximum: opcode = 0x5F; break;
       case Code::flip_sign: opcode = 0x57, prefix = packed; break;  // vxorpd
       case Code::fused_132:
       case Code::fused_213:
@@ -104,6 +123,7 @@ class Encoder {
         opcode = opcodes[static_cast<int>(one.code) - static_cast<int>(Code::fused_132)] + 2 * one.variant + (wide ? 0 : 1);
         break;
       }
+      case Code::call: break;
     }
     const bool spread = memory && one.place.shared && wide && one.code != Code::spread;
     const int rm = memory ? register_of(one.place) : one.other;
@@ -189,6 +209,30 @@ Bytes encode_x86_call(int place) {
            0x5E, 0x5F,  // pop rsi, rdi
            0xC3},       // ret
           0};
+}
+
+Bytes with_arguments_x86(Bytes function, const void* context) {
+  std::vector<std::uint8_t>& all = function.all;
+  const auto bytes = [&](std::initializer_list<int> some) {
+    for (const int x : some) all.push_back(static_cast<std::uint8_t>(x));
+  };
+  const auto number = [&](std::uint64_t x, int size) {
+    for (int i = 0; i < size; ++i) all.push_back(static_cast<std::uint8_t>(x >> 8 * i));
+  };
+  const std::size_t body = std::exchange(function.entry, all.size());
+  static_assert(sizeof(CalledWith) == 64 && offsetof(CalledWith, context) == 48 && offsetof(CalledWith, zero) == 56);
+  bytes({0x48, 0x83, 0xEC, 0x48,                                      // sub rsp, 72
+         0x48, 0x89, 0x3C, 0x24, 0x48, 0x89, 0x74, 0x24, 0x08,        // mov [rsp], rdi; mov [rsp + 8], rsi
+         0x48, 0x89, 0x54, 0x24, 0x10, 0x48, 0x89, 0x4C, 0x24, 0x18,  // … rdx, rcx
+         0x4C, 0x89, 0x44, 0x24, 0x20, 0x4C, 0x89, 0x4C, 0x24, 0x28,  // … r8, r9
+         0x48, 0xB8});                                                // mov rax, context
+  number(reinterpret_cast<std::uintptr_t>(context), 8);
+  bytes({0x48, 0x89, 0x44, 0x24, 0x30,                   // mov [rsp + 48], rax
+         0x48, 0xC7, 0x44, 0x24, 0x38, 0,    0,   0, 0,  // mov qword [rsp + 56], 0
+         0x48, 0x89, 0xE7, 0x48, 0x89, 0xCE, 0xE8});     // mov rdi, rsp; mov rsi, rcx; call the function
+  number(body - (all.size() + 4), 4);
+  bytes({0x48, 0x83, 0xC4, 0x48, 0xC3});  // add rsp, 72; ret
+  return function;
 }
 
 bool processor_runs([[maybe_unused]] const Target& target) noexcept {

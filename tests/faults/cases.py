@@ -96,8 +96,6 @@ def cases(program, shim, folder):
         Case("run without exchange", run + ["--json"], laws.run_law, scenario | result | notes | failed | more,
              {"FAULTS_NO_EXCHANGE": "1"}),
         Case("run from a state", ["run", "t.toml", "--out", "r"], laws.run_law, from_state),
-        Case("run --generate without a compiler", run + ["--generate"], laws.run_law, scenario,
-             {"MOMENTREE_CXX": "/bin/false"}, kills=False),
         Case("run of a model", ["run", "m.urdf", "--until", "0.02", "--out", "deep/er/r"],
              partial(laws.run_law, out="deep/er/r"), urdf, kills=False),
         Case("convert", ["convert", "s.toml", "-o", "out.toml"], laws.file_law, scenario),

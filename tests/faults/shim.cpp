@@ -197,7 +197,7 @@ void begin() {
   disk_left = number("FAULTS_DISK", -1);
   if (const char* path = std::getenv("FAULTS_TRACE"))
     trace_file = static_cast<int>(syscall(SYS_openat, AT_FDCWD, path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  unsetenv("LD_PRELOAD");  // the compiler of --generate is not counted
+  unsetenv("LD_PRELOAD");  // child processes are not counted
   void* frames[4];
   backtrace(frames, 4);  // loads the libraries that it needs
   cookie_io_functions_t functions = {nullptr, put_out, nullptr, nullptr};

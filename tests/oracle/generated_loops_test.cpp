@@ -1,5 +1,5 @@
-// Generated code for closed loops against the kernels: the expressions themselves on random mechanisms of all kinds, with
-// couplings, prescribed motions, armatures and forces in loop joints; and compiled source on a few of them.
+// Generated code for closed loops against the kernels: the expressions and their machine code on random mechanisms of all kinds,
+// with couplings, prescribed motions, armatures and forces in loop joints; and compiled source on a few of them.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -10,12 +10,13 @@
 #include <bench/loop_models.hpp>
 #include <momentree/dynamics/loop_workspace.hpp>
 #include <momentree/dynamics/velocity.hpp>
-#include <momentree/generate/compiler.hpp>
 #include <momentree/generate/loop_kernel.hpp>
+#include <momentree/generate/machine_code.hpp>
 #include <momentree/generate/source.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/math/sincos.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <tests/compiled_source.hpp>
 #include <tests/oracle/loop_rows.hpp>
 
 using namespace momentree;
@@ -220,11 +221,10 @@ TEST_CASE("loops: expressions are what the kernels compute, on random mechanisms
     const KernelExpressions kernel = loop_expressions(tree, rows, LoopCode::stages);
     forces += kernel.expressions.calls().empty() ? 0 : 1;
     interpreted_kernel = &kernel;
-    const GeneratedRates generated = [&] {
-      GeneratedRates rates;
-      rates.loops = interpreted, rates.rows = rows;
-      return rates;
-    }();
+    const auto code = MachineKernel::make(kernel);
+    GeneratedRates by_expressions, by_code;
+    by_expressions.loops = interpreted, by_expressions.rows = by_code.rows = rows;
+    if (code != nullptr) by_code.loops = code->loops();
     Prng draw(seed + 900);
     Workspace<double> other(tree), open(tree);
     copy_chosen_rows(tree, closed.workspace, other);
@@ -234,16 +234,19 @@ TEST_CASE("loops: expressions are what the kernels compute, on random mechanisms
                                 u = moved_velocities(draw, tree, closed.world.state().u(), i * 0.3);
       evaluate_velocity_stage(tree, t, q.data(), u.data(), closed.workspace);
       interpreted_calls = 0;
-      REQUIRE(evaluate_loop_stage(tree, t, q.data(), u.data(), other, generated));
+      REQUIRE(evaluate_loop_stage(tree, t, q.data(), u.data(), other, by_expressions));
       called += interpreted_calls;
+      const std::vector<double> expected(other.a.get(), other.a.get() + tree.nv());
+      if (code != nullptr) REQUIRE(evaluate_loop_stage(tree, t, q.data(), u.data(), other, by_code));
       const double fast = 1 + largest(u.data(), tree.nv());
-      const double of_a = distance(closed.workspace.a.get(), other.a.get(), tree.nv()) /
-                          (largest(closed.workspace.a.get(), tree.nv()) + free_acceleration(tree, t, q, u, open) + fast * fast);
+      const double size = largest(closed.workspace.a.get(), tree.nv()) + free_acceleration(tree, t, q, u, open) + fast * fast;
+      const double of_a = distance(closed.workspace.a.get(), other.a.get(), tree.nv()) / size;
       const double of_q = distance(closed.workspace.qdot.get(), other.qdot.get(), tree.nq()) / fast;
       const Power &one = closed.workspace.power, &two = other.power;
       const double power = std::fabs(one.dissipated) + std::fabs(one.work) + fast * fast;
       const double of_power = (std::fabs(one.dissipated - two.dissipated) + std::fabs(one.work - two.work)) / power;
       CHECK(of_a < 1e-12 / weakest);
+      CHECK(distance(closed.workspace.a.get(), expected.data(), tree.nv()) / size < 1e-12 / weakest);
       CHECK(of_q < 1e-13);
       CHECK(of_power < 1e-12 / weakest);
       worst = std::fmax(worst, weakest * std::fmax(of_a, of_power));
@@ -267,24 +270,7 @@ TEST_CASE("loops: expressions are what the kernels compute, on random mechanisms
 
 namespace {
 
-struct Compiled {
-  Library library;
-  GeneratedRates rates;
-  VelocityRatesFunction alone = nullptr;  // the code for a file
-
-  Compiled(const KernelExpressions& kernel, std::span<const int> rows) {
-    std::string why;
-    library = compile_library({MOMENTREE_COMPILER, "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"},
-                              kernel_source(kernel), why);
-    CHECK_MESSAGE(why.empty(), why);
-    void* const symbol = library.symbol("kernel_accelerations");
-    REQUIRE(symbol != nullptr);
-    if (kernel.loops)
-      rates.loops = reinterpret_cast<LoopRatesFunction>(symbol), rates.rows = rows;
-    else
-      alone = reinterpret_cast<VelocityRatesFunction>(symbol);
-  }
-};
+constexpr const char* strict = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow";
 
 // A platform on legs of a universal joint, a slide and a ball: the rows of all its loops are coupled.
 Model platform(int legs) {
@@ -344,14 +330,17 @@ TEST_CASE("loops: compiled source gives the accelerations of the kernels, in ste
     Closed closed(c.model);
     const Tree& tree = closed.tree;
     const std::vector<int> rows(closed.rows().begin(), closed.rows().end());
-    const Compiled stages(loop_expressions(tree, rows), rows);
+    const test::CompiledSource stages(kernel_source(loop_expressions(tree, rows)), strict);
+    GeneratedRates rates;
+    rates.loops = stages.function<LoopRatesFunction>("kernel_accelerations"), rates.rows = rows;
     KernelExpressions file = loop_expressions(tree, rows, LoopCode::file);
     file.least_pivots = chosen_loop_rows(tree, closed.world.state()).least_pivots;
     CHECK(chosen_loop_rows(tree, closed.world.state()).rows == rows);
     bool by_call = false;
     for (const Expressions::Call& call : file.expressions.calls()) by_call = by_call || call.loop < 0;
     CHECK(by_call == c.by_call);
-    const Compiled alone(file, rows);
+    const test::CompiledSource compiled(kernel_source(file), strict);
+    const auto alone = compiled.function<VelocityRatesFunction>("kernel_accelerations");
     Workspace<double> other(tree);
     copy_chosen_rows(tree, closed.workspace, other);
     Prng draw(7);
@@ -361,11 +350,11 @@ TEST_CASE("loops: compiled source gives the accelerations of the kernels, in ste
       const std::vector<double> q = moved(draw, closed.world.state().q(), 1e-3),
                                 u = moved_velocities(draw, tree, closed.world.state().u(), 0.5);
       evaluate_velocity_stage(tree, 0, q.data(), u.data(), closed.workspace);
-      REQUIRE(evaluate_loop_stage(tree, 0, q.data(), u.data(), other, stages.rates));
+      REQUIRE(evaluate_loop_stage(tree, 0, q.data(), u.data(), other, rates));
       const double size = 1 + largest(closed.workspace.a.get(), tree.nv());
       worst = std::fmax(worst, distance(closed.workspace.a.get(), other.a.get(), tree.nv()) / size);
       joint_forces(tree, 0, q.data(), closed.workspace, tau.data());
-      alone.alone(q.data(), u.data(), tau.data(), qdot.data(), udot.data());
+      alone(q.data(), u.data(), tau.data(), qdot.data(), udot.data());
       worst = std::fmax(worst, distance(closed.workspace.a.get(), udot.data(), tree.nv()) / size);
       worst = std::fmax(worst, distance(closed.workspace.qdot.get(), qdot.data(), tree.nq()));
     }

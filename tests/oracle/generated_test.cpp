@@ -1,5 +1,5 @@
-// Generated kernels against the engine's own and against the oracle: the expressions themselves on random trees of all joint
-// kinds in all variants, and their compiled source code on a few models.
+// Generated kernels against the engine's own and against the oracle: the expressions and their machine code on random trees of
+// all joint kinds in all variants, and their source code on a few models.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -13,11 +13,12 @@
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
-#include <momentree/generate/compiler.hpp>
+#include <momentree/generate/machine_code.hpp>
 #include <momentree/generate/source.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/math/sincos.hpp>
+#include <tests/compiled_source.hpp>
 #include <tests/oracle/oracle.hpp>
 #include <tests/oracle/random_model.hpp>
 #include <tests/oracle/rearrange.hpp>
@@ -97,19 +98,6 @@ std::vector<double> moved(Prng& random, std::span<const double> from, double by)
   return to;
 }
 
-void* compiled(const std::string& source, Library& library, const char* function) {
-  std::string why;
-  library = compile_library({MOMENTREE_COMPILER}, source, why);
-  CHECK_MESSAGE(why.empty(), why);
-  return library.symbol(function);
-}
-RatesFunction compiled(const std::string& source, Library& library) {
-  return reinterpret_cast<RatesFunction>(compiled(source, library, "kernel_rates"));
-}
-VelocityRatesFunction compiled_velocities(const std::string& source, Library& library) {
-  return reinterpret_cast<VelocityRatesFunction>(compiled(source, library, "kernel_accelerations"));
-}
-
 // Velocities and joint forces at random, zero for DoFs at rest.
 std::pair<std::vector<double>, std::vector<double>> any_motion(const Tree& tree, Prng& random) {
   std::vector<double> u(static_cast<std::size_t>(tree.nv())), tau(u.size());
@@ -156,15 +144,23 @@ TEST_CASE("expressions are what the kernels compute, on trees of all kinds and v
     const KernelExpressions expressions = kernel_expressions(tree);
     CHECK(expressions.operations().total() <= count_operations(tree).total());
     CHECK(expressions.operations().sincos <= count_operations(tree).sincos);
+    const auto code = MachineKernel::make(expressions);
     Rates rates(tree);
     for (int i = 0; i < 3; ++i) {
       const std::vector<double> q = moved(draw, state.q(), 0.1), p = moved(draw, state.p(), 0.1);
       evaluate_rates(tree, q.data(), p.data(), workspace);
-      interpret(expressions, q, p, rates);
-      const double off = error(tree, q, rates, workspace);
-      CAPTURE(seed);
-      CHECK(off <= 1);
-      worst = std::fmax(worst, off);
+      for (const bool by_code : {false, true}) {
+        if (by_code && code == nullptr) continue;
+        if (by_code)
+          code->momenta()(q.data(), p.data(), rates.v.data(), rates.qdot.data(), rates.pdot.data());
+        else
+          interpret(expressions, q, p, rates);
+        const double off = error(tree, q, rates, workspace);
+        CAPTURE(seed);
+        CAPTURE(by_code);
+        CHECK(off <= 1);
+        worst = std::fmax(worst, off);
+      }
     }
   }
   MESSAGE("worst: " << worst << " of what is allowed");
@@ -186,13 +182,17 @@ TEST_CASE("velocities: expressions are what the kernels compute, on trees of all
     if (seed % 2 == 1) rearrange(draw, tree, state, workspace);
     for (const KernelRun& s : tree.kernel_runs()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
     const KernelExpressions expressions = velocity_expressions(tree);
+    const auto code = MachineKernel::make(expressions);
     Rates rates(tree);
     for (int i = 0; i < 3; ++i) {
       const std::vector<double> q = moved(draw, state.q(), 0.1);
       const auto [u, tau] = any_motion(tree, draw);
       for (const bool keep : {false, true}) {
         keep ? accelerate_by_kernels<true>(tree, q, u, tau, workspace) : accelerate_by_kernels<false>(tree, q, u, tau, workspace);
-        interpret(expressions, q, u, rates, tau);
+        if (keep && code != nullptr)
+          code->velocities()(q.data(), u.data(), tau.data(), rates.qdot.data(), rates.udot.data());
+        else
+          interpret(expressions, q, u, rates, tau);
         const double off = velocity_error(tree, q, rates, workspace);
         CAPTURE(seed);
         CHECK(off <= 1);
@@ -250,11 +250,10 @@ TEST_CASE("compiled source gives the engine's rates, at many states") {
     State state = start_state(c.model, tree);
     Prng random(42);
     if (c.changed) rearrange(random, tree, state, workspace);
-    Library library;
-    const RatesFunction rates = compiled(kernel_source(kernel_expressions(tree)), library);
-    REQUIRE((rates != nullptr));
-    CHECK(*static_cast<const int*>(library.symbol("kernel_nq")) == tree.nq());
-    CHECK(*static_cast<const int*>(library.symbol("kernel_nv")) == tree.nv());
+    const test::CompiledSource momenta(kernel_source(kernel_expressions(tree)));
+    const auto rates = momenta.function<RatesFunction>("kernel_rates");
+    CHECK(*momenta.function<const int*>("kernel_nq") == tree.nq());
+    CHECK(*momenta.function<const int*>("kernel_nv") == tree.nv());
     Rates found(tree);
     double worst = 0;
     for (int i = 0; i < 300; ++i) {
@@ -267,10 +266,10 @@ TEST_CASE("compiled source gives the engine's rates, at many states") {
       worst = off <= worst ? worst : off;
     }
     CHECK(worst <= 1);
-    const VelocityRatesFunction accelerations = compiled_velocities(kernel_source(velocity_expressions(tree)), library);
-    REQUIRE((accelerations != nullptr));
-    CHECK(*static_cast<const int*>(library.symbol("kernel_nq")) == tree.nq());
-    CHECK(*static_cast<const int*>(library.symbol("kernel_nv")) == tree.nv());
+    const test::CompiledSource velocities(kernel_source(velocity_expressions(tree)));
+    const auto accelerations = velocities.function<VelocityRatesFunction>("kernel_accelerations");
+    CHECK(*velocities.function<const int*>("kernel_nq") == tree.nq());
+    CHECK(*velocities.function<const int*>("kernel_nv") == tree.nv());
     double worst_u = 0;
     for (int i = 0; i < 300; ++i) {
       const double far = i % 10 == 0 ? 4e6 : 1;
@@ -299,12 +298,9 @@ TEST_CASE("compiled source with dampers, springs and efforts: the oracle's rates
   CHECK(other_forces(tree).empty());
   KernelExpressions kernel = kernel_expressions(tree);
   add_plain_forces(tree, kernel);
-  Library library;
-  const RatesFunction rates = compiled(kernel_source(kernel), library);
-  REQUIRE((rates != nullptr));
-  Library other;
-  const VelocityRatesFunction accelerations = compiled_velocities(kernel_source(velocity_expressions(tree, true)), other);
-  REQUIRE((accelerations != nullptr));
+  const test::CompiledSource momenta(kernel_source(kernel)), velocities(kernel_source(velocity_expressions(tree, true)));
+  const auto rates = momenta.function<RatesFunction>("kernel_rates");
+  const auto accelerations = velocities.function<VelocityRatesFunction>("kernel_accelerations");
   const System system = system_of(model);
   Prng random(3);
   Rates found(tree);
@@ -360,9 +356,5 @@ TEST_CASE("source: identifiers, comments, constants") {
   for (const char* part : {"extern \"C\"", "void arm_rates(", "const int arm_nq = 7;", "const int arm_nv = 7;", "pdot[6] = "})
     CHECK_MESSAGE(text.find(part) != std::string::npos, part);
   // With strict warnings, as a user's build may have.
-  Library library;
-  std::string why;
-  library =
-      compile_library({MOMENTREE_COMPILER, "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"}, text, why);
-  CHECK_MESSAGE(static_cast<bool>(library), why);
+  const test::CompiledSource strict(text, "-Wall -Wextra -Wpedantic -Wconversion -Wshadow");
 }

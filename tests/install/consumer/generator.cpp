@@ -1,4 +1,4 @@
-// Code for one mechanism, from the installed library: written, and compiled where there is a compiler.
+// Code for one mechanism, from the installed library: written, and run where there is machine code.
 #include <cstdio>
 #include <momentree/generate/kernel_cache.hpp>
 #include <momentree/generate/source.hpp>

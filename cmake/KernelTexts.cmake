@@ -1,0 +1,10 @@
+# The source text of headers that are copied into generated kernels: one source for both.
+set(kernel_texts "#pragma once\n// Generated: the text of headers.\n")
+foreach(header math/sincos generate/solve_rows)
+  set(file "${PROJECT_SOURCE_DIR}/momentree/${header}.hpp")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
+  file(READ "${file}" text)
+  get_filename_component(name "${header}" NAME)
+  string(APPEND kernel_texts "inline constexpr const char* momentree_${name}_text = R\"momentree(${text})momentree\";\n")
+endforeach()
+file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/generated/momentree/generate/kernel_texts.hpp" CONTENT "@kernel_texts@" @ONLY)

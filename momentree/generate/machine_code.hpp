@@ -1,0 +1,26 @@
+#pragma once
+// One evaluation of the rates for one topology as one function of machine code.
+#include <memory>
+
+#include <momentree/dynamics/rates_function.hpp>
+#include <momentree/generate/kernel.hpp>
+
+namespace momentree {
+
+/// The function lives as long as this.
+class MachineKernel {
+ public:
+  /// Null if there is no machine code here (see StepLibrary::available), or no memory for it.
+  [[nodiscard]] static std::unique_ptr<const MachineKernel> make(const KernelExpressions& kernel);
+  virtual ~MachineKernel() = default;
+
+  /// That of the kernel's variables, or that with loops.
+  RatesFunction momenta() const { return reinterpret_cast<RatesFunction>(code_); }
+  VelocityRatesFunction velocities() const { return reinterpret_cast<VelocityRatesFunction>(code_); }
+  LoopRatesFunction loops() const { return reinterpret_cast<LoopRatesFunction>(code_); }
+
+ protected:
+  void (*code_)() = nullptr;
+};
+
+}  // namespace momentree
