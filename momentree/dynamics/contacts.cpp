@@ -35,14 +35,15 @@ contact::Place place_of(const Tree& tree, const Workspace<double>& workspace, in
 // Direction of row i of a touch: the normal and the tangents.
 const Vec3& direction(const contact::Touch& touch, std::size_t i) { return i == 0 ? touch.normal : touch.tangent[i - 1]; }
 
-// Adds the joint forces of a wrench on a body, sign·Σ Eᵀ W along its path to the ground.
-void add_joint_forces_of(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, Force<double> W,
-                         double sign, double* force) {
+// Adds the joint forces of a wrench on a body about a point (world axes), sign·Σ Eᵀ W along its path to the ground.
+void add_joint_forces_of(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, const Force<double>& W,
+                         const Vec3& point, double sign, double* force) {
   for (int b = body; b >= 0; b = tree.parent(b)) {
+    const Kinematics<double>& k = workspace.bodies[at(b)];
     double own[6] = {};
-    project(tree, b, joint_state(tree, q, workspace, b), W, own);
+    project(tree, b, joint_state(tree, q, workspace, b),
+            {transpose_times(k.R, W.l), transpose_times(k.R, W.h + cross(point - k.r, W.l))}, own);
     for (int i = 0; i < info(tree.kind(b)).nv; ++i) force[tree.first_p(b) + i] += sign * own[i];
-    joint_transform_of(tree, q, workspace, b).inboard(W);
   }
 }
 
@@ -107,12 +108,13 @@ Force<double> contact_wrench(const Workspace<double>& workspace, int body, const
 
 void add_contact_row(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, const Vec3& along,
                      const Vec3& point, double sign, double* row) {
-  add_joint_forces_of(tree, q, workspace, body, contact_wrench(workspace, body, along, point), sign, row);
+  add_joint_forces_of(tree, q, workspace, body, {along, {}}, point, sign, row);
 }
 
 void add_wrench_row(const Tree& tree, const double* q, const Workspace<double>& workspace, int body, const Force<double>& wrench,
                     double* row) {
-  add_joint_forces_of(tree, q, workspace, body, wrench, 1, row);
+  const Kinematics<double>& k = workspace.bodies[at(body)];
+  add_joint_forces_of(tree, q, workspace, body, {k.R * wrench.l, k.R * wrench.h}, k.r, 1, row);
 }
 
 ContactWorkspace& contact_memory(Workspace<double>& workspace) {
@@ -156,22 +158,21 @@ constexpr double rounding_of_mobility = 1e-13;
 // with those of unit forces in all directions, and of the moments that coordinates of this size give them.
 bool no_dof_moves(const Tree& tree, const double* q, Workspace<double>& workspace, const Contact& contact,
                   const contact::Touch& touch, std::size_t k) {
-  constexpr Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   ContactWorkspace& all = contact_memory(workspace);
   const std::size_t nv = at(tree.nv());
   all.row.assign(nv, 0.0), all.row_size.assign(nv, 0.0);
   for (const auto& [body, sign] : {std::pair{contact.a, 1.0}, {contact.b, -1.0}}) {
     if (body < 0) continue;
     add_contact_row(tree, q, workspace, body, direction(touch, k), touch.point, sign, all.row.data());
-    const Kinematics<double>& kernel = workspace.bodies[at(body)];
-    const double length = norm(touch.point) + norm(kernel.r);
-    for (const Vec3& axis : axes)
-      for (const Force<double>& wrench :
-           {contact_wrench(workspace, body, axis, touch.point), Force<double>{{}, length * transpose_times(kernel.R, axis)}}) {
-        all.unit_row.assign(nv, 0.0);
-        add_wrench_row(tree, q, workspace, body, wrench, all.unit_row.data());
-        for (std::size_t i = 0; i < nv; ++i) all.row_size[i] += std::fabs(all.unit_row[i]);
-      }
+    const auto sum = [](const Vec3& a) { return std::fabs(a.x) + std::fabs(a.y) + std::fabs(a.z); };
+    const double length = norm(touch.point) + norm(workspace.bodies[at(body)].r);
+    for (int b = body; b >= 0; b = tree.parent(b)) {
+      const Kinematics<double>& kernel = workspace.bodies[at(b)];
+      const Vec3 arm = transpose_times(kernel.R, touch.point - kernel.r);
+      Motion<double> E[6];
+      const int n = columns_of(tree, b, joint_state(tree, q, workspace, b), E);
+      for (int i = 0; i < n; ++i) all.row_size[at(tree.first_p(b) + i)] += sum(E[i].v + cross(E[i].w, arm)) + length * sum(E[i].w);
+    }
   }
   for (const int body : {contact.a, contact.b})
     for (int b = body; b >= 0; b = tree.parent(b))

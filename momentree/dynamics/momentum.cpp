@@ -167,6 +167,14 @@ void absorb(const Tree& tree, int b, const JointState<double>& joint, const Forc
   });
 }
 
+int columns_of(const Tree& tree, int b, const JointState<double>& joint, Motion<double>* columns) noexcept {
+  return with_kernels(tree, b, [&](auto tag) {
+    const auto E = decltype(tag)::type::template columns<double>(tree.link(b), joint);
+    std::copy(E.begin(), E.end(), columns);
+    return static_cast<int>(E.size());
+  });
+}
+
 void project(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double* p) noexcept {
   const LinkConstants& link = tree.link(b);
   with_kernels(tree, b, [&](auto tag) {

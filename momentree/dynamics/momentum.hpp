@@ -41,6 +41,8 @@ void shed_momentum(const Tree& tree, const State& state, const Workspace<double>
 
 /// Changes p of b's joint by sign·Eᵀ W, except for locked and driven DoFs; p is the packed array, W in the kernel frame of b.
 void absorb(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double sign, double* p) noexcept;
+/// Writes the columns of E of b's joint, in the kernel frame of b: at most 6. Returns how many.
+int columns_of(const Tree& tree, int b, const JointState<double>& joint, Motion<double>* columns) noexcept;
 /// Writes Eᵀ W of b's joint (nv numbers), W in the kernel frame of b.
 void project(const Tree& tree, int b, const JointState<double>& joint, const Force<double>& W, double* p) noexcept;
 /// Momentum or wrench of body b: from its kernel frame to its user frame, and back.
