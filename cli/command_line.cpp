@@ -179,6 +179,8 @@ void CommandLine::add_readers() {
                                       [this] { return explain(explain_); });
   source(explain_command, "scenario", explain_.scenario, "SCENARIO|MODEL", a_source)->required();
   overrides(explain_command, explain_.overrides);
+  explain_command->add_flag("--code", explain_.code,
+                            "Print the steps that become machine code, operation by operation with their equations, instead");
   verbose(explain_command, explain_.verbose);
 }
 

@@ -61,6 +61,7 @@ int evaluate(const EvaluateOptions& options);
 struct ExplainOptions {
   std::string scenario;
   std::vector<std::string> overrides;
+  bool code = false;
   bool verbose = false;
 };
 int explain(const ExplainOptions& options);

@@ -1,12 +1,18 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <new>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <cli/commands.hpp>
 #include <cli/input.hpp>
 #include <cli/text.hpp>
+#include <momentree/derive/step.hpp>
 #include <momentree/dynamics/count.hpp>
+#include <momentree/dynamics/step_table.hpp>
+#include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/tree/kernel_run.hpp>
 
 namespace momentree::cli {
@@ -235,12 +241,47 @@ std::string springs_text(const World& world, const Style& style) {
 
 }  // namespace
 
+namespace {
+
+/// The steps of a world's bodies, each once.
+std::string code_text(const World& world, const Style& style) {
+  const auto table = detail::make_step_table(world.state().variables() == Variables::momenta ? detail::double_momenta()
+                                                                                             : detail::double_velocities());
+  if (!table->follow(world.tree())) throw std::bad_alloc();
+  std::vector<std::pair<const derive::Step*, std::string>> steps;  // with the bodies that have them
+  std::string others;
+  const auto add = [](std::string& names, const std::string& name) { names += (names.empty() ? "" : ", ") + name; };
+  for (const int b : world.tree().order()) {
+    const std::string& name = world.model()[BodyId{b}].name;
+    const derive::Step* const step = table->step_of(b);
+    if (step == nullptr) {
+      add(others, name);
+      continue;
+    }
+    const auto known = std::ranges::find(steps, step, &decltype(steps)::value_type::first);
+    if (known == steps.end())
+      steps.emplace_back(step, std::string(info(world.tree().joint(b).kind).name) + ": " + name);
+    else
+      add(known->second, name);
+  }
+  std::string text;
+  for (const auto& [step, names] : steps) text += style.heading(names) + '\n' + step->listing() + '\n';
+  if (!others.empty()) text += style.heading("By functions of their kinds, welded, or in a plane") + ": " + others + '\n';
+  return text;
+}
+
+}  // namespace
+
 int explain(const ExplainOptions& options) {
   const std::shared_ptr<const io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
   const io::Session session(scenario);
   const World& world = session.simulation().world();
   const Style style = Style::of_output();
+  if (options.code) {
+    show(stdout, code_text(world, style));
+    return done;
+  }
 
   std::string text = style.heading(scenario->title.empty() ? scenario->name : scenario->title) + '\n' + totals_text(world);
   Drawing drawing(world);

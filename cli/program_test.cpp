@@ -349,6 +349,13 @@ TEST_CASE("check, explain, evaluate, view") {
   CHECK(explain.says("in a plane           8 bodies"));
   const Outcome robot = here.call("explain '" MOMENTREE_SOURCE_DIR "/scenarios/models/anymal_b/anymal.urdf'");
   CHECK(!robot.says("in a plane"));
+  const Outcome code = here.call("explain '" MOMENTREE_SOURCE_DIR "/scenarios/models/anymal_b/anymal.urdf' --code");
+  CHECK(code.code == 0);
+  if (code.says("revolute: "))  // there is machine code
+    for (const char* part : {"inward\n", "// (22), (23): the body and its children", "udot[0] = "})
+      CHECK_MESSAGE(code.says(part), code.output);
+  else
+    CHECK(code.says("By functions of their kinds"));
   const Outcome evaluate = here.call("evaluate s.toml");
   CHECK(evaluate.code == 0);
   CHECK(evaluate.says("chain/8"));

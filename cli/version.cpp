@@ -42,7 +42,6 @@ std::string long_version_text(std::string_view commit) {
   line("configuration", build.configuration);
   line("flags", build.flags);
   line("instructions", build.instructions);
-  line("multiply-adds", build.deterministic ? "kept apart: the same bits by every compiler" : "contracted");
   line("lanes", build.lanes);
   line("lanes used", widest_lanes());
   line("formats", "scenario 1, sweep 1");

@@ -38,8 +38,7 @@ constexpr BuildInfo this_build{.version = MOMENTREE_NUMBER(MOMENTREE_VERSION_MAJ
                                .configuration = MOMENTREE_BUILD_CONFIGURATION,
                                .flags = MOMENTREE_BUILD_FLAGS,
                                .instructions = instruction_set,
-                               .lanes = MOMENTREE_BUILD_LANES,
-                               .deterministic = MOMENTREE_BUILD_DETERMINISTIC};
+                               .lanes = MOMENTREE_BUILD_LANES};
 
 }  // namespace
 

@@ -13,7 +13,6 @@ struct BuildInfo {
   std::string_view flags;          ///< the options of the compiler that this configuration and MOMENTREE_NATIVE gave it
   std::string_view instructions;   ///< the widest instruction set that the library needs: "x86-64", "x86-64 with AVX2", …
   std::string_view lanes;          ///< the instruction sets of batches, the CPU's widest of which is used: "baseline avx2 avx512"
-  bool deterministic;              ///< multiply-adds are kept apart: the same bits by every compiler
 };
 
 /// Of the linked library. Valid for ever.

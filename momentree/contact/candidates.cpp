@@ -164,7 +164,7 @@ void cylinder_on_plane(const Solid& solid, const Place& place, const Vec3& point
     f.pair = FeaturePair::point_plane, f.line_a = {}, f.rim = 0;
     for (std::size_t k = 0; k < points_of_rim; ++k) {
       const double angle = static_cast<double>(k) * 2 * std::numbers::pi / points_of_rim;
-      f.point_a = solid.ends[end] + solid.rim * (std::cos(angle) * across[0] + std::sin(angle) * across[1]);
+      f.point_a = solid.ends[end] + solid.rim * turned(across[0], across[1], angle);
       out.push_back({f, false, id_of(f.pair, false, points_of_rim * end + k, 0), gap});
     }
   }

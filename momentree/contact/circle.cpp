@@ -76,7 +76,7 @@ OnCircle nearest_to_line(const Vec3& from, const Vec3& axis, double rim, const V
     const double residual = dot(d, tangent) - dot(d, line) * t, slope = rim * (1 - t * t) - curvature;
     if (!(slope > 0)) return found;
     const double turn = std::clamp(-residual / slope, -0.5, 0.5);
-    found.radial = normalized(std::cos(turn) * found.radial + std::sin(turn) * tangent);
+    found.radial = normalized(turned(found.radial, tangent, turn));
     if (std::fabs(turn) < 1e-15) break;
   }
   found.found = true;
@@ -135,7 +135,7 @@ TwoCircles nearest_of_circles(const Vec3& from, const Vec3& axis_a, double rim_a
     double turn_a = -(bb * fa + rim_b * c * fb) / determinant, turn_b = -(aa * fb + rim_a * c * fa) / determinant;
     const double most = std::max(std::fabs(turn_a), std::fabs(turn_b));
     if (most > 0.3) turn_a *= 0.3 / most, turn_b *= 0.3 / most;
-    a = normalized(std::cos(turn_a) * a + std::sin(turn_a) * ta), b = normalized(std::cos(turn_b) * b + std::sin(turn_b) * tb);
+    a = normalized(turned(a, ta, turn_a)), b = normalized(turned(b, tb, turn_b));
     found.found = most < 1e-9;
     if (most < 1e-15) break;
   }

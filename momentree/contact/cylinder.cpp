@@ -124,7 +124,7 @@ struct CylinderSearch {
         f.pair = FeaturePair::point_plane, f.line_a = {}, f.rim = 0;
         for (std::size_t i = 0; i < points_of_rim; ++i) {
           const double angle = static_cast<double>(i) * 2 * std::numbers::pi / points_of_rim;
-          f.point_a = cylinder.ends[end] + cylinder.rim * (std::cos(angle) * across[0] + std::sin(angle) * across[1]);
+          f.point_a = cylinder.ends[end] + cylinder.rim * turned(across[0], across[1], angle);
           if (before_plane(k, into(of_other, out_of(of_cylinder, f.point_a))))
             push(true, f, points_of_rim * end + i, k, lowest.gap);
         }

@@ -145,7 +145,7 @@ struct CylinderOverlap {
       if (!stands) across[0] = -normalized(slope), across[1] = cross(axis, across[0]);
       for (std::size_t i = 0; i < points_of_rim; ++i) {
         const double angle = static_cast<double>(i) * 2 * std::numbers::pi / points_of_rim;
-        const Vec3 p = can.ends[end] + can.rim * (std::cos(angle) * across[0] + std::sin(angle) * across[1]);
+        const Vec3 p = can.ends[end] + can.rim * turned(across[0], across[1], angle);
         if (!in_outline(other, plane, into(of_other, out_of(of_can, p)))) continue;
         if (i == 0 && !stands)
           push(true, lowest_of_rim);
@@ -231,7 +231,7 @@ struct CylinderOverlap {
     const double falling = dot(face.normal, local_axis);
     for (std::size_t i = 0; i < points_of_rim && std::fabs(falling) > 0.1; ++i) {
       const double angle = static_cast<double>(i) * 2 * std::numbers::pi / points_of_rim;
-      const Vec3 p = can.ends[end] + can.rim * (std::cos(angle) * across[0] + std::sin(angle) * across[1]);
+      const Vec3 p = can.ends[end] + can.rim * turned(across[0], across[1], angle);
       const Vec3 there = into(of_other, out_of(of_can, p));
       f.point_a = there - ((dot(face.normal, there) - face.offset) / falling) * local_axis;
       if (in_outline(other, plane, f.point_a)) push(false, f);

@@ -39,9 +39,7 @@ struct Can {
   double reach(const Vec3& n) const {
     return 0.5 * dot(n, ends[0] + ends[1]) + 0.5 * length * std::fabs(dot(n, axis)) + rim * norm(cross(n, axis));
   }
-  Vec3 on_rim(std::size_t end, double angle) const {
-    return solid.ends[end] + rim * (std::cos(angle) * across[0] + std::sin(angle) * across[1]);
-  }
+  Vec3 on_rim(std::size_t end, double angle) const { return solid.ends[end] + rim * turned(across[0], across[1], angle); }
 };
 
 struct CanPair {

@@ -117,7 +117,7 @@ Vec3 nearest_of_rim(const Extent& a, const Vec3& from, const Vec3& axis, double 
     const double slope = dot(tangent, turns) + dot(n, radial);
     if (!(slope > 0)) break;
     const double turn = std::clamp(dot(n, tangent) / slope, -longest_turn, longest_turn);
-    radial = normalized(std::cos(turn) * radial + std::sin(turn) * tangent);
+    radial = normalized(turned(radial, tangent, turn));
     if (std::fabs(turn) < 1e-15) break;
   }
   return radial;

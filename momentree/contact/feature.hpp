@@ -3,6 +3,7 @@
 // Everything is smooth as long as the same features are nearest, and in closed form or solved to rounding.
 #include <array>
 
+#include <momentree/math/sine_cosine.hpp>
 #include <momentree/math/vec.hpp>
 
 namespace momentree::contact {
@@ -66,5 +67,10 @@ Along nearest_along(const Features& features, const Place& a, const Place& b) no
 
 /// Two unit vectors perpendicular to n and to each other.
 void perpendiculars(const Vec3& n, Vec3* tangent) noexcept;
+/// A vector turned by an angle in the plane of it and one of the same length at right angles to it, towards that.
+inline Vec3 turned(const Vec3& from, const Vec3& towards, double angle) noexcept {
+  const auto [s, c] = sine_cosine(angle);
+  return c * from + s * towards;
+}
 
 }  // namespace momentree::contact

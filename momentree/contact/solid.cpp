@@ -9,6 +9,7 @@
 
 #include <momentree/contact/indices.hpp>
 #include <momentree/contact/quick_hull.hpp>
+#include <momentree/math/sine_cosine.hpp>
 
 namespace momentree::contact {
 
@@ -114,10 +115,11 @@ Solid cylinder(double radius, double length, const Pose& at_pose) {
   Solid solid;
   // Edges outside by as much as the sides are inside.
   constexpr double step = 2 * std::numbers::pi / cylinder_sides;
-  const double edge = 2 * radius / (1 + std::cos(step / 2));
+  const double edge = 2 * radius / (1 + sine_cosine(step / 2).c);
   std::vector<int> low, high;
   for (int k = 0; k < cylinder_sides; ++k) {
-    const Vec3 across{edge * std::cos(k * step), edge * std::sin(k * step), 0};
+    const auto [s, c] = sine_cosine(k * step);
+    const Vec3 across{edge * c, edge * s, 0};
     low.insert(low.begin(), 2 * k), high.push_back(2 * k + 1);
     for (const double z : {-length / 2, length / 2}) solid.vertices.push_back(at_pose * (across + Vec3{0, 0, z}));
     const int next = (k + 1) % cylinder_sides;

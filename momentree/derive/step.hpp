@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <momentree/derive/recorder.hpp>
@@ -69,6 +70,8 @@ class Step {
   void evaluate_constants(const LinkNumbers& link, double* to) const;
   /// A pass as a function with the arguments of StepFunction.
   [[nodiscard]] machine::Function function(std::size_t pass, const Handing& how, const machine::Target& target) const;
+  /// Its operations as text, with the numbers of their equations: what is computed once for each link, then each pass.
+  [[nodiscard]] std::string listing() const;
 
  private:
   friend class Lowering;

@@ -9,6 +9,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/math/sine_cosine.hpp>
 
 namespace momentree {
 
@@ -171,7 +172,8 @@ bool no_dof_moves(const Tree& tree, const double* q, Workspace<double>& workspac
       const Vec3 arm = transpose_times(kernel.R, touch.point - kernel.r);
       Motion<double> E[6];
       const int n = columns_of(tree, b, joint_state(tree, q, workspace, b), E);
-      for (int i = 0; i < n; ++i) all.row_size[at(tree.first_p(b) + i)] += sum(E[i].v + cross(E[i].w, arm)) + length * sum(E[i].w);
+      for (int i = 0; i < n; ++i)
+        all.row_size[at(tree.first_p(b) + i)] += sum(E[i].v + cross(E[i].w, arm)) + length * sum(E[i].w);
     }
   }
   for (const int body : {contact.a, contact.b})
@@ -276,7 +278,7 @@ void note_open(ContactWorkspace& all) {
   if (all.independent.empty()) return;
   std::vector<double>& free = all.change;
   free.resize(n);
-  for (std::size_t i = 0; i < n; ++i) free[i] = std::sin(1.0 + static_cast<double>(i));
+  for (std::size_t i = 0; i < n; ++i) free[i] = sine_cosine(1.0 + static_cast<double>(i)).s;
   for (std::size_t k = 0; k < all.independent.size(); k += n) {
     double along = 0;
     for (std::size_t i = 0; i < n; ++i) along += all.independent[k + i] * free[i];

@@ -134,7 +134,7 @@ struct Sweep {
       --record;
       const auto step = [&](auto shape, auto children, auto destination) MOMENTREE_INLINE_LAMBDA {
         const auto to = [&](Inboard<T>& out) MOMENTREE_INLINE_LAMBDA {
-          K::Steps::template inboard<shape(), Gravity, true, children(), destination() == Destination::none>(
+          K::Steps::template inboard<shape(), Gravity, children(), destination() == Destination::none>(
               link, tree.subtree_mass(b), K::Steps::has_armature ? armature[at] : 0.0, workspace.cos[angle], workspace.sin[angle],
               p[at], a, buffers.child_sums[b], *record, out);
         };
@@ -164,17 +164,16 @@ struct Sweep {
       const unsigned flags = node_flags[i];
       const LinkConstants& link = tree.link(b);
       const int angle = tree.first_angle(b), at = tree.first_p(b);
-      auto* const kept = &workspace.motions[static_cast<std::size_t>(b)];
+      BodySweep<T>& kept = workspace.motions[static_cast<std::size_t>(b)];
       if ((flags & node::root) != 0) {
         a = base;
-        K::Steps::template outboard_root<Gravity, true>(link, workspace.cos[angle], workspace.sin[angle], *record, p[at], a,
-                                                        workspace.v[at], workspace.pdot[at], kept);
+        K::Steps::template outboard_root<Gravity>(link, workspace.cos[angle], workspace.sin[angle], *record, p[at], a,
+                                                  workspace.v[at], workspace.pdot[at], kept);
       } else {
         buffers.load_parent(b, flags, base, a);
         dispatch_link<K::Steps::has_armature>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-          K::Steps::template outboard<shape(), Gravity, true>(link, workspace.cos[angle], workspace.sin[angle], *record, p[at],
-                                                              (flags & node::leaf) != 0, a, workspace.v[at], workspace.pdot[at],
-                                                              kept);
+          K::Steps::template outboard<shape(), Gravity>(link, workspace.cos[angle], workspace.sin[angle], *record, p[at], a,
+                                                        workspace.v[at], workspace.pdot[at], kept);
         });
       }
       workspace.qdot[tree.first_q(b)] = workspace.v[at];

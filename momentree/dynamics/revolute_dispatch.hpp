@@ -36,13 +36,8 @@ MOMENTREE_INLINE void dispatch_inboard(PlacementShape shape, unsigned flags, F&&
     else
       dispatch_main_shape(shape, [&](auto s) MOMENTREE_INLINE_LAMBDA { f(s, several, accumulator); });
   } else if ((flags & Roots) == 0) {
-    // With rotate_then_reduce a record refers to the frame before the shift along z: the shape used here must split off that
-    // shift as the link's own does, by which the outward step goes.
     constexpr std::integral_constant<Destination, Destination::parent_sum> parent_sum{};
-    if (shape == PlacementShape::general || shape == PlacementShape::tilted)
-      by_children(parent_sum, std::integral_constant<PlacementShape, PlacementShape::general>{});
-    else
-      by_children(parent_sum, std::integral_constant<PlacementShape, PlacementShape::screw>{});
+    by_children(parent_sum, std::integral_constant<PlacementShape, PlacementShape::general>{});
   } else {
     constexpr std::integral_constant<Destination, Destination::none> no_output{};
     by_children(no_output, std::integral_constant<PlacementShape, PlacementShape::parallel>{});

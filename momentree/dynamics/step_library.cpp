@@ -12,9 +12,6 @@ StepLibrary& StepLibrary::of_process() {
 }
 
 StepLibrary::StepLibrary() {
-#ifdef MOMENTREE_DETERMINISTIC  // the same bits on every processor: by the functions that every processor has
-  return;
-#endif
   const char* const wanted = std::getenv("MOMENTREE_MACHINE");
   if (wanted != nullptr && std::strcmp(wanted, "0") == 0) return;
   if (!machine::native_target(1, 8)) return;

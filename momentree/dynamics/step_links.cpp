@@ -56,6 +56,8 @@ int StepLinks::find(Kind kind, Variant variant, derive::BodyPlace place, const L
   return found;
 }
 
+const derive::Step* StepLinks::step(int link) const { return &links_[at(link)].step->step; }
+
 std::size_t StepLinks::record(int link) const { return at(links_[at(link)].step->step.record()); }
 
 bool StepLinks::functions(int link, const derive::Handing& outward, const derive::Handing& inward, StepFunctions& to,

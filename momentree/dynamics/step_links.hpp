@@ -35,6 +35,7 @@ class StepLinks {
   [[nodiscard]] int find(Kind, Variant, derive::BodyPlace, const LinkConstants&, int) { return -1; }
   std::size_t different() const { return 0; }
   std::size_t record(int) const { return 0; }
+  const derive::Step* step(int) const { return nullptr; }
   [[nodiscard]] bool functions(int, const derive::Handing&, const derive::Handing&, StepFunctions&, const void*&) {
     return false;
   }
@@ -57,6 +58,7 @@ class StepLinks {
   /// The number of different steps since begin().
   std::size_t different() const { return steps_.size(); }
   std::size_t record(int link) const;  ///< numbers
+  const derive::Step* step(int link) const;
   /// The steps of a body as entries call them; false: there is no executable memory.
   [[nodiscard]] bool functions(int link, const derive::Handing& outward, const derive::Handing& inward, StepFunctions& to,
                                const void*& constants);

@@ -1,5 +1,6 @@
 #include <momentree/dynamics/step_table.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstring>
@@ -58,6 +59,12 @@ void StepTable::outboard(const StepArrays& arrays, const void* base) const noexc
 void StepTable::prepare(void* records, std::uint64_t& made_for) const noexcept {
   if (std::exchange(made_for, version_) == version_) return;
   for (const Mass& one : masses_) scalar_.put(static_cast<char*>(records) + one.record, one.mass);
+}
+
+const derive::Step* StepTable::step_of(int body) const noexcept {
+  if (std::ranges::find(moving_, body) == moving_.end()) return nullptr;
+  const int link = bodies_[at(body)].link;
+  return link < 0 ? nullptr : links_.step(link);
 }
 
 void StepTable::run(const std::vector<StepEntry>& entries, const StepArrays& arrays) const noexcept {

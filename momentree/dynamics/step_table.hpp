@@ -36,6 +36,8 @@ class StepTable {
   void outboard(const StepArrays& arrays, const void* base) const noexcept;
   /// Writes what records have to contain before the first pass, unless `made_for` says that it was done; updates that.
   void prepare(void* records, std::uint64_t& made_for) const noexcept;
+  /// The step of a body, after `follow`; null: it has a generic one, is welded or moves in a plane.
+  [[nodiscard]] const derive::Step* step_of(int body) const noexcept;
 
  private:
   /// The tree as the steps see it.

@@ -183,7 +183,7 @@ struct VelocitySweep {
       --record;
       const auto step = [&](auto shape, auto children, auto destination) MOMENTREE_INLINE_LAMBDA {
         const auto to = [&](Inboard<T>& out) MOMENTREE_INLINE_LAMBDA {
-          K::Steps::template inboard<shape(), false, true, children(), destination() == Destination::none>(
+          K::Steps::template inboard<shape(), false, children(), destination() == Destination::none>(
               link, tree.subtree_mass(b), K::Steps::has_armature ? armature[at] : 0.0, workspace.cos[angle], workspace.sin[angle],
               workspace.a[at], a, buffers.child_sums[b], *record, out, workspace.biases[b]);
         };

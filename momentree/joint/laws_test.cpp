@@ -102,8 +102,8 @@ template <class K, class L>
 [[gnu::noinline]] void reduce_body(const Sample<K>& at, const SpatialMass<double>& Mb, const Force<double>& Db, auto& record) {
   Inboard<double> in{Mb, Db, {}};
   if constexpr (has_steps<L>)
-    L::Steps::template inboard<PlacementShape::general, true, true, Children::one, true>(at.link, 1.0, at.armature[0], at.c[0],
-                                                                                         at.s[0], at.p[0], in, in, record, in);
+    L::Steps::template inboard<PlacementShape::general, true, Children::one, true>(at.link, 1.0, at.armature[0], at.c[0], at.s[0],
+                                                                                   at.p[0], in, in, record, in);
   else
     reduce<L>(at, in.M, in.D, record);
 }

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/math/sine_cosine.hpp>
 
 namespace momentree {
 
@@ -17,7 +18,10 @@ decltype(auto) with_kernels(const JointSpec& joint, const double* q, Act act) {
     LinkConstants link;
     const Mat3 C = K::frame(joint, link.geometry);
     double c[2] = {}, s[2] = {};
-    for (std::size_t i = 0; i < K::angles.size(); ++i) c[i] = std::cos(q[K::angles[i]]), s[i] = std::sin(q[K::angles[i]]);
+    for (std::size_t i = 0; i < K::angles.size(); ++i) {
+      const SineCosine angle = sine_cosine(q[K::angles[i]]);
+      c[i] = angle.c, s[i] = angle.s;
+    }
     return act(std::type_identity<K>{}, C, link, JointState<double>{q, c, s});
   });
 }

@@ -23,14 +23,6 @@ struct RevoluteStepsOf {
   template <class T>
   using Record = std::conditional_t<Armature, ArmatureRecord<T>, RevoluteRecord<T>>;
 
-  /// True if the mass is rotated about z before it is reduced, while the division 1 / Mj is in flight: more operations, but a
-  /// shorter dependency chain for a single world. E, and everything about z, is the same on both sides of the rotation. The
-  /// records then refer to the parent's side of the joint, so this order is not used if other passes read them (Keep). It saves
-  /// 9 to 12 % of the time of an evaluation for chains of 7 to 1000 bodies in space, 8 % for a binary tree, and 4 to 6 % for real
-  /// robots (g++ 12, AVX-512).
-  template <class T, bool Keep>
-  static constexpr bool rotate_then_reduce = one_world_at_a_time<T> && !Keep;
-
   template <PlacementShape S>
   using Has = PlacementTerms<S>;
 
@@ -38,12 +30,12 @@ struct RevoluteStepsOf {
   /// of the rest. Out: its own contribution, in the parent's frame; `out` may alias `in`. `Root`: the parent is the ground, so no
   /// output is produced. `mass`: of the subtree (kg). `armature`: of the joint (kg m²), if it has any. With a `bias`, this is the
   /// step of the equations of accelerations: joint forces in place of momenta, wrenches in place of remainders.
-  template <PlacementShape S, bool Gravity, bool Keep, Children N, bool Root, class L, class T, class B = NoBias>
+  template <PlacementShape S, bool Gravity, Children N, bool Root, class L, class T, class B = NoBias>
   MOMENTREE_INLINE static void inboard(const L& k, const detail::ConstantOf<L>& mass,
                                        [[maybe_unused]] const detail::ConstantOf<L>& armature, const T& cosine, const T& sine,
                                        const T& momentum, const Inboard<T>& in, const Inboard<T>& others, Record<T>& w,
                                        Inboard<T>& out, const B& bias = {}) {
-    constexpr bool rotates_first = rotate_then_reduce<T, Keep>, crosses_z = rotates_first || !Root, shifts = Has<S>::d;
+    constexpr bool shifts = Has<S>::d;
     constexpr bool biased = !std::is_same_v<B, NoBias>;
     const T c = cosine, s = sine, p = momentum;
     const auto& b = k.body;
@@ -51,29 +43,27 @@ struct RevoluteStepsOf {
     T Mj = Jzz;  // (24)
     if constexpr (Armature) Mj = Mj + armature;
     const T inverse = T(1) / Mj;
-    if constexpr (Root && !Keep && !biased) return inboard_root<Gravity, N>(k, c, s, inverse, p, in, others, w);
     detail::RevoluteColumn<T> e{with<N>(in.M.B.xz, others.M.B.xz, -b.mc.y), with<N>(in.M.B.yz, others.M.B.yz, b.mc.x),
                                 alone<N>(in.M.B.zz, others.M.B.zz), with<N>(in.M.J.xz, others.M.J.xz, b.J.xz),
                                 with<N>(in.M.J.yz, others.M.J.yz, b.J.yz)};
-    if constexpr (rotates_first) detail::cross_z<shifts>(e, c, s, k.d);
     constexpr bool leaf = N == Children::none;  // known zeros are not computed
     constexpr bool nothing_outboard = leaf && !biased;
     const detail::RevoluteColumn<T> g{inverse * e.lx, inverse * e.ly, leaf ? T(0) : inverse * e.lz, inverse * e.hx,
                                       inverse * e.hy};
     w.gl.x = g.lx, w.gl.y = g.ly, w.gl.z = g.lz, w.ghx = g.hx, w.ghy = g.hy;
-    if constexpr (Keep) w.inverse_mass = inverse;
+    w.inverse_mass = inverse;
     if constexpr (Armature) w.armature = T(armature), w.ghz = inverse * Jzz;
     T u = p;
     if constexpr (!nothing_outboard) u = p - remainder<N>(in.D.h.z, others.D.h.z, bias.wrench.h.z);
-    if constexpr (!rotates_first) w.u0 = inverse * u;  // frees a register here; compilers do not find this order
+    w.u0 = inverse * u;  // frees a register here; compilers do not find this order
 
     detail::ReducedMass<T> m;
-    reduce_mass<shifts, rotates_first, crosses_z, N>(k, c, s, e, g, in.M, others.M, m, w);
-    if constexpr (Keep) w.A.zz = m.Azz;
+    reduce_mass<shifts, !Root, N>(k, c, s, e, g, in.M, others.M, m, w);
+    w.A.zz = m.Azz;
     if constexpr (!Root) {
       if constexpr (Armature) {
         detail::RevoluteColumn<T> z{armature * g.lx, armature * g.ly, armature * g.lz, armature * g.hx, armature * g.hy};
-        if constexpr (!rotates_first) detail::cross_z<shifts>(z, c, s, k.d);
+        detail::cross_z<shifts>(z, c, s, k.d);
         const T zz = armature * w.ghz;
         mass_inboard<S>(k, m, z, zz, out.M);
       } else {
@@ -81,7 +71,6 @@ struct RevoluteStepsOf {
       }
     }
 
-    if constexpr (rotates_first) w.u0 = inverse * u;
     T hz = p;  // D̂·E
     if constexpr (Armature) w.hz = hz = remainder<N>(in.D.h.z, others.D.h.z, bias.wrench.h.z) + u * w.ghz;
     Force<T> D{
@@ -92,47 +81,35 @@ struct RevoluteStepsOf {
     if constexpr (Gravity)
       mc.x = with<N>(in.mc.x, others.mc.x, b.mc.x), mc.y = with<N>(in.mc.y, others.mc.y, b.mc.y),
       mc.z = with<N>(in.mc.z, others.mc.z, b.mc.z);
-    const auto rotate = [&]() MOMENTREE_INLINE_LAMBDA {
-      detail::cross_z<shifts>(D, c, s, k.d);
-      if constexpr (Gravity) rotate_z(mc, c, s);
-    };
-    if constexpr (rotates_first && nothing_outboard)
-      mc.x = e.ly, mc.y = -e.lx;  // already rotated there
-    else if constexpr (rotates_first)
-      rotate();
     if constexpr (nothing_outboard)  // (26)
       D = {{u * g.lx, u * g.ly, T(0)}, {u * g.hx, u * g.hy, hz}};
     else
       D.l.x += u * g.lx, D.l.y += u * g.ly, D.l.z += u * g.lz, D.h.x += u * g.hx, D.h.y += u * g.hy;
     w.l.x = D.l.x, w.l.y = D.l.y, w.hx = D.h.x, w.hy = D.h.y;
-    if constexpr (Keep) w.l.z = D.l.z;
+    w.l.z = D.l.z;
     if constexpr (Gravity) w.mc.x = mc.x, w.mc.y = mc.y;
     if constexpr (Root) return;
     if constexpr (biased) add_reduced_bias(w, bias.acceleration, D);
-    if constexpr (!rotates_first) rotate();
+    detail::cross_z<shifts>(D, c, s, k.d);
+    if constexpr (Gravity) rotate_z(mc, c, s);
     momentum_inboard<S, Gravity>(k, mass, D, mc);
     out.D.l.x = D.l.x, out.D.l.y = D.l.y, out.D.l.z = D.l.z, out.D.h.x = D.h.x, out.D.h.y = D.h.y, out.D.h.z = D.h.z;
     if constexpr (Gravity) out.mc.x = mc.x, out.mc.y = mc.y, out.mc.z = mc.z;
   }
 
-  /// Outward step of one body. In: the parent's velocity and gravity in its axes. Out: those of the body, except for a leaf,
-  /// which needs no output. Writes u and ṗ of the joint and, with Keep, Ω and Pb.
-  template <PlacementShape S, bool Gravity, bool Keep, class L, class T>
-  MOMENTREE_INLINE static void outboard(const L& k, const T& c, const T& s, const Record<T>& w, const T& p, bool leaf,
-                                        Outboard<T>& out, T& u, T& pdot, BodySweep<T>* kept) {
+  /// Outward step of one body. In: the parent's velocity and gravity in its axes. Out: those of the body. Writes u and ṗ of the
+  /// joint, Ω and Pb.
+  template <PlacementShape S, bool Gravity, class L, class T>
+  MOMENTREE_INLINE static void outboard(const L& k, const T& c, const T& s, const Record<T>& w, const T& p, Outboard<T>& out,
+                                        T& u, T& pdot, BodySweep<T>& kept) {
     Vector3<T>&v = out.velocity.v, &o = out.velocity.w, &g = out.gravity;
     // (17): into the joint's frame
     detail::cross_placement<S>(k, out.velocity);
     if constexpr (Gravity) detail::rotate_placement<S>(k, g);
-    const auto each = [&](auto turned) MOMENTREE_INLINE_LAMBDA {
-      turned(v), turned(o);
-      if constexpr (Gravity) turned(g);
-    };
-    const auto cross_joint = [&]() MOMENTREE_INLINE_LAMBDA {
-      if constexpr (Has<S>::d) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
-      each([&](Vector3<T>& x) MOMENTREE_INLINE_LAMBDA { rotate_z(x, c, -s); });
-    };
-    if constexpr (!rotate_then_reduce<T, Keep>) cross_joint();
+    if constexpr (Has<S>::d) v.x = v.x + k.d * o.y, v.y = v.y - k.d * o.x;
+    rotate_z(v, c, -s);
+    rotate_z(o, c, -s);
+    if constexpr (Gravity) rotate_z(g, c, -s);
     // (27): u + ω_z directly, which is all that the outboard joint needs
     const T along = (w.gl.x * v.x + w.ghx * o.x) + (w.gl.y * v.y + w.ghy * o.y) + w.gl.z * v.z;
     T total;
@@ -158,37 +135,30 @@ struct RevoluteStepsOf {
     else
       pdot = gyroscopic;
     o.z = total;
-    if constexpr (Keep) {
-      T lz = (w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y) + (w.A.zz * v.z + w.l.z), hz = p;
-      if constexpr (Armature) lz = lz + scaled * w.gl.z, hz = w.hz + (w.armature * along + scaled * w.ghz);
-      *kept = {out.velocity, {{lx, ly, lz}, {hx, hy, hz}}};
-    }
-    if constexpr (rotate_then_reduce<T, Keep>)
-      if (!leaf) cross_joint();
+    T lz = (w.A.xz * v.x + w.Bzx * o.x) + (w.A.yz * v.y + w.Bzy * o.y) + (w.A.zz * v.z + w.l.z), hz = p;
+    if constexpr (Armature) lz = lz + scaled * w.gl.z, hz = w.hz + (w.armature * along + scaled * w.ghz);
+    kept = {out.velocity, {{lx, ly, lz}, {hx, hy, hz}}};
   }
 
   /// The same for a body on the ground, which does not move: u = u0, Pb = D̂, Ω = u e_z.
-  template <bool Gravity, bool Keep, class L, class T>
+  template <bool Gravity, class L, class T>
   MOMENTREE_INLINE static void outboard_root(const L& k, const T& c, const T& s, const Record<T>& w, const T& p, Outboard<T>& out,
-                                             T& u, T& pdot, BodySweep<T>* kept) {
+                                             T& u, T& pdot, BodySweep<T>& kept) {
     Vector3<T>& g = out.gravity;
     const T o(0), total = w.u0;
     u = total;
     if constexpr (Gravity) {
       rotate_z(g, k.cos_b, -k.sin_b);
       rotate_x(g, k.cos_a, -k.sin_a);
-      if constexpr (!rotate_then_reduce<T, Keep>) rotate_z(g, c, -s);
+      rotate_z(g, c, -s);
       pdot = w.mc.x * g.y - w.mc.y * g.x;
-      if constexpr (rotate_then_reduce<T, Keep>) rotate_z(g, c, -s);
     } else {
       pdot = o;
     }
     out.velocity = {{o, o, o}, {o, o, total}};
-    if constexpr (Keep) {
-      T hz = p;
-      if constexpr (Armature) hz = w.hz;
-      *kept = {out.velocity, {w.l, {w.hx, w.hy, hz}}};
-    }
+    T hz = p;
+    if constexpr (Armature) hz = w.hz;
+    kept = {out.velocity, {w.l, {w.hx, w.hy, hz}}};
   }
 
   // Velocities as the state: the two outward passes. The inward pass is the step above, with a bias.
@@ -289,20 +259,6 @@ struct RevoluteStepsOf {
   }
 
  private:
-  // For a body on the ground, which does not move, a stage needs only the velocity and the first moment.
-  template <bool Gravity, Children N, class L, class T>
-  MOMENTREE_INLINE static void inboard_root(const L& k, const T& c, const T& s, const T& inverse, const T& p,
-                                            const Inboard<T>& in, const Inboard<T>& others, Record<T>& w) {
-    T u = p;
-    if constexpr (N != Children::none) u = u - alone<N>(in.D.h.z, others.D.h.z);
-    w.u0 = inverse * u;
-    if constexpr (Gravity) {
-      T x = with<N>(in.mc.x, others.mc.x, k.body.mc.x), y = with<N>(in.mc.y, others.mc.y, k.body.mc.y);
-      if constexpr (rotate_then_reduce<T, false>) rotate(x, y, c, s);
-      w.mc.x = x, w.mc.y = y;
-    }
-  }
-
   // (23): the children's contributions and, in the equations of accelerations, the body's own.
   template <Children N, class T>
   MOMENTREE_INLINE static T remainder(const T& first, const T& others, NoBias::None) {
@@ -331,10 +287,9 @@ struct RevoluteStepsOf {
       return first + others;
   }
 
-  // (25), M̂ = Mb − G (Mb E)ᵀ, and the part of (16) up to the parent's side of the joint, after the reduction or (`RotatesFirst`)
-  // before it. Block by block, so that few values are live at a time; writes the entries that the outward step reads to the
-  // record.
-  template <bool Shifts, bool RotatesFirst, bool CrossesZ, Children N, class L, class T>
+  // (25), M̂ = Mb − G (Mb E)ᵀ, and the part of (16) up to the parent's side of the joint. Block by block, so that few values are
+  // live at a time; writes the entries that the outward step reads to the record.
+  template <bool Shifts, bool CrossesZ, Children N, class L, class T>
   MOMENTREE_INLINE static void reduce_mass(const L& k, const T& c, const T& s, const detail::RevoluteColumn<T>& e,
                                            const detail::RevoluteColumn<T>& g, const SpatialMass<T>& in,
                                            const SpatialMass<T>& others, detail::ReducedMass<T>& m, Record<T>& w) {
@@ -347,70 +302,45 @@ struct RevoluteStepsOf {
     constexpr bool leaf = N == Children::none;
     const detail::ConstantOf<L> d = k.d;
     const auto& b = k.body;
-    const auto in_order = [&](auto cross, auto reduce) MOMENTREE_INLINE_LAMBDA {
-      if constexpr (RotatesFirst) cross(by);
-      reduce();
-      if constexpr (!RotatesFirst && CrossesZ) cross(by);
+    const auto cross = [&](auto f) MOMENTREE_INLINE_LAMBDA {
+      if constexpr (CrossesZ) f(by);
     };
-    detail::PlaneSymmetric<T> A;  // rotated but not shifted, like B; reduced or not, depending on the order
+    detail::PlaneSymmetric<T> A;  // rotated but not shifted, like B
     detail::PlaneMatrix<T> B, slid;
     detail::PlaneVector<T> Az;
     m.A = {with<N>(in.A.xx, others.A.xx, b.m), alone<N>(in.A.xy, others.A.xy), with<N>(in.A.yy, others.A.yy, b.m)};
-    in_order(
-        [&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
-          if constexpr (!(RotatesFirst && leaf))
-            rotate_block(m.A.xx, m.A.xy, m.A.yy, turned);  // m times the identity is invariant
-          A = m.A;
-        },
-        [&]() MOMENTREE_INLINE_LAMBDA {
-          m.A.xx -= e.lx * g.lx, m.A.xy -= e.lx * g.ly, m.A.yy -= e.ly * g.ly;
-          w.A.xx = m.A.xx, w.A.xy = m.A.xy, w.A.yy = m.A.yy;
-        });
+    m.A.xx -= e.lx * g.lx, m.A.xy -= e.lx * g.ly, m.A.yy -= e.ly * g.ly;
+    w.A.xx = m.A.xx, w.A.xy = m.A.xy, w.A.yy = m.A.yy;
+    cross([&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
+      rotate_block(m.A.xx, m.A.xy, m.A.yy, turned);
+      A = m.A;
+    });
     m.B = {alone<N>(in.B.xx, others.B.xx), with<N>(in.B.xy, others.B.xy, b.mc.z), with<N>(in.B.yx, others.B.yx, -b.mc.z),
            alone<N>(in.B.yy, others.B.yy)};
-    in_order(
-        [&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
-          if constexpr (RotatesFirst && leaf) {  // so is m c_z
-            B = m.B;
-            if constexpr (Shifts) m.B.xy += d * A.xx, m.B.yx -= d * A.yy;
-          } else {
-            B = detail::cross_z<Shifts>(m.B, A, turned, d);
-          }
-          slid = m.B;
-        },
-        [&]() MOMENTREE_INLINE_LAMBDA {
-          m.B.xx -= e.hx * g.lx, m.B.xy -= e.hy * g.lx, m.B.yx -= e.hx * g.ly, m.B.yy -= e.hy * g.ly;
-          w.Bxx = m.B.xx, w.Bxy = m.B.xy, w.Byx = m.B.yx, w.Byy = m.B.yy;
-        });
+    m.B.xx -= e.hx * g.lx, m.B.xy -= e.hy * g.lx, m.B.yx -= e.hx * g.ly, m.B.yy -= e.hy * g.ly;
+    w.Bxx = m.B.xx, w.Bxy = m.B.xy, w.Byx = m.B.yx, w.Byy = m.B.yy;
+    cross([&](const auto& turned) MOMENTREE_INLINE_LAMBDA {
+      B = detail::cross_z<Shifts>(m.B, A, turned, d);
+      slid = m.B;
+    });
     m.J = {with<N>(in.J.xx, others.J.xx, b.J.xx), with<N>(in.J.xy, others.J.xy, b.J.xy), with<N>(in.J.yy, others.J.yy, b.J.yy)};
-    in_order([&](const auto& turned) MOMENTREE_INLINE_LAMBDA { detail::cross_z<Shifts>(m.J, slid, B, turned, d); },
-             [&]() MOMENTREE_INLINE_LAMBDA {
-               m.J.xx -= e.hx * g.hx, m.J.xy -= e.hx * g.hy, m.J.yy -= e.hy * g.hy;
-               w.Jxx = m.J.xx, w.Jxy = m.J.xy, w.Jyy = m.J.yy;
-             });
+    m.J.xx -= e.hx * g.hx, m.J.xy -= e.hx * g.hy, m.J.yy -= e.hy * g.hy;
+    w.Jxx = m.J.xx, w.Jxy = m.J.xy, w.Jyy = m.J.yy;
+    cross([&](const auto& turned) MOMENTREE_INLINE_LAMBDA { detail::cross_z<Shifts>(m.J, slid, B, turned, d); });
     m.Az = {alone<N>(in.A.xz, others.A.xz), alone<N>(in.A.yz, others.A.yz)};
-    in_order(
-        [&](const auto&) MOMENTREE_INLINE_LAMBDA {
-          if constexpr (!leaf) rotate(m.Az.x, m.Az.y, c, s);
-          Az = m.Az;
-        },
-        [&]() MOMENTREE_INLINE_LAMBDA {
-          if constexpr (!leaf) m.Az.x -= e.lx * g.lz, m.Az.y -= e.ly * g.lz;
-          w.A.xz = m.Az.x, w.A.yz = m.Az.y;
-        });
+    if constexpr (!leaf) m.Az.x -= e.lx * g.lz, m.Az.y -= e.ly * g.lz;
+    w.A.xz = m.Az.x, w.A.yz = m.Az.y;
+    cross([&](const auto&) MOMENTREE_INLINE_LAMBDA {
+      if constexpr (!leaf) rotate(m.Az.x, m.Az.y, c, s);
+      Az = m.Az;
+    });
     m.Bz = {with<N>(in.B.zx, others.B.zx, b.mc.y), with<N>(in.B.zy, others.B.zy, -b.mc.x)};
-    in_order(
-        [&](const auto&) MOMENTREE_INLINE_LAMBDA {
-          if constexpr (RotatesFirst && leaf)
-            m.Bz = {-e.lx, -e.ly};
-          else
-            rotate(m.Bz.x, m.Bz.y, c, s);
-          if constexpr (Shifts && !leaf) m.Bz.x = m.Bz.x - d * Az.y, m.Bz.y = m.Bz.y + d * Az.x;
-        },
-        [&]() MOMENTREE_INLINE_LAMBDA {
-          if constexpr (!leaf) m.Bz.x -= e.hx * g.lz, m.Bz.y -= e.hy * g.lz;
-          w.Bzx = m.Bz.x, w.Bzy = m.Bz.y;
-        });
+    if constexpr (!leaf) m.Bz.x -= e.hx * g.lz, m.Bz.y -= e.hy * g.lz;
+    w.Bzx = m.Bz.x, w.Bzy = m.Bz.y;
+    cross([&](const auto&) MOMENTREE_INLINE_LAMBDA {
+      rotate(m.Bz.x, m.Bz.y, c, s);
+      if constexpr (Shifts && !leaf) m.Bz.x = m.Bz.x - d * Az.y, m.Bz.y = m.Bz.y + d * Az.x;
+    });
     m.Azz = with<N>(in.A.zz, others.A.zz, b.m);
     if constexpr (!leaf) m.Azz -= e.lz * g.lz;
   }

@@ -38,24 +38,22 @@ LinkConstants link_of_shape(PlacementShape shape, Draw& draw) {
 
 // The steps as the recursions call them. Each is compiled once, with everything inlined, as in the library's loops.
 
-template <class Steps, bool Gravity, bool Keep>
+template <class Steps, bool Gravity>
 [[gnu::noinline]] void step_inboard(const LinkConstants& k, unsigned flags, double mass, double armature, const double& c,
                                     const double& s, const double& p, const Inboard<double>& in, const Inboard<double>& others,
                                     typename Steps::template Record<double>& w, Inboard<double>& out) {
   dispatch_inboard<Steps::has_armature>(k.shape, flags, [&](auto shape, auto children, auto destination) MOMENTREE_INLINE_LAMBDA {
-    Steps::template inboard<shape(), Gravity, Keep, children(), destination() == Destination::none>(k, mass, armature, c, s, p,
-                                                                                                    in, others, w, out);
+    Steps::template inboard<shape(), Gravity, children(), destination() == Destination::none>(k, mass, armature, c, s, p, in,
+                                                                                              others, w, out);
   });
 }
-template <class Steps, bool Gravity, bool Keep>
+template <class Steps, bool Gravity>
 [[gnu::noinline]] void step_outboard(const LinkConstants& k, unsigned flags, const double& c, const double& s,
                                      const typename Steps::template Record<double>& w, const double& p, Outboard<double>& out,
                                      double& u, double& pdot, BodySweep<double>& kept) {
-  if ((flags & node::root) != 0)
-    return Steps::template outboard_root<Gravity, Keep>(k, c, s, w, p, out, u, pdot, Keep ? &kept : nullptr);
+  if ((flags & node::root) != 0) return Steps::template outboard_root<Gravity>(k, c, s, w, p, out, u, pdot, kept);
   dispatch_link<Steps::has_armature>(k.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-    Steps::template outboard<shape(), Gravity, Keep>(k, c, s, w, p, (flags & node::leaf) != 0, out, u, pdot,
-                                                     Keep ? &kept : nullptr);
+    Steps::template outboard<shape(), Gravity>(k, c, s, w, p, out, u, pdot, kept);
   });
 }
 template <class Steps>
@@ -74,9 +72,9 @@ template <class Steps>
 
 template <class Steps>
 struct Step {
-  bool gravity, keep;
-  decltype(&step_inboard<Steps, true, true>) inboard;
-  decltype(&step_outboard<Steps, true, true>) outboard;
+  bool gravity;
+  decltype(&step_inboard<Steps, true>) inboard;
+  decltype(&step_outboard<Steps, true>) outboard;
 };
 
 // One inward and one outward step of a link of a shape, of a body with these node flags, against the generic functions.
@@ -129,20 +127,15 @@ void step_laws(Draw& draw, const Step<Steps>& step, PlacementShape shape, unsign
   L::momentum_rate<double>(k, joint, &u_expected, Pb, weight - cross(far.velocity, Pb), &pdot_expected);  // (20)
   CHECK(std::fabs(u - u_expected) * (1 + armature) < 1e-12);
   CHECK(std::fabs(pdot - pdot_expected) < 1e-11);
-  if (!leaf || step.keep) {  // nothing reads the velocity of a leaf otherwise
-    CHECK(distance(flat(out.velocity), flat(far.velocity)) < 1e-12);
-    if (step.gravity) CHECK(norm(out.gravity - far.gravity) < 1e-13);
-  }
-  if (step.keep) {
-    CHECK(distance(flat(kept.velocity), flat(far.velocity)) < 1e-12);
-    CHECK(distance(flat(kept.articulated), flat(Pb)) < 1e-11);
-  }
+  CHECK(distance(flat(out.velocity), flat(far.velocity)) < 1e-12);
+  if (step.gravity) CHECK(norm(out.gravity - far.gravity) < 1e-13);
+  CHECK(distance(flat(kept.velocity), flat(far.velocity)) < 1e-12);
+  CHECK(distance(flat(kept.articulated), flat(Pb)) < 1e-11);
 
   // Second recursion: (45), and (39) with (47).
   Force<double> W{draw.vector(), draw.vector()}, W_expected = W;
   wrench_inboard<Steps>(k, c, s, W), x.inboard(W_expected);
   CHECK(distance(flat(W), flat(W_expected)) < 1e-13);
-  if (!step.keep) return;  // its records refer to the other side of the joint
   const Motion<double> velocity{draw.vector(), draw.vector()};
   Motion<double> a{draw.vector(), draw.vector()}, a_expected = a, approach{};
   const Motion<double> bias = L::acceleration_bias<double>(k, joint, velocity, &u);
@@ -163,17 +156,14 @@ void step_laws(Draw& draw, const Step<Steps>& step, PlacementShape shape, unsign
 TEST_CASE_TEMPLATE(
     "(15) (16) (17) (20) (21) (22) (23) (24) (25) (26) (27) (39) (45) (47) steps of a revolute joint equal the generic functions",
     Steps, RevoluteSteps, ArmatureSteps) {
-  const Step<Steps> steps[] = {{false, false, step_inboard<Steps, false, false>, step_outboard<Steps, false, false>},
-                               {false, true, step_inboard<Steps, false, true>, step_outboard<Steps, false, true>},
-                               {true, false, step_inboard<Steps, true, false>, step_outboard<Steps, true, false>},
-                               {true, true, step_inboard<Steps, true, true>, step_outboard<Steps, true, true>}};
+  const Step<Steps> steps[] = {{false, step_inboard<Steps, false>, step_outboard<Steps, false>},
+                               {true, step_inboard<Steps, true>, step_outboard<Steps, true>}};
   Draw draw;
   for (const Step<Steps>& step : steps)
     for (int shape = 0; shape <= static_cast<int>(PlacementShape::parallel_a); ++shape)
       for (const unsigned children : {0u, static_cast<unsigned>(node::leaf), static_cast<unsigned>(node::branching)})
         for (const unsigned place : {0u, static_cast<unsigned>(node::last_child), static_cast<unsigned>(node::root)}) {
           CAPTURE(step.gravity);
-          CAPTURE(step.keep);
           CAPTURE(shape);
           CAPTURE(children);
           CAPTURE(place);

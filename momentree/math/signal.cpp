@@ -6,6 +6,7 @@
 #include <string>
 
 #include <momentree/base/error.hpp>
+#include <momentree/math/sine_cosine.hpp>
 
 namespace momentree {
 
@@ -93,7 +94,7 @@ Signal Signal::begun_at(double value, double t) const {
 
 double Signal::value(double t) const noexcept {
   if (ramp_ != 0) return offset_ + ramp_ * t;
-  if (!table_) return amplitude_ == 0 ? offset_ : offset_ + amplitude_ * std::sin(full_turn * frequency_ * t + phase_);
+  if (!table_) return amplitude_ == 0 ? offset_ : offset_ + amplitude_ * sine_cosine(full_turn * frequency_ * t + phase_).s;
   const std::size_t i = after(*table_, t);
   if (i == 0) return table_->front().value;
   if (i == table_->size()) return table_->back().value;
@@ -104,7 +105,8 @@ double Signal::value(double t) const noexcept {
 
 double Signal::rate(double t) const noexcept {
   if (ramp_ != 0) return ramp_;
-  if (!table_) return amplitude_ == 0 ? 0 : amplitude_ * full_turn * frequency_ * std::cos(full_turn * frequency_ * t + phase_);
+  if (!table_)
+    return amplitude_ == 0 ? 0 : amplitude_ * full_turn * frequency_ * sine_cosine(full_turn * frequency_ * t + phase_).c;
   const std::size_t i = after(*table_, t);
   if (i == 0 || i == table_->size()) return 0;
   const Knot &a = (*table_)[i - 1], &b = (*table_)[i];
@@ -134,7 +136,8 @@ Curve::Point Curve::at(double t) const noexcept {
   if (knots.empty()) {
     if (signal_.ramp_rate() != 0) return {signal_.value(t), signal_.ramp_rate(), 0};
     const double w = full_turn * signal_.frequency(), angle = w * t + signal_.phase(), a = signal_.amplitude();
-    return {signal_.offset() + a * std::sin(angle), a * w * std::cos(angle), -a * w * w * std::sin(angle)};
+    const auto [s, c] = sine_cosine(angle);
+    return {signal_.offset() + a * s, a * w * c, -a * w * w * s};
   }
   const std::size_t i = after(knots, t);
   const auto beyond = [t](const Signal::Knot& end, double rate) { return Point{end.value + rate * (t - end.time), rate, 0}; };

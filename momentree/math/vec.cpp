@@ -1,3 +1,4 @@
+#include <momentree/math/sine_cosine.hpp>
 #include <momentree/math/vec.hpp>
 
 #include <numbers>
@@ -27,8 +28,9 @@ Quat quaternion_of(const Mat3& R) {
 
 Quat exp_rotation(const Vec3& phi) {
   const double angle = norm(phi);
-  const double s = angle < 1e-8 ? 0.5 - angle * angle / 48 : std::sin(angle / 2) / angle;
-  return normalized(Quat{std::cos(angle / 2), s * phi.x, s * phi.y, s * phi.z});
+  const SineCosine half = sine_cosine(angle / 2);
+  const double s = angle < 1e-8 ? 0.5 - angle * angle / 48 : half.s / angle;
+  return normalized(Quat{half.c, s * phi.x, s * phi.y, s * phi.z});
 }
 
 Vec3 log_rotation(const Quat& q) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <momentree/dynamics/loop_system.hpp>
+#include <momentree/math/sine_cosine.hpp>
 
 namespace momentree {
 
@@ -26,7 +27,7 @@ void displace(const Tree& tree, double size, int attempt, std::vector<double>& q
     for (int i = 0; i < info(tree.kind(b)).nv; ++i) {
       const int place = tree.first_p(b) + i;
       const double by = info(tree.kind(b)).v_units[i] == 'm' ? 0.01 * size : 0.01;
-      if ((tree.link(b).locked >> i & 1u) == 0) change[at(place)] = by * std::sin(12.9898 * (place + 1) + 78.233 * attempt);
+      if ((tree.link(b).locked >> i & 1u) == 0) change[at(place)] = by * sine_cosine(12.9898 * (place + 1) + 78.233 * attempt).s;
     }
   detail::displace(tree, change.data(), 1, q.data());
 }

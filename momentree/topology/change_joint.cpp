@@ -4,6 +4,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/math/sine_cosine.hpp>
 #include <momentree/math/unit.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/new_joint.hpp>
@@ -52,7 +53,8 @@ void new_joint_momenta(const Tree& tree, int b, const double* q, const Force<dou
     using K = typename decltype(tag)::type::Kernels;
     for (std::size_t i = 0; i < K::angles.size(); ++i) {
       const double angle = q[K::angles[i]] + (K::rotates_about_z ? tree.link(b).angle_0 : 0.0);
-      c[i] = std::cos(angle), s[i] = std::sin(angle);
+      const SineCosine both = sine_cosine(angle);
+      c[i] = both.c, s[i] = both.s;
     }
   });
   project(tree, b, {q, c, s}, to_kernel_frame(tree.frame(b), Pb), p);

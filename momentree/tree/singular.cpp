@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/math/sine_cosine.hpp>
 #include <momentree/tree/start.hpp>
 #include <momentree/tree/tree.hpp>
 
@@ -57,7 +58,8 @@ std::vector<SingularJoint> singular_joints(const Tree& tree, std::span<const dou
     for (int i = 0; i < shape(tree.kind(b)).angles; ++i) {
       const auto at = static_cast<std::size_t>(tree.first_angle(b) + i);
       const double angle = coordinates[static_cast<std::size_t>(tree.angle_coordinates()[at])] + tree.angle_offsets()[at];
-      c[i] = std::cos(angle), s[i] = std::sin(angle);
+      const SineCosine both = sine_cosine(angle);
+      c[i] = both.c, s[i] = both.s;
     }
     const JointState<double> joint{coordinates.data() + tree.first_q(b), c, s};
     dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) {

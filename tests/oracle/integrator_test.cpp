@@ -333,6 +333,8 @@ TEST_CASE("a tolerance that cannot be met ends the run with a message") {
   Model model({.gravity = {0, 0, 0}});
   model.add({.name = "b", .mass = 1, .inertia = diagonal(1), .joint = Revolute{.damping = 1e-3}, .v = 1e5});
   Simulation run(model, {.method = "dopri5", .step = 1e-3, .rtol = 1e-30, .atol = 1e-30});
-  CHECK(run.run_until(1) == Status::diverged);
-  CHECK(run.result().reason.find("larger tolerances rtol and atol") != std::string::npos);
+  const RunResult ended = run.run_until(1);
+  CHECK((ended == Status::diverged || ended == Status::stalled));  // by round-off: no step is good, or only tiny ones are
+  CHECK(ended.reason.find("larger") != std::string::npos);
+  CHECK(ended.reason.find("rtol and atol") != std::string::npos);
 }
