@@ -352,7 +352,7 @@ TEST_CASE("check, explain, evaluate, view") {
   const Outcome code = here.call("explain '" MOMENTREE_SOURCE_DIR "/scenarios/models/anymal_b/anymal.urdf' --code");
   CHECK(code.code == 0);
   if (code.says("revolute: "))  // there is machine code
-    for (const char* part : {"inward\n", "// (22), (23): the body and its children", "udot[0] = "})
+    for (const char* part : {"inward\n", "// (22), (23): the body and its children", "pdot[0] = "})
       CHECK_MESSAGE(code.says(part), code.output);
   else
     CHECK(code.says("By functions of their kinds"));
