@@ -1,8 +1,14 @@
 #include <momentree/dynamics/step_library.hpp>
 
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <new>
+
+#ifdef __linux__
+#include <fcntl.h>
+#include <unistd.h>
+#endif
 
 namespace momentree {
 
@@ -45,6 +51,23 @@ CompiledStep* StepLibrary::get(const derive::StepKey& key) {
   return steps_.emplace(key, std::make_unique<CompiledStep>(key)).first->second.get();
 }
 
+/// With MOMENTREE_PERF_MAP in the environment, /tmp/perf-PID.map names the functions, which perf reads.
+void StepLibrary::tell_profilers([[maybe_unused]] const derive::StepKey& key, [[maybe_unused]] std::size_t pass,
+                                 [[maybe_unused]] StepFunction function, [[maybe_unused]] std::size_t size) const noexcept {
+#ifdef __linux__
+  static const bool wanted = std::getenv("MOMENTREE_PERF_MAP") != nullptr;
+  if (!wanted) return;
+  char path[40];
+  std::snprintf(path, sizeof path, "/tmp/perf-%ld.map", static_cast<long>(::getpid()));
+  const int map = ::open(path, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0600);
+  if (map < 0) return;
+  constexpr const char* places[] = {"inner", "leaf", "root", "single"};
+  ::dprintf(map, "%zx %zx %s, %s, %s, pass %zu\n", reinterpret_cast<std::size_t>(function), size, info(key.kind).name,
+               places[static_cast<std::size_t>(key.place)], key.momenta ? "momenta" : "velocities", pass + 1);
+  ::close(map);
+#endif
+}
+
 StepFunction StepLibrary::function(CompiledStep& step, StepWidth width, std::size_t pass, const derive::Handing& how) {
   const std::size_t way = how.in_registers + 2u * how.to_registers + 4u * (how.adds || how.to_memory);
   std::atomic<StepFunction>& function = step.functions[place_of(width) - 1][pass][way];
@@ -53,7 +76,9 @@ StepFunction StepLibrary::function(CompiledStep& step, StepWidth width, std::siz
   if (const StepFunction known = function.load(std::memory_order_relaxed); known != nullptr) return known;
   const machine::Target& target = *targets_[place_of(width)];
   const machine::Function text = step.step.function(pass, how, target);
-  const StepFunction made = put<StepFunction>(machine::encode(text, machine::allocate(text, target), target));
+  const machine::Bytes bytes = machine::encode(text, machine::allocate(text, target), target);
+  const StepFunction made = put<StepFunction>(bytes);
+  if (made != nullptr) tell_profilers(step.key, pass, made, bytes.all.size() - bytes.entry);
   function.store(made, std::memory_order_release);
   return made;
 }

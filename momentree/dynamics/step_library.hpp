@@ -19,7 +19,8 @@ namespace momentree {
 struct CompiledStep {
   static constexpr std::size_t widths = 7, ways = 8;
 
-  explicit CompiledStep(const derive::StepKey& key) : step(key) {}
+  explicit CompiledStep(const derive::StepKey& of) : key(of), step(of) {}
+  derive::StepKey key;
   derive::Step step;
   std::array<std::array<std::array<std::atomic<StepFunction>, ways>, derive::Step::most_passes>, widths> functions{};
 };
@@ -48,6 +49,7 @@ class StepLibrary {
   static std::size_t place_of(StepWidth width) { return static_cast<std::size_t>(width); }
   template <class F>
   F put(const machine::Bytes& bytes) noexcept;
+  void tell_profilers(const derive::StepKey& key, std::size_t pass, StepFunction function, std::size_t size) const noexcept;
 
   std::array<std::optional<machine::Target>, CompiledStep::widths + 1> targets_{};  ///< by StepWidth
   std::mutex mutex_;
