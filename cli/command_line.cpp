@@ -180,7 +180,7 @@ void CommandLine::add_readers() {
   source(explain_command, "scenario", explain_.scenario, "SCENARIO|MODEL", a_source)->required();
   overrides(explain_command, explain_.overrides);
   explain_command->add_flag("--code", explain_.code,
-                            "Print the steps that become machine code, operation by operation with their equations, instead");
+                            "Instead, print the steps that become machine code, operation by operation with their equations");
   verbose(explain_command, explain_.verbose);
 }
 

@@ -266,7 +266,8 @@ std::string code_text(const World& world, const Style& style) {
   }
   std::string text;
   for (const auto& [step, names] : steps) text += style.heading(names) + '\n' + step->listing() + '\n';
-  if (!others.empty()) text += style.heading("By functions of their kinds, welded, or in a plane") + ": " + others + '\n';
+  if (!others.empty())
+    text += style.heading("Without steps of their own (generic functions, welded, or planar)") + ": " + others + '\n';
   return text;
 }
 

@@ -94,6 +94,9 @@ If set, output on a terminal has no colours.
 .TP
 .B MOMENTREE_MACHINE
 If 0, no machine code is made while the program runs: evaluations take two to four times as long.
+.TP
+.B MOMENTREE_PERF_MAP
+If set, /tmp/perf-PID.map names the functions of machine code for perf.
 .SH EXAMPLES
 .EX
 momentree check crane.toml

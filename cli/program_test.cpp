@@ -355,7 +355,7 @@ TEST_CASE("check, explain, evaluate, view") {
     for (const char* part : {"inward\n", "// (22), (23): the body and its children", "pdot[0] = "})
       CHECK_MESSAGE(code.says(part), code.output);
   else
-    CHECK(code.says("By functions of their kinds"));
+    CHECK(code.says("Without steps of their own"));
   const Outcome evaluate = here.call("evaluate s.toml");
   CHECK(evaluate.code == 0);
   CHECK(evaluate.says("chain/8"));

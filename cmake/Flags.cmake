@@ -13,7 +13,7 @@ if(MOMENTREE_NATIVE)
     target_compile_options(momentree_kernels INTERFACE -march=native)
   endif()
 endif()
-# Every compiler gets the same bits, for every CPU (ADR 7). In vectors of scalars g++ 12 makes multiply-adds all the same.
+# Every compiler gets the same bits, for every CPU (ADR 7). g++ 12 still fuses multiply-adds in vectorised scalar code.
 target_compile_options(momentree_kernels INTERFACE -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(momentree_kernels INTERFACE -fno-tree-slp-vectorize)

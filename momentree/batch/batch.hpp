@@ -35,7 +35,7 @@ struct BatchOptions {
 
 /// Worlds are stepped in lanes, by the classical Runge–Kutta method (rk4). The results of a world equal those of a scalar run to
 /// round-off; they are bit for bit the same whatever other worlds are in the batch and for any number of threads. Another lane
-/// width may round differently, because multiply-adds are contracted.
+/// width may round differently.
 ///
 /// Worlds in lanes have all forces that act in joints: dampers, springs, constant and time-dependent efforts, position control,
 /// friction, soft stops, prescribed motions, and extra efforts per world. If the model has contact, cables, forces on bodies,

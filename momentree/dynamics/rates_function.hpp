@@ -49,7 +49,8 @@ struct GeneratedRates {
 
 /// Returns the code for the tree's present topology and for states in these variables, or null to run the kernels. `rows`: with
 /// closed loops, the rows that are chosen as independent at the present state, in ascending order; otherwise empty. Called
-/// between steps, after every change, and where other rows are chosen; may allocate and take time, must not throw.
+/// between steps, after every change, and where other rows are chosen; may allocate, take time, and throw: it is then asked
+/// again.
 using RatesProvider = std::function<GeneratedRates(const Tree&, Variables, std::span<const int> rows)>;
 
 /// True if stages of steps use evaluate_rates. With forces on bodies, user functions or prescribed motions they need more results

@@ -5,11 +5,6 @@
 #include <cstring>
 #include <new>
 
-#ifdef __linux__
-#include <fcntl.h>
-#include <unistd.h>
-#endif
-
 namespace momentree {
 
 StepLibrary& StepLibrary::of_process() {
@@ -51,23 +46,6 @@ CompiledStep* StepLibrary::get(const derive::StepKey& key) {
   return steps_.emplace(key, std::make_unique<CompiledStep>(key)).first->second.get();
 }
 
-/// With MOMENTREE_PERF_MAP in the environment, /tmp/perf-PID.map names the functions, which perf reads.
-void StepLibrary::tell_profilers([[maybe_unused]] const derive::StepKey& key, [[maybe_unused]] std::size_t pass,
-                                 [[maybe_unused]] StepFunction function, [[maybe_unused]] std::size_t size) const noexcept {
-#ifdef __linux__
-  static const bool wanted = std::getenv("MOMENTREE_PERF_MAP") != nullptr;
-  if (!wanted) return;
-  char path[40];
-  std::snprintf(path, sizeof path, "/tmp/perf-%ld.map", static_cast<long>(::getpid()));
-  const int map = ::open(path, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0600);
-  if (map < 0) return;
-  constexpr const char* places[] = {"inner", "leaf", "root", "single"};
-  ::dprintf(map, "%zx %zx %s, %s, %s, pass %zu\n", reinterpret_cast<std::size_t>(function), size, info(key.kind).name,
-               places[static_cast<std::size_t>(key.place)], key.momenta ? "momenta" : "velocities", pass + 1);
-  ::close(map);
-#endif
-}
-
 StepFunction StepLibrary::function(CompiledStep& step, StepWidth width, std::size_t pass, const derive::Handing& how) {
   const std::size_t way = how.in_registers + 2u * how.to_registers + 4u * (how.adds || how.to_memory);
   std::atomic<StepFunction>& function = step.functions[place_of(width) - 1][pass][way];
@@ -78,7 +56,11 @@ StepFunction StepLibrary::function(CompiledStep& step, StepWidth width, std::siz
   const machine::Function text = step.step.function(pass, how, target);
   const machine::Bytes bytes = machine::encode(text, machine::allocate(text, target), target);
   const StepFunction made = put<StepFunction>(bytes);
-  if (made != nullptr) tell_profilers(step.key, pass, made, bytes.all.size() - bytes.entry);
+  constexpr const char* places[] = {"inner", "leaf", "root", "single"};
+  char name[80];
+  std::snprintf(name, sizeof name, "%s, %s, %s, pass %zu", info(step.key.kind).name,
+                places[static_cast<std::size_t>(step.key.place)], step.key.momenta ? "momenta" : "velocities", pass + 1);
+  if (made != nullptr) machine::name_for_profilers(reinterpret_cast<const void*>(made), bytes.all.size() - bytes.entry, name);
   function.store(made, std::memory_order_release);
   return made;
 }

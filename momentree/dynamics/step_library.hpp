@@ -49,7 +49,6 @@ class StepLibrary {
   static std::size_t place_of(StepWidth width) { return static_cast<std::size_t>(width); }
   template <class F>
   F put(const machine::Bytes& bytes) noexcept;
-  void tell_profilers(const derive::StepKey& key, std::size_t pass, StepFunction function, std::size_t size) const noexcept;
 
   std::array<std::optional<machine::Target>, CompiledStep::widths + 1> targets_{};  ///< by StepWidth
   std::mutex mutex_;

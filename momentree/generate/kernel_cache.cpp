@@ -2,9 +2,11 @@
 
 #include <chrono>
 #include <mutex>
+#include <new>
 #include <unordered_map>
 #include <utility>
 
+#include <momentree/dynamics/step_library.hpp>
 #include <momentree/generate/fingerprint.hpp>
 #include <momentree/generate/loop_kernel.hpp>
 #include <momentree/generate/machine_code.hpp>
@@ -28,23 +30,30 @@ struct KernelCache::Impl {
   Code make(const Tree& tree, Variables variables, std::span<const int> rows) {
     const auto without = [this](std::string why) { return Code{{}, leave(std::move(why)), {}}; };
     if (statistics.compiled >= options.most_topologies)
-      return without("more than " + std::to_string(options.most_topologies) + " topologies are not compiled");
+      return without("more than " + std::to_string(options.most_topologies) + " topologies have no code");
     // Every DoF takes more than ten operations: models that are far too large are not even written as expressions.
     const long most = options.most_operations * (tree.has_loops() ? 2 : 1);
     const bool huge = tree.nv() > most / 10;
     const bool momenta = variables == Variables::momenta;
     if (tree.has_loops() && ++choices[fingerprint(tree, variables, {})] > options.most_choices)
       return without("more than " + std::to_string(options.most_choices) +
-                     " choices of independent equations of closed loops are not compiled for one topology");
-    const KernelExpressions kernel = huge               ? KernelExpressions()
-                                     : tree.has_loops() ? loop_expressions(tree, rows)
-                                     : momenta          ? kernel_expressions(tree)
-                                                        : velocity_expressions(tree);
-    if (const long operations = kernel.operations().total(); huge || operations > most)
-      return without("an evaluation of more than " + std::to_string(most) + " operations is not compiled");
-    Code code{MachineKernel::make(kernel), {}, {}};
+                     " choices of independent equations of closed loops have no code for one topology");
+    Code code;
+    try {
+      const KernelExpressions kernel = huge               ? KernelExpressions()
+                                       : tree.has_loops() ? loop_expressions(tree, rows)
+                                       : momenta          ? kernel_expressions(tree)
+                                                          : velocity_expressions(tree);
+      if (const long operations = kernel.operations().total(); huge || operations > most)
+        return without("there is no code for evaluations of more than " + std::to_string(most) + " operations");
+      code.kernel = MachineKernel::make(kernel);
+    } catch (const std::bad_alloc&) {
+      return without("there was too little memory to make code");
+    }
     if (code.kernel == nullptr)
-      return without("there is no machine code here: the system refuses it, or MOMENTREE_MACHINE=0 switches it off");
+      return without(StepLibrary::of_process().available(StepWidth::one)
+                         ? "the code would be too large"
+                         : "there is no machine code here: the system refuses it, or MOMENTREE_MACHINE=0 switches it off");
     if (tree.has_loops())
       code.rates.loops = code.kernel->loops(), code.rows.assign(rows.begin(), rows.end());
     else if (momenta)

@@ -203,10 +203,13 @@ class OwnKernel : public MachineKernel {
     if (!target) return;
     const machine::Function text = KernelLowering(kernel, *target).run(context_);
     const machine::Allocated allocated = machine::allocate(text, *target);
-    if (allocated.frame > machine::most_memory) return;
+    const auto most = static_cast<std::size_t>(machine::most_numbers);
+    if (allocated.frame > machine::most_numbers || std::max(kernel.qdot.size(), 2 * kernel.pdot.size()) > most) return;
     const machine::Bytes bytes = machine::with_arguments(machine::encode(text, allocated, *target), &context_);
+    if (bytes.all.size() > machine::most_bytes) return;
     if (const std::uint8_t* const begin = memory_.put(bytes.all); begin != nullptr)
-      code_ = reinterpret_cast<void (*)()>(const_cast<std::uint8_t*>(begin) + bytes.entry);
+      code_ = reinterpret_cast<void (*)()>(const_cast<std::uint8_t*>(begin) + bytes.entry),
+      machine::name_for_profilers(begin, bytes.all.size(), "generated code");
   }
   bool any() const { return code_ != nullptr; }
 

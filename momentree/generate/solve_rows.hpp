@@ -1,12 +1,12 @@
 #pragma once
-// The rows of closed loops in code for one mechanism; copied into the files that `compile` writes.
+// The rows of closed loops in code for one mechanism.
 
 namespace momentree {
 
 /// A row whose pivot is too small depends on the others: it is left out.
 [[maybe_unused]] inline double inverse_pivot(double pivot, double least) { return pivot > least ? 1 / pivot : 0.0; }
 
-/// Solves A x = b for n rows by a factorisation L D Lᵀ, in place. A has of each row the elements from column begin[row] to the
+/// Solves A x = b for n rows by a factorisation L D L^T, in place. A has of each row the elements from column begin[row] to the
 /// diagonal; that of column j is at A[row[row] + j].
 [[maybe_unused]] inline void solve_rows(int n, const int* begin, const int* row, const double* least, double* A, const double* b,
                                         double* x) {

@@ -1,7 +1,9 @@
 #include <momentree/integrate/integrator.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include <momentree/dynamics/body_forces.hpp>
 #include <momentree/dynamics/contacts.hpp>
@@ -39,9 +41,12 @@ class Stopwatch {
 }  // namespace
 
 void Evaluator::operator()(double t, const double* q, const double* y) noexcept {
-  // To read the clock twice takes half as long as a stage of a robot: later ones are timed now and then.
-  constexpr int apart = 16;
-  const Stopwatch watch(seconds, count < 4 * apart ? 1 : count % apart == 0 ? apart : 0);
+  // To read the clock twice takes half as long as a stage of a robot: later ones are timed now and then. No method has a multiple
+  // of 17 stages, so that all of them take their turn.
+  constexpr int apart = 17, first = 64;
+  const bool timed = stages_ < first || untimed_ + 1 >= apart;
+  stages_ = std::min(stages_ + 1, first), ++untimed_;
+  const Stopwatch watch(seconds, timed ? std::exchange(untimed_, 0) : 0);
   ++count;
   const bool current = generated_of_ == tree_->revision();
   if (variables_ == Variables::momenta)

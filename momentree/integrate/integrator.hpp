@@ -56,6 +56,7 @@ class Evaluator {
   Variables variables_ = Variables::momenta;
   GeneratedRates generated_;
   std::uint64_t generated_of_ = 0;  // the tree's revision for which it is valid
+  int stages_ = 0, untimed_ = 0;    // so far, up to some number; since the last one that was timed
 };
 
 /// Energy ledger, integrated with the method: energy dissipated and work done since the start (J).

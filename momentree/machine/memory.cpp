@@ -3,10 +3,13 @@
 #include <algorithm>
 
 #if defined(__linux__) && (defined(__x86_64__) || defined(__aarch64__))
+#include <fcntl.h>
 #include <pthread.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 
@@ -20,6 +23,17 @@ long generation = 0;  // the first process is 0, its children are 1, …
 void keep_free_in_children(std::mutex& mutex) noexcept {
   kept_free = &mutex;
   ::pthread_atfork([] { kept_free->lock(); }, [] { kept_free->unlock(); }, [] { kept_free->unlock(); });
+}
+
+void name_for_profilers(const void* code, std::size_t size, const char* name) noexcept {
+  static const bool wanted = std::getenv("MOMENTREE_PERF_MAP") != nullptr;
+  if (!wanted) return;
+  char path[40];
+  std::snprintf(path, sizeof path, "/tmp/perf-%ld.map", static_cast<long>(::getpid()));
+  const int map = ::open(path, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0600);
+  if (map < 0) return;
+  ::dprintf(map, "%zx %zx %s\n", reinterpret_cast<std::size_t>(code), size, name);
+  ::close(map);
 }
 
 bool CodeMemory::map(std::size_t least) noexcept {
@@ -80,6 +94,7 @@ const std::uint8_t* CodeMemory::put(std::span<const std::uint8_t> bytes) noexcep
 namespace momentree::machine {
 
 void keep_free_in_children(std::mutex&) noexcept {}
+void name_for_profilers(const void*, std::size_t, const char*) noexcept {}
 CodeMemory::~CodeMemory() = default;
 const std::uint8_t* CodeMemory::put(std::span<const std::uint8_t>) noexcept { return nullptr; }
 

@@ -11,6 +11,9 @@ namespace momentree::machine {
 /// Makes fork() wait for the mutex, which is then free in both processes. For one mutex.
 void keep_free_in_children(std::mutex& mutex) noexcept;
 
+/// With MOMENTREE_PERF_MAP in the environment, /tmp/perf-PID.map has the names of functions, which perf reads: adds one.
+void name_for_profilers(const void* code, std::size_t size, const char* name) noexcept;
+
 /// Code memory of this process. Not thread-safe.
 class CodeMemory {
  public:

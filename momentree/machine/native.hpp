@@ -14,14 +14,13 @@ namespace momentree::machine {
 inline constexpr auto* encode = encode_arm64;
 inline constexpr auto *encode_run = encode_arm64_run, *encode_call = encode_arm64_call;
 inline constexpr auto* with_arguments = with_arguments_arm64;
-/// Numbers that a function can have in its own memory.
-inline constexpr int most_memory = 4000;
 #else
 inline constexpr auto* encode = encode_x86;
 inline constexpr auto *encode_run = encode_x86_run, *encode_call = encode_x86_call;
 inline constexpr auto* with_arguments = with_arguments_x86;
-/// Numbers that a function can have in its own memory.
-inline constexpr int most_memory = 1 << 16;
 #endif
+/// Numbers that a function can have in its own memory, and in each array: AArch64 has short offsets, and a stack is checked page
+/// by page. And bytes of its code and constants.
+inline constexpr int most_numbers = 4000, most_bytes = 1 << 20;
 
 }  // namespace momentree::machine

@@ -1,5 +1,5 @@
 #pragma once
-// Sine and cosine of single angles with the same bits by every compiler and C library.
+// Sine and cosine of single angles with the same bits from every compiler and C library.
 #include <cmath>
 
 #include <momentree/math/sincos.hpp>

@@ -58,7 +58,7 @@ struct [[nodiscard]] RunResult {
 
 /// Wall-clock times and counts as in the paper's Table 2: [0] before and [1] after the first topology change.
 struct RunStatistics {
-  double evaluation_seconds[2]{};  ///< estimated: of later stages of steps one in 16 is timed
+  double evaluation_seconds[2]{};  ///< an estimate: after the first 64 stages of steps, only every 17th is timed
   double topology_seconds = 0, total_seconds[2]{};
   long evaluations[2]{};
   long steps = 0, changes = 0;
