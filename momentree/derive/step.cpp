@@ -113,7 +113,8 @@ Recorded record_step(const StepKey& key) {
     other.in->known_value = [&key](const std::string& name) -> std::optional<double> {
       if (name == "mass" || name == "armature") return {};
       const std::uint64_t code = code_in(key, link_number(name));
-      return code == any_value ? std::nullopt : std::optional(known_values[code]);
+      if (code == any_value) return {};
+      return known_values[code];
     };
     if (key.momenta)
       other.steps = MomentumSteps<K, NQ, NV>(traits, shape, key.place, order, *other.in, key.gravity).run();
