@@ -1,6 +1,8 @@
 #include <momentree/derive/graph_lowering.hpp>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 
 namespace momentree::derive {
 

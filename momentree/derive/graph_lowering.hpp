@@ -1,8 +1,6 @@
 #pragma once
 // From expressions to the operations of a function for machine code: which are needed, which products become part of a
 // multiply-add, and the values in the order in which they are computed.
-#include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>

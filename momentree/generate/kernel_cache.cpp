@@ -52,7 +52,7 @@ struct KernelCache::Impl {
     }
     if (code.kernel == nullptr)
       return without(StepLibrary::of_process().available(StepWidth::one)
-                         ? "the code would be too large"
+                         ? "the code would be too large, or the system refuses executable memory for it"
                          : "there is no machine code here: the system refuses it, or MOMENTREE_MACHINE=0 switches it off");
     if (tree.has_loops())
       code.rates.loops = code.kernel->loops(), code.rows.assign(rows.begin(), rows.end());

@@ -27,8 +27,8 @@ struct KernelCacheStatistics {
   double seconds = 0;    ///< time to make code (s)
 };
 
-/// Code for every requested topology, kept while the cache or a provider exists. Topologies are
-/// distinguished by what the kernels read: forest, kinds, constants, gravity, armatures and locks, but not dampers or springs.
+/// Code for every requested topology, kept while the cache or a provider exists. Topologies are distinguished by what the kernels
+/// read: forest, kinds, constants, gravity, armatures and locks, but not dampers or springs.
 /// Code for momenta and code for velocities are made when they are asked for, and count as separate topologies. Code for closed
 /// loops is in velocities, and for one choice of independent rows: each choice counts as a topology. Code is made inside the
 /// call, in milliseconds, so the same run gives the same bits every time. Copies share their contents; thread-safe.

@@ -85,7 +85,6 @@ class KernelLowering : derive::GraphLowering {
   /// Where the array is in the arguments of a RatesFunction, VelocityRatesFunction or LoopRatesFunction.
   machine::Base base_of(Array array) const {
     constexpr int of_calls = offsetof(CalledWith, zero), pointer = sizeof(void*);
-    const bool momenta = kernel_.variables == Variables::momenta;
     switch (array) {
       case least: return {of_calls, offsetof(LoopCalls, least_pivots)};
       case lambda: return {of_calls, offsetof(LoopCalls, lambda)};
@@ -94,7 +93,7 @@ class KernelLowering : derive::GraphLowering {
       case tau: return {2 * pointer};
       case qdot: return {(kernel_.loops ? 4 : 3) * pointer};
       case ydot: return {(kernel_.loops ? 5 : 4) * pointer};
-      default: return {(momenta || array != tau ? static_cast<int>(array) : 2) * pointer};
+      default: return {static_cast<int>(array) * pointer};  // q, y
     }
   }
   Place place(Array array, int index) {
@@ -221,6 +220,7 @@ class OwnKernel : public MachineKernel {
 }  // namespace
 
 std::unique_ptr<const MachineKernel> MachineKernel::make(const KernelExpressions& kernel) {
+  MT_REQUIRE(kernel.loops || kernel.begin.empty(), "with loops, expressions for steps: those for a file have no LoopCalls");
   if (!StepLibrary::of_process().available(StepWidth::one)) return nullptr;
   auto made = std::make_unique<const OwnKernel>(kernel);
   return made->any() ? std::move(made) : nullptr;

@@ -10,7 +10,8 @@ namespace momentree {
 /// The function lives as long as this.
 class MachineKernel {
  public:
-  /// Null if there is no machine code here (see StepLibrary::available), or no memory for it.
+  /// Null if there is no machine code here (see StepLibrary::available), if it would be too large, or if there is no executable
+  /// memory for it. With loops, the expressions are those for steps. Throws std::bad_alloc.
   [[nodiscard]] static std::unique_ptr<const MachineKernel> make(const KernelExpressions& kernel);
   virtual ~MachineKernel() = default;
 

@@ -160,7 +160,7 @@ std::string list(const std::vector<T>& all, const F& as_text) {
   return text;
 }
 
-// A header of the engine, without the parts that belong to a header.
+// The text of a header for the generated file: without its includes, and with an unnamed namespace.
 std::string source_of(std::string_view text) {
   std::string all;
   for (std::size_t begin = 0; begin < text.size();) {

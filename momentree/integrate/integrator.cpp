@@ -41,8 +41,8 @@ class Stopwatch {
 }  // namespace
 
 void Evaluator::operator()(double t, const double* q, const double* y) noexcept {
-  // To read the clock twice takes half as long as a stage of a robot: later ones are timed now and then. No method has a multiple
-  // of 17 stages, so that all of them take their turn.
+  // Reading the clock twice takes half as long as a stage of a robot, so only the first stages and then every 17th are timed. No
+  // method has a multiple of 17 stages a step: all of them take their turn.
   constexpr int apart = 17, first = 64;
   const bool timed = stages_ < first || untimed_ + 1 >= apart;
   stages_ = std::min(stages_ + 1, first), ++untimed_;

@@ -17,7 +17,7 @@ struct Bytes {
 struct CalledWith {
   const void* arguments[6];
   const void* context;
-  std::int64_t zero;  ///< for a Base in the second argument
+  std::int64_t zero;  ///< 0: the offset of bases in the second argument
 };
 
 }  // namespace momentree::machine

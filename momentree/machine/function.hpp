@@ -61,9 +61,9 @@ struct Store {
   bool read_early = false;  ///< its value, a load, is read before any store that is due at the end
 };
 
-/// A function of C++ that is called before operation number `time`, which comes before the last one: void(const void* entry,
-/// double* memory, int index). Its address is at `function` in what the pointer at `context` of the first argument points to.
-/// What it is given was stored in the function's own memory by then; values that are loaded from there are used after it alone.
+/// Calls a C++ function, void(const void* entry, double* memory, int index), before operation number `time`; at least one
+/// operation follows. Its address is at `function` in what the pointer at `context` of the first argument points to. Stores into
+/// the function's own memory give it its arguments; values that it leaves there are loaded after the call alone.
 struct Call {
   int time = 0;
   int context = 0, function = 0;
