@@ -32,10 +32,10 @@ endfunction()
 # For targets that include public headers only, as consumers do.
 function(momentree_warnings target)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
-  # -Wrestrict of g++ 12 reports false overlaps in std::string's operator+. clang warns that packs wider than the CPU's registers
+  # -Wrestrict of g++ 12 reports false overlaps in std::string's operator+. Compilers warn that packs wider than the CPU's registers
   # are passed through memory, even if everything is inlined.
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
-    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> $<$<CXX_COMPILER_ID:Clang>:-Wno-psabi>)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wno-psabi
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
   if(MOMENTREE_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
