@@ -55,19 +55,13 @@ constexpr double known_values[] = {0, 1, -1};
 constexpr std::uint64_t any_value = 3;
 std::uint64_t code_in(const StepKey& key, std::size_t i) { return key.pattern[i / 32] >> 2 * (i % 32) & 3; }
 
-/// Whether links of these kernels are placed by their PlacementShape, which knows the offset along the joint's axis.
-template <class K>
-constexpr bool is_placed_by_shape = requires {
-  typename K::Steps;
-};
-
 /// What the derivation needs to know of kernels besides their functions.
 template <class K>
 Traits traits_of(const StepKey& key) {
   Traits traits{info(key.kind).name};
   if constexpr (!K::rotates_about_z && !K::angles.empty())  // the last rotation is about z
     traits.angle = static_cast<int>(K::angles.size()) - 1, traits.dof = K::angles.back();
-  if constexpr (is_placed_by_shape<K>) traits.frame = Order::before_displacement;
+  if constexpr (K::placed_by_shape) traits.frame = Order::before_displacement;
   traits.armature = key.armature;
   return traits;
 }
@@ -99,7 +93,7 @@ struct Recorded {
 template <class K, std::size_t NQ, std::size_t NV>
 Recorded record_step(const StepKey& key) {
   const Traits traits = traits_of<K>(key);
-  const std::optional<PlacementShape> shape = is_placed_by_shape<K> ? std::optional(key.shape) : std::nullopt;
+  const std::optional<PlacementShape> shape = K::placed_by_shape ? std::optional(key.shape) : std::nullopt;
   Recorded least;
   int fewest = 0;
   std::vector<Order> orders;
@@ -135,8 +129,6 @@ Recorded record_step(const StepKey& key) {
       MT_REQUIRE(false, "welds have no steps");
       return {};
     } else {
-      if constexpr (requires { typename K::ArmatureKernels; })
-        if (key.armature) return record_step<typename K::ArmatureKernels, nq, nv>(key);
       return record_step<typename K::Kernels, nq, nv>(key);
     }
   });
@@ -159,17 +151,18 @@ bool same_numbers(const LinkNumbers& numbers, const LinkConstants& link) {
 }
 
 StepKey key_of(Kind kind, bool armature, BodyPlace place, const LinkConstants& link) {
-  const bool by_shape = dispatch(kind, [](auto tag) { return is_placed_by_shape<typename decltype(tag)::type::Kernels>; });
+  const bool by_shape = dispatch(kind, [](auto tag) { return decltype(tag)::type::Kernels::placed_by_shape; });
   const bool has_parent = place == BodyPlace::inner || place == BodyPlace::leaf;  // the placement of a root is used once
   return {
       .kind = kind, .armature = armature, .place = place, .shape = by_shape && has_parent ? link.shape : PlacementShape::general};
 }
 
 bool has_steps(Kind kind, Variant variant) {
-  const bool own_armature = dispatch(kind, [](auto tag) {
-    return requires { typename decltype(tag)::type::ArmatureKernels; };
+  const bool own_axis = dispatch(kind, [](auto tag) {
+    using K = typename decltype(tag)::type;
+    return K::info.nv == 1 && requires { typename K::Generic; };  // E is a unit vector
   });
-  return variant == Variant::plain || (variant == Variant::armature && own_armature);
+  return variant == Variant::plain || (variant == Variant::armature && own_axis);
 }
 
 void add_pattern(const LinkNumbers& numbers, StepKey& key) {

@@ -120,7 +120,7 @@ void ContactParts::solve(const Tree& tree, const double* q, Workspace<double>& w
   if (tree.has_loops())
     solve_with_loops(tree, q, workspace, row_.data());
   else
-    solve_mechanism<double>(tree, q, workspace, row_.data(), range.begin, range.end);
+    solve_with_factors<double>(tree, q, workspace, row_.data(), range.begin, range.end);
 }
 
 void ContactParts::count_points(const Tree& tree, std::span<const Contact> contacts) {

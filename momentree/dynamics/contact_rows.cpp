@@ -132,7 +132,7 @@ class GroupMobility {
         const int a = root(c.a), b = root(c.b);
         for (const int mechanism : {a, b == a ? -1 : b})
           if (mechanism >= 0)
-            solve_mechanism<double>(tree_, q_, workspace_, all_.packed.data(), all_.begin_of[place_in(mechanism)],
+            solve_with_factors<double>(tree_, q_, workspace_, all_.packed.data(), all_.begin_of[place_in(mechanism)],
                                     all_.end_of[place_in(mechanism)]);
       }
       take(row(rows_.Y, k));

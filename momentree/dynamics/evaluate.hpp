@@ -1,5 +1,7 @@
 #pragma once
 // Both recursions and the joint forces, as integrators and topology changes use them.
+#include <limits>
+
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/dynamics/rates_function.hpp>
@@ -66,11 +68,11 @@ void evaluate_accelerations(const Tree& tree, const T* q, Workspace<T>& workspac
 
 /// M⁻¹ r at coordinates q, for one more right-hand side, in place: `u` holds r, packed as p. DoFs that are locked or have a
 /// prescribed motion get zero. Requires evaluate_motions at q. Overwrites the scratch of the second recursion.
+/// `begin`, `end`: only for the mechanism whose bodies have these places in the tree's order; only its numbers of `u` are then
+/// read and written.
 template <class T>
-void solve_with_factors(const Tree& tree, const T* q, Workspace<T>& workspace, T* u) noexcept;
-/// The same for one mechanism, the bodies begin … end − 1 of the tree's order: only its numbers of `u` are read and written.
-template <class T>
-void solve_mechanism(const Tree& tree, const T* q, Workspace<T>& workspace, T* u, int begin, int end) noexcept;
+void solve_with_factors(const Tree& tree, const T* q, Workspace<T>& workspace, T* u, int begin = 0,
+                        int end = std::numeric_limits<int>::max()) noexcept;
 
 /// Ω̇ of body b less gravity, in its kernel frame (39). Requires accelerate or evaluate_accelerations.
 Motion<double> felt_acceleration(const Tree& tree, const double* q, const Workspace<double>& workspace, int b) noexcept;
@@ -100,7 +102,6 @@ inline DenseTransform<double> joint_transform_of(const Tree& tree, const State& 
 extern template void evaluate_rates<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 extern template void evaluate_motions<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 extern template void evaluate_accelerations<double>(const Tree&, const double*, Workspace<double>&) noexcept;
-extern template void solve_with_factors<double>(const Tree&, const double*, Workspace<double>&, double*) noexcept;
-extern template void solve_mechanism<double>(const Tree&, const double*, Workspace<double>&, double*, int, int) noexcept;
+extern template void solve_with_factors<double>(const Tree&, const double*, Workspace<double>&, double*, int, int) noexcept;
 
 }  // namespace momentree

@@ -1,9 +1,10 @@
 #pragma once
-// The passes of stages over one body of a StepTable, by the generic functions of its joint's kernels.
+// The passes of stages over one body of a StepTable, by the texts of body_passes.hpp.
 //
 // In velocities the accelerations are those of points, v̇ + ω × v at the body's origin. Then velocities may be relative to a
 // frame that moves with the parent's origin: linear ones, which would only cancel, are not handed on.
 #include <momentree/base/inline.hpp>
+#include <momentree/dynamics/body_passes.hpp>
 #include <momentree/dynamics/step_table.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -15,9 +16,16 @@ namespace momentree {
 template <class K, class T>
 struct StepOfBody {
   using Record = typename K::template Record<T>;
+  /// What nobody reads after a stage.
+  struct Kept {
+    BodySweep<T> motion;
+    Motion<T> inboard_acceleration;
+    Force<T> reduced_bias_wrench;
+  };
 
   const StepEntry& e;
   const StepArrays& s;
+  Kept& kept;
   const GenericBody& own = *static_cast<const GenericBody*>(e.constants);
 
   template <class X = T>
@@ -31,14 +39,23 @@ struct StepOfBody {
   Record& record() const { return *at<Record>(s.records, e.record); }
   BodyBias<T>& bias() const { return static_cast<BodyBias<T>*>(s.biases)[own.body]; }
   const double* armature() const { return s.model_armature + e.dof / static_cast<std::int32_t>(sizeof(T)); }
-  /// Calls f(std::bool_constant<the link needs no rotation about the parent's z>).
-  template <class F>
-  MOMENTREE_INLINE void by_alignment(F&& f) const {
-    if (K::rotates_about_z && aligned(own.link))
-      f(std::true_type{});
-    else
-      f(std::false_type{});
+  PassBody<K, T> of_pass() const {
+    return {.link = own.link,
+            .joint = joint(),
+            .flags = own.flags,
+            .record = record(),
+            .u = at(s.u, e.dof),
+            .qdot = at(s.qdot, e.q),
+            .a = at(s.a, e.dof),
+            .p = at(s.p, e.dof),
+            .pdot = at(s.pdot, e.dof),
+            .motion = &kept.motion,
+            .bias = &bias(),
+            .inboard_acceleration = &kept.inboard_acceleration,
+            .reduced_bias_wrench = &kept.reduced_bias_wrench};
   }
+  bool leaf() const { return (own.flags & node::leaf) != 0; }
+  bool root() const { return (own.flags & node::root) != 0; }
 };
 
 /// In velocities.
@@ -46,65 +63,40 @@ template <class K, class T>
 struct GenericVelocitySteps {
   using Body = StepOfBody<K, T>;
 
-  /// From its parent's motion to its own, with its bias: (17), (39).
   static void velocities(const StepEntry& e, const StepArrays& s) {
-    const Body b{e, s};
-    const JointState<T> j = b.joint();
-    const LinkConstants& link = b.own.link;
-    const T* const u = Body::at(static_cast<const void*>(s.u), e.dof);
+    typename Body::Kept unread;
+    const Body b{e, s, unread};
     Motion<T> a{};
-    if (!b.own.root) a.w = Body::template at<Motion<T>>(s.motions, e.in)->w;
-    b.by_alignment([&](auto is_aligned) MOMENTREE_INLINE_LAMBDA {
-      K::template joint_transform<is_aligned(), T>(link, j, b.record()).outboard(a);
-    });
-    a = K::template spatial_velocity<T>(link, j, a, u);  // (17)
-    BodyBias<T>& to = b.bias();
-    put(K::template acceleration_bias<T>(link, j, a, u), to.acceleration);  // (39)
-    to.acceleration.v += cross(a.w, a.v);
-    K::template coordinate_rate<T>(j.q, u, Body::at(s.qdot, e.q));
+    if (!b.root()) a.w = Body::template at<Motion<T>>(s.motions, e.in)->w;
+    velocity_outboard(b.of_pass(), a);
+    BodyBias<T>& bias = b.bias();
+    bias.acceleration.v += cross(a.w, a.v);
     a.v = {T(0), T(0), T(0)};
-    put(gyroscopic_wrench(link.body, a), to.wrench);
-    if (!b.own.leaf) put(a, *Body::template at<Motion<T>>(s.motions, e.to));
+    put(gyroscopic_wrench(b.own.link.body, a), bias.wrench);
+    if (!b.leaf()) put(a, *Body::template at<Motion<T>>(s.motions, e.to));
   }
-  /// From the contributions of its children to its own: (22)–(26), (16).
   template <bool Adds>
   static void inboard(const StepEntry& e, const StepArrays& s) {
-    const Body b{e, s};
-    const JointState<T> j = b.joint();
+    typename Body::Kept unread;
+    const Body b{e, s, unread};
     Inboard<T> a{};
-    if (!b.own.leaf) put_without_moments(*Body::template at<Inboard<T>>(s.sums, e.in), a);
-    const BodyBias<T>& from = b.bias();
-    add_rigid_mass(a.M, b.own.link.body);                                                            // (22)
-    a.D += from.wrench;                                                                              // (23)
-    K::template reduce<T>(b.own.link, j, Body::at(s.a, e.dof), b.armature(), a.M, a.D, b.record());  // (24)–(26)
-    if (b.own.root) return;
-    K::add_reduced_bias(b.record(), from.acceleration, a.D);
-    b.by_alignment([&](auto is_aligned) MOMENTREE_INLINE_LAMBDA {
-      const auto transform = K::template cached_transform<is_aligned(), T>(b.own.link, j, b.record());
-      transform.inboard(a.M);  // (16)
-      transform.inboard(a.D);
-    });
+    if (!b.leaf()) put_without_moments(*Body::template at<Inboard<T>>(s.sums, e.in), a);
+    force_inboard(b.of_pass(), b.armature(), a);
+    if (b.root()) return;
     if constexpr (Adds)
       add_without_moments(a, *Body::template at<Inboard<T>>(s.sums, e.to));
     else
       put_without_moments(a, *Body::template at<Inboard<T>>(s.sums, e.to));
   }
-  /// From its parent's acceleration to its own: (39), (27), (17).
   static void outboard(const StepEntry& e, const StepArrays& s) {
-    const Body b{e, s};
-    const JointState<T> j = b.joint();
+    typename Body::Kept unread;
+    const Body b{e, s, unread};
     const Motion<T>& parent = *Body::template at<Motion<T>>(s.motions, e.in);
     Motion<T> a{};
     a.v = parent.v;
-    if (!b.own.root) a.w = parent.w;
-    b.by_alignment([&](auto is_aligned) MOMENTREE_INLINE_LAMBDA {
-      K::template cached_transform<is_aligned(), T>(b.own.link, j, b.record()).outboard(a);
-    });
-    a = a + b.bias().acceleration;
-    T* const udot = Body::at(s.a, e.dof);
-    K::joint_velocity(b.record(), a, udot);  // (27)
-    if (b.own.leaf) return;
-    put(K::template spatial_velocity<T>(b.own.link, j, a, udot), *Body::template at<Motion<T>>(s.motions, e.to));  // (17)
+    if (!b.root()) a.w = parent.w;
+    acceleration_outboard(b.of_pass(), a);
+    if (!b.leaf()) put(a, *Body::template at<Motion<T>>(s.motions, e.to));
   }
 };
 
@@ -113,59 +105,28 @@ template <class K, class T>
 struct GenericMomentumSteps {
   using Body = StepOfBody<K, T>;
 
-  /// (22)–(26), (16)
   template <bool Adds>
   static void inboard(const StepEntry& e, const StepArrays& s) {
-    const Body b{e, s};
-    const JointState<T> j = b.joint();
+    typename Body::Kept unread;
+    const Body b{e, s, unread};
     Inboard<T> a{};
-    if (!b.own.leaf) put(*Body::template at<Inboard<T>>(s.sums, e.in), a);
-    SpatialMass<T>& M = articulated_mass(b.own.link.body, a.M);  // (22)
-    Force<T>& D = remainder_momentum(a.D);                       // (23)
-    const Vec3& own = b.own.link.body.mc;
-    a.mc.x += own.x, a.mc.y += own.y, a.mc.z += own.z;
-    b.record().mc = a.mc;
-    K::template reduce<T>(b.own.link, j, Body::at(s.p, e.dof), b.armature(), M, D, b.record());  // (24)–(26)
-    b.by_alignment([&](auto is_aligned) MOMENTREE_INLINE_LAMBDA {
-      const auto transform = K::template joint_transform<is_aligned(), T>(b.own.link, j, b.record());
-      if (b.own.root) return;
-      transform.inboard(M);  // (16)
-      transform.inboard(D);
-      transform.inboard(a.mc, b.own.mass);
-    });
-    if (b.own.root) return;
+    if (!b.leaf()) put(*Body::template at<Inboard<T>>(s.sums, e.in), a);
+    momentum_inboard(b.of_pass(), b.armature(), b.own.mass, true, a);
+    if (b.root()) return;
     if constexpr (Adds)
       *Body::template at<Inboard<T>>(s.sums, e.to) += a;
     else
       put(a, *Body::template at<Inboard<T>>(s.sums, e.to));
   }
-  /// (17), (27), (21), (15), (20)
   static void outboard(const StepEntry& e, const StepArrays& s) {
-    const Body b{e, s};
-    const JointState<T> j = b.joint();
+    typename Body::Kept unread;
+    const Body b{e, s, unread};
     const Outboard<T>& parent = *Body::template at<Outboard<T>>(s.motions, e.in);
     Outboard<T> a{};
     a.gravity = parent.gravity;
-    if (!b.own.root) a.velocity = parent.velocity;
-    b.by_alignment([&](auto is_aligned) MOMENTREE_INLINE_LAMBDA {
-      const auto transform = K::template cached_transform<is_aligned(), T>(b.own.link, j, b.record());
-      transform.outboard(a.velocity);
-      transform.outboard(a.gravity);
-    });
-    T* const u = Body::at(s.u, e.dof);
-    K::joint_velocity(b.record(), a.velocity, u);                                               // (27)
-    const Force<T> Pb = K::articulated_momentum(b.record(), Body::at(s.p, e.dof), a.velocity);  // (21)
-    a.velocity = K::template spatial_velocity<T>(b.own.link, j, a.velocity, u);                 // (17)
-    const Force<T> weight = accumulated_force(b.own.mass, b.record().mc, a.gravity);            // (15)
-    const auto gyroscopic = [&] {
-      if constexpr (requires { K::template gyroscopic<T>(b.own.link.body.mc, a.velocity, Pb); })
-        if (b.own.root && b.own.leaf) return K::template gyroscopic<T>(b.own.link.body.mc, a.velocity, Pb);
-      return cross(a.velocity, Pb);
-    };
-    const Force<T> wrench = weight - gyroscopic();                                        // (9), (20)
-    K::template momentum_rate<T>(b.own.link, j, u, Pb, wrench, Body::at(s.pdot, e.dof));  // (20)
-    K::template coordinate_rate<T>(j.q, u, Body::at(s.qdot, e.q));
-    if (!b.own.leaf) put(a, *Body::template at<Outboard<T>>(s.motions, e.to));
+    if (!b.root()) a.velocity = parent.velocity;
+    momentum_outboard(b.of_pass(), b.own.mass, a);
+    if (!b.leaf()) put(a, *Body::template at<Outboard<T>>(s.motions, e.to));
   }
 };
 

@@ -2,7 +2,7 @@
 // Stages of plane mechanisms, grounded trees of revolute joints with parallel axes. The plane's axes are those of the root joint
 // before its rotation. A velocity has only three components there, and with absolute angles nothing is rotated from body to body.
 // Included only by forward.ipp.
-#include <momentree/dynamics/sweep_buffers.hpp>
+#include <momentree/dynamics/sweep.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/joint/kinds.hpp>
 
@@ -46,20 +46,13 @@ struct InPlaneSweep {
   /// (22)–(26) and (16), everything about the body's joint, in the plane's axes.
   template <bool Gravity>
   void inboard(const KernelRun& run) const {
-    const int* order = tree.order().data();
-    const unsigned char* node_flags = tree.node_flags().data();
     InPlaneRecord<T>* const records =
-        &workspace.template record<InPlaneKernels>(tree, order[run.begin]);  // denser than revolute's
-    InPlaneInboard<T> a{};
-    for (int i = run.end - 1; i >= run.begin; --i) {
-      const int b = order[i], outer = tree.parent(b);
-      const unsigned flags = node_flags[i];
+        workspace.template records_of<InPlaneKernels>(tree, run);  // denser than revolute's
+    buffers.inward(run, [&](int i, int b, unsigned flags, InPlaneInboard<T>& a) MOMENTREE_INLINE_LAMBDA {
       const LinkConstants& k = tree.link(b);
       const int angle = tree.first_angle(b);
       const T c = workspace.cos[angle], s = workspace.sin[angle];
       InPlaneRecord<T>& w = records[i - run.begin];
-      if ((flags & node::leaf) != 0) a = {};
-      buffers.gather_children(b, flags, a);
       const T mx = k.body.mc.x * c - k.body.mc.y * s, my = k.body.mc.x * s + k.body.mc.y * c;
       const T bx = a.bx - my, by = a.by + mx, J = a.J + k.body.J.zz;  // (22), (23)
       const T axx = a.axx + k.body.m, ayy = a.ayy + k.body.m;
@@ -72,7 +65,8 @@ struct InPlaneSweep {
       w.axx = axx - bx * gx, w.axy = a.axy - bx * gy, w.ayy = ayy - by * gy;  // (25)
       w.lx = a.lx + gx * u, w.ly = a.ly + gy * u;                             // (26)
       w.gx = gx, w.gy = gy, w.u0 = inverse * u;
-      if ((flags & node::root) != 0) continue;
+      if ((flags & node::root) != 0) return;
+      const int outer = tree.parent(b);
       const T cp = workspace.cos[tree.first_angle(outer)], sp = workspace.sin[tree.first_angle(outer)];
       const T rx = k.r.x * cp - k.r.y * sp, ry = k.r.x * sp + k.r.y * cp;
       w.rx = rx, w.ry = ry;
@@ -81,23 +75,17 @@ struct InPlaneSweep {
       a.J = rx * a.by - ry * a.bx;
       a.h = p[tree.first_p(b)] + (rx * w.ly - ry * w.lx);
       if constexpr (Gravity) a.mx = a.mx + tree.subtree_mass(b) * rx, a.my = a.my + tree.subtree_mass(b) * ry;
-      buffers.add_to_parent(b, flags, a);
-    }
+    });
   }
 
   /// (17), (27), (21), (20).
   template <bool Gravity>
   void outboard(const KernelRun& run) const {
-    const int* order = tree.order().data();
-    const unsigned char* node_flags = tree.node_flags().data();
-    const InPlaneRecord<T>* const records = &workspace.template record<InPlaneKernels>(tree, order[run.begin]);
-    const Vec3 gravity = gravity_in_plane(tree, order[run.begin]);
-    InPlaneOutboard<T> a{};
-    for (int i = run.begin; i < run.end; ++i) {
-      const int b = order[i], at = tree.first_p(b);
-      const unsigned flags = node_flags[i];
+    const InPlaneRecord<T>* const records = workspace.template records_of<InPlaneKernels>(tree, run);
+    const Vec3 gravity = gravity_in_plane(tree, tree.order()[static_cast<std::size_t>(run.begin)]);
+    buffers.outward(run, {}, [&](int i, int b, unsigned flags, InPlaneOutboard<T>& a) MOMENTREE_INLINE_LAMBDA {
+      const int at = tree.first_p(b);
       const InPlaneRecord<T>& w = records[i - run.begin];
-      buffers.load_parent(b, flags, {}, a);
       if ((flags & node::root) == 0) a.vx = a.vx - a.w * w.ry, a.vy = a.vy + a.w * w.rx;         // (17)
       const T total = w.u0 - (w.gx * a.vx + w.gy * a.vy);                                        // (27)
       const T lx = w.axx * a.vx + w.axy * a.vy + w.lx, ly = w.axy * a.vx + w.ayy * a.vy + w.ly;  // (21)
@@ -106,8 +94,7 @@ struct InPlaneSweep {
       const T u = total - a.w;
       workspace.v[at] = u, workspace.qdot[tree.first_q(b)] = u, workspace.pdot[at] = pdot;
       a.w = total;
-      buffers.store_for_children(b, flags, a);
-    }
+    });
   }
 };
 

@@ -15,20 +15,10 @@ namespace momentree::detail {
 
 MOMENTREE_INLINE std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// Mj⁻¹ (τ − Eᵀ W), as the record holds it.
-template <class K, class T, class Record>
-MOMENTREE_INLINE void read_base_velocity(const Record& record, T* u0) {
-  if constexpr (requires { typename K::Steps; })
-    u0[0] = record.u0;
-  else
-    K::joint_velocity(record, Motion<T>{}, u0);
-}
 template <class T, class Record>
 MOMENTREE_INLINE void add_base_velocity(Record& record, const T* du, const auto& E) {
   if constexpr (requires { record.a0; }) {
     for (std::size_t i = 0; i < E.size(); ++i) record.a0 = record.a0 + Motion<T>{du[i] * E[i].v, du[i] * E[i].w};
-  } else if constexpr (std::is_same_v<decltype(record.u0), T>) {
-    record.u0 += du[0];
   } else {
     for (std::size_t i = 0; i < E.size(); ++i) record.u0[i] += du[i];
   }
@@ -98,7 +88,7 @@ void reduce_columns(const Tree& tree, const T* q, Workspace<T>& workspace, LoopS
   [[maybe_unused]] const auto& record = workspace.template record<K>(all, b);
   [[maybe_unused]] T u0[6] = {};
   [[maybe_unused]] const auto E = K::template columns<T>(link, joint);
-  if constexpr (!K::rigid) read_base_velocity<K, T>(record, u0);
+  if constexpr (!K::rigid) K::joint_velocity(record, Motion<T>{}, u0);
   const Motion<T>& bias = workspace.biases[at(b)].acceleration;
   const auto each_column = [&](const auto& move_inboard) MOMENTREE_INLINE_LAMBDA {
     for (std::size_t s = first; s < end; ++s) {

@@ -217,7 +217,10 @@ bool StepTable::add_entries(const Tree& tree) {
       const GenericStep step = scalar_.generic(all.kind(b), all.variant(b), body.adds);
       GenericBody& own = generic_.emplace_back();
       LinkConstants merged;
-      own = {step.passes, link_of(tree, b, merged), all.subtree_mass(b), b, body.children == 0, body.parent < 0};
+      own = {step.passes, link_of(tree, b, merged), all.subtree_mass(b), b};
+      if (body.children == 0) own.flags |= node::leaf;
+      if (body.parent < 0) own.flags |= node::root | node::grounded;
+      if (aligned(own.link)) own.flags |= node::aligned;
       entry.constants = &own;
       record += step.record;
       passes = step.passes;

@@ -16,7 +16,7 @@ struct GenericBody {
   LinkConstants link{};
   double mass = 0;  ///< of the body and of all bodies outboard (kg)
   int body = 0;
-  bool leaf = false, root = false;
+  unsigned flags = 0;  ///< of its node, as the steps see the tree
 };
 
 /// For the stages of the mechanisms of one tree, except those in a plane. Welded bodies are one body. Once it follows a tree it

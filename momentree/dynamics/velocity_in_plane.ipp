@@ -14,15 +14,10 @@ struct InPlaneVelocitySweep {
 
   /// Absolute angular velocities, and the joints' positions.
   void velocities(const KernelRun& run) const {
-    const int* order = tree.order().data();
-    const unsigned char* node_flags = tree.node_flags().data();
     auto* const records = workspace.template records_of<InPlaneRateKernels>(tree, run);
-    InPlaneOutboard<T> a{};
-    for (int i = run.begin; i < run.end; ++i) {
-      const int b = order[i], at = tree.first_p(b), outer = tree.parent(b);
-      const unsigned flags = node_flags[i];
+    buffers.outward(run, {}, [&](int i, int b, unsigned flags, InPlaneOutboard<T>& a) MOMENTREE_INLINE_LAMBDA {
+      const int at = tree.first_p(b), outer = tree.parent(b);
       InPlaneRateRecord<T>& w = records[i - run.begin];
-      buffers.load_parent(b, flags, {}, a);
       const T u = workspace.v[at];
       workspace.qdot[tree.first_q(b)] = u;
       if ((flags & node::root) == 0) {
@@ -36,25 +31,17 @@ struct InPlaneVelocitySweep {
       }
       a.w = a.w + u;
       w.w = a.w;
-      buffers.store_for_children(b, flags, a);
-    }
+    });
   }
 
   /// (22)–(26) and (16) with joint forces and wrenches.
   void inboard(const KernelRun& run) const {
-    const int* order = tree.order().data();
-    const unsigned char* node_flags = tree.node_flags().data();
     auto* const records = workspace.template records_of<InPlaneRateKernels>(tree, run);
-    InPlaneInboard<T> a{};
-    for (int i = run.end - 1; i >= run.begin; --i) {
-      const int b = order[i];
-      const unsigned flags = node_flags[i];
+    buffers.inward(run, [&](int i, int b, unsigned flags, InPlaneInboard<T>& a) MOMENTREE_INLINE_LAMBDA {
       const LinkConstants& k = tree.link(b);
       const int angle = tree.first_angle(b);
       const T c = workspace.cos[angle], s = workspace.sin[angle], tau = workspace.a[tree.first_p(b)];
       InPlaneRateRecord<T>& w = records[i - run.begin];
-      if ((flags & node::leaf) != 0) a = {};
-      buffers.gather_children(b, flags, a);
       const T mx = k.body.mc.x * c - k.body.mc.y * s, my = k.body.mc.x * s + k.body.mc.y * c;
       const T bx = a.bx - my, by = a.by + mx, J = a.J + k.body.J.zz;  // (22)
       const T axx = a.axx + k.body.m, ayy = a.ayy + k.body.m;
@@ -63,7 +50,7 @@ struct InPlaneVelocitySweep {
       const T inverse = T(1) / J, r = tau - a.h;           // (24)
       const T gx = bx * inverse, gy = by * inverse;
       w.gx = gx, w.gy = gy, w.u0 = inverse * r;
-      if ((flags & node::root) != 0) continue;
+      if ((flags & node::root) != 0) return;
       a.axx = axx - bx * gx, a.axy = a.axy - bx * gy, a.ayy = ayy - by * gy;  // (25)
       lx = lx + gx * r, ly = ly + gy * r;                                     // (26)
       a.lx = lx + (a.axx * w.ax + a.axy * w.ay), a.ly = ly + (a.axy * w.ax + a.ayy * w.ay);
@@ -71,29 +58,21 @@ struct InPlaneVelocitySweep {
       a.bx = a.axy * rx - a.axx * ry, a.by = a.ayy * rx - a.axy * ry;  // (16)
       a.J = rx * a.by - ry * a.bx;
       a.h = tau + (rx * a.ly - ry * a.lx);
-      buffers.add_to_parent(b, flags, a);
-    }
+    });
   }
 
   /// (27), (17).
   void outboard(const KernelRun& run) const {
     const Vec3 gravity = gravity_in_plane(tree, tree.order()[static_cast<std::size_t>(run.begin)]);
-    const int* order = tree.order().data();
-    const unsigned char* node_flags = tree.node_flags().data();
     const auto* const records = workspace.template records_of<InPlaneRateKernels>(tree, run);
     const InPlaneOutboard<T> base{T(-gravity.x), T(-gravity.y), T(0)};
-    InPlaneOutboard<T> a = base;
-    for (int i = run.begin; i < run.end; ++i) {
-      const int b = order[i];
-      const unsigned flags = node_flags[i];
+    buffers.outward(run, base, [&](int i, int b, unsigned flags, InPlaneOutboard<T>& a) MOMENTREE_INLINE_LAMBDA {
       const InPlaneRateRecord<T>& w = records[i - run.begin];
-      buffers.load_parent(b, flags, base, a);
       if ((flags & node::root) == 0) a.vx = a.vx - a.w * w.ry + w.ax, a.vy = a.vy + a.w * w.rx + w.ay;
       const T total = w.u0 - (w.gx * a.vx + w.gy * a.vy);
       workspace.a[tree.first_p(b)] = total - a.w;
       a.w = total;
-      buffers.store_for_children(b, flags, a);
-    }
+    });
   }
 };
 

@@ -8,7 +8,6 @@
 #include <momentree/dynamics/step_scalar.hpp>
 #include <momentree/dynamics/workspace.hpp>
 #include <momentree/joint/pass_data.hpp>
-#include <momentree/joint/revolute_record.hpp>
 #include <momentree/tree/kernel_run.hpp>
 
 namespace momentree {

@@ -1,5 +1,4 @@
 #pragma once
-#include <momentree/dynamics/revolute_dispatch.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/tree/unchecked_tree.hpp>
 
@@ -9,18 +8,12 @@ namespace momentree {
 template <class K, class T, class F>
 MOMENTREE_INLINE void wrenches_inboard(const LinkConstants& link, const JointState<T>& joint, const auto& record, unsigned flags,
                                        const F& f) {
-  if constexpr (requires { typename K::Steps; }) {
-    dispatch_link<K::Steps::has_armature>(link.shape, [&](auto shape) MOMENTREE_INLINE_LAMBDA {
-      f([&](Force<T>& W) MOMENTREE_INLINE_LAMBDA { K::Steps::template cross_inboard<shape()>(link, joint.c[0], joint.s[0], W); });
-    });
-  } else {
-    const auto over = [&](const auto& transform)
-                          MOMENTREE_INLINE_LAMBDA { f([&](Force<T>& W) MOMENTREE_INLINE_LAMBDA { transform.inboard(W); }); };
-    if (K::rotates_about_z && (flags & node::aligned) != 0)
-      over(K::template cached_transform<true, T>(link, joint, record));
-    else
-      over(K::template cached_transform<false, T>(link, joint, record));
-  }
+  const auto over = [&](const auto& transform)
+                        MOMENTREE_INLINE_LAMBDA { f([&](Force<T>& W) MOMENTREE_INLINE_LAMBDA { transform.inboard(W); }); };
+  if (K::rotates_about_z && (flags & node::aligned) != 0)
+    over(K::template cached_transform<true, T>(link, joint, record));
+  else
+    over(K::template cached_transform<false, T>(link, joint, record));
 }
 
 /// The same for one wrench.

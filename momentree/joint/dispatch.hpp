@@ -29,13 +29,6 @@ requires requires { typename K::Generic; }
 struct GenericKernelsOf<K> {
   using type = typename K::Generic;
 };
-template <class K>
-struct ArmatureKernelsOf : GenericKernelsOf<K> {};
-template <class K>
-requires requires { typename K::ArmatureKernels; }
-struct ArmatureKernelsOf<K> {
-  using type = typename K::ArmatureKernels;
-};
 }  // namespace detail
 
 /// The kernels of a kind in a variant. An armature leaves fewer zeros in the reduced mass; locks leave none that are known in
@@ -44,12 +37,11 @@ struct ArmatureKernelsOf<K> {
 template <class K, Variant V>
 struct KernelsFor {
   using Generic = typename detail::GenericKernelsOf<K>::type;
-  using WithArmature = typename detail::ArmatureKernelsOf<K>::type;
   using Reversed = std::conditional_t<Generic::rotates_about_z, Generic, ReversedKernels<Generic, K::info.nq, K::info.nv>>;
   using type = std::conditional_t<
       V == Variant::plain, typename K::Kernels,
       std::conditional_t<
-          V == Variant::armature, WithArmature,
+          V == Variant::armature, Generic,
           std::conditional_t<V == Variant::locked, LockedKernels<Generic, K::info.nv>,
                              std::conditional_t<V == Variant::reversed, Reversed, LockedKernels<Reversed, K::info.nv>>>>>;
 };

@@ -18,7 +18,7 @@ MOMENTREE_INLINE void placement_inboard(const auto& k, Force<T>& P) {
   shift(P, k.r);
 }
 template <bool Aligned, class T>
-MOMENTREE_INLINE void placement_inboard(const auto& k, Vector3<T>& mc, double mass) {
+MOMENTREE_INLINE void placement_inboard(const auto& k, Vector3<T>& mc, const auto& mass) {
   rotate_x(mc, k.cos_a, k.sin_a);
   if constexpr (!Aligned) rotate_z(mc, k.cos_b, k.sin_b);
   mc += Vector3<T>{T(mass * k.r.x), T(mass * k.r.y), T(mass * k.r.z)};
@@ -58,9 +58,9 @@ MOMENTREE_INLINE void rotate_x(Matrix3<T>& R, const C& c, const C& s) {
 
 /// Transform of a joint that rotates about z and translates along z (revolute, prismatic, helical, cylindrical): c, s of the
 /// angle including θ0, d the displacement (m). (16), (17).
-template <class T, bool Aligned>
+template <class T, bool Aligned, class Link = LinkConstants>
 struct ScrewTransform {
-  const LinkConstants& link;
+  const Link& link;
   T c, s, d;
 
   MOMENTREE_INLINE void inboard(Force<T>& P) const {
@@ -71,7 +71,7 @@ struct ScrewTransform {
     placement_inboard<Aligned>(link, P);
   }
   /// A first moment of a subtree with that mass.
-  MOMENTREE_INLINE void inboard(Vector3<T>& mc, double mass) const {
+  MOMENTREE_INLINE void inboard(Vector3<T>& mc, const auto& mass) const {
     rotate_z(mc, c, s);
     mc.z = mc.z + d * T(mass);
     placement_inboard<Aligned>(link, mc, mass);
@@ -117,7 +117,7 @@ struct DenseTransform {
     P = {R * P.l, R * P.h};
     shift(P, r);
   }
-  MOMENTREE_INLINE void inboard(Vector3<T>& mc, double mass) const { mc = R * mc + T(mass) * r; }
+  MOMENTREE_INLINE void inboard(Vector3<T>& mc, const auto& mass) const { mc = R * mc + T(mass) * r; }
   MOMENTREE_INLINE void inboard(SpatialMass<T>& M) const {
     rotate(M, R);
     shift(M, r);

@@ -84,7 +84,7 @@ MOMENTREE_INLINE Force<T>& remainder_momentum(Force<T>& children) {
 template <class T, int N>
 MOMENTREE_INLINE JointMass<T, N> joint_space_mass(const Columns<T, N>& E,
                                                   const std::array<Force<T>, static_cast<std::size_t>(N)>& ME,
-                                                  const double* armature) {
+                                                  const auto* armature) {
   JointMass<T, N> Mj;
   for (int i = 0; i < N; ++i)
     for (int j = 0; j <= i; ++j) Mj(i, j) = dot(E[static_cast<std::size_t>(i)], ME[static_cast<std::size_t>(j)]);
@@ -123,7 +123,7 @@ MOMENTREE_INLINE Force<T> accumulated_force(const auto& mass, const Vector3<T>& 
 /// (24)–(26) for any kind. In: Mb and Db of the body (22), (23). Out: M̂ and D̂ in their place. Writes G, u0 and Mj to the
 /// record.
 template <class T, int N, class Record>
-MOMENTREE_INLINE void reduce_generic(const Columns<T, N>& E, const T* p, const double* armature, SpatialMass<T>& M, Force<T>& D,
+MOMENTREE_INLINE void reduce_generic(const Columns<T, N>& E, const T* p, const auto* armature, SpatialMass<T>& M, Force<T>& D,
                                      Record& w) {
   if constexpr (N > 0) {
     constexpr auto n = static_cast<std::size_t>(N);
@@ -168,11 +168,16 @@ MOMENTREE_INLINE void reduce_wrench_generic(const Columns<T, N>& E, const Record
 
 /// The joint transform of a kind from its pose (R, r of the joint), including its placement. (16), (17).
 template <class K, class T>
-MOMENTREE_INLINE DenseTransform<T> dense_transform(const LinkConstants& k, const JointState<T>& j) {
+MOMENTREE_INLINE DenseTransform<T> dense_transform(const auto& k, const JointState<T>& j) {
   Matrix3<T> R;
   Vector3<T> r;
   K::template pose<T>(k, j, R, r);
-  const Mat3 R0 = K::rotates_about_z ? tilt_rotation(k) : placement_rotation(k);
+  const auto R0 = [&k]() MOMENTREE_INLINE_LAMBDA {
+    if constexpr (K::rotates_about_z)
+      return tilt_rotation(k);
+    else
+      return placement_rotation(k);
+  }();
   return {R0 * R, Vector3<T>{T(k.r.x), T(k.r.y), T(k.r.z)} + R0 * r};
 }
 
@@ -187,6 +192,8 @@ struct GenericKernels {
 
   /// True if the joint rotates about z, so that the x axis may be chosen freely and θ0 is added to the joint angle.
   static constexpr bool rotates_about_z = false;
+  /// True if the offset along the joint's axis is known apart from that along the parent's x: see PlacementShape.
+  static constexpr bool placed_by_shape = false;
   /// True if the body is rigidly attached to its parent: the frames coincide and X = I.
   static constexpr bool rigid = false;
   /// Axes of the kernel frame in the joint's frame; stores constants of the kind in LinkConstants::geometry.
@@ -194,16 +201,16 @@ struct GenericKernels {
 
   /// Both passes use the dense transform; the outward pass reads it from the record.
   template <bool Aligned, class T>
-  MOMENTREE_INLINE static DenseTransform<T> joint_transform(const LinkConstants& k, const JointState<T>& j, auto& w) {
+  MOMENTREE_INLINE static DenseTransform<T> joint_transform(const auto& k, const JointState<T>& j, auto& w) {
     return w.x = dense_transform<K, T>(k, j);
   }
   template <bool Aligned, class T>
-  MOMENTREE_INLINE static const DenseTransform<T>& cached_transform(const LinkConstants&, const JointState<T>&, const auto& w) {
+  MOMENTREE_INLINE static const DenseTransform<T>& cached_transform(const auto&, const JointState<T>&, const auto& w) {
     return w.x;
   }
   /// (24)–(26)
   template <class T>
-  MOMENTREE_INLINE static void reduce(const LinkConstants& k, const JointState<T>& j, const T* p, const double* armature,
+  MOMENTREE_INLINE static void reduce(const auto& k, const JointState<T>& j, const T* p, const auto* armature,
                                       SpatialMass<T>& M, Force<T>& D, auto& w) {
     reduce_generic<T, NV>(K::template columns<T>(k, j), p, armature, M, D, w);
   }
@@ -219,7 +226,7 @@ struct GenericKernels {
   }
   /// (17): Ω = Ω_in + E u.
   template <class T>
-  MOMENTREE_INLINE static Motion<T> spatial_velocity(const LinkConstants& k, const JointState<T>& j, const Motion<T>& in,
+  MOMENTREE_INLINE static Motion<T> spatial_velocity(const auto& k, const JointState<T>& j, const Motion<T>& in,
                                                      const T* u) {
     const Column<T> E = K::template columns<T>(k, j);
     Motion<T> out = in;
@@ -231,7 +238,7 @@ struct GenericKernels {
   }
   /// (20), corrected: ṗ = Eᵀ (Tb − Ω × Pb) + Ėᵀ Pb; `wrench` is Tb − Ω × Pb. Joint forces are added by the caller.
   template <class T>
-  MOMENTREE_INLINE static void momentum_rate(const LinkConstants& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
+  MOMENTREE_INLINE static void momentum_rate(const auto& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
                                              const Force<T>& wrench, T* pdot) {
     const Column<T> E = K::template columns<T>(k, j);
     for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) pdot[i] = dot(E[i], wrench);
@@ -245,7 +252,7 @@ struct GenericKernels {
 
   /// (39): the part of Ω̇ other than X Ω̇_parent + E u̇: Ω × E u, because X changes, and Ė u.
   template <class T>
-  MOMENTREE_INLINE static Motion<T> acceleration_bias(const LinkConstants& k, const JointState<T>& j, const Motion<T>& velocity,
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const auto& k, const JointState<T>& j, const Motion<T>& velocity,
                                                       const T* u) {
     Motion<T> bias = cross(velocity, K::template spatial_velocity<T>(k, j, {}, u));
     if constexpr (requires { K::template columns_rate<T>(k, j, u); }) {
@@ -259,7 +266,7 @@ struct GenericKernels {
   }
   /// (51); `tau` may alias `udot`.
   template <class T>
-  MOMENTREE_INLINE static void reduce_wrench(const LinkConstants& k, const JointState<T>& j, const auto& w, const T* tau,
+  MOMENTREE_INLINE static void reduce_wrench(const auto& k, const JointState<T>& j, const auto& w, const T* tau,
                                              Force<T>& W, T* udot) {
     reduce_wrench_generic<T, NV>(K::template columns<T>(k, j), w, tau, W, udot);
   }

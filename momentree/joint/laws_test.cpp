@@ -65,19 +65,6 @@ void for_every_kind(Law law) {
     });
 }
 
-// True for kernels with whole steps instead of separate functions: those of revolute joints.
-template <class L>
-constexpr bool has_steps = requires {
-  typename L::Steps;
-};
-
-template <class Law>
-void for_every_generic_kind(Law law) {
-  for_every_kind([&](auto kind, auto kernels, bool rotor, bool aligned) {
-    if constexpr (!has_steps<typename decltype(kernels)::type>) law(kind, kernels, rotor, aligned);
-  });
-}
-
 // Functions of the kernels that several laws need, each compiled once, with everything inlined.
 template <class L>
 [[gnu::noinline]] DenseTransform<double> transform_of(const LinkConstants& link, const JointState<double>& joint) {
@@ -101,11 +88,7 @@ template <class L, class K, class Record>
 template <class K, class L>
 [[gnu::noinline]] void reduce_body(const Sample<K>& at, const SpatialMass<double>& Mb, const Force<double>& Db, auto& record) {
   Inboard<double> in{Mb, Db, {}};
-  if constexpr (has_steps<L>)
-    L::Steps::template inboard<PlacementShape::general, true, Children::one, true>(at.link, 1.0, at.armature[0], at.c[0], at.s[0],
-                                                                                   at.p[0], in, in, record, in);
-  else
-    reduce<L>(at, in.M, in.D, record);
+  reduce<L>(at, in.M, in.D, record);
 }
 
 }  // namespace
@@ -167,7 +150,7 @@ TEST_CASE("(6) E is the derivative of the pose, and Edot that of E") {
 
 TEST_CASE("(16) (17) (18) the joint transform of a kind is that of its pose, in both directions") {
   Draw draw;
-  for_every_generic_kind([&](auto kind, auto kernels, bool rotor, bool aligned) {
+  for_every_kind([&](auto kind, auto kernels, bool rotor, bool aligned) {
     using K = typename decltype(kind)::type;
     using L = typename decltype(kernels)::type;
     const auto law = [&](auto is_aligned) {
@@ -257,7 +240,7 @@ TEST_CASE("(15) (22) (23) (24) (25) (26) the equations, element by element") {
 
 TEST_CASE("(24) (25) (26) (27) (21) (20) the functions of a kind equal the generic ones") {
   Draw draw;
-  for_every_generic_kind([&](auto kind, auto kernels, bool rotor, bool) {
+  for_every_kind([&](auto kind, auto kernels, bool rotor, bool) {
     using K = typename decltype(kind)::type;
     using L = typename decltype(kernels)::type;
     constexpr int N = K::info.nv;

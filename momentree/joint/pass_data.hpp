@@ -41,12 +41,6 @@ MOMENTREE_INLINE void put(const Inboard<T>& a, Inboard<T>& to) {
   put_without_moments(a, to);
   to.mc.x = a.mc.x, to.mc.y = a.mc.y, to.mc.z = a.mc.z;
 }
-/// Without gravity the revolute steps do not write first moments; a sum to which other contributions are added must still start
-/// from zero.
-template <bool Gravity, class T>
-MOMENTREE_INLINE void begin_moments(Inboard<T>& sum) {
-  if constexpr (!Gravity) sum.mc.x = T(0), sum.mc.y = T(0), sum.mc.z = T(0);
-}
 /// Input of a child from its parent: velocity, and gravity in the parent's axes (m/s²).
 template <class T>
 struct Outboard {
@@ -66,18 +60,6 @@ struct BodyBias {
   Force<T> wrench;
   Motion<T> acceleration;
 };
-/// In its place in the equations of momenta, which have no such terms.
-struct NoBias {
-  struct None {};
-  struct Vector {
-    None x, y, z;
-  };
-  struct Wrench {
-    Vector l, h;
-  };
-  Wrench wrench;
-};
-
 /// Spatial velocity and articulated momentum of a body, in its kernel frame.
 template <class T>
 struct BodySweep {

@@ -1,5 +1,5 @@
 #pragma once
-// The shape of a link's placement as a constant: selects a step at run time.
+// The shape of a link's placement as a constant.
 #include <type_traits>
 
 #include <momentree/base/inline.hpp>
@@ -40,34 +40,6 @@ MOMENTREE_INLINE void dispatch_shape(PlacementShape shape, F&& f) {
 #undef MOMENTREE_SHAPE
   }
   __builtin_unreachable();
-}
-
-/// Calls f with one of five shapes that covers the link's own: for less frequent steps.
-template <class F>
-MOMENTREE_INLINE void dispatch_main_shape(PlacementShape shape, F&& f) {
-  if (shape == PlacementShape::general)
-    f(std::integral_constant<PlacementShape, PlacementShape::general>{});
-  else if (shape == PlacementShape::tilted)
-    f(std::integral_constant<PlacementShape, PlacementShape::tilted>{});
-  else if (shape < PlacementShape::right)
-    f(std::integral_constant<PlacementShape, PlacementShape::screw>{});
-  else if (shape < PlacementShape::parallel)
-    f(std::integral_constant<PlacementShape, PlacementShape::right>{});
-  else
-    f(std::integral_constant<PlacementShape, PlacementShape::parallel>{});
-}
-/// Calls f with the link's shape for revolute joints without armature; with armature, which is less frequent, with one of three
-/// shapes.
-template <bool Armature, class F>
-MOMENTREE_INLINE void dispatch_link(PlacementShape shape, F&& f) {
-  if constexpr (!Armature)
-    dispatch_shape(shape, f);
-  else if (shape == PlacementShape::general || shape == PlacementShape::tilted)
-    f(std::integral_constant<PlacementShape, PlacementShape::general>{});
-  else if (shape >= PlacementShape::right && shape < PlacementShape::parallel)
-    f(std::integral_constant<PlacementShape, PlacementShape::right>{});
-  else
-    f(std::integral_constant<PlacementShape, PlacementShape::screw>{});
 }
 
 }  // namespace momentree

@@ -44,17 +44,17 @@ struct ScrewKernels : GenericKernels<K, NQ, NV> {
     r = {T(0), T(0), m.d};
   }
   template <bool Aligned, class T>
-  MOMENTREE_INLINE static auto joint_transform(const LinkConstants& k, const JointState<T>& j, const auto&) {
+  MOMENTREE_INLINE static auto joint_transform(const auto& k, const JointState<T>& j, const auto&) {
     const Screw<T> m = K::template screw<T>(k, j);
-    return typename K::template Transform<T, Aligned>{{k, m.c, m.s, m.d}};
+    return ScrewTransform<T, Aligned, std::remove_cvref_t<decltype(k)>>{k, m.c, m.s, m.d};
   }
   template <bool Aligned, class T>
-  MOMENTREE_INLINE static auto cached_transform(const LinkConstants& k, const JointState<T>& j, const auto& w) {
+  MOMENTREE_INLINE static auto cached_transform(const auto& k, const JointState<T>& j, const auto& w) {
     return joint_transform<Aligned>(k, j, w);
   }
   /// E u = (v e_z; ω e_z).
   template <class T>
-  MOMENTREE_INLINE static Screw<T> twist(const LinkConstants& k, const JointState<T>& j, const T* u) {
+  MOMENTREE_INLINE static Screw<T> twist(const auto& k, const JointState<T>& j, const T* u) {
     const auto E = K::template columns<T>(k, j);
     Screw<T> t{T(0), T(0), T(0)};
     for (std::size_t i = 0; i < E.size(); ++i) t.s = t.s + u[i] * E[i].w.z, t.d = t.d + u[i] * E[i].v.z;
@@ -62,14 +62,11 @@ struct ScrewKernels : GenericKernels<K, NQ, NV> {
   }
   /// Ω × E u.
   template <class T>
-  MOMENTREE_INLINE static Motion<T> acceleration_bias(const LinkConstants& k, const JointState<T>& j, const Motion<T>& a,
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const auto& k, const JointState<T>& j, const Motion<T>& a,
                                                       const T* u) {
     const Screw<T> t = twist(k, j, u);
     return {{t.s * a.v.y + t.d * a.w.y, -(t.s * a.v.x) - t.d * a.w.x, T(0)}, {t.s * a.w.y, -(t.s * a.w.x), T(0)}};
   }
-  /// The kind's joint transform; a kind whose reduced mass has zeros provides its own.
-  template <class T, bool Aligned>
-  struct Transform : ScrewTransform<T, Aligned> {};
 };
 
 }  // namespace momentree

@@ -1,5 +1,5 @@
 #include <momentree/dynamics/solve.ipp>
 
 namespace momentree {
-template void solve_with_factors<double>(const Tree&, const double*, Workspace<double>&, double*) noexcept;
+template void solve_with_factors<double>(const Tree&, const double*, Workspace<double>&, double*, int, int) noexcept;
 }  // namespace momentree

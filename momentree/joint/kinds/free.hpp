@@ -141,7 +141,7 @@ struct FreeKernels : SixDofsOfCentre<FreeKernels> {
 
   /// (24)–(26): the DoFs span all velocities, so that Pb = E⁻ᵀ p, M̂ = 0 and D̂ = Pb.
   template <class T>
-  MOMENTREE_INLINE static void reduce(const LinkConstants& k, const JointState<T>&, const T* p, const double*, SpatialMass<T>& M,
+  MOMENTREE_INLINE static void reduce(const auto& k, const JointState<T>&, const T* p, const auto*, SpatialMass<T>& M,
                                       Force<T>& D, Record<T>& w) {
     auto& m = w.Mj;
     m(0, 0) = M.A.xx, m(1, 0) = M.A.xy, m(1, 1) = M.A.yy, m(2, 0) = M.A.xz, m(2, 1) = M.A.yz, m(2, 2) = M.A.zz;
@@ -174,7 +174,7 @@ struct FreeKernels : SixDofsOfCentre<FreeKernels> {
   }
   /// (51): only τ reaches the parent.
   template <class T>
-  MOMENTREE_INLINE static void reduce_wrench(const LinkConstants&, const JointState<T>&, const Record<T>& w, const T* tau,
+  MOMENTREE_INLINE static void reduce_wrench(const auto&, const JointState<T>&, const Record<T>& w, const T* tau,
                                              Force<T>& W, T* udot) {
     const Force<T> t = wrench<T>(w.offset, tau);
     rates<T>(w.offset, solved(w, t - W), udot);

@@ -38,15 +38,15 @@ struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
   template <class T>
   using Record = WeldRecord<T>;
   template <class T>
-  MOMENTREE_INLINE static Screw<T> screw(const LinkConstants& k, const JointState<T>&) {
+  MOMENTREE_INLINE static Screw<T> screw(const auto& k, const JointState<T>&) {
     return {T(k.cos_0), T(k.sin_0), T(0)};
   }
   template <class T>
-  MOMENTREE_INLINE static Columns<T, 0> columns(const LinkConstants&, const JointState<T>&) {
+  MOMENTREE_INLINE static Columns<T, 0> columns(const auto&, const JointState<T>&) {
     return {};
   }
   template <class T>
-  MOMENTREE_INLINE static void reduce(const LinkConstants&, const JointState<T>&, const T*, const double*, SpatialMass<T>& M,
+  MOMENTREE_INLINE static void reduce(const auto&, const JointState<T>&, const T*, const auto*, SpatialMass<T>& M,
                                       Force<T>& D, Record<T>& w) {
     w.M = M;
     w.D = D;
@@ -60,7 +60,7 @@ struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
   template <class T>
   MOMENTREE_INLINE static void joint_acceleration(const Record<T>&, const Motion<T>&, T*) {}
   template <class T>
-  MOMENTREE_INLINE static void reduce_wrench(const LinkConstants&, const JointState<T>&, const Record<T>&, const T*, Force<T>&,
+  MOMENTREE_INLINE static void reduce_wrench(const auto&, const JointState<T>&, const Record<T>&, const T*, Force<T>&,
                                              T*) {}
   template <class T>
   MOMENTREE_INLINE static void add_reduced_bias(const Record<T>&, const Motion<T>&, Force<T>&) {}
