@@ -2,6 +2,7 @@
 // Steps of worlds with closed loops or exact couplings, in lanes, in velocities; included only by instantiate/*.cpp. Each lane
 // has the rows that a Simulation of its world would choose, so that no world depends on those beside it.
 #include <momentree/batch/stepper.ipp>
+#include <momentree/dynamics/generic_steps.ipp>
 #include <momentree/dynamics/loop_place.ipp>
 #include <momentree/dynamics/velocity.ipp>
 
@@ -12,7 +13,11 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
   static constexpr int N = T::lanes;
 
  public:
-  explicit PackLoopLanes(const Tree& tree) : PackStepper<T, LoopLanes>(tree) {}
+  /// `width`: of the machine code for lanes like these.
+  PackLoopLanes(const Tree& tree, StepWidth width) : PackStepper<T, LoopLanes>(tree) {
+    this->workspace_.table(Passes::velocities) =
+        detail::make_step_table(step_scalar<T, Passes::velocities>(width), tree.bodies());
+  }
   void fit(const Tree& tree) override {
     detail::lay_out_loops<T>(tree, loops_);
     choice_.fit(tree);

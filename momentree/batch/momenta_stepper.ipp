@@ -2,6 +2,7 @@
 // Steps of states in momenta, in lanes; included only by instantiate/*.cpp.
 #include <momentree/batch/stepper.ipp>
 #include <momentree/dynamics/forward.ipp>
+#include <momentree/dynamics/generic_steps.ipp>
 
 namespace momentree::batch {
 
@@ -10,7 +11,7 @@ class PackMomentaStepper final : public PackStepper<T> {
  public:
   /// `width`: of the machine code for lanes like these.
   PackMomentaStepper(const Tree& tree, StepWidth width) : PackStepper<T>(tree), width_(width) {}
-  StepScalar scalar() const override { return step_scalar<T, true>(width_); }
+  StepScalar scalar() const override { return step_scalar<T, Passes::stage_momenta>(width_); }
   void rates(const Tree& tree, const TopologyPlan& plan, const double* q, const double* p, double* qdot, double* pdot,
              double* v) noexcept override {
     this->load(tree, q, p, this->q_.get(), this->y_.get());

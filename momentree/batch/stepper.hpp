@@ -4,13 +4,13 @@
 #include <vector>
 
 #include <momentree/dynamics/forces/linear_spring.hpp>
+#include <momentree/dynamics/workspace.hpp>
 #include <momentree/dynamics/step_scalar.hpp>
 #include <momentree/math/isa.hpp>
 #include <momentree/tree/state.hpp>
 
 namespace momentree {
 
-class StepTable;
 
 /// The precision of worlds in lanes. Their states are stored as doubles in either case.
 enum class Precision : unsigned char { float64, float32 };
@@ -21,7 +21,7 @@ namespace batch {
 struct TopologyPlan {
   std::vector<forces::LinearSpring> springs;
   std::vector<int> elements;  ///< bodies whose joint has other forces, which are evaluated lane by lane
-  std::unique_ptr<StepTable, void (*)(StepTable*)> steps{nullptr, nullptr};  ///< of stages; null for worlds with loops
+  OwnStepTable steps;  ///< of stages; null for worlds with loops
   /// `scalar`: of the stepper. Throws Error if there are too many bodies for it.
   TopologyPlan(const Tree& tree, const StepScalar& scalar);
 };

@@ -1,6 +1,7 @@
 #pragma once
 // Steps of states in velocities, in lanes; included only by instantiate/*.cpp.
 #include <momentree/batch/stepper.ipp>
+#include <momentree/dynamics/generic_steps.ipp>
 #include <momentree/dynamics/velocity.ipp>
 
 namespace momentree::batch {
@@ -10,7 +11,7 @@ class PackVelocityStepper final : public PackStepper<T> {
  public:
   /// `width`: of the machine code for lanes like these.
   PackVelocityStepper(const Tree& tree, StepWidth width) : PackStepper<T>(tree), width_(width) {}
-  StepScalar scalar() const override { return step_scalar<T, false>(width_); }
+  StepScalar scalar() const override { return step_scalar<T, Passes::stage_velocities>(width_); }
   void rates(const Tree& tree, const TopologyPlan& plan, const double* q, const double* u, double* qdot, double* udot,
              double* v) noexcept override {
     this->load(tree, q, u, this->q_.get(), this->y_.get());

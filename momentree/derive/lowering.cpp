@@ -24,6 +24,8 @@ constexpr std::string_view motion_numbers[] = {"v.x", "v.y", "v.z", "w.x", "w.y"
 constexpr std::string_view output_numbers[] = {"velocity.v.x", "velocity.v.y", "velocity.v.z", "velocity.w.x", "velocity.w.y",
                                                "velocity.w.z", "gravity.x",    "gravity.y",    "gravity.z"};
 constexpr std::string_view moment_numbers[] = {"x", "y", "z"};
+static_assert(numbers_of_sum(Passes::momenta) == std::size(sum_numbers) && sizeof(BodyBias<double>) == 12 * 8 &&
+              sizeof(BodySweep<double>) == 12 * 8 && numbers_of_motion(Passes::momenta) == std::size(output_numbers));
 static_assert(offsetof(Inboard<double>, M.A.yz) == 5 * 8 && offsetof(Inboard<double>, M.B.yx) == 9 * 8 &&
               offsetof(Inboard<double>, M.J.xx) == 15 * 8 && offsetof(Inboard<double>, D.h.z) == 26 * 8 &&
               offsetof(Inboard<double>, mc.z) == 29 * 8 && offsetof(Motion<double>, w.z) == 5 * 8 &&
@@ -67,11 +69,19 @@ class Lowering : GraphLowering {
     motion_in,
     motion_to,
     armature,
+    mass,
+    body_sweep,
+    bias,
+    inboard_acceleration,
+    reduced_bias_wrench,
+    load,
     constants,
     arrays
   };
 
-  static machine::Base base_of(Array array) {
+  machine::Base base_of(Array array) const {
+    const bool keeps = keep(step_.kind_);
+    const int own = pass_ == step_.inward() ? offsetof(StepEntry, in) : offsetof(StepEntry, to);
     switch (array) {
 #define MOMENTREE_BASE(name, place, memory) \
   case name: return {offsetof(StepEntry, place), offsetof(StepArrays, memory)};
@@ -84,12 +94,21 @@ class Lowering : GraphLowering {
       MOMENTREE_BASE(p, dof, p)
       MOMENTREE_BASE(pdot, dof, pdot)
       MOMENTREE_BASE(record, record, records)
-      MOMENTREE_BASE(sum_in, in, sums)
-      MOMENTREE_BASE(sum_to, to, sums)
-      MOMENTREE_BASE(motion_in, in, motions)
-      MOMENTREE_BASE(motion_to, to, motions)
       MOMENTREE_BASE(armature, dof, armature)
 #undef MOMENTREE_BASE
+#define MOMENTREE_BASE(name, place, memory, numbers) \
+  case name: return {place, offsetof(StepArrays, memory), keeps ? (numbers) * target_.vector() : 1};
+      MOMENTREE_BASE(sum_in, offsetof(StepEntry, in), sums, numbers_of_sum(step_.kind_))
+      MOMENTREE_BASE(sum_to, offsetof(StepEntry, to), sums, numbers_of_sum(step_.kind_))
+      MOMENTREE_BASE(motion_in, offsetof(StepEntry, in), motions, numbers_of_motion(step_.kind_))
+      MOMENTREE_BASE(motion_to, offsetof(StepEntry, to), motions, numbers_of_motion(step_.kind_))
+      MOMENTREE_BASE(body_sweep, own, body_sweeps, 12)
+      MOMENTREE_BASE(bias, own, biases, 12)
+      MOMENTREE_BASE(inboard_acceleration, own, inboard_accelerations, 6)
+      MOMENTREE_BASE(reduced_bias_wrench, own, reduced_bias_wrenches, 6)
+      MOMENTREE_BASE(load, own, loads, 6)
+#undef MOMENTREE_BASE
+      case mass: return {own, offsetof(StepArrays, masses), target_.number};
       default: return {offsetof(StepEntry, constants), -1};
     }
   }
@@ -114,6 +133,16 @@ class Lowering : GraphLowering {
     if (indexed("tau[") || indexed("udot[")) return {a, index()};
     if (indexed("p[")) return {p, index()};
     if (indexed("pdot[")) return {pdot, index()};
+    if (indexed("r[")) return {record, index()};
+    if (indexed("s[")) return {sum_in, index()};
+    if (indexed("t[")) return {sum_to, index()};
+    if (indexed("i[")) return {motion_in, index()};
+    if (indexed("o[")) return {motion_to, index()};
+    if (indexed("m[")) return {body_sweep, index()};
+    if (indexed("b[")) return {bias, index()};
+    if (indexed("x[")) return {inboard_acceleration, index()};
+    if (indexed("l[")) return {load, index()};
+    if (indexed("w[")) return {reduced_bias_wrench, index()};
     if (indexed("out.")) return {stored ? motion_to : motion_in, in(output_numbers, name.substr(4))};
     if (indexed("w.mc.")) return {record, step_.record() - 3 + in(moment_numbers, name.substr(5))};
     if (indexed("velocity.")) return {stored ? motion_to : motion_in, in(motion_numbers, name.substr(9))};
@@ -154,10 +183,10 @@ class Lowering : GraphLowering {
   /// Which register hands on a number; −1: none.
   int register_of(Slot slot, bool stored) const {
     if (!(stored ? how_.to_registers : how_.in_registers)) return -1;
-    const bool angular = step_.passes() == 3 && pass_ == 0;  // velocities hand on ω alone
+    const bool angular = step_.kind_ == Passes::stage_velocities && pass_ == 0;  // velocities hand on ω alone
     if (slot.array == (stored ? motion_to : motion_in)) return angular ? slot.index - 3 : slot.index;
     if (slot.array != (stored ? sum_to : sum_in) || slot.index >= 27) return -1;
-    const int number = slot.index < 15 ? slot.index + 12 : slot.index - 15;  // J, D, A, B
+    const int number = numbers_of_sum(step_.kind_) == 6 ? slot.index : slot.index < 15 ? slot.index + 12 : slot.index - 15;  // J, D, A, B
     return number < handed_sums(target_) ? number : -1;
   }
   /// How many numbers of a sum stay in registers; the others of them are left for the operations.
@@ -168,7 +197,7 @@ class Lowering : GraphLowering {
       base_[at(slot.array)] = static_cast<int>(out_.bases.size());
       out_.bases.push_back(base_of(slot.array));
     }
-    const bool shared = slot.array == constants;
+    const bool shared = slot.array == constants || slot.array == mass;
     return {static_cast<std::int8_t>(base_[at(slot.array)]), shared, (shared ? target_.number : target_.vector()) * slot.index};
   }
   Place place_of(std::size_t i) override {
@@ -177,7 +206,10 @@ class Lowering : GraphLowering {
       return pool(n.operation == Operation::constant ? n.value : -nodes_[at(n.a)].value);
     if (step_.levels_[i] == Step::Level::link) return place({constants, step_.constant_slot_[i]});
     if (is_recorded(i)) return place({record, step_.place_[i]});
-    if (n.operation == Operation::p) return place(step_.in_->constants[at(n.a)] == "mass" ? Slot{record, 0} : Slot{armature, 0});
+    if (n.operation == Operation::p) {
+      if (step_.in_->constants[at(n.a)] != "mass") return place(Slot{armature, 0});
+      return place(keep(step_.kind_) ? Slot{mass, 0} : Slot{record, 0});
+    }
     return place(slot_of(step_.in_->numbers[at(n.a)], false));
   }
 

@@ -121,7 +121,8 @@ struct Link {
   Vector3<T> r;
   Body body;
   T geometry[3];
-  T d{0};  ///< offset along the joint's axis, if the shape has it apart from r
+  T d{0};  ///< offset along the joint's axis, if the shape has it: apart from r
+  static constexpr bool d_apart = true;
 
   /// `shape`: of the placement, for kinds that are placed by it.
   Link(Recorder& in, std::optional<PlacementShape> shape) : Link(in) {

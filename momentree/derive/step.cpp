@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include <momentree/derive/kept_steps.hpp>
 #include <momentree/derive/momentum_steps.hpp>
 #include <momentree/derive/velocity_steps.hpp>
 #include <momentree/joint/dispatch.hpp>
@@ -97,10 +98,10 @@ Recorded record_step(const StepKey& key) {
   Recorded least;
   int fewest = 0;
   std::vector<Order> orders;
-  if (!K::rotates_about_z) orders.push_back({});
+  if (!K::rotates_about_z || keep(key.passes)) orders.push_back({});
   for (const Order::Frame frame : {Order::child, Order::before_rotation, Order::before_displacement})
     for (const bool one_shift : {false, true})
-      if (K::rotates_about_z && (key.fewest || frame == traits.frame))
+      if (K::rotates_about_z && !keep(key.passes) && (key.fewest || frame == traits.frame))
         if (!one_shift || frame != Order::before_displacement) orders.push_back({frame, one_shift});
   for (const Order& order : orders) {
     Recorded other{std::make_unique<Recorder>(), {}};
@@ -110,7 +111,9 @@ Recorded record_step(const StepKey& key) {
       if (code == any_value) return {};
       return known_values[code];
     };
-    if (key.momenta)
+    if (keep(key.passes))
+      other.steps = KeptSteps<K, NQ, NV>(shape, key.place, key.gravity, key.armature, *other.in).run(key.passes);
+    else if (key.passes == Passes::stage_momenta)
       other.steps = MomentumSteps<K, NQ, NV>(traits, shape, key.place, order, *other.in, key.gravity).run();
     else
       other.steps = VelocitySteps<K, NQ, NV>(traits, shape, key.place, order, *other.in).run();
@@ -129,6 +132,8 @@ Recorded record_step(const StepKey& key) {
       MT_REQUIRE(false, "welds have no steps");
       return {};
     } else {
+      if constexpr (requires { typename K::Generic; })
+        if (key.armature) return record_step<typename K::Generic, nq, nv>(key);
       return record_step<typename K::Kernels, nq, nv>(key);
     }
   });
@@ -162,7 +167,7 @@ bool has_steps(Kind kind, Variant variant) {
     using K = typename decltype(tag)::type;
     return K::info.nv == 1 && requires { typename K::Generic; };  // E is a unit vector
   });
-  return variant == Variant::plain || (variant == Variant::armature && own_axis);
+  return info(kind).nv > 0 && (variant == Variant::plain || (variant == Variant::armature && own_axis));
 }
 
 void add_pattern(const LinkNumbers& numbers, StepKey& key) {
@@ -181,14 +186,14 @@ bool is_general(const StepKey& key) {
   return key == general;
 }
 
-Step::Step(const StepKey& key) {
+Step::Step(const StepKey& key) : kind_(key.passes) {
   Expressions* const outer = T::graph();  // this may happen while something else is recorded
   Recorded recorded = record_step(key);
   in_ = std::move(recorded.in), steps_ = std::move(recorded.steps);
   T::graph() = outer;
   if (in_->expressions.exhausted()) throw std::bad_alloc();
   in_->expressions.end();
-  if (key.momenta && key.gravity) mass_ = 1, moments_ = 3;
+  if (key.passes == Passes::stage_momenta && key.gravity) mass_ = 1, moments_ = 3;
   find_levels();
   find_constants();
 }

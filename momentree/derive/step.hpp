@@ -25,8 +25,8 @@ struct LinkNumbers {
 struct StepKey {
   Kind kind{};
   bool armature = false;
-  bool momenta = false;  ///< else velocities
-  bool gravity = true;   ///< in momenta: there is some
+  Passes passes = Passes::stage_velocities;
+  bool gravity = true;  ///< in momenta: there is some
   bool fewest = false;   ///< in the order with the fewest operations; else in that which takes the least time for one world
   BodyPlace place{};
   PlacementShape shape{};
@@ -52,7 +52,7 @@ struct Handing {
   friend bool operator==(const Handing&, const Handing&) = default;
 };
 
-/// The steps of a key: in velocities outward, inward, outward; in momenta inward, outward.
+/// The steps of a key, one for each of its passes.
 class Step {
  public:
   static constexpr std::size_t most_passes = 3;
@@ -62,8 +62,8 @@ class Step {
   std::size_t passes() const { return steps_.functions.size(); }
   /// Which pass goes inward.
   std::size_t inward() const { return passes() - 2; }
-  /// Numbers in its record: what its passes store for later ones. In momenta with gravity the first one is given: the mass of the
-  /// body and of all bodies outboard (kg).
+  /// Numbers in the record of a stage: what its passes store for later ones. In momenta with gravity the first one is given: the
+  /// mass of the body and of all bodies outboard (kg).
   int record() const { return mass_ + static_cast<int>(record_.size()) + moments_; }
   /// Numbers that follow from the link's.
   std::size_t constants() const { return constants_.size(); }
@@ -86,6 +86,7 @@ class Step {
   void find_levels();
   void find_constants();
 
+  Passes kind_;
   int mass_ = 0, moments_ = 0;  ///< numbers at the begin and at the end of the record; the latter are first moments
   std::unique_ptr<Recorder> in_;
   Derived steps_;

@@ -1,21 +1,31 @@
 #pragma once
-// Definitions of the second recursion; included only by instantiate/*.cpp, each for one scalar.
+// Definitions of the second recursion and of the solution for further right-hand sides; included only by instantiate/*.cpp.
+#include <algorithm>
+
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/sweep.hpp>
+#include <momentree/dynamics/step_stage.ipp>
 
 namespace momentree {
 
 template <class T>
 void evaluate_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace) noexcept {
-  const Sweep<T> sweep{tree, q, workspace, workspace.a.get()};
-  const SweepBuffers<Force<T>, Motion<T>> buffers{tree, workspace.child_wrenches.get(), workspace.parent_accelerations.get()};
-  sweep.inward(tree.kernel_runs(), buffers,
-               [](const auto& body, int, Force<T>& W) MOMENTREE_INLINE_LAMBDA { rate_inboard(body, W); });
-  // The ground accelerates against gravity; this gives every body its weight, so that gravity is not needed in body axes.
-  const Vec3& g = tree.gravity();
-  const Motion<T> base{{T(-g.x), T(-g.y), T(-g.z)}, {}};
-  sweep.outward(tree.kernel_runs(), buffers, base,
-                [](const auto& body, int, Motion<T>& a) MOMENTREE_INLINE_LAMBDA { rate_outboard(body, a); });
+  if (tree.loaded_bodies().empty()) std::fill_n(workspace.loads.get(), tree.bodies(), Force<T>{});
+  const StepArrays arrays = step_arrays(tree, Passes::rates, q, workspace);
+  const StepTable& steps = keeping_steps(tree, Passes::rates, workspace);
+  steps.inboard(arrays);
+  const Vec3 base = -tree.gravity();  // gives every body its weight, so that gravity is not needed in body axes
+  steps.outboard(arrays, &base);
+}
+
+// M u = r, by one inward and one outward pass in O(n).
+template <class T>
+void solve_with_factors(const Tree& tree, const T* q, Workspace<T>& workspace, T* u, int begin, int end) noexcept {
+  StepArrays arrays = step_arrays(tree, Passes::solutions, q, workspace);
+  arrays.a = u;
+  const StepTable& steps = keeping_steps(tree, Passes::solutions, workspace);
+  steps.inboard(arrays, begin, end);
+  const Vec3 base{};
+  steps.outboard(arrays, &base, begin, end);
 }
 
 }  // namespace momentree

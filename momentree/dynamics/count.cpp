@@ -14,8 +14,9 @@ extern template void evaluate_rates<Counted>(const Tree&, const Counted*, const 
 
 Operations count_operations(const Tree& tree) {
   Workspace<Counted> workspace(tree);
-  workspace.momentum_steps = detail::make_step_table(detail::counting_scalar());
-  if (!workspace.momentum_steps->follow(tree)) throw std::bad_alloc();
+  auto& steps = workspace.table(Passes::stage_momenta);
+  steps = detail::make_step_table(detail::counting_scalar());
+  if (!steps->follow(tree)) throw std::bad_alloc();
   std::vector<Counted> q(static_cast<std::size_t>(tree.nq())), p(static_cast<std::size_t>(tree.nv()), Counted(0));
   for (const int b : tree.order())
     dispatch(tree.kind(b), [&](auto tag) {

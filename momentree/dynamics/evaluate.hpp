@@ -23,6 +23,12 @@ void evaluate_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& work
 template <class T>
 void evaluate_motions(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept;
 
+/// The two passes of evaluate_motions; between them the records may change.
+template <class T>
+void reduce_momenta(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept;
+template <class T>
+void resolve_momenta(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept;
+
 /// evaluate_rates, or evaluate_motions if forces will read poses or motions of joints and bodies.
 void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace) noexcept;
 
@@ -101,6 +107,8 @@ inline DenseTransform<double> joint_transform_of(const Tree& tree, const State& 
 
 extern template void evaluate_rates<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 extern template void evaluate_motions<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
+extern template void reduce_momenta<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
+extern template void resolve_momenta<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;
 extern template void evaluate_accelerations<double>(const Tree&, const double*, Workspace<double>&) noexcept;
 extern template void solve_with_factors<double>(const Tree&, const double*, Workspace<double>&, double*, int, int) noexcept;
 

@@ -1,12 +1,11 @@
 #pragma once
 // Definitions of the two recursions in momenta; included only by instantiate/*.cpp, each for one scalar.
 //
-// Stages call the steps of a StepTable. Where others read what the passes find of each body, they go over kernel runs.
+// Passes call the steps of a StepTable; those of plane mechanisms in stages are apart.
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/generic_steps.ipp>
 #include <momentree/dynamics/in_plane.ipp>
 #include <momentree/dynamics/step_stage.ipp>
-#include <momentree/dynamics/sweep.hpp>
 #include <momentree/math/pack.hpp>
 
 namespace momentree {
@@ -44,40 +43,33 @@ MOMENTREE_INLINE void find_sines(const Tree& tree, const T* q, Workspace<T>& wor
       n, [s](int i) MOMENTREE_INLINE_LAMBDA { return s[i]; }, s, c);
 }
 
-/// Between the passes of a tree nothing happens.
-struct NothingBetween {
-  template <class T>
-  MOMENTREE_INLINE static void act(const Tree&, const T*, Workspace<T>&) {}
-};
-
-/// Between::act, called after the inward pass, may change u0 of the records. (As a type, not an argument: this leaves the code
-/// without it as it is.)
-template <class T, class Between = NothingBetween>
-void sweep_motions(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {
+template <class T>
+void reduce_momenta(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {
   MT_REQUIRE(workspace.capacity() >= tree.bodies(), "the workspace has room for the tree's bodies: construct it for this tree");
   workspace.evaluated = {};
   workspace.located = {};
   workspace.accelerated = {};
-  const Vec3& g = tree.gravity();
-  const bool has_gravity = g.x != 0 || g.y != 0 || g.z != 0;  // if not, first moments are not summed
   find_sines(tree, q, workspace, false, [](const KernelRun&) { return false; });
-  const Sweep<T> sweep{tree, q, workspace, workspace.a.get(), p};
-  const SweepBuffers<Inboard<T>, Outboard<T>> buffers{tree, workspace.child_sums.get(), workspace.parent_states.get()};
-  sweep.inward(tree.kernel_runs(), buffers, [&](const auto& body, int b, Inboard<T>& a) MOMENTREE_INLINE_LAMBDA {
-    momentum_inboard(body, sweep.tree.armature() + sweep.tree.first_p(b), sweep.tree.subtree_mass(b), has_gravity, a);
-  });
-  Between::act(tree, q, workspace);
-  T o(0);  // not constexpr, and written out: clearing structs has a cost that shows for small mechanisms
-  const Outboard<T> base{{{o, o, o}, {o, o, o}}, {T(g.x), T(g.y), T(g.z)}};
-  sweep.outward(tree.kernel_runs(), buffers, base, [&](const auto& body, int b, Outboard<T>& a) MOMENTREE_INLINE_LAMBDA {
-    momentum_outboard(body, sweep.tree.subtree_mass(b), a);
-  });
+  StepArrays arrays = step_arrays(tree, Passes::momenta, q, workspace);
+  arrays.p = p;
+  keeping_steps(tree, Passes::momenta, workspace).inboard(arrays);
+}
+template <class T>
+void resolve_momenta(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {
+  StepArrays arrays = step_arrays(tree, Passes::momenta, q, workspace);
+  arrays.p = p;
+  keeping_steps(tree, Passes::momenta, workspace).outboard(arrays, &tree.gravity());
+}
+template <class T>
+void evaluate_motions(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {
+  reduce_momenta(tree, q, p, workspace);
+  resolve_momenta(tree, q, p, workspace);
 }
 
 template <class T>
 void evaluate_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {
   MT_REQUIRE(workspace.capacity() >= tree.bodies(), "the workspace has room for the tree's bodies: construct it for this tree");
-  const bool by_steps = takes_steps(tree, workspace.momentum_steps.get(), workspace);
+  const bool by_steps = takes_steps(tree, Passes::stage_momenta, workspace);
   if constexpr (std::is_same_v<T, double>)
     if (!by_steps) return evaluate_motions<T>(tree, q, p, workspace);
   workspace.evaluated = {};
@@ -90,8 +82,8 @@ void evaluate_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& work
   const Vec3& g = tree.gravity();
   const bool has_gravity = g.x != 0 || g.y != 0 || g.z != 0;
   const InPlaneSweep<T> planar{tree, p, workspace};
-  StepArrays arrays = step_arrays(tree, q, workspace);
-  arrays.p = p, arrays.pdot = workspace.pdot.get(), arrays.motions = workspace.parent_states.get();
+  StepArrays arrays = step_arrays(tree, Passes::stage_momenta, q, workspace);
+  arrays.p = p;
   workspace.steps->inboard(arrays);
   for (const KernelRun& run : tree.kernel_runs())
     if (run.planar) has_gravity ? planar.template inboard<true>(run) : planar.template inboard<false>(run);
@@ -99,10 +91,6 @@ void evaluate_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& work
   workspace.steps->outboard(arrays, &gravity);
   for (const KernelRun& run : tree.kernel_runs())
     if (run.planar) has_gravity ? planar.template outboard<true>(run) : planar.template outboard<false>(run);
-}
-template <class T>
-void evaluate_motions(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {
-  sweep_motions<T>(tree, q, p, workspace);
 }
 
 }  // namespace momentree

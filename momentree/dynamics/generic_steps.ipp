@@ -1,162 +1,165 @@
 #pragma once
-// The passes of stages over one body of a StepTable, by the texts of body_passes.hpp.
+// The passes over one body of a StepTable, by the texts of body_passes.hpp.
 //
-// In velocities the accelerations are those of points, v̇ + ω × v at the body's origin. Then velocities may be relative to a
-// frame that moves with the parent's origin: linear ones, which would only cancel, are not handed on.
+// In stages in velocities the accelerations are those of points, v̇ + ω × v at the body's origin. Then velocities may be relative
+// to a frame that moves with the parent's origin: linear ones, which would only cancel, are not handed on.
 #include <momentree/base/inline.hpp>
-#include <momentree/dynamics/body_passes.hpp>
 #include <momentree/dynamics/step_table.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
+#include <momentree/joint/body_passes.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/machine/evaluate.hpp>
 
 namespace momentree {
 
+/// What nobody reads after a stage.
+template <class T>
+struct Unread {
+  BodySweep<T> motion;
+  Motion<T> inboard_acceleration;
+  Force<T> reduced_bias_wrench;
+};
+
 /// What the steps of a body are called with.
-template <class K, class T>
+template <class K, class T, Passes P>
 struct StepOfBody {
-  using Record = typename K::template Record<T>;
-  /// What nobody reads after a stage.
-  struct Kept {
-    BodySweep<T> motion;
-    Motion<T> inboard_acceleration;
-    Force<T> reduced_bias_wrench;
-  };
+  using Sum = std::conditional_t<numbers_of_sum(P) == 6, Force<T>, Inboard<T>>;
+  using Handed = std::conditional_t<in_momenta(P), Outboard<T>, Motion<T>>;
 
   const StepEntry& e;
   const StepArrays& s;
-  Kept& kept;
+  Unread<T>& unread;
   const GenericBody& own = *static_cast<const GenericBody*>(e.constants);
 
-  template <class X = T>
-  static X* at(void* array, std::int32_t bytes) {
-    return reinterpret_cast<X*>(static_cast<char*>(array) + bytes);
-  }
+  static T* at(void* array, std::int32_t bytes) { return reinterpret_cast<T*>(static_cast<char*>(array) + bytes); }
   static const T* at(const void* array, std::int32_t bytes) {
     return reinterpret_cast<const T*>(static_cast<const char*>(array) + bytes);
   }
-  JointState<T> joint() const { return {at(s.q, e.q), at(s.cos, e.angle), at(s.sin, e.angle)}; }
-  Record& record() const { return *at<Record>(s.records, e.record); }
-  BodyBias<T>& bias() const { return static_cast<BodyBias<T>*>(s.biases)[own.body]; }
+  /// Of a body's memory in an array.
+  template <class V>
+  static V& of(void* array, std::int32_t place) {
+    return keep(P) ? static_cast<V*>(array)[place] : *reinterpret_cast<V*>(static_cast<char*>(array) + place);
+  }
+  template <class V>
+  V& own_of(void* array, V& otherwise) const {
+    return keep(P) ? static_cast<V*>(array)[own.body] : otherwise;
+  }
   const double* armature() const { return s.model_armature + e.dof / static_cast<std::int32_t>(sizeof(T)); }
+  BodyBias<T>& bias() const { return static_cast<BodyBias<T>*>(s.biases)[own.body]; }
   PassBody<K, T> of_pass() const {
     return {.link = own.link,
-            .joint = joint(),
-            .flags = own.flags,
-            .record = record(),
+            .joint = {at(s.q, e.q), at(s.cos, e.angle), at(s.sin, e.angle)},
+            .aligned = own.aligned,
+            .root = own.root,
+            .alone = own.alone,
+            .record = *reinterpret_cast<typename K::template Record<T>*>(at(s.records, e.record)),
             .u = at(s.u, e.dof),
             .qdot = at(s.qdot, e.q),
             .a = at(s.a, e.dof),
             .p = at(s.p, e.dof),
             .pdot = at(s.pdot, e.dof),
-            .motion = &kept.motion,
+            .motion = &own_of(s.body_sweeps, unread.motion),
             .bias = &bias(),
-            .inboard_acceleration = &kept.inboard_acceleration,
-            .reduced_bias_wrench = &kept.reduced_bias_wrench};
+            .inboard_acceleration = &own_of(s.inboard_accelerations, unread.inboard_acceleration),
+            .reduced_bias_wrench = &own_of(s.reduced_bias_wrenches, unread.reduced_bias_wrench),
+            .load = static_cast<const Force<T>*>(s.loads) + own.body};
   }
-  bool leaf() const { return (own.flags & node::leaf) != 0; }
-  bool root() const { return (own.flags & node::root) != 0; }
 };
 
-/// In velocities.
-template <class K, class T>
-struct GenericVelocitySteps {
-  using Body = StepOfBody<K, T>;
+template <class K, class T, Passes P>
+struct GenericSteps {
+  using Body = StepOfBody<K, T, P>;
+  using Sum = typename Body::Sum;
+  using Handed = typename Body::Handed;
 
+  /// In velocities, the first pass.
   static void velocities(const StepEntry& e, const StepArrays& s) {
-    typename Body::Kept unread;
+    Unread<T> unread;
     const Body b{e, s, unread};
     Motion<T> a{};
-    if (!b.root()) a.w = Body::template at<Motion<T>>(s.motions, e.in)->w;
+    if (!b.own.root) {
+      const Motion<T>& parent = Body::template of<Motion<T>>(s.motions, e.in);
+      a.w = parent.w;
+      if constexpr (keep(P)) a.v = parent.v;
+    }
     velocity_outboard(b.of_pass(), a);
-    BodyBias<T>& bias = b.bias();
-    bias.acceleration.v += cross(a.w, a.v);
-    a.v = {T(0), T(0), T(0)};
-    put(gyroscopic_wrench(b.own.link.body, a), bias.wrench);
-    if (!b.leaf()) put(a, *Body::template at<Motion<T>>(s.motions, e.to));
+    if constexpr (!keep(P)) {
+      BodyBias<T>& bias = b.bias();
+      bias.acceleration.v += cross(a.w, a.v);
+      a.v = {T(0), T(0), T(0)};
+      put(gyroscopic_wrench(b.own.link.body, a), bias.wrench);
+    }
+    if (!b.own.leaf) put(a, Body::template of<Motion<T>>(s.motions, e.to));
   }
   template <bool Adds>
   static void inboard(const StepEntry& e, const StepArrays& s) {
-    typename Body::Kept unread;
+    constexpr bool moments = in_momenta(P) || numbers_of_sum(P) == 6;
+    Unread<T> unread;
     const Body b{e, s, unread};
-    Inboard<T> a{};
-    if (!b.leaf()) put_without_moments(*Body::template at<Inboard<T>>(s.sums, e.in), a);
-    force_inboard(b.of_pass(), b.armature(), a);
-    if (b.root()) return;
-    if constexpr (Adds)
-      add_without_moments(a, *Body::template at<Inboard<T>>(s.sums, e.to));
+    Sum a{};
+    if (!b.own.leaf) {
+      const Sum& from = Body::template of<Sum>(s.sums, e.in);
+      if constexpr (moments)
+        put(from, a);
+      else
+        put_without_moments(from, a);
+    }
+    if constexpr (in_momenta(P))
+      momentum_inboard(b.of_pass(), b.armature(), b.own.mass, b.own.gravity, a);
+    else if constexpr (in_velocities(P))
+      force_inboard(b.of_pass(), b.armature(), a);
+    else if constexpr (P == Passes::rates)
+      rate_inboard(b.of_pass(), a);
     else
-      put_without_moments(a, *Body::template at<Inboard<T>>(s.sums, e.to));
+      solution_inboard(b.of_pass(), a);
+    if (b.own.root) return;
+    Sum& to = Body::template of<Sum>(s.sums, e.to);
+    if constexpr (Adds && moments)
+      to += a;
+    else if constexpr (Adds)
+      add_without_moments(a, to);
+    else if constexpr (moments)
+      put(a, to);
+    else
+      put_without_moments(a, to);
   }
   static void outboard(const StepEntry& e, const StepArrays& s) {
-    typename Body::Kept unread;
+    Unread<T> unread;
     const Body b{e, s, unread};
-    const Motion<T>& parent = *Body::template at<Motion<T>>(s.motions, e.in);
-    Motion<T> a{};
-    a.v = parent.v;
-    if (!b.root()) a.w = parent.w;
-    acceleration_outboard(b.of_pass(), a);
-    if (!b.leaf()) put(a, *Body::template at<Motion<T>>(s.motions, e.to));
+    const Handed& parent = Body::template of<Handed>(s.motions, e.in);
+    Handed a{};
+    if constexpr (in_momenta(P)) {
+      a.gravity = parent.gravity;
+      if (!b.own.root) a.velocity = parent.velocity;
+      momentum_outboard(b.of_pass(), b.own.mass, a);
+    } else {
+      a.v = parent.v;
+      if (!b.own.root) a.w = parent.w;
+      if constexpr (in_velocities(P))
+        acceleration_outboard(b.of_pass(), a);
+      else if constexpr (P == Passes::rates)
+        rate_outboard(b.of_pass(), a);
+      else
+        solution_outboard(b.of_pass(), a);
+    }
+    if (!b.own.leaf) put(a, Body::template of<Handed>(s.motions, e.to));
   }
 };
 
-/// In momenta.
-template <class K, class T>
-struct GenericMomentumSteps {
-  using Body = StepOfBody<K, T>;
-
-  template <bool Adds>
-  static void inboard(const StepEntry& e, const StepArrays& s) {
-    typename Body::Kept unread;
-    const Body b{e, s, unread};
-    Inboard<T> a{};
-    if (!b.leaf()) put(*Body::template at<Inboard<T>>(s.sums, e.in), a);
-    momentum_inboard(b.of_pass(), b.armature(), b.own.mass, true, a);
-    if (b.root()) return;
-    if constexpr (Adds)
-      *Body::template at<Inboard<T>>(s.sums, e.to) += a;
-    else
-      put(a, *Body::template at<Inboard<T>>(s.sums, e.to));
-  }
-  static void outboard(const StepEntry& e, const StepArrays& s) {
-    typename Body::Kept unread;
-    const Body b{e, s, unread};
-    const Outboard<T>& parent = *Body::template at<Outboard<T>>(s.motions, e.in);
-    Outboard<T> a{};
-    a.gravity = parent.gravity;
-    if (!b.root()) a.velocity = parent.velocity;
-    momentum_outboard(b.of_pass(), b.own.mass, a);
-    if (!b.leaf()) put(a, *Body::template at<Outboard<T>>(s.motions, e.to));
-  }
-};
-
-namespace detail {
-/// Kernels with the generic functions.
-template <class K>
-struct WithoutSteps {
-  using type = K;
-};
-template <class K>
-requires requires { typename K::Generic; }
-struct WithoutSteps<K> {
-  using type = typename K::Generic;
-};
-}  // namespace detail
-
-template <class T, bool Momenta>
+template <class T, Passes P>
 GenericStep generic_step(Kind kind, Variant variant, bool adds) noexcept {
   return dispatch_kernels(kind, variant, [adds](auto tag) -> GenericStep {
-    using K = typename detail::WithoutSteps<typename decltype(tag)::type>::type;
+    using K = typename decltype(tag)::type;
     constexpr std::size_t record = sizeof(typename K::template Record<T>) / sizeof(T);
-    if constexpr (K::rigid) {
+    if constexpr (K::rigid && !keep(P)) {
       return {};  // welds are part of other bodies
-    } else if constexpr (Momenta) {
-      using Steps = GenericMomentumSteps<K, T>;
-      return {{adds ? Steps::template inboard<true> : Steps::template inboard<false>, Steps::outboard}, record};
     } else {
-      using Steps = GenericVelocitySteps<K, T>;
-      return {{Steps::velocities, adds ? Steps::template inboard<true> : Steps::template inboard<false>, Steps::outboard},
-              record};
+      using Steps = GenericSteps<K, T, P>;
+      const StepFunction inboard = adds ? Steps::template inboard<true> : Steps::template inboard<false>;
+      if constexpr (in_velocities(P))
+        return {{Steps::velocities, inboard, Steps::outboard}, record};
+      else
+        return {{inboard, Steps::outboard}, record};
     }
   });
 }
@@ -166,9 +169,9 @@ void put_number(void* to, double x) noexcept {
   *static_cast<T*>(to) = T(x);
 }
 /// What a table needs to know of T. `width`: of the machine code for it.
-template <class T, bool Momenta>
+template <class T, Passes P>
 StepScalar step_scalar(StepWidth width) {
-  return {Momenta, sizeof(T), &put_number<T>, &generic_step<T, Momenta>, width, {}};
+  return {P, sizeof(T), &put_number<T>, &generic_step<T, P>, width, {}};
 }
 
 /// A derived step, carried out operation by operation.
@@ -181,9 +184,9 @@ void interpreted_step(const StepEntry& e, const StepArrays& s) {
                                std::span(static_cast<T*>(own.room->values), own.room->most));
 }
 /// For a table that carries out derived steps like this, so that T can record or count them.
-template <class T, bool Momenta>
+template <class T, Passes P>
 StepScalar interpreting_scalar() {
-  StepScalar scalar = step_scalar<T, Momenta>(StepWidth::none);
+  StepScalar scalar = step_scalar<T, P>(StepWidth::none);
   scalar.interpreted = {interpreted_step<T, 0>, interpreted_step<T, 1>, interpreted_step<T, 2>};
   return scalar;
 }

@@ -2,9 +2,9 @@
 // Stages of plane mechanisms, grounded trees of revolute joints with parallel axes. The plane's axes are those of the root joint
 // before its rotation. A velocity has only three components there, and with absolute angles nothing is rotated from body to body.
 // Included only by forward.ipp.
-#include <momentree/dynamics/sweep.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/joint/kinds.hpp>
+#include <momentree/tree/unchecked_tree.hpp>
 
 namespace momentree {
 
@@ -34,14 +34,80 @@ void add_up_angles(UncheckedTree tree, const KernelRun& run, T* angle) noexcept 
   }
 }
 
+/// Transfer of sums between bodies along the order: `In` are the sums of the inward pass, `Out` the values that the outward pass
+/// hands to children. The first child of a body follows it directly, so that sums pass through memory only for later children.
+template <class T>
+struct InPlaneBuffers {
+  using In = InPlaneInboard<T>;
+  using Out = InPlaneOutboard<T>;
+
+  UncheckedTree tree;
+  In* child_sums;
+  Out* parent_states;
+
+  /// Calls step(place in the order, b, flags, a) for the bodies of a mechanism, inward. In: the sum of its children's
+  /// contributions. Out: its own.
+  template <class F>
+  MOMENTREE_INLINE void inward(const KernelRun& run, F&& step) const {
+    In a{};
+    for (int i = run.end - 1; i >= run.begin; --i) {
+      const int b = body_at(i);
+      const unsigned flags = flags_at(i);
+      if ((flags & node::leaf) != 0) a = {};
+      gather_children(b, flags, a);
+      step(i, b, flags, a);
+      add_to_parent(b, flags, a);
+    }
+  }
+  /// The same, outward. In: what its parent hands on, or `base` for roots. Out: what it hands on itself.
+  template <class F>
+  MOMENTREE_INLINE void outward(const KernelRun& run, const Out& base, F&& step) const {
+    Out a{};
+    for (int i = run.begin; i < run.end; ++i) {
+      const int b = body_at(i);
+      const unsigned flags = flags_at(i);
+      load_parent(b, flags, base, a);
+      step(i, b, flags, a);
+      store_for_children(b, flags, a);
+    }
+  }
+
+ private:
+  /// Inward, before a body: adds its other children to `sum`, which holds its first child's contribution (undefined for a leaf).
+  MOMENTREE_INLINE void gather_children(int b, unsigned flags, In& sum) const {
+    if ((flags & node::branching) == 0) return;
+    sum += child_sums[b];
+  }
+  /// Inward, after a body: adds its contribution to its parent, unless it is a first child, whose parent comes next.
+  MOMENTREE_INLINE void add_to_parent(int b, unsigned flags, const In& sum) const {
+    if ((flags & (node::first_child | node::root)) != 0) return;
+    In& parent_sum = child_sums[tree.parent(b)];
+    if ((flags & node::last_child) != 0)
+      parent_sum = sum;
+    else
+      parent_sum += sum;
+  }
+  /// Outward, before a body: loads its parent's output, unless the parent came directly before.
+  MOMENTREE_INLINE void load_parent(int b, unsigned flags, const Out& base, Out& value) const {
+    if ((flags & node::first_child) != 0) return;
+    value = (flags & node::root) != 0 ? base : parent_states[tree.parent(b)];
+  }
+  /// Outward, after a body: stores its output for children that do not come next.
+  MOMENTREE_INLINE void store_for_children(int b, unsigned flags, const Out& value) const {
+    if ((flags & node::branching) != 0) parent_states[b] = value;
+  }
+
+  MOMENTREE_INLINE int body_at(int place) const { return tree.order()[static_cast<std::size_t>(place)]; }
+  MOMENTREE_INLINE unsigned flags_at(int place) const { return tree.node_flags()[static_cast<std::size_t>(place)]; }
+};
+
 /// Both passes over a mechanism.
 template <class T>
 struct InPlaneSweep {
   UncheckedTree tree;
   const T* p;
   Workspace<T>& workspace;
-  SweepBuffers<InPlaneInboard<T>, InPlaneOutboard<T>> buffers{tree, workspace.in_plane_child_sums.get(),
-                                                              workspace.in_plane_parent_states.get()};
+  InPlaneBuffers<T> buffers{tree, workspace.in_plane_child_sums.get(), workspace.in_plane_parent_states.get()};
 
   /// (22)–(26) and (16), everything about the body's joint, in the plane's axes.
   template <bool Gravity>

@@ -173,7 +173,9 @@ void detail::find_motions_with_loops(const Tree& tree, const double* q, const do
   LoopWorkspace& loops = loop_memory(tree, workspace);
   const bool unknown = loops.rank < 0 && armatures == ArmatureSpeeds::kept;  // no rows were chosen
   loops.wanted = rows, loops.armatures = unknown ? ArmatureSpeeds::taken : armatures;
-  sweep_momenta(tree, q, p, workspace);
+  reduce_momenta(tree, q, p, workspace);
+  solve_momenta_of_loops(tree, q, workspace);
+  resolve_momenta(tree, q, p, workspace);
   const auto stops = tree.loop_stops();
   for (std::size_t s = 0; s < stops.size(); ++s) {
     const int b = stops[s].body;

@@ -47,9 +47,7 @@ void add_gauge_rates(const Tree& tree, const double* q, Workspace<double>& works
 
 namespace momentree::detail {
 
-/// The passes of evaluate_motions, with the loops between them.
-void sweep_momenta(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace) noexcept;
-/// What happens there, with the rows that loops.wanted says: σ, and what it adds to the records of the inward pass.
+/// Between the passes, with the rows that loops.wanted says: σ, and what it adds to the records of the inward pass.
 void solve_momenta_of_loops(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept;
 
 /// The passes, and the articulated momenta P* of the bodies; Wb = Pb − P* is in loops.momenta.

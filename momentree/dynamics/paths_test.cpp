@@ -1,6 +1,5 @@
 // The implementations of one evaluation against each other, on random trees: derived steps, as machine code and carried out
-// operation by operation, and the pass over plane mechanisms (stages); steps by the shape of the link and the generic functions,
-// which store results for others (motions); with armatures.
+// operation by operation, and the pass over plane mechanisms (stages); the generic functions (motions); with armatures.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -104,10 +103,11 @@ void compare(const Tree& tree, const State& state, Seen& seen) {
   const int nq = tree.nq(), nv = tree.nv();
   Workspace<double> stage(tree), motions(tree);
   poison(tree, stage), poison(tree, motions);
+  use_generic_functions(tree, motions);
   evaluate_rates(tree, q.data(), p.data(), stage);
   evaluate_motions(tree, q.data(), p.data(), motions);
   Workspace<Counted> early(tree);
-  early.momentum_steps = detail::make_step_table(detail::counting_scalar());
+  early.table(Passes::stage_momenta) = detail::make_step_table(detail::counting_scalar());
   const std::vector<Counted> cq(q.begin(), q.end()), cp(p.begin(), p.end());
   evaluate_rates(tree, cq.data(), cp.data(), early);
   Tree with_rotors, in_pieces = tree;
@@ -137,7 +137,7 @@ void compare(const Tree& tree, const State& state, Seen& seen) {
 
 }  // namespace
 
-TEST_CASE("steps by shape, planar kernels and generic kernels give the same rates, whatever changes") {
+TEST_CASE("derived steps, planar kernels and generic functions give the same rates, whatever changes") {
   Seen seen;
   for (unsigned seed = 0; seed < 500; ++seed) {
     CAPTURE(seed);

@@ -27,7 +27,7 @@ void StepLinks::begin(std::size_t bodies, bool general, bool gravity) {
 
 int StepLinks::find(Kind kind, Variant variant, derive::BodyPlace place, const LinkConstants& link, int same) {
   derive::StepKey form = derive::key_of(kind, variant == Variant::armature, place, link);
-  form.momenta = scalar_.momenta, form.gravity = gravity_ || !scalar_.momenta;
+  form.passes = scalar_.passes, form.gravity = gravity_ || !in_momenta(scalar_.passes);
   form.fewest = scalar_.interpreted[0] != nullptr;
   const auto fits = [&](int other) {
     return other >= 0 && at(other) < links_.size() && links_[at(other)].form == form &&

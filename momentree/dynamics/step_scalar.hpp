@@ -22,7 +22,7 @@ struct GenericStep {
 enum class StepWidth : unsigned char { none, one, double_2, double_4, double_8, float_4, float_8, float_16 };
 
 struct StepScalar {
-  bool momenta = false;                                ///< of the passes in momenta; else in velocities
+  Passes passes = Passes::stage_velocities;
   std::size_t size = 0;                                ///< bytes
   void (*put)(void* to, double x) noexcept = nullptr;  ///< stores the same number for all worlds
   /// `adds`: inward, to the contributions of other children.

@@ -1,15 +1,16 @@
 #pragma once
-// What stages by a table of steps share. Included by forward.ipp and velocity.ipp.
+// What all passes by a table of steps share. Included by forward.ipp and velocity.ipp.
 #include <momentree/dynamics/step_table.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
+#include <momentree/tree/unchecked_tree.hpp>
 
 namespace momentree {
 
-/// Whether a stage calls the steps of a table, which it then finds in workspace.steps: `own`, or if that is null, those that are
-/// there. In double it goes over kernel runs if there is no memory for a table.
+/// Whether a stage calls the steps of a table, which it then finds in workspace.steps: its own, or if there is none, those that
+/// are there. If there is no memory for a table, a stage in double takes the passes that keep results.
 template <class T>
-MOMENTREE_INLINE bool takes_steps(const Tree& tree, StepTable* own, Workspace<T>& workspace) {
-  if (own != nullptr) {
+MOMENTREE_INLINE bool takes_steps(const Tree& tree, Passes passes, Workspace<T>& workspace) {
+  if (StepTable* const own = workspace.table(passes).get(); own != nullptr) {
     if (!own->follow(tree)) {
       MT_REQUIRE((std::is_same_v<T, double>), "there is memory for the steps of other scalars");
       return false;
@@ -19,14 +20,31 @@ MOMENTREE_INLINE bool takes_steps(const Tree& tree, StepTable* own, Workspace<T>
   workspace.steps->prepare(workspace.step_records.get(), workspace.step_records_of);
   return true;
 }
-
-/// The arrays of both kinds of stages.
+/// The table of passes that keep results.
 template <class T>
-MOMENTREE_INLINE StepArrays step_arrays(const Tree& tree, const T* q, Workspace<T>& workspace) {
+MOMENTREE_INLINE const StepTable& keeping_steps(const Tree& tree, Passes passes, Workspace<T>& workspace) {
+  StepTable& table = *workspace.table(passes);
+  const bool follows = table.follow(tree);
+  MT_REQUIRE(follows, "the table was made for so many bodies");
+  return table;
+}
+
+/// The arrays of all passes.
+template <class T>
+MOMENTREE_INLINE StepArrays step_arrays(const Tree& tree, Passes passes, const T* q, Workspace<T>& workspace) {
   StepArrays arrays;
   arrays.q = q, arrays.cos = workspace.cos.get(), arrays.sin = workspace.sin.get();
-  arrays.u = workspace.v.get(), arrays.qdot = workspace.qdot.get();
-  arrays.records = workspace.step_records.get(), arrays.sums = workspace.child_sums.get();
+  arrays.u = workspace.v.get(), arrays.qdot = workspace.qdot.get(), arrays.pdot = workspace.pdot.get();
+  arrays.a = workspace.a.get(), arrays.biases = workspace.biases.get();
+  arrays.records = keep(passes) ? workspace.records.get() : workspace.step_records.get();
+  arrays.sums = workspace.child_sums.get();
+  if (passes >= Passes::rates) arrays.sums = workspace.child_wrenches.get();
+  arrays.motions = workspace.parent_accelerations.get();
+  if (in_momenta(passes)) arrays.motions = workspace.parent_states.get();
+  arrays.body_sweeps = workspace.motions.get(), arrays.inboard_accelerations = workspace.inboard_accelerations.get();
+  arrays.reduced_bias_wrenches = workspace.reduced_bias_wrenches.get();
+  arrays.loads = workspace.loads.get();
+  arrays.masses = UncheckedTree(tree).subtree_masses();
   arrays.armature = arrays.model_armature = tree.armature();
   if constexpr (!std::is_same_v<T, double>) {
     for (int i = 0; i < tree.nv(); ++i) workspace.impulse[static_cast<std::size_t>(i)] = T(tree.armature()[i]);

@@ -22,15 +22,22 @@ namespace {
 
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr std::size_t sum_size = sizeof(Inboard<double>) / sizeof(double);
-/// Of what bodies hand to their children; and where the vector that roots are given begins there.
-constexpr std::size_t motion_size(bool momenta) {
-  return (momenta ? sizeof(Outboard<double>) : sizeof(Motion<double>)) / sizeof(double);
+/// Where the vector that roots are given begins in what bodies hand to their children.
+constexpr std::size_t base_place(Passes passes) {
+  return in_momenta(passes) ? offsetof(Outboard<double>, gravity) / sizeof(double) : 0;
 }
-constexpr std::size_t base_place(bool momenta) { return momenta ? offsetof(Outboard<double>, gravity) / sizeof(double) : 0; }
 /// With more different steps, their code would not stay in the instruction cache: those that serve any link are then faster.
 constexpr std::size_t most_steps = 40;
 
+bool has_gravity(const Tree& tree) {
+  const Vec3& g = tree.gravity();
+  return g.x != 0 || g.y != 0 || g.z != 0;
+}
+/// It carries no other and is attached to the ground, directly or by welds.
+bool is_alone(const Tree& tree, int b) {
+  const unsigned flags = tree.node_flags()[at(tree.place(b))];
+  return (flags & node::grounded) != 0 && (flags & node::leaf) != 0;
+}
 derive::BodyPlace place_of_body(bool leaf, bool root) {
   return leaf   ? root ? derive::BodyPlace::single : derive::BodyPlace::leaf
          : root ? derive::BodyPlace::root
@@ -41,19 +48,28 @@ derive::BodyPlace place_of_body(bool leaf, bool root) {
 
 StepTable::StepTable(const StepScalar& scalar) : scalar_(scalar), links_(scalar) {}
 
-std::unique_ptr<StepTable, void (*)(StepTable*)> detail::make_step_table(const StepScalar& scalar) {
-  return {new StepTable(scalar), [](StepTable* table) { delete table; }};
+StepTable::StepTable(const StepScalar& scalar, int bodies) : StepTable(scalar) {
+  const std::size_t n = at(bodies);
+  bodies_.reserve(n), moving_.reserve(n), generic_.reserve(n), roots_.reserve(n);
+  inboard_.reserve(n), outboard_.reserve(n), velocities_.reserve(in_velocities(scalar.passes) ? n : 0);
 }
+
+OwnStepTable detail::make_step_table(const StepScalar& scalar) { return OwnStepTable(new StepTable(scalar)); }
+OwnStepTable detail::make_step_table(const StepScalar& scalar, int bodies) { return OwnStepTable(new StepTable(scalar, bodies)); }
+void DeleteStepTable::operator()(StepTable* table) const noexcept { delete table; }
 
 void StepTable::velocities(const StepArrays& arrays) const noexcept { run(velocities_, arrays); }
 
-void StepTable::inboard(const StepArrays& arrays) const noexcept { run(inboard_, arrays); }
+void StepTable::inboard(const StepArrays& arrays, int begin, int end) const noexcept {
+  const std::size_t n = inboard_.size(), last = std::min(at(end), n);
+  run(std::span(inboard_).subspan(n - last, last - at(begin)), arrays);
+}
 
-void StepTable::outboard(const StepArrays& arrays, const void* base) const noexcept {
-  const std::size_t size = motion_size(scalar_.momenta), place = base_place(scalar_.momenta);
+void StepTable::outboard(const StepArrays& arrays, const void* base, int begin, int end) const noexcept {
+  const std::size_t size = at(numbers_of_motion(scalar_.passes)), place = base_place(scalar_.passes);
   for (const int root : roots_)
     std::memcpy(static_cast<char*>(arrays.motions) + scalar_.size * (size * at(root) + place), base, 3 * scalar_.size);
-  run(outboard_, arrays);
+  run(std::span(outboard_).subspan(at(begin), std::min(at(end), outboard_.size()) - at(begin)), arrays);
 }
 
 void StepTable::prepare(void* records, std::uint64_t& made_for) const noexcept {
@@ -67,7 +83,7 @@ const derive::Step* StepTable::step_of(int body) const noexcept {
   return link < 0 ? nullptr : links_.step(link);
 }
 
-void StepTable::run(const std::vector<StepEntry>& entries, const StepArrays& arrays) const noexcept {
+void StepTable::run(std::span<const StepEntry> entries, const StepArrays& arrays) const noexcept {
 #ifndef __wasm__
   if (in_machine_code_) return StepLibrary::of_process().run(entries, arrays);
 #endif
@@ -96,11 +112,9 @@ bool StepTable::follow(const Tree& tree) noexcept {
 void StepTable::rebuild(const Tree& tree) {
   find_bodies(tree);
   in_machine_code_ = scalar_.width != StepWidth::none && links_.available();
-  find_links(tree, false);
-  if (in_machine_code_ && links_.different() > most_steps) find_links(tree, true);
   share_memory();
-  if (add_entries(tree)) return;
-  in_machine_code_ = false;  // the system refused more executable memory
+  if (find_links(tree) && add_entries(tree)) return;
+  in_machine_code_ = false;  // there is no more memory, or the system refused to make it executable
   for (const int b : moving_) bodies_[at(b)].link = -1;
   MT_REQUIRE(add_entries(tree), "generic steps need no executable memory");
 }
@@ -112,8 +126,8 @@ void StepTable::find_bodies(const Tree& tree) {
   moving_.clear(), moving_.reserve(at(tree.bodies()));
   bool any_weld = false;
   for (const KernelRun& run : all.kernel_runs()) {
-    if (run.planar) continue;
-    const bool weld = info(run.kind).nv == 0;
+    if (run.planar && !keep(scalar_.passes)) continue;
+    const bool weld = info(run.kind).nv == 0 && !keep(scalar_.passes);
     for (int i = run.begin; i < run.end; ++i) {
       const int b = order[at(i)], parent = all.parent(b);
       Body& body = bodies_[at(b)];
@@ -132,7 +146,7 @@ void StepTable::find_bodies(const Tree& tree) {
   if (!any_weld) return;
   welded_.resize(at(tree.bodies()));
   for (const KernelRun& run : all.kernel_runs())
-    for (int i = run.begin; i < run.end && !run.planar && info(run.kind).nv == 0; ++i) {
+    for (int i = run.begin; i < run.end && !(run.planar || info(run.kind).nv > 0); ++i) {
       const int b = order[at(i)], to = bodies_[at(b)].sum;
       if (to < 0) continue;
       RigidMass& sum = welded_[at(to)];
@@ -151,16 +165,29 @@ const LinkConstants& StepTable::link_of(const Tree& tree, int b, LinkConstants& 
   return merged;
 }
 
+bool StepTable::find_links(const Tree& tree) {
+#ifdef __cpp_exceptions
+  try {
+#endif
+    find_links(tree, false);
+    if (in_machine_code_ && links_.different() > most_steps) find_links(tree, true);
+    return true;
+#ifdef __cpp_exceptions
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+#endif
+}
+
 void StepTable::find_links(const Tree& tree, bool general) {
   const UncheckedTree all(tree);
-  const Vec3& g = tree.gravity();
-  bool gravity = g.x != 0 || g.y != 0 || g.z != 0;  // generic steps hand it on in any case
-  for (const int b : moving_) gravity = gravity || !links_.serves(all.kind(b), all.variant(b));
+  bool gravity = has_gravity(tree);  // generic steps of stages hand it on in any case
+  for (const int b : moving_) gravity = gravity || (!keep(scalar_.passes) && !links_.serves(all.kind(b), all.variant(b)));
   links_.begin(moving_.size(), general, gravity);
   LinkConstants merged;
   for (const int b : moving_) {
     Body& body = bodies_[at(b)];
-    if (!links_.serves(all.kind(b), all.variant(b))) {
+    if (!links_.serves(all.kind(b), all.variant(b)) || (keep(scalar_.passes) && body.parent >= 0 && is_alone(tree, b))) {
       body.link = -1;
       continue;
     }
@@ -173,10 +200,11 @@ void StepTable::find_links(const Tree& tree, bool general) {
 /// one that comes first inward starts the sum.
 void StepTable::share_memory() {
   const std::size_t n = moving_.size();
+  const bool shares = !keep(scalar_.passes);
   for (std::size_t i = 0; i < n; ++i) {
     const int b = moving_[i];
     Body& body = bodies_[at(b)];
-    const bool only = body.parent >= 0 && bodies_[at(body.parent)].children == 1;
+    const bool only = shares && body.parent >= 0 && bodies_[at(body.parent)].children == 1;
     body.motion = only ? bodies_[at(body.parent)].motion : b;
     body.sum = b, body.started = false;
   }
@@ -184,7 +212,7 @@ void StepTable::share_memory() {
     Body& body = bodies_[at(moving_[i])];
     if (body.parent < 0) continue;
     Body& parent = bodies_[at(body.parent)];
-    if (parent.children == 1 && body.children > 0) parent.sum = body.sum;
+    if (shares && parent.children == 1 && body.children > 0) parent.sum = body.sum;
     body.adds = parent.started;
     parent.started = true;
   }
@@ -194,11 +222,14 @@ bool StepTable::add_entries(const Tree& tree) {
   const UncheckedTree all(tree);
   const std::size_t n = moving_.size();
   const auto bytes = [&](std::size_t numbers) { return static_cast<std::int32_t>(numbers * scalar_.size); };
-  inboard_.resize(n), outboard_.resize(n), velocities_.resize(scalar_.momenta ? 0 : n);
+  const Passes passes_of = scalar_.passes;
+  inboard_.resize(n), outboard_.resize(n), velocities_.resize(in_velocities(passes_of) ? n : 0);
   roots_.clear(), roots_.reserve(n);
   generic_.clear(), generic_.reserve(n);  // entries point to them
-  masses_.clear(), masses_.reserve(scalar_.momenta ? n : 0);
-  const std::size_t motion = motion_size(scalar_.momenta), inward_pass = scalar_.momenta ? 0 : 1;
+  masses_.clear(), masses_.reserve(passes_of == Passes::stage_momenta ? n : 0);
+  const std::size_t inward_pass = count_of(passes_of) - 2;
+  // Where a body's numbers are in an array, or its number.
+  const auto place = [&](int numbers, int b) { return keep(passes_of) ? b : bytes(at(numbers) * at(b)); };
   std::size_t record = 0;
   // Registers hand on numbers between two steps of machine code.
   const auto follows_in_registers = [&](std::size_t i) {
@@ -211,16 +242,15 @@ bool StepTable::add_entries(const Tree& tree) {
     const Body& body = bodies_[at(b)];
     StepEntry entry;
     entry.q = bytes(at(all.first_q(b))), entry.angle = bytes(at(all.first_angle(b))), entry.dof = bytes(at(all.first_p(b)));
-    entry.record = bytes(record);
+    entry.record = bytes(keep(passes_of) ? all.record(b) : record);
     StepFunctions passes;
     if (body.link < 0) {
       const GenericStep step = scalar_.generic(all.kind(b), all.variant(b), body.adds);
       GenericBody& own = generic_.emplace_back();
       LinkConstants merged;
-      own = {step.passes, link_of(tree, b, merged), all.subtree_mass(b), b};
-      if (body.children == 0) own.flags |= node::leaf;
-      if (body.parent < 0) own.flags |= node::root | node::grounded;
-      if (aligned(own.link)) own.flags |= node::aligned;
+      own = {step.passes, link_of(tree, b, merged), all.subtree_mass(b), b, has_gravity(tree) || !keep(passes_of)};
+      own.leaf = body.children == 0, own.root = body.parent < 0, own.aligned = aligned(own.link);
+      own.alone = keep(passes_of) ? is_alone(tree, b) : own.leaf && own.root;
       entry.constants = &own;
       record += step.record;
       passes = step.passes;
@@ -229,7 +259,7 @@ bool StepTable::add_entries(const Tree& tree) {
         for (std::size_t pass = 0; pass < passes.size(); ++pass) passes[pass] = StepLibrary::of_process().call_of(pass);
 #endif
     } else {
-      if (scalar_.momenta) masses_.push_back({entry.record, all.subtree_mass(b)});
+      if (passes_of == Passes::stage_momenta) masses_.push_back({entry.record, all.subtree_mass(b)});
       record += links_.record(body.link);
       const bool parent = follows_in_registers(i), child = follows_in_registers(i + 1);
       const derive::Handing outward{false, parent, child, body.children > (child ? 1 : 0)},
@@ -237,15 +267,16 @@ bool StepTable::add_entries(const Tree& tree) {
       if (!links_.functions(body.link, outward, inward, passes, entry.constants)) return false;
     }
     if (body.parent < 0) roots_.push_back(b);
-    entry.in = bytes(motion * at(body.parent < 0 ? b : bodies_[at(body.parent)].motion));
-    entry.to = bytes(motion * at(body.motion));
-    if (!scalar_.momenta) entry.step = passes[0], velocities_[i] = entry;
+    const int motion = numbers_of_motion(passes_of), sum = numbers_of_sum(passes_of);
+    entry.in = place(motion, body.parent < 0 ? b : bodies_[at(body.parent)].motion);
+    entry.to = place(motion, body.motion);
+    if (in_velocities(passes_of)) entry.step = passes[0], velocities_[i] = entry;
     entry.step = passes[inward_pass + 1], outboard_[i] = entry;
-    entry.in = bytes(sum_size * at(body.sum));
-    entry.to = bytes(sum_size * at(body.parent < 0 ? b : bodies_[at(body.parent)].sum));
+    entry.in = place(sum, body.sum);
+    entry.to = place(sum, body.parent < 0 ? b : bodies_[at(body.parent)].sum);
     entry.step = passes[inward_pass], inboard_[n - 1 - i] = entry;
   }
-  MT_REQUIRE(record <= tree.record_capacity(), "the records of steps fit into the memory for those of the kinds");
+  MT_REQUIRE(keep(passes_of) || record <= tree.record_capacity(), "the records of steps fit into the memory for those of the kinds");
   return true;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 // The bodies of a tree with their steps, in the order in which the passes call them.
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <vector>
 
 #include <momentree/dynamics/step_links.hpp>
@@ -16,14 +18,17 @@ struct GenericBody {
   LinkConstants link{};
   double mass = 0;  ///< of the body and of all bodies outboard (kg)
   int body = 0;
-  unsigned flags = 0;  ///< of its node, as the steps see the tree
+  bool gravity = true;  ///< there is some
+  bool aligned = false, leaf = false, root = false, alone = false;  ///< see PassBody
 };
 
-/// For the stages of the mechanisms of one tree, except those in a plane. Welded bodies are one body. Once it follows a tree it
-/// may be used by many threads, each with arrays of its own.
+/// For passes over the mechanisms of one tree. Stages leave out those in a plane, and welded bodies are one body. Once it follows
+/// a tree it may be used by many threads, each with arrays of its own.
 class StepTable {
  public:
   explicit StepTable(const StepScalar& scalar);
+  /// That follows trees with so many bodies even if memory has run out since.
+  StepTable(const StepScalar& scalar, int bodies);
 
   /// Follows the tree's topology. False if there is no memory, or if 32 bits do not count that of so many bodies. Allocates where
   /// the topology has changed.
@@ -31,13 +36,16 @@ class StepTable {
 
   // The passes, after `follow`. In velocities: velocities outward, then with joint forces in `a` inward, and outward with the
   // acceleration of the ground. In momenta: inward, and outward with gravity. `base`: this vector, a Vector3 of the scalar.
+  // `begin`, `end`: only for bodies with these places in the tree's order; of passes that keep results.
   void velocities(const StepArrays& arrays) const noexcept;
-  void inboard(const StepArrays& arrays) const noexcept;
-  void outboard(const StepArrays& arrays, const void* base) const noexcept;
+  void inboard(const StepArrays& arrays, int begin = 0, int end = all_bodies) const noexcept;
+  void outboard(const StepArrays& arrays, const void* base, int begin = 0, int end = all_bodies) const noexcept;
   /// Writes what records have to contain before the first pass, unless `made_for` says that it was done; updates that.
   void prepare(void* records, std::uint64_t& made_for) const noexcept;
   /// The step of a body, after `follow`; null: it has a generic one, is welded or moves in a plane.
   [[nodiscard]] const derive::Step* step_of(int body) const noexcept;
+
+  static constexpr int all_bodies = std::numeric_limits<int>::max();
 
  private:
   /// The tree as the steps see it.
@@ -51,9 +59,10 @@ class StepTable {
     int link = -1;         ///< −1: it is generic
   };
 
-  void run(const std::vector<StepEntry>& entries, const StepArrays& arrays) const noexcept;
+  void run(std::span<const StepEntry> entries, const StepArrays& arrays) const noexcept;
   void rebuild(const Tree& tree);
   void find_bodies(const Tree& tree);
+  [[nodiscard]] bool find_links(const Tree& tree);  ///< false: there is no memory
   void find_links(const Tree& tree, bool general);
   const LinkConstants& link_of(const Tree& tree, int b, LinkConstants& merged) const;
   void share_memory();

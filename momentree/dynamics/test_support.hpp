@@ -70,6 +70,14 @@ inline void put_at_random(const Tree& tree, State& state, Random& random) {
   std::copy(q.begin(), q.end(), edit.q.begin());
   std::copy(p.begin(), p.end(), edit.p.begin());
 }
+/// Lets the passes that keep results use the generic functions of all kinds.
+inline void use_generic_functions(const Tree& tree, Workspace<double>& workspace) {
+  for (const Passes passes : {Passes::momenta, Passes::velocities, Passes::rates, Passes::solutions}) {
+    StepScalar scalar = detail::double_steps(passes);
+    scalar.width = StepWidth::none;
+    workspace.table(passes) = detail::make_step_table(scalar, tree.bodies());
+  }
+}
 /// Fills the buffers of the passes with NaN, so that anything read before it is written shows up.
 inline void poison(const Tree& tree, Workspace<double>& workspace) {
   const auto bodies = static_cast<std::size_t>(tree.bodies());

@@ -2,6 +2,11 @@
 
 namespace momentree {
 
+StepScalar detail::double_steps(Passes passes) {
+  if (in_momenta(passes)) return double_momenta(keep(passes));
+  return in_velocities(passes) ? double_velocities(keep(passes)) : double_accelerations(passes == Passes::solutions);
+}
+
 template Workspace<double>::Workspace(const Tree& tree);
 
 }  // namespace momentree

@@ -1,5 +1,6 @@
 #pragma once
 // Per-body memory of the recursions; allocated once, reused by every evaluation.
+#include <array>
 #include <memory>
 #include <new>
 #include <span>
@@ -8,6 +9,7 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/base/inline.hpp>
+#include <momentree/joint/passes.hpp>
 #include <momentree/tree/state.hpp>
 
 namespace momentree {
@@ -49,6 +51,11 @@ struct FreeUntouched {
 template <class T>
 using Untouched = std::unique_ptr<T[], FreeUntouched>;
 }  // namespace detail
+
+struct DeleteStepTable {
+  void operator()(StepTable* table) const noexcept;
+};
+using OwnStepTable = std::unique_ptr<StepTable, DeleteStepTable>;
 
 /// The states whose results a workspace holds. A moved-from workspace holds none and has capacity 0.
 struct WorkspaceStamps {
@@ -122,8 +129,9 @@ class Workspace : public WorkspaceStamps {
   detail::Untouched<Force<T>> carried;    ///< momenta of bodies during a change of a state in velocities
   detail::Untouched<int> path;            ///< scratch of topology changes that walk from a root to a body
   detail::Untouched<Kinematics<T>> bodies;
-  /// Of stages in velocities and in momenta; null if they belong to others.
-  std::unique_ptr<StepTable, void (*)(StepTable*)> velocity_steps{nullptr, nullptr}, momentum_steps{nullptr, nullptr};
+  /// The passes; null: not for this scalar, or, of stages, they belong to others.
+  std::array<OwnStepTable, kinds_of_passes> tables{};
+  OwnStepTable& table(Passes passes) { return tables[static_cast<std::size_t>(passes)]; }
   const StepTable* steps = nullptr;                                                  ///< those of the present stage
   Array step_records;                                                                ///< of these …
   std::uint64_t step_records_of = 0;                                                 ///< … or others: see StepTable::prepare

@@ -21,10 +21,14 @@ struct Kinematics {
 };
 
 namespace detail {
-std::unique_ptr<StepTable, void (*)(StepTable*)> make_step_table(const StepScalar& scalar);
+OwnStepTable make_step_table(const StepScalar& scalar);
+/// See the constructors of StepTable.
+OwnStepTable make_step_table(const StepScalar& scalar, int bodies);
 /// Of one world. In instantiate/.
-StepScalar double_velocities();
-StepScalar double_momenta();
+StepScalar double_momenta(bool kept);
+StepScalar double_velocities(bool kept);
+StepScalar double_accelerations(bool solutions);
+StepScalar double_steps(Passes passes);
 /// Of operations that are counted.
 StepScalar counting_scalar();
 
@@ -52,8 +56,11 @@ Workspace<T>::Workspace(const Tree& tree)
   by_body(biases), by_body(carried), by_body(bodies);
   step_records = detail::untouched<T>(tree.record_capacity());
   if constexpr (std::is_same_v<T, double>) {
-    velocity_steps = detail::make_step_table(detail::double_velocities());
-    momentum_steps = detail::make_step_table(detail::double_momenta());
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      const auto passes = static_cast<Passes>(i);
+      tables[i] = keep(passes) ? detail::make_step_table(detail::double_steps(passes), tree.bodies())
+                               : detail::make_step_table(detail::double_steps(passes));
+    }
   }
 }
 

@@ -58,6 +58,7 @@ class LoopRecording {
       : tree_(tree), code_(code), all_(all), workspace_(tree) {
     detail::lay_out_loops<T>(tree, loops_);
     loops_.lanes = 0;
+    detail::record_kept_steps(tree, workspace_);
     detail::lay_out(tree, {rows.begin(), rows.end()}, loops_.kept);
   }
 

@@ -25,5 +25,7 @@ inline std::vector<bool> resting(const Tree& tree) {
 
 /// Gives a workspace the table of steps with which stages of a tree are recorded. Throws std::bad_alloc.
 void record_steps(const Tree& tree, Variables variables, Workspace<Symbolic>& workspace);
+/// The same for passes in velocities that keep results.
+void record_kept_steps(const Tree& tree, Workspace<Symbolic>& workspace);
 
 }  // namespace momentree::detail

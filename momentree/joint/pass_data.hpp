@@ -82,17 +82,9 @@ MOMENTREE_INLINE void operator+=(InPlaneInboard<T>& a, const InPlaneInboard<T>& 
   a.mx = a.mx + b.mx, a.my = a.my + b.my;
 }
 template <class T>
-MOMENTREE_INLINE void put(const InPlaneInboard<T>& a, InPlaneInboard<T>& to) {
-  to = a;
-}
-template <class T>
 struct InPlaneOutboard {
   T vx, vy, w;
 };
-template <class T>
-MOMENTREE_INLINE void put(const InPlaneOutboard<T>& a, InPlaneOutboard<T>& to) {
-  to = a;
-}
 /// Quantities of a body in a plane mechanism that the inward pass stores; kept in the memory of a revolute record.
 template <class T>
 struct InPlaneRecord {

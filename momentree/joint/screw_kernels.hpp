@@ -45,7 +45,8 @@ struct ScrewKernels : GenericKernels<K, NQ, NV> {
   }
   template <bool Aligned, class T>
   MOMENTREE_INLINE static auto joint_transform(const auto& k, const JointState<T>& j, const auto&) {
-    const Screw<T> m = K::template screw<T>(k, j);
+    Screw<T> m = K::template screw<T>(k, j);
+    if constexpr (requires { k.d_apart; }) m.d = m.d + k.d;
     return ScrewTransform<T, Aligned, std::remove_cvref_t<decltype(k)>>{k, m.c, m.s, m.d};
   }
   template <bool Aligned, class T>

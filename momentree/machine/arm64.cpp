@@ -11,7 +11,7 @@ namespace momentree::machine {
 
 namespace {
 
-constexpr int x0 = 0, x1 = 1, first_base = 2, x16 = 16, sp = 31;
+constexpr int x0 = 0, x1 = 1, first_base = 2, x16 = 16, x17 = 17, sp = 31;
 constexpr std::size_t most_bases = 14;    // x2 to x15
 constexpr int operand = 31, result = 30;  // vector registers for what x86 reads from memory, and for results
 constexpr std::uint32_t ret = 0xD65F03C0;
@@ -103,7 +103,10 @@ class Arm64Encoder {
     if (base.memory < 0) return w_.access(0xF9400000, r, x0, base.entry, 8);  // ldr
     w_.access(0xB9800000, x16, x0, base.entry, 4);                            // ldrsw
     w_.access(0xF9400000, r, x1, base.memory, 8);                             // ldr
-    w_.three(0x8B000000, r, r, x16);                                          // add
+    if (base.times == 1) return w_.three(0x8B000000, r, r, x16);              // add
+    MT_REQUIRE(base.times > 0 && base.times < 65536, "arrays of structures of bodies");
+    w_.word(0x52800000 | static_cast<std::uint32_t>(base.times) << 5 | x17);  // mov w17, times
+    w_.word(0x9B000000u | x17 << 16 | static_cast<std::uint32_t>(r) << 10 | x16 << 5 | static_cast<std::uint32_t>(r));  // madd
   }
 
   void load(int r, const Place& place) {

@@ -30,7 +30,7 @@ void evaluate(const Function& function, const Target& target, const void* entry,
       read(start, entry, base.entry);
     else
       read(start, arrays, base.memory), read(offset, entry, base.entry);
-    start += offset;
+    start += std::ptrdiff_t{offset} * base.times;
   }
   const auto load = [&](const Place& home) {
     if (home.base == Place::pool) return T(function.pool[at(home.offset / pool_stride(target))]);

@@ -29,9 +29,9 @@ struct Place {
 };
 
 /// Where a function finds an address: a pointer in its first argument at `entry`; or, if `memory` ≥ 0, the pointer in its second
-/// argument at `memory`, plus the 32 bits of the first one at `entry`.
+/// argument at `memory`, plus the 32 bits of the first one at `entry` times `times`.
 struct Base {
-  int entry = 0, memory = -1;
+  int entry = 0, memory = -1, times = 1;
 };
 
 /// `maximum`: a if a > b, else b. `multiply_add`: a b + c, `multiply_subtract`: a b − c, `subtract_product`: c − a b.

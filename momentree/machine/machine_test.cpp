@@ -36,7 +36,7 @@ struct Entry {
 };
 enum : std::int8_t { inputs, changed, shared, results };
 const std::vector<Base> bases{{offsetof(Entry, inputs), offsetof(Arrays, inputs)},
-                              {offsetof(Entry, changed), offsetof(Arrays, changed)},
+                              {offsetof(Entry, changed), offsetof(Arrays, changed), 24},
                               {offsetof(Entry, shared), -1},
                               {offsetof(Entry, results), -1}};
 constexpr int numbers = 12;  // in each array

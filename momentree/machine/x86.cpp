@@ -75,9 +75,14 @@ class Encoder {
   }
   /// Instruction `opcode` r, [from + displacement].
   void integer(int opcode, int r, int from, int displacement) {
-    MT_REQUIRE(displacement >= 0 && displacement < 128, "the arguments of steps are short");
-    bytes({0x48 | r >> 3 << 2, opcode, 0x40 | (r & 7) << 3 | from, displacement});
+    const bool is_short = displacement < 128;
+    bytes({0x48 | r >> 3 << 2, opcode, (is_short ? 0x40 : 0x80) | (r & 7) << 3 | from});
+    if (is_short)
+      byte(displacement);
+    else
+      number(displacement);
   }
+  void multiply(int r, int by) { bytes({0x48 | r >> 3 << 2 | r >> 3, 0x69, 0xC0 | (r & 7) << 3 | (r & 7)}), number(by); }
   void load_bases() {
     for (std::size_t i = 0; i < f_.bases.size(); ++i) load_base(base_registers[i], f_.bases[i]);
   }
@@ -94,6 +99,7 @@ class Encoder {
   void load_base(int r, const Base& base) {
     if (base.memory < 0) return integer(0x8B, r, rdi, base.entry);  // mov
     integer(0x63, r, rdi, base.entry);                              // movsxd
+    if (base.times != 1) multiply(r, base.times);                   // imul
     integer(0x03, r, rsi, base.memory);                             // add
   }
 

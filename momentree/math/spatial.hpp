@@ -115,8 +115,8 @@ MOMENTREE_INLINE constexpr Force<T> momentum(const RigidMass& b, const Motion<T>
 }
 
 /// Ω × M Ω (9) of a rigid body: the wrench that changes the direction of its momentum.
-template <class T>
-MOMENTREE_INLINE constexpr Force<T> gyroscopic_wrench(const RigidMass& b, const Motion<T>& a) {
+template <class T, class Body>
+MOMENTREE_INLINE constexpr Force<T> gyroscopic_wrench(const Body& b, const Motion<T>& a) {
   const Vector3<T> s = cross(a.w, a.v);
   const T square = dot(a.w, a.w);
   const Vector3<T> centripetal = {square * b.mc.x, square * b.mc.y, square * b.mc.z};

@@ -17,6 +17,7 @@ class UncheckedTree {
   std::size_t record(int b) const { return tree_.offsets_[at(b)].record; }
   const LinkConstants& link(int b) const { return tree_.links_[at(b)]; }
   double subtree_mass(int b) const { return tree_.subtree_mass_[at(b)]; }
+  const double* subtree_masses() const { return tree_.subtree_mass_.data(); }
   Kind kind(int b) const { return tree_.class_[at(b)].kind; }
   Variant variant(int b) const { return tree_.class_[at(b)].variant; }
 

@@ -19,7 +19,7 @@ using namespace arm64_cases;
 constexpr std::size_t arrays = sizeof(StepArrays) / sizeof(void*), numbers = 128;
 
 template <class S, int N>
-void write_case(const derive::Step& step, std::size_t pass, bool adds, Draw& draw, std::FILE* to) {
+void write_case(const derive::StepKey& key, const derive::Step& step, std::size_t pass, bool adds, Draw& draw, std::FILE* to) {
   using T = machine::Worlds<S, N>;
   const machine::Target target{.lanes = N, .number = sizeof(S), .registers = machine::arm64_registers};
   const machine::Function f = step.function(pass, {.adds = adds}, target);
@@ -34,6 +34,7 @@ void write_case(const derive::Step& step, std::size_t pass, bool adds, Draw& dra
   std::memcpy(static_cast<void*>(&with), pointers, sizeof with);
   const auto size = static_cast<std::int32_t>(sizeof(T));
   StepEntry entry{nullptr, block.data() + arrays * numbers, 3 * size, 5 * size, 7 * size, 9 * size, 11 * size, 60 * size};
+  if (keep(key.passes)) entry.in = 1, entry.to = 2;  // bodies
   std::vector<T> values(f.values.size());
   machine::evaluate<T, S>(f, target, &entry, &with, std::span(values));
   entry.constants = nullptr;
@@ -49,8 +50,8 @@ void write_steps(const derive::StepKey& key, Draw& draw, std::FILE* to) {
   const derive::Step step(key);
   for (std::size_t pass = 0; pass < step.passes(); ++pass) {
     const bool adds = pass == step.inward() && draw() < 0;
-    write_case<double, 1>(step, pass, adds, draw, to), write_case<double, 2>(step, pass, adds, draw, to);
-    write_case<float, 1>(step, pass, adds, draw, to), write_case<float, 4>(step, pass, adds, draw, to);
+    write_case<double, 1>(key, step, pass, adds, draw, to), write_case<double, 2>(key, step, pass, adds, draw, to);
+    write_case<float, 1>(key, step, pass, adds, draw, to), write_case<float, 4>(key, step, pass, adds, draw, to);
   }
 }
 
@@ -65,12 +66,12 @@ int main() {
     for (const bool armature : {false, true})
       for (const derive::BodyPlace place :
            {derive::BodyPlace::inner, derive::BodyPlace::leaf, derive::BodyPlace::root, derive::BodyPlace::single})
-        for (const bool momenta : {false, true}) {
-          if (kind.nv == 0 || !derive::has_steps(kind.kind, armature ? Variant::armature : Variant::plain)) continue;
+        for (std::size_t passes = 0; passes < kinds_of_passes; ++passes) {
+          if (!derive::has_steps(kind.kind, armature ? Variant::armature : Variant::plain)) continue;
           for (unsigned s = 0; s <= static_cast<unsigned>(PlacementShape::parallel_a); s += 5) {
             const LinkConstants link = random_link(draw, static_cast<PlacementShape>(s));
             derive::StepKey key = derive::key_of(kind.kind, armature, place, link);
-            key.momenta = momenta;
+            key.passes = static_cast<Passes>(passes);
             derive::add_general_pattern(key);
             write_steps(key, draw, to);
           }

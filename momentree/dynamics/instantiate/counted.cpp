@@ -1,8 +1,9 @@
 #include <momentree/dynamics/forward.ipp>
+#include <momentree/dynamics/generic_steps.ipp>
 #include <momentree/math/counted.hpp>
 
 namespace momentree {
 template void evaluate_rates<Counted>(const Tree&, const Counted*, const Counted*, Workspace<Counted>&) noexcept;
 
-StepScalar detail::counting_scalar() { return interpreting_scalar<Counted, true>(); }
+StepScalar detail::counting_scalar() { return interpreting_scalar<Counted, Passes::stage_momenta>(); }
 }  // namespace momentree

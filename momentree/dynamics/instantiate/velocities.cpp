@@ -1,3 +1,4 @@
+#include <momentree/dynamics/generic_steps.ipp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/dynamics/velocity.ipp>
 
@@ -9,5 +10,8 @@ template void resolve_accelerations<double, true>(const Tree&, const double*, Wo
 template void solve_accelerations<double, false>(const Tree&, const double*, Workspace<double>&, const Motion<double>&) noexcept;
 template void solve_accelerations<double, true>(const Tree&, const double*, Workspace<double>&, const Motion<double>&) noexcept;
 
-StepScalar detail::double_velocities() { return step_scalar<double, false>(StepWidth::one); }
+StepScalar detail::double_velocities(bool kept) {
+  return kept ? step_scalar<double, Passes::velocities>(StepWidth::one)
+              : step_scalar<double, Passes::stage_velocities>(StepWidth::one);
+}
 }  // namespace momentree

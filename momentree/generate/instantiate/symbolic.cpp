@@ -2,6 +2,7 @@
 
 #include <momentree/derive/symbolic.hpp>
 #include <momentree/dynamics/forward.ipp>
+#include <momentree/dynamics/generic_steps.ipp>
 #include <momentree/dynamics/velocity.ipp>
 #include <momentree/generate/recording.hpp>
 
@@ -13,8 +14,9 @@ template void solve_accelerations<T, false>(const Tree&, const T*, Workspace<T>&
 
 void detail::record_steps(const Tree& tree, Variables variables, Workspace<T>& workspace) {
   const bool momenta = variables == Variables::momenta;
-  auto& steps = momenta ? workspace.momentum_steps : workspace.velocity_steps;
-  steps = make_step_table(momenta ? interpreting_scalar<T, true>() : interpreting_scalar<T, false>());
+  auto& steps = workspace.table(momenta ? Passes::stage_momenta : Passes::stage_velocities);
+  steps = make_step_table(momenta ? interpreting_scalar<T, Passes::stage_momenta>()
+                                  : interpreting_scalar<T, Passes::stage_velocities>());
   if (!steps->follow(tree)) throw std::bad_alloc();
 }
 }  // namespace momentree

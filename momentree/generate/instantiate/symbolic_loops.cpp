@@ -1,6 +1,8 @@
 #include <momentree/derive/symbolic.hpp>
+#include <momentree/dynamics/generic_steps.ipp>
 #include <momentree/dynamics/loop_place.ipp>
 #include <momentree/dynamics/velocity.ipp>
+#include <momentree/generate/recording.hpp>
 
 namespace momentree {
 #define MOMENTREE_LOOPS_OF(T)                                                                                                   \
@@ -13,4 +15,8 @@ namespace momentree {
   template void detail::apply_multipliers<T>(const Tree&, const T*, Workspace<T>&, LoopSystem<T>&) noexcept;
 MOMENTREE_LOOPS_OF(Symbolic)
 #undef MOMENTREE_LOOPS_OF
+
+void detail::record_kept_steps(const Tree& tree, Workspace<Symbolic>& workspace) {
+  workspace.table(Passes::velocities) = make_step_table(step_scalar<Symbolic, Passes::velocities>(StepWidth::none), tree.bodies());
+}
 }  // namespace momentree

@@ -20,7 +20,6 @@
 #include <momentree/base/inline.hpp>
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/pass_data.hpp>
-#include <momentree/tree/kernel_run.hpp>
 
 namespace momentree {
 
@@ -32,7 +31,9 @@ struct PassBody {
 
   const L& link;
   JointState<T> joint;
-  unsigned flags = 0;  ///< of its node
+  bool aligned = false;  ///< its link needs no rotation about the parent's z
+  bool root = false;     ///< it is attached to the ground
+  bool alone = false;    ///< it carries no other and is attached to the ground, directly or by welds
   Record& record;
   T* u = nullptr;  ///< joint velocities
   T* qdot = nullptr;
@@ -41,16 +42,16 @@ struct PassBody {
   T* pdot = nullptr;
   BodySweep<T>* motion = nullptr;
   BodyBias<T>* bias = nullptr;
-  Motion<T>* inboard_acceleration = nullptr;   ///< a′
-  Force<T>* reduced_bias_wrench = nullptr;     ///< Ŵ
-  const Force<T>* load = nullptr;              ///< the external wrench on it; null: none
+  Motion<T>* inboard_acceleration = nullptr;  ///< a′
+  Force<T>* reduced_bias_wrench = nullptr;    ///< Ŵ
+  const Force<T>* load = nullptr;             ///< the external wrench on it
 };
 
 /// Calls f with the transform of a body's joint: as a pass before this one left it in the record.
 template <class B, class F>
 MOMENTREE_INLINE void with_transform(const B& b, F&& f) {
   using K = typename B::Kernels;
-  if (K::rotates_about_z && (b.flags & node::aligned) != 0)
+  if (K::rotates_about_z && b.aligned)
     f(K::template cached_transform<true>(b.link, b.joint, b.record));
   else
     f(K::template cached_transform<false>(b.link, b.joint, b.record));
@@ -59,7 +60,7 @@ MOMENTREE_INLINE void with_transform(const B& b, F&& f) {
 template <class B, class F>
 MOMENTREE_INLINE void with_new_transform(const B& b, F&& f) {
   using K = typename B::Kernels;
-  if (K::rotates_about_z && (b.flags & node::aligned) != 0)
+  if (K::rotates_about_z && b.aligned)
     f(K::template joint_transform<true>(b.link, b.joint, b.record));
   else
     f(K::template joint_transform<false>(b.link, b.joint, b.record));
@@ -81,8 +82,8 @@ MOMENTREE_INLINE void momentum_inboard(const B& b, const auto* armature, const a
     b.record.mc = has_gravity ? a.mc : Vector3<T>{T(0), T(0), T(0)};
     K::template reduce<T>(b.link, b.joint, b.p, armature, M, D, b.record);  // (24)–(26)
     with_new_transform(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA {
-      if ((b.flags & node::root) != 0) return;  // the ground needs no output
-      transform.inboard(M);                     // (16)
+      if (b.root) return;    // the ground needs no output
+      transform.inboard(M);  // (16)
       transform.inboard(D);
       transform.inboard(a.mc, mass);
     });
@@ -107,8 +108,7 @@ MOMENTREE_INLINE void momentum_outboard(const B& b, const auto& mass, Outboard<T
     const Force<T> weight = accumulated_force(mass, b.record.mc, a.gravity);  // (15)
     const auto gyroscopic = [&]() MOMENTREE_INLINE_LAMBDA {
       if constexpr (requires { K::template gyroscopic<T>(b.link.body.mc, a.velocity, Pb); })
-        if ((b.flags & (node::grounded | node::leaf)) == (node::grounded | node::leaf))
-          return K::template gyroscopic<T>(b.link.body.mc, a.velocity, Pb);
+        if (b.alone) return K::template gyroscopic<T>(b.link.body.mc, a.velocity, Pb);
       return cross(a.velocity, Pb);
     };
     const Force<T> wrench = weight - gyroscopic();                           // (9), (20)
@@ -148,7 +148,7 @@ MOMENTREE_INLINE void force_inboard(const B& b, const auto* armature, Inboard<T>
   }
   put(a.D, *b.reduced_bias_wrench);
   if constexpr (!K::rigid) {
-    if ((b.flags & node::root) != 0) return;
+    if (b.root) return;
     K::add_reduced_bias(b.record, b.bias->acceleration, a.D);
     with_transform(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA {
       transform.inboard(a.M);  // (16)
@@ -179,16 +179,15 @@ template <class B, class T>
 MOMENTREE_INLINE void rate_inboard(const B& b, Force<T>& W) {
   using K = typename B::Kernels;
   W += gyroscopic_wrench(b.link.body, b.motion->velocity);
-  if (b.load != nullptr) W = W - *b.load;
+  W = W - *b.load;
   if constexpr (K::rigid) {
     put(W, *b.reduced_bias_wrench);
-    put({}, *b.inboard_acceleration);
   } else {
     K::template reduce_wrench<T>(b.link, b.joint, b.record, b.a, W, b.a);  // (51)
     put(W, *b.reduced_bias_wrench);
     const Motion<T> bias = K::template acceleration_bias<T>(b.link, b.joint, b.motion->velocity, b.u);  // (39)
     K::add_reduced_bias(b.record, bias, W);
-    put(bias, *b.inboard_acceleration);
+    put(bias, b.bias->acceleration);
     with_transform(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA { transform.inboard(W); });  // (45)
   }
 }
@@ -199,7 +198,7 @@ MOMENTREE_INLINE void rate_outboard(const B& b, Motion<T>& a) {
     put(a, *b.inboard_acceleration);
   } else {
     with_transform(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA { transform.outboard(a); });
-    a = a + *b.inboard_acceleration;  // a′ = X Ω̇_parent + bias
+    a = a + b.bias->acceleration;  // a′ = X Ω̇_parent + bias
     put(a, *b.inboard_acceleration);
     K::joint_acceleration(b.record, a, b.a);                       // (47)
     a = K::template spatial_velocity<T>(b.link, b.joint, a, b.a);  // (39)
@@ -213,8 +212,9 @@ template <class B, class T>
 MOMENTREE_INLINE void solution_inboard(const B& b, Force<T>& W) {
   using K = typename B::Kernels;
   if constexpr (!K::rigid) {
-    for (std::size_t k = 0; k < std::size(K::template columns<T>(b.link, b.joint)); ++k)
-      if ((b.link.locked >> k & 1u) != 0) b.a[k] = T(0);
+    if constexpr (requires { b.link.locked; })  // those of symbols have none
+      for (std::size_t k = 0; k < std::size(K::template columns<T>(b.link, b.joint)); ++k)
+        if ((b.link.locked >> k & 1u) != 0) b.a[k] = T(0);
     K::template reduce_wrench<T>(b.link, b.joint, b.record, b.a, W, b.a);  // (51)
     with_transform(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA { transform.inboard(W); });  // (45)
   }
