@@ -108,7 +108,7 @@ void lanes(const World& w, long count, Precision precision) {
   };
   const auto q = spread(w.state.q()), p = spread(w.state.p());
   auto qdot = q, pdot = p, v = p;
-  const batch::TopologyPlan plan(w.tree, stepper->scalar());
+  const batch::TopologyPlan plan(w.tree, stepper->scalars());
   for (long i = 0; i < count; ++i) stepper->rates(w.tree, plan, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
 }
 

@@ -33,7 +33,7 @@ void lanes(benchmark::State& run, Model (*make)(int), Precision precision) {
   const Tree tree = compile(model);
   const State start = start_state(model, tree);
   const auto stepper = batch::make_stepper(isa, precision, tree);
-  const batch::TopologyPlan plan(tree, stepper->scalar());
+  const batch::TopologyPlan plan(tree, stepper->scalars());
   const int n = stepper->lanes();
   const auto numbers = [&](int count) { return std::vector<double>(static_cast<std::size_t>(count * n)); };
   auto q = numbers(tree.nq()), p = numbers(tree.nv()), qdot = q, pdot = p, v = p, move = q;

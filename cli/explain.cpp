@@ -245,8 +245,9 @@ namespace {
 
 /// The steps of a world's bodies, each once.
 std::string code_text(const World& world, const Style& style) {
-  const auto table = detail::make_step_table(world.state().variables() == Variables::momenta ? detail::double_steps(Passes::stage_momenta)
-                                                                                             : detail::double_steps(Passes::stage_velocities));
+  const auto table =
+      detail::make_step_table(world.state().variables() == Variables::momenta ? detail::double_steps(Passes::stage_momenta)
+                                                                              : detail::double_steps(Passes::stage_velocities));
   if (!table->follow(world.tree())) throw std::bad_alloc();
   std::vector<std::pair<const derive::Step*, std::string>> steps;  // with the bodies that have them
   std::string others;

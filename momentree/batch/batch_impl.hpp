@@ -130,13 +130,20 @@ struct Batch::Impl {
   }
   std::unique_ptr<Group> new_group(Topology topology, const Tree& tree) {
     had_loops |= !tree.loops().empty();
-    if (!had_loops && !one_by_one)
-      return std::make_unique<Group>(std::move(topology), tree, lanes_of_group(tree), variables_of(tree), scalar_of(tree));
+    if (!had_loops && !one_by_one) return new_group_of(std::move(topology), tree);
     Tree bare = declared;  // later loop joints get numbers that do not depend on earlier ones
     if (had_loops || !batch::same(topology, declared_topology)) bare.restore(topology);
-    return std::make_unique<Group>(std::move(topology), bare, lanes_of_group(bare), variables_of(bare), scalar_of(bare));
+    return new_group_of(std::move(topology), bare);
   }
-  StepScalar scalar_of(const Tree& tree) const { return one_by_one || tree.has_loops() ? StepScalar{} : steppers[0]->scalar(); }
+  std::unique_ptr<Group> new_group_of(Topology topology, const Tree& tree) {
+    const int worlds_at_once = lanes_of_group(tree);
+    batch::PlanScalars scalars;
+    if (!one_by_one && !tree.has_loops())
+      scalars = steppers[0]->scalars();
+    else if (!one_by_one && variables_of(tree) == Variables::velocities)
+      scalars = loop_lanes[0]->scalars();
+    return std::make_unique<Group>(std::move(topology), tree, worlds_at_once, variables_of(tree), scalars);
+  }
   // Worlds with loops in momenta are stepped one by one.
   static bool in_loop_lanes(const Group& group) { return group.tree().has_loops() && group.variables() == Variables::velocities; }
   int lanes_of_group(const Tree& tree) {

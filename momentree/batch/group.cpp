@@ -104,11 +104,11 @@ void check(const Tree& tree) {
   if (const std::optional<Unsupported> why = unsupported(tree)) throw_error({why->problem, "", why->hint});
 }
 
-Group::Group(Topology topology, const Tree& tree, int lanes, Variables variables, const StepScalar& scalar)
+Group::Group(Topology topology, const Tree& tree, int lanes, Variables variables, const PlanScalars& scalars)
     : topology_(std::move(topology)),
       key_(key_of(topology_)),
       tree_(tree),
-      plan_(tree_, scalar),
+      plan_(tree_, scalars),
       lanes_(lanes),
       variables_(variables) {}
 

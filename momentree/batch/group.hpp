@@ -35,7 +35,7 @@ struct ExtraEffort {
 class Group {
  public:
   /// `scalar`: of the stepper.
-  Group(Topology topology, const Tree& tree, int lanes, Variables variables, const StepScalar& scalar = {});
+  Group(Topology topology, const Tree& tree, int lanes, Variables variables, const PlanScalars& scalars = {});
 
   const Topology& topology() const { return topology_; }
   std::size_t key() const { return key_; }

@@ -74,7 +74,7 @@ Group& Lockstep::group_of(const Simulation::Impl& impl) {
     steps.capacity = tree.bodies();
   }
   return *groups_.emplace_back(
-      std::make_unique<Group>(topology, tree, steps.stepper->lanes(), variables, steps.stepper->scalar()));
+      std::make_unique<Group>(topology, tree, steps.stepper->lanes(), variables, steps.stepper->scalars()));
 }
 
 bool Lockstep::board(Member& member) {

@@ -14,10 +14,8 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
 
  public:
   /// `width`: of the machine code for lanes like these.
-  PackLoopLanes(const Tree& tree, StepWidth width) : PackStepper<T, LoopLanes>(tree) {
-    this->workspace_.table(Passes::velocities) =
-        detail::make_step_table(step_scalar<T, Passes::velocities>(width), tree.bodies());
-  }
+  PackLoopLanes(const Tree& tree, StepWidth width) : PackStepper<T, LoopLanes>(tree), width_(width) {}
+  PlanScalars scalars() const override { return {{}, step_scalar<T, Passes::velocities>(width_)}; }
   void fit(const Tree& tree) override {
     detail::lay_out_loops<T>(tree, loops_);
     choice_.fit(tree);
@@ -26,7 +24,8 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
  private:
   using Mask = typename T::Mask;
 
-  void begin(const Tree& tree, const Block& block) noexcept override {
+  void begin(const Tree& tree, const TopologyPlan& plan, const Block& block) noexcept override {
+    this->workspace_.kept_steps = plan.kept_steps.get();
     if (loops_.topology != tree.loop_revision()) fit(tree);
     const std::size_t count = tree.loops().size();
     for (std::size_t i = 0; i < count; ++i)
@@ -142,6 +141,7 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
     this->normalise(tree, q, working);
   }
 
+  StepWidth width_;
   detail::LaneChoice choice_;
   LoopSystem<T> loops_;
   bool choosing_ = true;

@@ -11,7 +11,9 @@ class PackMomentaStepper final : public PackStepper<T> {
  public:
   /// `width`: of the machine code for lanes like these.
   PackMomentaStepper(const Tree& tree, StepWidth width) : PackStepper<T>(tree), width_(width) {}
-  StepScalar scalar() const override { return step_scalar<T, Passes::stage_momenta>(width_); }
+  PlanScalars scalars() const override {
+    return {step_scalar<T, Passes::stage_momenta>(width_), step_scalar<T, Passes::momenta>(width_)};
+  }
   void rates(const Tree& tree, const TopologyPlan& plan, const double* q, const double* p, double* qdot, double* pdot,
              double* v) noexcept override {
     this->load(tree, q, p, this->q_.get(), this->y_.get());
@@ -25,9 +27,16 @@ class PackMomentaStepper final : public PackStepper<T> {
  private:
   void evaluate(const Tree& tree, const TopologyPlan& plan, const double* effort, const double* t, const T* q,
                 const T* p) noexcept override {
-    this->workspace_.steps = plan.steps.get();
-    evaluate_rates<T>(tree, q, p, this->workspace_);
-    this->add_forces(tree, plan, effort, t, q, this->workspace_.pdot.get());
+    this->workspace_.steps = plan.steps.get(), this->workspace_.kept_steps = plan.kept_steps.get();
+    if (this->keeps_)
+      evaluate_motions<T>(tree, q, p, this->workspace_);
+    else
+      evaluate_rates<T>(tree, q, p, this->workspace_);
+    T *const pdot = this->workspace_.pdot.get(), *const force = this->workspace_.a.get();
+    if (!tree.has_constraints()) return this->add_forces(tree, plan, effort, t, q, pdot);
+    for (int i = 0; i < tree.nv(); ++i) force[i] = T(0);  // summed first, as simulations with prescribed motions do
+    this->add_forces(tree, plan, effort, t, q, force);
+    for (int i = 0; i < tree.nv(); ++i) pdot[i] += force[i];
   }
   const T* ydot() const noexcept override { return this->workspace_.pdot.get(); }
 

@@ -5,29 +5,34 @@
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/elements.hpp>
+#include <momentree/dynamics/step_library.hpp>
 #include <momentree/dynamics/step_table.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree::batch {
 
-TopologyPlan::TopologyPlan(const Tree& tree, const StepScalar& scalar)
+TopologyPlan::TopologyPlan(const Tree& tree, const PlanScalars& scalars)
     : springs(forces::linear_springs(tree)), elements(tree.forced_joints().begin(), tree.forced_joints().end()) {
   for (const int b : tree.spring_joints())
     if (!forces::has_linear_springs(tree.kind(b)) && std::find(elements.begin(), elements.end(), b) == elements.end())
       elements.push_back(b);
-  if (scalar.size == 0) return;
-  steps = momentree::detail::make_step_table(scalar);
-  if (!steps->follow(tree))
-    throw Error("mechanisms with " + std::to_string(tree.bodies()) + " bodies need more memory than lanes have", "",
-                "give each world a simulation of its own");
+  const auto make = [&tree](const StepScalar& scalar, OwnStepTable& table) {
+    if (scalar.size == 0) return;
+    table = momentree::detail::make_step_table(scalar);
+    if (!table->follow(tree))
+      throw Error("mechanisms with " + std::to_string(tree.bodies()) + " bodies need more memory than lanes have", "",
+                  "give each world a simulation of its own");
+  };
+  make(scalars.stage, steps), make(scalars.kept, kept_steps);
 }
 
 // Here, so that their tables are compiled for no wider instruction set.
 Stepper::~Stepper() = default;
-StepScalar Stepper::scalar() const { return {}; }
 TreeStepper::~TreeStepper() = default;
 LoopLanes::~LoopLanes() = default;
+
+bool makes_machine_code() noexcept { return StepLibrary::of_process().available(StepWidth::one); }
 
 // Instruction sets of this build (MOMENTREE_LANES in CMakeLists.txt), with one definition each.
 bool available([[maybe_unused]] Isa isa) noexcept {

@@ -4,26 +4,31 @@
 #include <vector>
 
 #include <momentree/dynamics/forces/linear_spring.hpp>
-#include <momentree/dynamics/workspace.hpp>
 #include <momentree/dynamics/step_scalar.hpp>
+#include <momentree/dynamics/workspace.hpp>
 #include <momentree/math/isa.hpp>
 #include <momentree/tree/state.hpp>
 
 namespace momentree {
-
 
 /// The precision of worlds in lanes. Their states are stored as doubles in either case.
 enum class Precision : unsigned char { float64, float32 };
 
 namespace batch {
 
+/// What the tables of a plan have to know; empty: there is none.
+struct PlanScalars {
+  StepScalar stage, kept;
+};
+
 /// What the steps of one topology are made of.
 struct TopologyPlan {
   std::vector<forces::LinearSpring> springs;
   std::vector<int> elements;  ///< bodies whose joint has other forces, which are evaluated lane by lane
-  OwnStepTable steps;  ///< of stages; null for worlds with loops
-  /// `scalar`: of the stepper. Throws Error if there are too many bodies for it.
-  TopologyPlan(const Tree& tree, const StepScalar& scalar);
+  OwnStepTable steps;         ///< of stages; null for worlds with loops
+  OwnStepTable kept_steps;    ///< of passes that keep results
+  /// `scalars`: of the stepper. Throws Error if there are too many bodies for it.
+  TopologyPlan(const Tree& tree, const PlanScalars& scalars);
 };
 
 /// Worlds in lanes; number i of lane l is at [i·lanes + l].
@@ -43,8 +48,8 @@ class Stepper {
   Stepper& operator=(const Stepper&) = delete;
   virtual ~Stepper();
   virtual int lanes() const = 0;
-  /// For the plans of its topologies; empty if its stages use no steps.
-  virtual StepScalar scalar() const;
+  /// For the plans of its topologies.
+  virtual PlanScalars scalars() const = 0;
   /// One step of the classical Runge–Kutta method in every lane. The tree must not have more bodies than that of the constructor.
   /// Neither allocates nor throws.
   virtual void step(const Tree& tree, const TopologyPlan& plan, const Block& block) noexcept = 0;
@@ -67,6 +72,8 @@ class LoopLanes : public Stepper {
   virtual void fit(const Tree& tree) = 0;
 };
 
+/// Whether steps run as machine code in this process: the last bits of results depend on that.
+bool makes_machine_code() noexcept;
 /// True if this library has kernels for the instruction set and this CPU can run them.
 bool available(Isa isa) noexcept;
 /// The widest available set up to `widest`; if the build has none of these, the narrowest that it has.

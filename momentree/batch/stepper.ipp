@@ -33,8 +33,11 @@ class PackStepper : public Base {
   virtual void evaluate(const Tree& tree, const TopologyPlan& plan, const double* effort, const double* t, const T* q,
                         const T* y) noexcept = 0;
   virtual const T* ydot() const noexcept = 0;
+  /// Whether the next evaluation keeps results, as that of a simulation does at the start of a step, and in all stages if there
+  /// are prescribed motions: the bits are then the same.
+  bool keeps_ = false;
   /// Before a step.
-  virtual void begin(const Tree&, const Block&) noexcept {}
+  virtual void begin(const Tree&, const TopologyPlan&, const Block&) noexcept {}
   /// Corrects q_ and y_ after a step that ended at t, by lane; clears the lanes in which that is impossible.
   virtual void close(const Tree&, const Block&, const double* /*t*/, typename T::Mask& /*plausible*/) noexcept {}
   /// Normalises the quaternions in some lanes.
@@ -125,10 +128,11 @@ void PackStepper<T, Base>::step(const Tree& tree, const TopologyPlan& plan, cons
   const int nq = tree.nq(), nv = tree.nv();
   load(tree, block.q, block.y, q0_.get(), y0_.get());
   double t[N];
-  begin(tree, block);
+  begin(tree, plan, block);
   rk4_stages<T>(T::load(block.h), {nq, q0_.get(), workspace_.qdot.get(), q_.get(), q_sum_.get()},
                 {nv, y0_.get(), ydot(), y_.get(), y_sum_.get()}, [&](double node, double, const T* q, const T* y) {
                   for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + node * block.h[lane];
+                  keeps_ = (node == 0 || tree.has_constraints()) && sizeof(T) == N * sizeof(double);
                   evaluate(tree, plan, block.effort, t, q, y);
                 });
   for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + block.h[lane];

@@ -3,7 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <map>
+#include <set>
 #include <string_view>
+#include <utility>
 
 #include <momentree/derive/graph_lowering.hpp>
 #include <momentree/derive/step.hpp>
@@ -97,7 +100,7 @@ class Lowering : GraphLowering {
       MOMENTREE_BASE(armature, dof, armature)
 #undef MOMENTREE_BASE
 #define MOMENTREE_BASE(name, place, memory, numbers) \
-  case name: return {place, offsetof(StepArrays, memory), keeps ? (numbers) * target_.vector() : 1};
+  case name: return {place, offsetof(StepArrays, memory), keeps ? (numbers)*target_.vector() : 1};
       MOMENTREE_BASE(sum_in, offsetof(StepEntry, in), sums, numbers_of_sum(step_.kind_))
       MOMENTREE_BASE(sum_to, offsetof(StepEntry, to), sums, numbers_of_sum(step_.kind_))
       MOMENTREE_BASE(motion_in, offsetof(StepEntry, in), motions, numbers_of_motion(step_.kind_))
@@ -186,7 +189,9 @@ class Lowering : GraphLowering {
     const bool angular = step_.kind_ == Passes::stage_velocities && pass_ == 0;  // velocities hand on ω alone
     if (slot.array == (stored ? motion_to : motion_in)) return angular ? slot.index - 3 : slot.index;
     if (slot.array != (stored ? sum_to : sum_in) || slot.index >= 27) return -1;
-    const int number = numbers_of_sum(step_.kind_) == 6 ? slot.index : slot.index < 15 ? slot.index + 12 : slot.index - 15;  // J, D, A, B
+    const int number = numbers_of_sum(step_.kind_) == 6 ? slot.index
+                       : slot.index < 15                ? slot.index + 12
+                                                        : slot.index - 15;  // J, D, A, B
     return number < handed_sums(target_) ? number : -1;
   }
   /// How many numbers of a sum stay in registers; the others of them are left for the operations.
@@ -213,8 +218,14 @@ class Lowering : GraphLowering {
     return place(slot_of(step_.in_->numbers[at(n.a)], false));
   }
 
-  /// Whether a place may be that of a number which the pass reads.
-  bool overwrites(const Place& to) const { return to.base >= 0 && (to.base == base_[sum_to] || to.base == base_[motion_to]); }
+  /// What places that may be the same memory have in common. Contributions of children, and what the parent hands on, may be
+  /// where the body writes its own; added to those of others, they are not.
+  std::pair<int, int> memory_of(const Place& place) const {
+    int base = place.base;
+    if (base >= 0 && base == base_[sum_to] && !how_.adds) base = base_[sum_in];
+    if (base >= 0 && base == base_[motion_to]) base = base_[motion_in];
+    return {base < 0 ? -place.base - 2 : base, place.offset};
+  }
   bool is_zero_number(int node) const { return nodes_[at(node)].operation == Operation::constant && nodes_[at(node)].value == 0; }
   /// Each number is stored as soon as it is known, and nothing in the same memory is still to be read.
   void add_stores() {
@@ -245,12 +256,10 @@ class Lowering : GraphLowering {
     }
     const int end = static_cast<int>(out_.order.size());
     std::vector<int> known(out_.values.size(), 0);
-    std::array<int, std::size(sum_numbers)> last_read{};  // of the numbers of children, or of the parent
+    std::map<std::pair<int, int>, int> last_read;
     const auto reads = [&](int v, int when) {
       if (v < 0 || out_.values[at(v)].operation != machine::Operation::load) return;
-      const Place& home = out_.values[at(v)].home;
-      for (const Array array : {sum_in, motion_in})
-        if (home.base == base_[at(array)]) last_read[at(home.offset / target_.vector())] = when;
+      last_read[memory_of(out_.values[at(v)].home)] = when;
     };
     for (int t = 0; t < end; ++t) {
       const int v = out_.order[at(t)];
@@ -258,17 +267,14 @@ class Lowering : GraphLowering {
       reads(out_.values[at(v)].a, t + 1), reads(out_.values[at(v)].b, t + 1), reads(out_.values[at(v)].c, t + 1);
     }
     for (const int v : out_.outputs) reads(v, end);
-    for (machine::Store& one : stores) {  // copies
-      reads(one.value, end);
-      const machine::Value& value = out_.values[at(one.value)];
-      const bool child = value.home.base >= 0 && (value.home.base == base_[sum_in] || value.home.base == base_[motion_in]);
-      const bool same = overwrites(one.to) && value.home.offset == one.to.offset;
-      one.read_early = value.operation == machine::Operation::load && child && !same;
-    }
+    std::set<std::pair<int, int>> written;
+    for (const machine::Store& one : stores) reads(one.value, end), written.insert(memory_of(one.to));
     for (machine::Store& one : stores) {
-      one.due = out_.values[at(one.value)].operation == machine::Operation::load ? end : known[at(one.value)];
-      if (overwrites(one.to) && !(how_.adds && one.to.base == base_[sum_to]))
-        one.due = std::max(one.due, last_read[at(one.to.offset / target_.vector())]);
+      const machine::Value& value = out_.values[at(one.value)];
+      const bool copy = value.operation == machine::Operation::load;
+      one.read_early = copy && written.contains(memory_of(value.home)) && memory_of(value.home) != memory_of(one.to);
+      one.due = copy ? end : known[at(one.value)];
+      if (const auto last = last_read.find(memory_of(one.to)); last != last_read.end()) one.due = std::max(one.due, last->second);
     }
     std::ranges::stable_sort(stores, {}, &machine::Store::due);
     out_.stores = std::move(stores);

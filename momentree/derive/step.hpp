@@ -27,7 +27,7 @@ struct StepKey {
   bool armature = false;
   Passes passes = Passes::stage_velocities;
   bool gravity = true;  ///< in momenta: there is some
-  bool fewest = false;   ///< in the order with the fewest operations; else in that which takes the least time for one world
+  bool fewest = false;  ///< in the order with the fewest operations; else in that which takes the least time for one world
   BodyPlace place{};
   PlacementShape shape{};
   std::array<std::uint64_t, 2> pattern{};

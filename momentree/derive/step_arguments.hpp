@@ -9,14 +9,14 @@ namespace momentree {
 /// The arrays of a pass, shared by its steps. Of several worlds at once, every number is one per world.
 struct StepArrays {
   const void *q = nullptr, *cos = nullptr, *sin = nullptr;
-  void *u = nullptr, *qdot = nullptr;      ///< velocities, and the rates of coordinates
-  void* a = nullptr;                       ///< in velocities: joint forces τ, then accelerations u̇
-  const void* p = nullptr;                 ///< in momenta: these …
-  void* pdot = nullptr;                    ///< … and their rates
-  void* records = nullptr;                 ///< what a step stores for later passes
-  void* sums = nullptr;     ///< contributions of children: an Inboard per body; a Force for rates and solutions
-  void* motions = nullptr;  ///< what bodies hand to their children: a Motion per body; in momenta an Outboard
-  void* biases = nullptr;   ///< a BodyBias per body: of passes that keep it, and of generic steps in velocities
+  void *u = nullptr, *qdot = nullptr;  ///< velocities, and the rates of coordinates
+  void* a = nullptr;                   ///< in velocities: joint forces τ, then accelerations u̇
+  const void* p = nullptr;             ///< in momenta: these …
+  void* pdot = nullptr;                ///< … and their rates
+  void* records = nullptr;             ///< what a step stores for later passes
+  void* sums = nullptr;                ///< contributions of children: an Inboard per body; a Force for rates and solutions
+  void* motions = nullptr;             ///< what bodies hand to their children: a Motion per body; in momenta an Outboard
+  void* biases = nullptr;              ///< a BodyBias per body: of passes that keep it, and of generic steps in velocities
   // What is kept, per body: BodySweep, a′ and Ŵ; and the external wrenches on bodies.
   const void* loads = nullptr;
   void *body_sweeps = nullptr, *inboard_accelerations = nullptr, *reduced_bias_wrenches = nullptr;

@@ -242,8 +242,9 @@ void laws(Draw& draw, StepKey key, bool general, LinkConstants k) {
   Motion<double> acceleration{draw.vector(), draw.vector()};
   if (root) out.velocity = {}, acceleration.w = {};
   if (!key.gravity) out.gravity = {};
-  const Results expected = in_momenta(key.passes) ? momenta<Kind>(k, start.armature.data(), leaf, root, *joint, mass, out, in)
-                                       : velocities<Kind>(k, start.armature.data(), leaf, *joint, out.velocity, acceleration, in);
+  const Results expected = in_momenta(key.passes)
+                               ? momenta<Kind>(k, start.armature.data(), leaf, root, *joint, mass, out, in)
+                               : velocities<Kind>(k, start.armature.data(), leaf, *joint, out.velocity, acceleration, in);
 
   for (const bool adds : {false, true}) {
     Numbers<double> found = start;
@@ -327,7 +328,8 @@ TEST_CASE("(9) (15) (16) (17) (20)–(27) (39) steps equal the generic functions
               if (!has_steps(kind.kind, armature ? Variant::armature : Variant::plain)) continue;
               laws_of_links({.armature = armature, .place = place}, general);
               for (const bool gravity : {false, true})
-                laws_of_links({.armature = armature, .passes = Passes::stage_momenta, .gravity = gravity, .place = place}, general);
+                laws_of_links({.armature = armature, .passes = Passes::stage_momenta, .gravity = gravity, .place = place},
+                              general);
             }
       }
     });

@@ -13,7 +13,8 @@ void evaluate_accelerations(const Tree& tree, const T* q, Workspace<T>& workspac
   const StepArrays arrays = step_arrays(tree, Passes::rates, q, workspace);
   const StepTable& steps = keeping_steps(tree, Passes::rates, workspace);
   steps.inboard(arrays);
-  const Vec3 base = -tree.gravity();  // gives every body its weight, so that gravity is not needed in body axes
+  const Vec3& g = tree.gravity();
+  const Vector3<T> base{T(-g.x), T(-g.y), T(-g.z)};  // gives every body its weight, so that gravity is not needed in body axes
   steps.outboard(arrays, &base);
 }
 
@@ -24,7 +25,7 @@ void solve_with_factors(const Tree& tree, const T* q, Workspace<T>& workspace, T
   arrays.a = u;
   const StepTable& steps = keeping_steps(tree, Passes::solutions, workspace);
   steps.inboard(arrays, begin, end);
-  const Vec3 base{};
+  const Vector3<T> base{};
   steps.outboard(arrays, &base, begin, end);
 }
 

@@ -133,7 +133,7 @@ class GroupMobility {
         for (const int mechanism : {a, b == a ? -1 : b})
           if (mechanism >= 0)
             solve_with_factors<double>(tree_, q_, workspace_, all_.packed.data(), all_.begin_of[place_in(mechanism)],
-                                    all_.end_of[place_in(mechanism)]);
+                                       all_.end_of[place_in(mechanism)]);
       }
       take(row(rows_.Y, k));
       if (tree_.has_loops()) std::fill(all_.packed.begin(), all_.packed.end(), 0.0);

@@ -58,7 +58,9 @@ template <class T>
 void resolve_momenta(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {
   StepArrays arrays = step_arrays(tree, Passes::momenta, q, workspace);
   arrays.p = p;
-  keeping_steps(tree, Passes::momenta, workspace).outboard(arrays, &tree.gravity());
+  const Vec3& g = tree.gravity();
+  const Vector3<T> gravity{T(g.x), T(g.y), T(g.z)};
+  keeping_steps(tree, Passes::momenta, workspace).outboard(arrays, &gravity);
 }
 template <class T>
 void evaluate_motions(const Tree& tree, const T* q, const T* p, Workspace<T>& workspace) noexcept {

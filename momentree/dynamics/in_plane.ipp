@@ -112,8 +112,7 @@ struct InPlaneSweep {
   /// (22)–(26) and (16), everything about the body's joint, in the plane's axes.
   template <bool Gravity>
   void inboard(const KernelRun& run) const {
-    InPlaneRecord<T>* const records =
-        workspace.template records_of<InPlaneKernels>(tree, run);  // denser than revolute's
+    InPlaneRecord<T>* const records = workspace.template records_of<InPlaneKernels>(tree, run);  // denser than revolute's
     buffers.inward(run, [&](int i, int b, unsigned flags, InPlaneInboard<T>& a) MOMENTREE_INLINE_LAMBDA {
       const LinkConstants& k = tree.link(b);
       const int angle = tree.first_angle(b);

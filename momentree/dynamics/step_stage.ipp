@@ -20,13 +20,14 @@ MOMENTREE_INLINE bool takes_steps(const Tree& tree, Passes passes, Workspace<T>&
   workspace.steps->prepare(workspace.step_records.get(), workspace.step_records_of);
   return true;
 }
-/// The table of passes that keep results.
+/// The table of passes that keep results: its own, or if there is none, that of others.
 template <class T>
 MOMENTREE_INLINE const StepTable& keeping_steps(const Tree& tree, Passes passes, Workspace<T>& workspace) {
-  StepTable& table = *workspace.table(passes);
-  const bool follows = table.follow(tree);
+  StepTable* const own = workspace.table(passes).get();
+  if (own == nullptr) return *workspace.kept_steps;
+  const bool follows = own->follow(tree);
   MT_REQUIRE(follows, "the table was made for so many bodies");
-  return table;
+  return *own;
 }
 
 /// The arrays of all passes.

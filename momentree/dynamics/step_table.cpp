@@ -276,7 +276,8 @@ bool StepTable::add_entries(const Tree& tree) {
     entry.to = place(sum, body.parent < 0 ? b : bodies_[at(body.parent)].sum);
     entry.step = passes[inward_pass], inboard_[n - 1 - i] = entry;
   }
-  MT_REQUIRE(keep(passes_of) || record <= tree.record_capacity(), "the records of steps fit into the memory for those of the kinds");
+  MT_REQUIRE(keep(passes_of) || record <= tree.record_capacity(),
+             "the records of steps fit into the memory for those of the kinds");
   return true;
 }
 

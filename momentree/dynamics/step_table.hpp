@@ -18,7 +18,7 @@ struct GenericBody {
   LinkConstants link{};
   double mass = 0;  ///< of the body and of all bodies outboard (kg)
   int body = 0;
-  bool gravity = true;  ///< there is some
+  bool gravity = true;                                              ///< there is some
   bool aligned = false, leaf = false, root = false, alone = false;  ///< see PassBody
 };
 

@@ -162,7 +162,8 @@ double difference_of_kept(const Tree& tree, const Workspace<double>& a, const Wo
   double most = std::max(difference_of_records(tree, a, b), difference(a.v.get(), b.v.get(), tree.nv()));
   most = std::max(most, difference(a.qdot.get(), b.qdot.get(), tree.nq()));
   if (!accelerations)
-    return std::max({most, difference(a.pdot.get(), b.pdot.get(), tree.nv()), difference_of(tree, a.motions.get(), b.motions.get())});
+    return std::max(
+        {most, difference(a.pdot.get(), b.pdot.get(), tree.nv()), difference_of(tree, a.motions.get(), b.motions.get())});
   most = std::max(most, difference(a.a.get(), b.a.get(), tree.nv()));
   most = std::max(most, difference_of(tree, a.inboard_accelerations.get(), b.inboard_accelerations.get()));
   return std::max(most, difference_of(tree, a.reduced_bias_wrenches.get(), b.reduced_bias_wrenches.get()));

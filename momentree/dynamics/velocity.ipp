@@ -61,8 +61,7 @@ void resolve_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace
       if constexpr (std::is_same_v<T, double>) return resolve_accelerations<T, true>(tree, q, workspace, base);
     }
   if constexpr (Keep) {
-    keeping_steps(tree, Passes::velocities, workspace)
-        .outboard(step_arrays(tree, Passes::velocities, q, workspace), &base.v);
+    keeping_steps(tree, Passes::velocities, workspace).outboard(step_arrays(tree, Passes::velocities, q, workspace), &base.v);
   } else {
     workspace.steps->outboard(step_arrays(tree, Passes::stage_velocities, q, workspace), &base.v);
     const InPlaneVelocitySweep<T> planar{tree, workspace};

@@ -132,10 +132,11 @@ class Workspace : public WorkspaceStamps {
   /// The passes; null: not for this scalar, or, of stages, they belong to others.
   std::array<OwnStepTable, kinds_of_passes> tables{};
   OwnStepTable& table(Passes passes) { return tables[static_cast<std::size_t>(passes)]; }
-  const StepTable* steps = nullptr;                                                  ///< those of the present stage
-  Array step_records;                                                                ///< of these …
-  std::uint64_t step_records_of = 0;                                                 ///< … or others: see StepTable::prepare
-  std::unique_ptr<LoopWorkspace, void (*)(LoopWorkspace*)> loops{nullptr, nullptr};  ///< only with closed loops
+  const StepTable* kept_steps = nullptr;  ///< of passes that keep results, if they belong to others
+  const StepTable* steps = nullptr;       ///< those of the present stage
+  Array step_records;                     ///< of these …
+  std::uint64_t step_records_of = 0;      ///< … or others: see StepTable::prepare
+  std::unique_ptr<LoopWorkspace, void (*)(LoopWorkspace*)> loops{nullptr, nullptr};           ///< only with closed loops
   std::unique_ptr<ContactWorkspace, void (*)(ContactWorkspace*)> contacts{nullptr, nullptr};  ///< only with contacts
 };
 

@@ -174,7 +174,8 @@ MOMENTREE_INLINE void acceleration_outboard(const B& b, Motion<T>& a) {
 
 // Accelerations after the passes of momenta.
 
-/// With joint forces τ in `a`, which become Mj⁻¹ (τ − Eᵀ W). Of Tr = M̂ a′ + Ŵ it stores Ŵ; Tr itself is computed on request only.
+/// With joint forces τ in `a`, which become Mj⁻¹ (τ − Eᵀ W). Of Tr = M̂ a′ + Ŵ it stores Ŵ; Tr itself is computed on request
+/// only.
 template <class B, class T>
 MOMENTREE_INLINE void rate_inboard(const B& b, Force<T>& W) {
   using K = typename B::Kernels;
@@ -215,7 +216,7 @@ MOMENTREE_INLINE void solution_inboard(const B& b, Force<T>& W) {
     if constexpr (requires { b.link.locked; })  // those of symbols have none
       for (std::size_t k = 0; k < std::size(K::template columns<T>(b.link, b.joint)); ++k)
         if ((b.link.locked >> k & 1u) != 0) b.a[k] = T(0);
-    K::template reduce_wrench<T>(b.link, b.joint, b.record, b.a, W, b.a);  // (51)
+    K::template reduce_wrench<T>(b.link, b.joint, b.record, b.a, W, b.a);                             // (51)
     with_transform(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA { transform.inboard(W); });  // (45)
   }
 }

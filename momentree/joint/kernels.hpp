@@ -210,8 +210,8 @@ struct GenericKernels {
   }
   /// (24)–(26)
   template <class T>
-  MOMENTREE_INLINE static void reduce(const auto& k, const JointState<T>& j, const T* p, const auto* armature,
-                                      SpatialMass<T>& M, Force<T>& D, auto& w) {
+  MOMENTREE_INLINE static void reduce(const auto& k, const JointState<T>& j, const T* p, const auto* armature, SpatialMass<T>& M,
+                                      Force<T>& D, auto& w) {
     reduce_generic<T, NV>(K::template columns<T>(k, j), p, armature, M, D, w);
   }
   /// (27): u = u0 − Gᵀ Ω_in, where Ω_in = X Ω_parent.
@@ -226,8 +226,7 @@ struct GenericKernels {
   }
   /// (17): Ω = Ω_in + E u.
   template <class T>
-  MOMENTREE_INLINE static Motion<T> spatial_velocity(const auto& k, const JointState<T>& j, const Motion<T>& in,
-                                                     const T* u) {
+  MOMENTREE_INLINE static Motion<T> spatial_velocity(const auto& k, const JointState<T>& j, const Motion<T>& in, const T* u) {
     const Column<T> E = K::template columns<T>(k, j);
     Motion<T> out = in;
     for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) {
@@ -266,8 +265,8 @@ struct GenericKernels {
   }
   /// (51); `tau` may alias `udot`.
   template <class T>
-  MOMENTREE_INLINE static void reduce_wrench(const auto& k, const JointState<T>& j, const auto& w, const T* tau,
-                                             Force<T>& W, T* udot) {
+  MOMENTREE_INLINE static void reduce_wrench(const auto& k, const JointState<T>& j, const auto& w, const T* tau, Force<T>& W,
+                                             T* udot) {
     reduce_wrench_generic<T, NV>(K::template columns<T>(k, j), w, tau, W, udot);
   }
   /// (47): subtracts the parent's part, u̇ − Gᵀ a′ with a′ = X Ω̇_parent + bias.

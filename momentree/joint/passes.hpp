@@ -18,7 +18,8 @@ constexpr bool in_velocities(Passes passes) { return passes == Passes::stage_vel
 constexpr bool in_momenta(Passes passes) { return passes == Passes::stage_momenta || passes == Passes::momenta; }
 constexpr bool keep(Passes passes) { return passes >= Passes::momenta; }
 constexpr std::size_t count_of(Passes passes) { return in_velocities(passes) ? 3 : 2; }
-/// Of what a body contributes to its parent, an Inboard or a Force; and of what it hands to its children, an Outboard or a Motion.
+/// Of what a body contributes to its parent, an Inboard or a Force; and of what it hands to its children, an Outboard or a
+/// Motion.
 constexpr int numbers_of_sum(Passes passes) { return passes >= Passes::rates ? 6 : 30; }
 constexpr int numbers_of_motion(Passes passes) { return in_momenta(passes) ? 9 : 6; }
 

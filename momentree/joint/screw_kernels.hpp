@@ -63,8 +63,7 @@ struct ScrewKernels : GenericKernels<K, NQ, NV> {
   }
   /// Ω × E u.
   template <class T>
-  MOMENTREE_INLINE static Motion<T> acceleration_bias(const auto& k, const JointState<T>& j, const Motion<T>& a,
-                                                      const T* u) {
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const auto& k, const JointState<T>& j, const Motion<T>& a, const T* u) {
     const Screw<T> t = twist(k, j, u);
     return {{t.s * a.v.y + t.d * a.w.y, -(t.s * a.v.x) - t.d * a.w.x, T(0)}, {t.s * a.w.y, -(t.s * a.w.x), T(0)}};
   }

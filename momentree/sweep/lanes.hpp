@@ -9,8 +9,8 @@
 
 namespace momentree::sweep {
 
-/// The instruction set of the lanes; nothing: every world is a simulation of its own, with the results of `momentree run` to the
-/// bit.
+/// The instruction set of the lanes; nothing: every world is a simulation of its own. Results have the bits of `momentree run` in
+/// either case.
 using Lanes = std::optional<Isa>;
 
 /// The lanes of that name: "none", "baseline", "avx2", "avx512", or "auto" for the widest that this CPU has. Throws Error for an
@@ -18,7 +18,7 @@ using Lanes = std::optional<Isa>;
 Lanes lanes_of(std::string_view name);
 /// `wanted`, or none if lanes save no time: see ScenarioWorlds::gain_by_lanes().
 Lanes lanes_for(const Sweep& sweep, Lanes wanted);
-/// The version of momentree and the lanes, on which the last bits of results depend: "0.1.0 with avx2 lanes".
-std::string program_text(Lanes lanes);
+/// What the last bits of results depend on: the version of momentree, and whether it makes machine code here.
+std::string program_text();
 
 }  // namespace momentree::sweep

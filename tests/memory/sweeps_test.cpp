@@ -138,7 +138,7 @@ TEST_CASE("lanes: rates and steps of every instruction set and precision") {
               const Filled filled(fill);
               stepper = batch::make_stepper(isa, precision, tree, variables);
             }
-            const batch::TopologyPlan plan(tree, stepper->scalar());
+            const batch::TopologyPlan plan(tree, stepper->scalars());
             const int lanes = stepper->lanes();
             const auto spread = [&](std::span<const double> of_one) {
               std::vector<double> all;

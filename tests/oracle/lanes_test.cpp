@@ -49,7 +49,7 @@ Worst compare(const Tree& tree, const State& middle, Prng& random, batch::TreeSt
   if (epsilon > 1e-10)  // the scalar evaluation gets the same rounded input
     for (auto* list : {&q, &p})
       for (double& x : *list) x = static_cast<float>(x);
-  stepper.rates(tree, batch::TopologyPlan(tree, stepper.scalar()), q.data(), p.data(), qdot.data(), pdot.data(), v.data());
+  stepper.rates(tree, batch::TopologyPlan(tree, stepper.scalars()), q.data(), p.data(), qdot.data(), pdot.data(), v.data());
   Workspace<double> workspace(tree);
   std::vector<double> one_q(static_cast<std::size_t>(nq)), one_p(static_cast<std::size_t>(nv));
   Worst worst;
@@ -100,7 +100,7 @@ Worst compare_velocities(const Tree& tree, const State& middle, Prng& random, ba
   if (epsilon > 1e-10)
     for (auto* list : {&q, &u})
       for (double& x : *list) x = static_cast<float>(x);
-  stepper.rates(tree, batch::TopologyPlan(tree, stepper.scalar()), q.data(), u.data(), qdot.data(), udot.data(), v.data());
+  stepper.rates(tree, batch::TopologyPlan(tree, stepper.scalars()), q.data(), u.data(), qdot.data(), udot.data(), v.data());
   Worst worst;
   for (int lane = 0; lane < lanes; ++lane) {
     take(lane);

@@ -17,6 +17,7 @@ MOMENTREE_LOOPS_OF(Symbolic)
 #undef MOMENTREE_LOOPS_OF
 
 void detail::record_kept_steps(const Tree& tree, Workspace<Symbolic>& workspace) {
-  workspace.table(Passes::velocities) = make_step_table(step_scalar<Symbolic, Passes::velocities>(StepWidth::none), tree.bodies());
+  workspace.table(Passes::velocities) =
+      make_step_table(step_scalar<Symbolic, Passes::velocities>(StepWidth::none), tree.bodies());
 }
 }  // namespace momentree

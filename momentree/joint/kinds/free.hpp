@@ -174,8 +174,8 @@ struct FreeKernels : SixDofsOfCentre<FreeKernels> {
   }
   /// (51): only τ reaches the parent.
   template <class T>
-  MOMENTREE_INLINE static void reduce_wrench(const auto&, const JointState<T>&, const Record<T>& w, const T* tau,
-                                             Force<T>& W, T* udot) {
+  MOMENTREE_INLINE static void reduce_wrench(const auto&, const JointState<T>&, const Record<T>& w, const T* tau, Force<T>& W,
+                                             T* udot) {
     const Force<T> t = wrench<T>(w.offset, tau);
     rates<T>(w.offset, solved(w, t - W), udot);
     W = t;

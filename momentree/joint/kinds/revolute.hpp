@@ -49,8 +49,7 @@ struct RevoluteKernelsBase : ScrewKernels<K, 1, 1> {
   }
   static void closure(const JointSpec& joint, Closure& rows) { rows.add_point(), rows.add_axis(joint.axis); }
   template <class T>
-  MOMENTREE_INLINE static Motion<T> acceleration_bias(const auto&, const JointState<T>&, const Motion<T>& a,
-                                                      const T* u) {
+  MOMENTREE_INLINE static Motion<T> acceleration_bias(const auto&, const JointState<T>&, const Motion<T>& a, const T* u) {
     return {{u[0] * a.v.y, -(u[0] * a.v.x), T(0)}, {u[0] * a.w.y, -(u[0] * a.w.x), T(0)}};
   }
 };

@@ -46,8 +46,8 @@ struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
     return {};
   }
   template <class T>
-  MOMENTREE_INLINE static void reduce(const auto&, const JointState<T>&, const T*, const auto*, SpatialMass<T>& M,
-                                      Force<T>& D, Record<T>& w) {
+  MOMENTREE_INLINE static void reduce(const auto&, const JointState<T>&, const T*, const auto*, SpatialMass<T>& M, Force<T>& D,
+                                      Record<T>& w) {
     w.M = M;
     w.D = D;
   }
@@ -60,8 +60,7 @@ struct WeldKernels : ScrewKernels<WeldKernels, 0, 0> {
   template <class T>
   MOMENTREE_INLINE static void joint_acceleration(const Record<T>&, const Motion<T>&, T*) {}
   template <class T>
-  MOMENTREE_INLINE static void reduce_wrench(const auto&, const JointState<T>&, const Record<T>&, const T*, Force<T>&,
-                                             T*) {}
+  MOMENTREE_INLINE static void reduce_wrench(const auto&, const JointState<T>&, const Record<T>&, const T*, Force<T>&, T*) {}
   template <class T>
   MOMENTREE_INLINE static void add_reduced_bias(const Record<T>&, const Motion<T>&, Force<T>&) {}
 };
