@@ -195,8 +195,9 @@ void CommandLine::add_sweep() {
          "--jobs", [this](const std::string& text) { sweep_.jobs = number_argument("--jobs", text, 1, 1024); },
          "Number of threads; default: as many as the machine has, under mpirun 1 per rank")
       ->type_name("N");
-  sub->add_option("--lanes", sweep_.lanes,
-                  "SIMD lanes for simple worlds: auto (default), baseline, avx2, avx512 or none; results do not depend on them")
+  sub->add_option(
+         "--lanes", sweep_.lanes,
+         "SIMD lanes for simple worlds: auto (default), baseline, avx2, avx512 or none; worlds have the bits of single runs")
       ->type_name("SET");
   sub->add_option_function<std::string>(
          "--world",

@@ -125,10 +125,11 @@ class NoWork final : public sweep::WorkSource {
 };
 
 // What the first rank does alone, while the others wait for its end.
-int conclude_alone(const sweep::Sweep& sweep, sweep::Communicator& ranks, const std::function<int()>& action) {
+int conclude_alone(const sweep::Sweep& sweep, sweep::Communicator& ranks, sweep::Lanes lanes,
+                   const std::function<int()>& action) {
   NoWork none;
   sweep::DistributeOptions how;
-  how.version = sweep::program_text(), how.work = sweep.hash;
+  how.version = sweep::program_text(lanes), how.work = sweep.hash;
   how.conclude = [&](sweep::Ending ending, const std::exception_ptr& failure) {
     try {
       if (failure) std::rethrow_exception(failure);
@@ -155,7 +156,7 @@ int work_for_others(const sweep::Sweep& sweep, sweep::Communicator& ranks, const
   const sweep::ScenarioWorlds worlds(sweep, lanes, &cancel);
   sweep::DistributeOptions how;
   how.threads = threads_of(options, &ranks);
-  how.version = sweep::program_text(), how.work = sweep.hash;
+  how.version = sweep::program_text(lanes), how.work = sweep.hash;
   how.stop = &stop, how.cancel = &cancel;
   how.progress = [&] {
     if (InterruptGuard::interrupted()) stop = true;
@@ -167,7 +168,7 @@ int work_for_others(const sweep::Sweep& sweep, sweep::Communicator& ranks, const
 int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const SweepOptions& options) {
   const InterruptGuard guard;  // before there is a folder that would be left behind
   const sweep::Lanes lanes = lanes_for(sweep, sweep::lanes_of(options.lanes));
-  SweepOutput output(sweep, options);
+  SweepOutput output(sweep, lanes, options);
   if (output.found() > 0 && !options.quiet)
     show(stderr, printable(output.working()) + ": continues after " +
                      count_text(static_cast<long>(output.found()), "world", "worlds") + '\n');
@@ -188,7 +189,7 @@ int run_sweep(const sweep::Sweep& sweep, sweep::Communicator* ranks, const Sweep
   };
   sweep::DistributeOptions how;
   how.threads = threads;
-  how.version = sweep::program_text(), how.work = sweep.hash;
+  how.version = sweep::program_text(lanes), how.work = sweep.hash;
   how.stop = &stop, how.cancel = &cancel;
   how.progress = [&] {
     if (InterruptGuard::interrupted()) stop = cancel = true;
@@ -251,7 +252,7 @@ int sweep(const SweepOptions& options) {
   if (!first) return work_for_others(all, *ranks, options);
   const auto alone = [&](const std::function<int()>& action) {
     if (!ranks) return action();
-    return conclude_alone(all, *ranks, action);
+    return conclude_alone(all, *ranks, lanes_for(all, sweep::lanes_of(options.lanes)), action);
   };
   if (options.world) return alone([&] { return run_one_world(all, options); });
   const std::string out = sweep_destination(all, options);

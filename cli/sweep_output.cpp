@@ -28,8 +28,8 @@ using sweep::Journal;
 constexpr const char* journal_name = io::journal_file;
 constexpr std::size_t animated_ends = 3;  // worlds with a page of their own, at each end of each measure
 
-sweep::JournalIdentity identity_of(const sweep::Sweep& sweep) {
-  return {sweep::program_text(), sweep.hash, sweep.plan_hash, sweep.worlds(), sweep.measures.size()};
+sweep::JournalIdentity identity_of(const sweep::Sweep& sweep, sweep::Lanes lanes) {
+  return {sweep::program_text(lanes), sweep.hash, sweep.plan_hash, sweep.worlds(), sweep.measures.size()};
 }
 
 // Why a journal does not belong to the sweep; empty if it does.
@@ -103,7 +103,7 @@ bool needs_report(const std::string& out, const SweepOptions& options) {
   return options.report && !fs::exists(fs::path(out) / "report.html", ignored);
 }
 
-SweepOutput::SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options)
+SweepOutput::SweepOutput(const sweep::Sweep& sweep, sweep::Lanes lanes, const SweepOptions& options)
     : sweep_(sweep), out_(sweep_destination(sweep, options)) {
   std::error_code ignored;
   if (in_one_file()) {
@@ -114,7 +114,7 @@ SweepOutput::SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options)
   }
   folder_.emplace(in_one_file() ? out_ + ".sweep" : out_, in_one_file() ? std::vector<std::string>() : files_of(sweep, options),
                   true, io::ResultDirectory::Earlier::kept);
-  const sweep::JournalIdentity wanted = identity_of(sweep);
+  const sweep::JournalIdentity wanted = identity_of(sweep, lanes);
   if (folder_->has(journal_name) && !options.restart) {
     journal_.emplace(Journal::open((folder_->working() / journal_name).string()));
     const std::string why = difference(journal_->identity(), wanted);

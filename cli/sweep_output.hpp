@@ -7,6 +7,7 @@
 #include <cli/commands.hpp>
 #include <momentree/io/result_directory.hpp>
 #include <momentree/sweep/journal.hpp>
+#include <momentree/sweep/lanes.hpp>
 #include <momentree/sweep/summary.hpp>
 
 namespace momentree::cli {
@@ -21,7 +22,7 @@ class SweepOutput {
  public:
   /// Opens the journal of an interrupted sweep, or begins a new one. Throws Error if the folder holds the journal of another
   /// sweep and `options` do not say what to do with it, or if it cannot be written; nothing has then changed.
-  SweepOutput(const sweep::Sweep& sweep, const SweepOptions& options);
+  SweepOutput(const sweep::Sweep& sweep, sweep::Lanes lanes, const SweepOptions& options);
 
   /// Where the results will be: a folder, or a file that ends in .h5.
   const std::string& destination() const { return out_; }

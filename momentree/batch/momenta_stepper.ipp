@@ -12,7 +12,8 @@ class PackMomentaStepper final : public PackStepper<T> {
   /// `width`: of the machine code for lanes like these.
   PackMomentaStepper(const Tree& tree, StepWidth width) : PackStepper<T>(tree), width_(width) {}
   PlanScalars scalars() const override {
-    return {step_scalar<T, Passes::stage_momenta>(width_), step_scalar<T, Passes::momenta>(width_)};
+    return {step_scalar<T, Passes::stage_momenta>(width_),
+            this->is_double ? step_scalar<T, Passes::momenta>(width_) : StepScalar{}};
   }
   void rates(const Tree& tree, const TopologyPlan& plan, const double* q, const double* p, double* qdot, double* pdot,
              double* v) noexcept override {

@@ -32,7 +32,12 @@ Stepper::~Stepper() = default;
 TreeStepper::~TreeStepper() = default;
 LoopLanes::~LoopLanes() = default;
 
-bool makes_machine_code() noexcept { return StepLibrary::of_process().available(StepWidth::one); }
+bool makes_machine_code(std::optional<Isa> lanes) noexcept {
+  StepWidth width = StepWidth::one;
+  if (lanes)
+    width = *lanes == Isa::avx512 ? StepWidth::double_8 : *lanes == Isa::avx2 ? StepWidth::double_4 : StepWidth::double_2;
+  return StepLibrary::of_process().available(width);
+}
 
 // Instruction sets of this build (MOMENTREE_LANES in CMakeLists.txt), with one definition each.
 bool available([[maybe_unused]] Isa isa) noexcept {

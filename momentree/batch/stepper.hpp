@@ -1,6 +1,7 @@
 #pragma once
 // Steps of a block of worlds of one topology, one per lane. The same source is compiled for each instruction set.
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <momentree/dynamics/forces/linear_spring.hpp>
@@ -72,8 +73,8 @@ class LoopLanes : public Stepper {
   virtual void fit(const Tree& tree) = 0;
 };
 
-/// Whether steps run as machine code in this process: the last bits of results depend on that.
-bool makes_machine_code() noexcept;
+/// Whether steps of worlds alone, or in lanes of a set, run as machine code in this process: the last bits depend on that.
+bool makes_machine_code(std::optional<Isa> lanes) noexcept;
 /// True if this library has kernels for the instruction set and this CPU can run them.
 bool available(Isa isa) noexcept;
 /// The widest available set up to `widest`; if the build has none of these, the narrowest that it has.

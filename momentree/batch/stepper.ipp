@@ -17,6 +17,7 @@ class PackStepper : public Base {
 
  protected:
   static constexpr int N = T::lanes;
+  static constexpr bool is_double = sizeof(T) == N * sizeof(double);
   using Array = std::unique_ptr<T[]>;
   static Array make(int n) { return std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(n > 0 ? n : 1)); }
 
@@ -132,7 +133,7 @@ void PackStepper<T, Base>::step(const Tree& tree, const TopologyPlan& plan, cons
   rk4_stages<T>(T::load(block.h), {nq, q0_.get(), workspace_.qdot.get(), q_.get(), q_sum_.get()},
                 {nv, y0_.get(), ydot(), y_.get(), y_sum_.get()}, [&](double node, double, const T* q, const T* y) {
                   for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + node * block.h[lane];
-                  keeps_ = (node == 0 || tree.has_constraints()) && sizeof(T) == N * sizeof(double);
+                  keeps_ = is_double && (node == 0 || tree.has_constraints());
                   evaluate(tree, plan, block.effort, t, q, y);
                 });
   for (int lane = 0; lane < N; ++lane) t[lane] = block.time[lane] + block.h[lane];

@@ -12,7 +12,8 @@ class PackVelocityStepper final : public PackStepper<T> {
   /// `width`: of the machine code for lanes like these.
   PackVelocityStepper(const Tree& tree, StepWidth width) : PackStepper<T>(tree), width_(width) {}
   PlanScalars scalars() const override {
-    return {step_scalar<T, Passes::stage_velocities>(width_), step_scalar<T, Passes::velocities>(width_)};
+    return {step_scalar<T, Passes::stage_velocities>(width_),
+            this->is_double ? step_scalar<T, Passes::velocities>(width_) : StepScalar{}};
   }
   void rates(const Tree& tree, const TopologyPlan& plan, const double* q, const double* u, double* qdot, double* udot,
              double* v) noexcept override {

@@ -96,7 +96,6 @@ class Lowering : GraphLowering {
       MOMENTREE_BASE(a, dof, a)
       MOMENTREE_BASE(p, dof, p)
       MOMENTREE_BASE(pdot, dof, pdot)
-      MOMENTREE_BASE(record, record, records)
       MOMENTREE_BASE(armature, dof, armature)
 #undef MOMENTREE_BASE
 #define MOMENTREE_BASE(name, place, memory, numbers) \
@@ -111,6 +110,7 @@ class Lowering : GraphLowering {
       MOMENTREE_BASE(reduced_bias_wrench, own, reduced_bias_wrenches, 6)
       MOMENTREE_BASE(load, own, loads, 6)
 #undef MOMENTREE_BASE
+      case record: return {offsetof(StepEntry, record), offsetof(StepArrays, records), keeps ? target_.vector() : 1};
       case mass: return {own, offsetof(StepArrays, masses), target_.number};
       default: return {offsetof(StepEntry, constants), -1};
     }

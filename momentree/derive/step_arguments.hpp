@@ -33,7 +33,8 @@ struct StepEntry {
   StepFunction step = nullptr;
   const void* constants = nullptr;
   std::int32_t q = 0, angle = 0, dof = 0, record = 0;
-  std::int32_t in = 0, to = 0;  ///< in `sums` or `motions`; of passes that keep results these are numbers of bodies
+  std::int32_t in = 0, to = 0;  ///< in `sums` or `motions`; of passes that keep results these are numbers of bodies,
+                                ///< and `record` counts numbers
 };
 static_assert(sizeof(StepEntry) <= 40);
 

@@ -52,7 +52,8 @@ struct StepOfBody {
             .aligned = own.aligned,
             .root = own.root,
             .alone = own.alone,
-            .record = *reinterpret_cast<typename K::template Record<T>*>(at(s.records, e.record)),
+            .record = *reinterpret_cast<typename K::template Record<T>*>(keep(P) ? static_cast<T*>(s.records) + e.record
+                                                                                 : at(s.records, e.record)),
             .u = at(s.u, e.dof),
             .qdot = at(s.qdot, e.q),
             .a = at(s.a, e.dof),
@@ -105,7 +106,7 @@ struct GenericSteps {
         put_without_moments(from, a);
     }
     if constexpr (in_momenta(P))
-      momentum_inboard(b.of_pass(), b.armature(), b.own.mass, b.own.gravity, a);
+      momentum_inboard(b.of_pass(), b.armature(), b.own.mass, true, a);
     else if constexpr (in_velocities(P))
       force_inboard(b.of_pass(), b.armature(), a);
     else if constexpr (P == Passes::rates)

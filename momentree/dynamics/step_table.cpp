@@ -67,8 +67,8 @@ void StepTable::inboard(const StepArrays& arrays, int begin, int end) const noex
 
 void StepTable::outboard(const StepArrays& arrays, const void* base, int begin, int end) const noexcept {
   const std::size_t size = at(numbers_of_motion(scalar_.passes)), place = base_place(scalar_.passes);
-  for (const int root : roots_)
-    std::memcpy(static_cast<char*>(arrays.motions) + scalar_.size * (size * at(root) + place), base, 3 * scalar_.size);
+  for (auto root = std::ranges::lower_bound(roots_, begin, {}, &Root::place); root != roots_.end() && root->place < end; ++root)
+    std::memcpy(static_cast<char*>(arrays.motions) + scalar_.size * (size * at(root->body) + place), base, 3 * scalar_.size);
   run(std::span(outboard_).subspan(at(begin), std::min(at(end), outboard_.size()) - at(begin)), arrays);
 }
 
@@ -93,8 +93,8 @@ void StepTable::run(std::span<const StepEntry> entries, const StepArrays& arrays
 bool StepTable::follow(const Tree& tree) noexcept {
   if (revision_ == tree.revision()) return serves_;
   revision_ = tree.revision(), serves_ = false;
-  const std::size_t most_bytes = tree.record_capacity() * scalar_.size;
-  if (most_bytes > std::numeric_limits<std::int32_t>::max()) return false;
+  const std::size_t farthest = tree.record_capacity() * (keep(scalar_.passes) ? 1 : scalar_.size);
+  if (farthest > std::numeric_limits<std::int32_t>::max()) return false;
   static std::atomic<std::uint64_t> versions = 0;
   version_ = ++versions;
 #ifdef __cpp_exceptions
@@ -111,12 +111,27 @@ bool StepTable::follow(const Tree& tree) noexcept {
 
 void StepTable::rebuild(const Tree& tree) {
   find_bodies(tree);
-  in_machine_code_ = scalar_.width != StepWidth::none && links_.available();
   share_memory();
-  if (find_links(tree) && add_entries(tree)) return;
-  in_machine_code_ = false;  // there is no more memory, or the system refused to make it executable
+  // Once more if memory ran out: by generic functions, which need none, results have other last bits.
+  if (add_steps(tree) || add_steps(tree)) return;
+  in_machine_code_ = false;
   for (const int b : moving_) bodies_[at(b)].link = -1;
   MT_REQUIRE(add_entries(tree), "generic steps need no executable memory");
+}
+
+bool StepTable::add_steps(const Tree& tree) {
+#ifdef __cpp_exceptions
+  try {
+#endif
+    in_machine_code_ = scalar_.width != StepWidth::none && links_.available();
+    find_links(tree, false);
+    if (in_machine_code_ && links_.different() > most_steps) find_links(tree, true);
+    return add_entries(tree);
+#ifdef __cpp_exceptions
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+#endif
 }
 
 void StepTable::find_bodies(const Tree& tree) {
@@ -165,29 +180,19 @@ const LinkConstants& StepTable::link_of(const Tree& tree, int b, LinkConstants& 
   return merged;
 }
 
-bool StepTable::find_links(const Tree& tree) {
-#ifdef __cpp_exceptions
-  try {
-#endif
-    find_links(tree, false);
-    if (in_machine_code_ && links_.different() > most_steps) find_links(tree, true);
-    return true;
-#ifdef __cpp_exceptions
-  } catch (const std::bad_alloc&) {
-    return false;
-  }
-#endif
-}
-
 void StepTable::find_links(const Tree& tree, bool general) {
   const UncheckedTree all(tree);
-  bool gravity = has_gravity(tree);  // generic steps of stages hand it on in any case
-  for (const int b : moving_) gravity = gravity || (!keep(scalar_.passes) && !links_.serves(all.kind(b), all.variant(b)));
+  const auto serves = [&](int b) {
+    const bool alone_on_weld = keep(scalar_.passes) && bodies_[at(b)].parent >= 0 && is_alone(tree, b);
+    return links_.serves(all.kind(b), all.variant(b)) && !alone_on_weld;
+  };
+  bool gravity = has_gravity(tree);  // generic steps hand it on in any case
+  for (const int b : moving_) gravity = gravity || !serves(b);
   links_.begin(moving_.size(), general, gravity);
   LinkConstants merged;
   for (const int b : moving_) {
     Body& body = bodies_[at(b)];
-    if (!links_.serves(all.kind(b), all.variant(b)) || (keep(scalar_.passes) && body.parent >= 0 && is_alone(tree, b))) {
+    if (!serves(b)) {
       body.link = -1;
       continue;
     }
@@ -242,13 +247,13 @@ bool StepTable::add_entries(const Tree& tree) {
     const Body& body = bodies_[at(b)];
     StepEntry entry;
     entry.q = bytes(at(all.first_q(b))), entry.angle = bytes(at(all.first_angle(b))), entry.dof = bytes(at(all.first_p(b)));
-    entry.record = bytes(keep(passes_of) ? all.record(b) : record);
+    entry.record = keep(passes_of) ? static_cast<std::int32_t>(all.record(b)) : bytes(record);
     StepFunctions passes;
     if (body.link < 0) {
       const GenericStep step = scalar_.generic(all.kind(b), all.variant(b), body.adds);
       GenericBody& own = generic_.emplace_back();
       LinkConstants merged;
-      own = {step.passes, link_of(tree, b, merged), all.subtree_mass(b), b, has_gravity(tree) || !keep(passes_of)};
+      own = {step.passes, link_of(tree, b, merged), all.subtree_mass(b), b};
       own.leaf = body.children == 0, own.root = body.parent < 0, own.aligned = aligned(own.link);
       own.alone = keep(passes_of) ? is_alone(tree, b) : own.leaf && own.root;
       entry.constants = &own;
@@ -266,7 +271,7 @@ bool StepTable::add_entries(const Tree& tree) {
           inward{body.adds, child, parent, false};
       if (!links_.functions(body.link, outward, inward, passes, entry.constants)) return false;
     }
-    if (body.parent < 0) roots_.push_back(b);
+    if (body.parent < 0) roots_.push_back({static_cast<int>(i), b});
     const int motion = numbers_of_motion(passes_of), sum = numbers_of_sum(passes_of);
     entry.in = place(motion, body.parent < 0 ? b : bodies_[at(body.parent)].motion);
     entry.to = place(motion, body.motion);

@@ -18,7 +18,6 @@ struct GenericBody {
   LinkConstants link{};
   double mass = 0;  ///< of the body and of all bodies outboard (kg)
   int body = 0;
-  bool gravity = true;                                              ///< there is some
   bool aligned = false, leaf = false, root = false, alone = false;  ///< see PassBody
 };
 
@@ -48,6 +47,9 @@ class StepTable {
   static constexpr int all_bodies = std::numeric_limits<int>::max();
 
  private:
+  struct Root {
+    int place = 0, body = 0;
+  };
   /// The tree as the steps see it.
   struct Body {
     int parent = -1;  ///< that is not welded to this one; −1: the ground
@@ -62,7 +64,7 @@ class StepTable {
   void run(std::span<const StepEntry> entries, const StepArrays& arrays) const noexcept;
   void rebuild(const Tree& tree);
   void find_bodies(const Tree& tree);
-  [[nodiscard]] bool find_links(const Tree& tree);  ///< false: there is no memory
+  [[nodiscard]] bool add_steps(const Tree& tree);  ///< false: there is no memory
   void find_links(const Tree& tree, bool general);
   const LinkConstants& link_of(const Tree& tree, int b, LinkConstants& merged) const;
   void share_memory();
@@ -77,7 +79,7 @@ class StepTable {
   std::vector<int> moving_;        ///< bodies that are not welded to their parents, outward
   std::vector<RigidMass> welded_;  ///< by body: what is welded to it
   std::vector<GenericBody> generic_;
-  std::vector<int> roots_;  ///< places of motions
+  std::vector<Root> roots_;  ///< in this order
   std::vector<StepEntry> velocities_, inboard_, outboard_;
   /// Masses that records begin with.
   struct Mass {

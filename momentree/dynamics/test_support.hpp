@@ -84,6 +84,9 @@ inline void poison(const Tree& tree, Workspace<double>& workspace) {
   const auto fill = [](auto* first, std::size_t count) { std::memset(static_cast<void*>(first), 0xff, count * sizeof(*first)); };
   fill(workspace.records.get(), tree.record_capacity());
   fill(workspace.child_sums.get(), bodies), fill(workspace.parent_states.get(), bodies), fill(workspace.motions.get(), bodies);
+  fill(workspace.child_wrenches.get(), bodies), fill(workspace.parent_accelerations.get(), bodies);
+  fill(workspace.biases.get(), bodies), fill(workspace.inboard_accelerations.get(), bodies);
+  fill(workspace.reduced_bias_wrenches.get(), bodies);
   fill(workspace.step_records.get(), tree.record_capacity()), workspace.step_records_of = 0;
 }
 

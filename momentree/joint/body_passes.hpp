@@ -101,9 +101,8 @@ MOMENTREE_INLINE void momentum_outboard(const B& b, const auto& mass, Outboard<T
       transform.outboard(a.velocity);
       transform.outboard(a.gravity);
     });
-    K::joint_velocity(b.record, a.velocity, b.u);                                    // (27)
-    const Force<T> Pb = K::articulated_momentum(b.record, b.p, a.velocity);          // (21)
-    a.velocity = K::template spatial_velocity<T>(b.link, b.joint, a.velocity, b.u);  // (17)
+    const Force<T> Pb = K::articulated_momentum(b.record, b.p, a.velocity);        // (21)
+    a.velocity = K::template move<T>(b.link, b.joint, b.record, a.velocity, b.u);  // (27), (17)
     *b.motion = {a.velocity, Pb};
     const Force<T> weight = accumulated_force(mass, b.record.mc, a.gravity);  // (15)
     const auto gyroscopic = [&]() MOMENTREE_INLINE_LAMBDA {
@@ -167,8 +166,7 @@ MOMENTREE_INLINE void acceleration_outboard(const B& b, Motion<T>& a) {
   }
   put(a, *b.inboard_acceleration);
   if constexpr (!K::rigid) {
-    K::joint_velocity(b.record, a, b.a);                           // (27)
-    a = K::template spatial_velocity<T>(b.link, b.joint, a, b.a);  // (17)
+    a = K::template move<T>(b.link, b.joint, b.record, a, b.a);  // (27), (17)
   }
 }
 
@@ -201,8 +199,7 @@ MOMENTREE_INLINE void rate_outboard(const B& b, Motion<T>& a) {
     with_transform(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA { transform.outboard(a); });
     a = a + b.bias->acceleration;  // a′ = X Ω̇_parent + bias
     put(a, *b.inboard_acceleration);
-    K::joint_acceleration(b.record, a, b.a);                       // (47)
-    a = K::template spatial_velocity<T>(b.link, b.joint, a, b.a);  // (39)
+    a = K::template accelerate<T>(b.link, b.joint, b.record, a, b.a);  // (47), (39)
   }
 }
 
@@ -225,8 +222,7 @@ MOMENTREE_INLINE void solution_outboard(const B& b, Motion<T>& a) {
   using K = typename B::Kernels;
   if constexpr (!K::rigid) {
     with_transform(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA { transform.outboard(a); });
-    K::joint_acceleration(b.record, a, b.a);                       // (47)
-    a = K::template spatial_velocity<T>(b.link, b.joint, a, b.a);  // (39)
+    a = K::template accelerate<T>(b.link, b.joint, b.record, a, b.a);  // (47), (39)
   }
 }
 

@@ -235,6 +235,12 @@ struct GenericKernels {
     }
     return out;
   }
+  /// (27) and (17), one after the other: writes u and returns Ω.
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> move(const auto& k, const JointState<T>& j, const auto& w, const Motion<T>& in, T* u) {
+    K::joint_velocity(w, in, u);
+    return K::template spatial_velocity<T>(k, j, in, u);
+  }
   /// (20), corrected: ṗ = Eᵀ (Tb − Ω × Pb) + Ėᵀ Pb; `wrench` is Tb − Ω × Pb. Joint forces are added by the caller.
   template <class T>
   MOMENTREE_INLINE static void momentum_rate(const auto& k, const JointState<T>& j, const T* u, const Force<T>& Pb,
@@ -273,6 +279,13 @@ struct GenericKernels {
   template <class R, class T>
   MOMENTREE_INLINE static void joint_acceleration(const R& w, const Motion<T>& in, T* udot) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(NV); ++i) udot[i] = udot[i] - dot(in, w.G[i]);
+  }
+  /// (47) and (39), one after the other: completes u̇ and returns Ω̇.
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> accelerate(const auto& k, const JointState<T>& j, const auto& w, const Motion<T>& in,
+                                               T* udot) {
+    K::joint_acceleration(w, in, udot);
+    return K::template spatial_velocity<T>(k, j, in, udot);
   }
   /// F += M̂ a.
   template <class R, class T>

@@ -69,4 +69,47 @@ struct ScrewKernels : GenericKernels<K, NQ, NV> {
   }
 };
 
+/// For kinds with one DoF whose E is a unit vector, without armature. A row of the reduced mass is zero then, and G·E = 1.
+/// `entry`: that of E in a motion or force.
+template <class Base, std::size_t entry>
+struct UnitKernels : Base {
+  /// (24)–(26), with M̂ E = 0 and Eᵀ D̂ = p without round-off.
+  template <class T>
+  MOMENTREE_INLINE static void reduce(const auto& k, const JointState<T>& j, const T* p, const auto* armature, SpatialMass<T>& M,
+                                      Force<T>& D, auto& w) {
+    Base::reduce(k, j, p, armature, M, D, w);
+    const T o(0);
+    if constexpr (entry == 5)
+      M.B.xz = M.B.yz = M.B.zz = M.J.xz = M.J.yz = M.J.zz = o, D.h.z = p[0], w.G[0].h.z = T(1);
+    else
+      M.A.xz = M.A.yz = M.A.zz = M.B.zx = M.B.zy = M.B.zz = o, D.l.z = p[0], w.G[0].l.z = T(1);
+    w.M = M, w.D = D;
+  }
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> move(const auto&, const JointState<T>&, const auto& w, const Motion<T>& in, T* u) {
+    return added(w, w.u0[0], in, u);
+  }
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> accelerate(const auto&, const JointState<T>&, const auto& w, const Motion<T>& in, T* udot) {
+    return added(w, T(udot[0]), in, udot);
+  }
+
+ private:
+  /// The entry of Ω first: u alone would lose digits beside a fast parent, and again in the sum.
+  template <class T>
+  MOMENTREE_INLINE static Motion<T> added(const auto& w, const T& u0, const Motion<T>& in, T* u) {
+    Motion<T> out = in;
+    const Force<T>& g = w.G[0];
+    const Vector3<T>&v = in.v, &o = in.w;
+    if constexpr (entry == 5) {
+      out.w.z = u0 - ((g.l.x * v.x + g.h.x * o.x) + (g.l.y * v.y + g.h.y * o.y) + g.l.z * v.z);
+      u[0] = out.w.z - o.z;
+    } else {
+      out.v.z = u0 - ((g.l.x * v.x + g.h.x * o.x) + (g.l.y * v.y + g.h.y * o.y) + g.h.z * o.z);
+      u[0] = out.v.z - v.z;
+    }
+    return out;
+  }
+};
+
 }  // namespace momentree

@@ -29,8 +29,13 @@ Lanes lanes_for(const Sweep& sweep, Lanes wanted) {
   return wanted && ScenarioWorlds(sweep, wanted).gain_by_lanes() ? wanted : std::nullopt;
 }
 
-std::string program_text() {
-  return std::string(MOMENTREE_VERSION) + (batch::makes_machine_code() ? "" : " without machine code");
+std::string program_text(Lanes lanes) {
+  std::string text = MOMENTREE_VERSION;
+  if (!batch::makes_machine_code(std::nullopt))
+    text += " without machine code";
+  else if (lanes && !batch::makes_machine_code(lanes))
+    text += " with " + std::string(names[static_cast<std::size_t>(*lanes)]) + " lanes";
+  return text;
 }
 
 }  // namespace momentree::sweep

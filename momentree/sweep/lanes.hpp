@@ -10,7 +10,7 @@
 namespace momentree::sweep {
 
 /// The instruction set of the lanes; nothing: every world is a simulation of its own. Results have the bits of `momentree run` in
-/// either case.
+/// either case, unless there is machine code, but not for these lanes.
 using Lanes = std::optional<Isa>;
 
 /// The lanes of that name: "none", "baseline", "avx2", "avx512", or "auto" for the widest that this CPU has. Throws Error for an
@@ -19,6 +19,6 @@ Lanes lanes_of(std::string_view name);
 /// `wanted`, or none if lanes save no time: see ScenarioWorlds::gain_by_lanes().
 Lanes lanes_for(const Sweep& sweep, Lanes wanted);
 /// What the last bits of results depend on: the version of momentree, and whether it makes machine code here.
-std::string program_text();
+std::string program_text(Lanes lanes);
 
 }  // namespace momentree::sweep

@@ -49,20 +49,7 @@ struct PrismaticKernelsBase : ScrewKernels<K, 1, 1> {
   static void closure(const JointSpec& joint, Closure& rows) { rows.add_line(joint.axis), rows.add_rotation(); }
 };
 struct GenericPrismatic : PrismaticKernelsBase<GenericPrismatic> {};
-
-/// Without armature, a row of the reduced mass is zero.
-struct PrismaticKernels : PrismaticKernelsBase<PrismaticKernels> {
-  /// (24)–(26)
-  template <class T>
-  MOMENTREE_INLINE static void reduce(const auto& k, const JointState<T>& j, const T* p, const auto* armature, SpatialMass<T>& M,
-                                      Force<T>& D, Record<T>& w) {
-    GenericPrismatic::reduce(k, j, p, armature, M, D, w);
-    const T o(0);  // M̂ E = 0 and Eᵀ D̂ = p, without round-off
-    M.A.xz = M.A.yz = M.A.zz = M.B.zx = M.B.zy = M.B.zz = o;
-    D.l.z = p[0];
-    w.M = M, w.D = D;
-  }
-};
+struct PrismaticKernels : UnitKernels<PrismaticKernelsBase<PrismaticKernels>, 2> {};
 
 }  // namespace momentree
 #endif

@@ -54,20 +54,7 @@ struct RevoluteKernelsBase : ScrewKernels<K, 1, 1> {
   }
 };
 struct GenericRevolute : RevoluteKernelsBase<GenericRevolute> {};
-
-/// Without armature, a row of the reduced mass is zero.
-struct RevoluteKernels : RevoluteKernelsBase<RevoluteKernels> {
-  /// (24)–(26)
-  template <class T>
-  MOMENTREE_INLINE static void reduce(const auto& k, const JointState<T>& j, const T* p, const auto* armature, SpatialMass<T>& M,
-                                      Force<T>& D, Record<T>& w) {
-    GenericRevolute::reduce(k, j, p, armature, M, D, w);
-    const T o(0);  // M̂ E = 0 and Eᵀ D̂ = p, without round-off
-    M.B.xz = M.B.yz = M.B.zz = M.J.xz = M.J.yz = M.J.zz = o;
-    D.h.z = p[0];
-    w.M = M, w.D = D;
-  }
-};
+struct RevoluteKernels : UnitKernels<RevoluteKernelsBase<RevoluteKernels>, 5> {};
 
 }  // namespace momentree
 #endif
