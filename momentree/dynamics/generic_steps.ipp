@@ -74,7 +74,7 @@ struct GenericSteps {
   using Handed = typename Body::Handed;
 
   /// In velocities, the first pass.
-  static void velocities(const StepEntry& e, const StepArrays& s) {
+  [[gnu::flatten]] static void velocities(const StepEntry& e, const StepArrays& s) {
     Unread<T> unread;
     const Body b{e, s, unread};
     Motion<T> a{};
@@ -93,7 +93,7 @@ struct GenericSteps {
     if (!b.own.leaf) put(a, Body::template of<Motion<T>>(s.motions, e.to));
   }
   template <bool Adds>
-  static void inboard(const StepEntry& e, const StepArrays& s) {
+  [[gnu::flatten]] static void inboard(const StepEntry& e, const StepArrays& s) {
     constexpr bool moments = in_momenta(P) || numbers_of_sum(P) == 6;
     Unread<T> unread;
     const Body b{e, s, unread};
@@ -124,7 +124,7 @@ struct GenericSteps {
     else
       put_without_moments(a, to);
   }
-  static void outboard(const StepEntry& e, const StepArrays& s) {
+  [[gnu::flatten]] static void outboard(const StepEntry& e, const StepArrays& s) {
     Unread<T> unread;
     const Body b{e, s, unread};
     const Handed& parent = Body::template of<Handed>(s.motions, e.in);

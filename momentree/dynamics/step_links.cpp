@@ -25,7 +25,7 @@ void StepLinks::begin(std::size_t bodies, bool general, bool gravity) {
   ++rebuilt_, steps_.clear(), interpreted_.clear();
 }
 
-int StepLinks::find(Kind kind, Variant variant, derive::BodyPlace place, const LinkConstants& link, int same) {
+int StepLinks::find(Kind kind, Variant variant, derive::BodyPlace place, const LinkConstants& link, int same, int former) {
   derive::StepKey form = derive::key_of(kind, variant == Variant::armature, place, link);
   form.passes = scalar_.passes, form.gravity = gravity_ || !in_momenta(scalar_.passes);
   form.fewest = scalar_.interpreted[0] != nullptr;
@@ -33,7 +33,7 @@ int StepLinks::find(Kind kind, Variant variant, derive::BodyPlace place, const L
     return other >= 0 && at(other) < links_.size() && links_[at(other)].form == form &&
            derive::same_numbers(links_[at(other)].numbers, link);
   };
-  int found = fits(same) ? same : -1;
+  int found = fits(same) ? same : fits(former) ? former : -1;
   for (std::size_t i = 0; found < 0 && i < recent_.size(); ++i)
     if (fits(recent_[i])) found = recent_[i];
   if (found < 0) {

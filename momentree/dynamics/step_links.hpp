@@ -32,7 +32,7 @@ class StepLinks {
   [[nodiscard]] bool available() const { return false; }
   [[nodiscard]] bool serves(Kind, Variant) const { return false; }
   void begin(std::size_t, bool, bool) {}
-  [[nodiscard]] int find(Kind, Variant, derive::BodyPlace, const LinkConstants&, int) { return -1; }
+  [[nodiscard]] int find(Kind, Variant, derive::BodyPlace, const LinkConstants&, int, int) { return -1; }
   std::size_t different() const { return 0; }
   std::size_t record(int) const { return 0; }
   const derive::Step* step(int) const { return nullptr; }
@@ -52,9 +52,9 @@ class StepLinks {
   /// Before the links of some number of bodies are looked up. `general`: with steps that serve any constants of a link, of which
   /// there are few. `gravity`: there is some.
   void begin(std::size_t bodies, bool general, bool gravity);
-  /// The link of a body that they serve: `same` if that is still right, else an equal one that was found lately, or one of its
-  /// own.
-  [[nodiscard]] int find(Kind kind, Variant variant, derive::BodyPlace place, const LinkConstants& link, int same);
+  /// The link of a body that they serve: `same` or `former` if that is still right, else an equal one that was found lately, or
+  /// one of its own.
+  [[nodiscard]] int find(Kind kind, Variant variant, derive::BodyPlace place, const LinkConstants& link, int same, int former);
   /// The number of different steps since begin().
   std::size_t different() const { return steps_.size(); }
   std::size_t record(int link) const;  ///< numbers

@@ -193,11 +193,14 @@ void StepTable::find_links(const Tree& tree, bool general) {
   for (const int b : moving_) {
     Body& body = bodies_[at(b)];
     if (!serves(b)) {
+      if (body.link >= 0) body.former = body.link;
       body.link = -1;
       continue;
     }
     const derive::BodyPlace place = place_of_body(body.children == 0, body.parent < 0);
-    body.link = links_.find(all.kind(b), all.variant(b), place, link_of(tree, b, merged), body.link);
+    const int before = body.link;
+    body.link = links_.find(all.kind(b), all.variant(b), place, link_of(tree, b, merged), before, body.former);
+    if (before >= 0 && before != body.link) body.former = before;
   }
 }
 

@@ -59,6 +59,7 @@ class StepTable {
     int sum = 0;           ///< whose memory holds the contributions of its children
     int motion = 0;        ///< whose memory holds what its children read
     int link = -1;         ///< −1: it is generic
+    int former = -1;       ///< another link that it had: methods alternate between a tree and one with other armatures
   };
 
   void run(std::span<const StepEntry> entries, const StepArrays& arrays) const noexcept;
