@@ -41,7 +41,7 @@ CompiledStep* StepLibrary::get(const derive::StepKey& key) {
   const std::lock_guard lock(mutex_);
   const auto known = steps_.find(key);
   if (known != steps_.end()) return known->second.get();
-  constexpr std::size_t most = 2048;  // of some 50 kB each
+  constexpr std::size_t most = 8192;  // of some 80 kB each
   if (steps_.size() >= most && !derive::is_general(key)) return nullptr;
   return steps_.emplace(key, std::make_unique<CompiledStep>(key)).first->second.get();
 }
