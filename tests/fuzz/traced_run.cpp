@@ -15,7 +15,9 @@ namespace momentree::fuzz {
 
 namespace {
 
+// The bits of a number. Documents have no sign of zero.
 void append(std::string& text, double value) {
+  value += 0.0;
   char bits[sizeof value];
   std::memcpy(bits, &value, sizeof value);
   text.append(bits, sizeof bits);
