@@ -33,9 +33,9 @@ struct BatchOptions {
   double step = 1e-3;
 };
 
-/// Worlds are stepped in lanes, by the classical Runge–Kutta method (rk4). The results of a world equal those of a scalar run to
-/// round-off; they are bit for bit the same whatever other worlds are in the batch and for any number of threads. Another lane
-/// width may round differently.
+/// Worlds are stepped in lanes, by the classical Runge–Kutta method (rk4). In double precision a world has the bits of a
+/// simulation with the same steps, whatever other worlds are in the batch and for any number of threads, except where no machine
+/// code is made for the lanes (baseline on x86-64): there it equals the simulation to round-off.
 ///
 /// Worlds in lanes have all forces that act in joints: dampers, springs, constant and time-dependent efforts, position control,
 /// friction, soft stops, prescribed motions, and extra efforts per world. If the model has contact, cables, forces on bodies,

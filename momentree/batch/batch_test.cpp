@@ -144,7 +144,7 @@ State in_velocities(const Tree& tree, const State& state) {
 
 }  // namespace
 
-TEST_CASE("worlds of a batch move as they do alone, each with a change at its own time") {
+TEST_CASE("worlds of a batch have the bits of those alone, each with a change at its own time") {
   const Model model = mobile();
   constexpr int worlds = 13;
   for (const Isa isa : all_sets)
@@ -173,8 +173,8 @@ TEST_CASE("worlds of a batch move as they do alone, each with a change at its ow
         CHECK(batch.time(i) == doctest::Approx(steps * h));
         worst = std::fmax(worst, difference(batch.state(i), alone.state));
       }
-      CHECK(worst < 1e-12);
-      CHECK(worst >= 0);
+      // On x86-64 there is no machine code for the baseline.
+      CHECK(worst <= (batch::makes_machine_code(isa) == batch::makes_machine_code(std::nullopt) ? 0 : 1e-12));
     }
 }
 

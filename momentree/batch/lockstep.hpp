@@ -23,8 +23,8 @@ struct LockstepRun {
 /// Runs simulations as run_until() does, but computes the steps of those that have the same topology and the same variables
 /// together, in SIMD lanes.
 /// Events, observers, samplers and watchers work as usual; a simulation whose topology changes goes on with others of its new
-/// topology. Its states equal those of run_until() to round-off, whatever simulations run beside it. They may depend on
-/// the instruction set.
+/// topology. Its states have the bits of run_until(), whatever simulations run beside it; on x86-64 those in baseline lanes, for
+/// which no machine code is made, equal it to round-off.
 ///
 /// What a step costs beside the integration is left out: the energies dissipated, put in by forces and brought in by closing
 /// loops (`dissipated`, `work`, `projection` and `error` of Simulation::energy()) are not booked, watchers are called at least

@@ -17,7 +17,7 @@ enum class Precision : unsigned char { float64, float32 };
 
 namespace batch {
 
-/// What the tables of a plan have to know; empty: there is none.
+/// The scalars of a plan's tables. A table whose scalar has size 0 is not made.
 struct PlanScalars {
   StepScalar stage, kept;
 };

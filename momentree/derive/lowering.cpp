@@ -83,7 +83,10 @@ class Lowering : GraphLowering {
   };
 
   machine::Base base_of(Array array) const {
-    const bool keeps = keep(step_.kind_);
+    const bool keeps = keeps_results(step_.kind_);
+    const auto of_bodies = [&](int place, int memory, int numbers) {
+      return machine::Base{place, memory, keeps ? numbers * target_.vector() : 1};
+    };
     const int own = pass_ == step_.inward() ? offsetof(StepEntry, in) : offsetof(StepEntry, to);
     switch (array) {
 #define MOMENTREE_BASE(name, place, memory) \
@@ -98,18 +101,15 @@ class Lowering : GraphLowering {
       MOMENTREE_BASE(pdot, dof, pdot)
       MOMENTREE_BASE(armature, dof, armature)
 #undef MOMENTREE_BASE
-#define MOMENTREE_BASE(name, place, memory, numbers) \
-  case name: return {place, offsetof(StepArrays, memory), keeps ? (numbers)*target_.vector() : 1};
-      MOMENTREE_BASE(sum_in, offsetof(StepEntry, in), sums, numbers_of_sum(step_.kind_))
-      MOMENTREE_BASE(sum_to, offsetof(StepEntry, to), sums, numbers_of_sum(step_.kind_))
-      MOMENTREE_BASE(motion_in, offsetof(StepEntry, in), motions, numbers_of_motion(step_.kind_))
-      MOMENTREE_BASE(motion_to, offsetof(StepEntry, to), motions, numbers_of_motion(step_.kind_))
-      MOMENTREE_BASE(body_sweep, own, body_sweeps, 12)
-      MOMENTREE_BASE(bias, own, biases, 12)
-      MOMENTREE_BASE(inboard_acceleration, own, inboard_accelerations, 6)
-      MOMENTREE_BASE(reduced_bias_wrench, own, reduced_bias_wrenches, 6)
-      MOMENTREE_BASE(load, own, loads, 6)
-#undef MOMENTREE_BASE
+      case sum_in: return of_bodies(offsetof(StepEntry, in), offsetof(StepArrays, sums), numbers_of_sum(step_.kind_));
+      case sum_to: return of_bodies(offsetof(StepEntry, to), offsetof(StepArrays, sums), numbers_of_sum(step_.kind_));
+      case motion_in: return of_bodies(offsetof(StepEntry, in), offsetof(StepArrays, motions), numbers_of_motion(step_.kind_));
+      case motion_to: return of_bodies(offsetof(StepEntry, to), offsetof(StepArrays, motions), numbers_of_motion(step_.kind_));
+      case body_sweep: return of_bodies(own, offsetof(StepArrays, body_sweeps), 12);
+      case bias: return of_bodies(own, offsetof(StepArrays, biases), 12);
+      case inboard_acceleration: return of_bodies(own, offsetof(StepArrays, inboard_accelerations), 6);
+      case reduced_bias_wrench: return of_bodies(own, offsetof(StepArrays, reduced_bias_wrenches), 6);
+      case load: return of_bodies(own, offsetof(StepArrays, loads), 6);
       case record: return {offsetof(StepEntry, record), offsetof(StepArrays, records), keeps ? target_.vector() : 1};
       case mass: return {own, offsetof(StepArrays, masses), target_.number};
       default: return {offsetof(StepEntry, constants), -1};
@@ -213,7 +213,7 @@ class Lowering : GraphLowering {
     if (is_recorded(i)) return place({record, step_.place_[i]});
     if (n.operation == Operation::p) {
       if (step_.in_->constants[at(n.a)] != "mass") return place(Slot{armature, 0});
-      return place(keep(step_.kind_) ? Slot{mass, 0} : Slot{record, 0});
+      return place(keeps_results(step_.kind_) ? Slot{mass, 0} : Slot{record, 0});
     }
     return place(slot_of(step_.in_->numbers[at(n.a)], false));
   }

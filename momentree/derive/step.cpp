@@ -98,10 +98,10 @@ Recorded record_step(const StepKey& key) {
   Recorded least;
   int fewest = 0;
   std::vector<Order> orders;
-  if (!K::rotates_about_z || keep(key.passes)) orders.push_back({});
+  if (!K::rotates_about_z || keeps_results(key.passes)) orders.push_back({});
   for (const Order::Frame frame : {Order::child, Order::before_rotation, Order::before_displacement})
     for (const bool one_shift : {false, true})
-      if (K::rotates_about_z && !keep(key.passes) && (key.fewest || frame == traits.frame))
+      if (K::rotates_about_z && !keeps_results(key.passes) && (key.fewest || frame == traits.frame))
         if (!one_shift || frame != Order::before_displacement) orders.push_back({frame, one_shift});
   for (const Order& order : orders) {
     Recorded other{std::make_unique<Recorder>(), {}};
@@ -111,7 +111,7 @@ Recorded record_step(const StepKey& key) {
       if (code == any_value) return {};
       return known_values[code];
     };
-    if (keep(key.passes))
+    if (keeps_results(key.passes))
       other.steps = KeptSteps<K, NQ, NV>(shape, key.place, key.gravity, key.armature, *other.in).run(key.passes);
     else if (key.passes == Passes::stage_momenta)
       other.steps = MomentumSteps<K, NQ, NV>(traits, shape, key.place, order, *other.in, key.gravity).run();

@@ -38,11 +38,11 @@ struct StepOfBody {
   /// Of a body's memory in an array.
   template <class V>
   static V& of(void* array, std::int32_t place) {
-    return keep(P) ? static_cast<V*>(array)[place] : *reinterpret_cast<V*>(static_cast<char*>(array) + place);
+    return keeps_results(P) ? static_cast<V*>(array)[place] : *reinterpret_cast<V*>(static_cast<char*>(array) + place);
   }
   template <class V>
   V& own_of(void* array, V& otherwise) const {
-    return keep(P) ? static_cast<V*>(array)[own.body] : otherwise;
+    return keeps_results(P) ? static_cast<V*>(array)[own.body] : otherwise;
   }
   const double* armature() const { return s.model_armature + e.dof / static_cast<std::int32_t>(sizeof(T)); }
   BodyBias<T>& bias() const { return static_cast<BodyBias<T>*>(s.biases)[own.body]; }
@@ -52,8 +52,8 @@ struct StepOfBody {
             .aligned = own.aligned,
             .root = own.root,
             .alone = own.alone,
-            .record = *reinterpret_cast<typename K::template Record<T>*>(keep(P) ? static_cast<T*>(s.records) + e.record
-                                                                                 : at(s.records, e.record)),
+            .record = *reinterpret_cast<typename K::template Record<T>*>(keeps_results(P) ? static_cast<T*>(s.records) + e.record
+                                                                                          : at(s.records, e.record)),
             .u = at(s.u, e.dof),
             .qdot = at(s.qdot, e.q),
             .a = at(s.a, e.dof),
@@ -81,10 +81,10 @@ struct GenericSteps {
     if (!b.own.root) {
       const Motion<T>& parent = Body::template of<Motion<T>>(s.motions, e.in);
       a.w = parent.w;
-      if constexpr (keep(P)) a.v = parent.v;
+      if constexpr (keeps_results(P)) a.v = parent.v;
     }
     velocity_outboard(b.of_pass(), a);
-    if constexpr (!keep(P)) {
+    if constexpr (!keeps_results(P)) {
       BodyBias<T>& bias = b.bias();
       bias.acceleration.v += cross(a.w, a.v);
       a.v = {T(0), T(0), T(0)};
@@ -152,7 +152,7 @@ GenericStep generic_step(Kind kind, Variant variant, bool adds) noexcept {
   return dispatch_kernels(kind, variant, [adds](auto tag) -> GenericStep {
     using K = typename decltype(tag)::type;
     constexpr std::size_t record = sizeof(typename K::template Record<T>) / sizeof(T);
-    if constexpr (K::rigid && !keep(P)) {
+    if constexpr (K::rigid && !keeps_results(P)) {
       return {};  // welds are part of other bodies
     } else {
       using Steps = GenericSteps<K, T, P>;

@@ -57,10 +57,9 @@ StepFunction StepLibrary::function(CompiledStep& step, StepWidth width, std::siz
   const machine::Bytes bytes = machine::encode(text, machine::allocate(text, target), target);
   const StepFunction made = put<StepFunction>(bytes);
   constexpr const char* places[] = {"inner", "leaf", "root", "single"};
-  constexpr const char* names[] = {"stage in momenta", "stage in velocities", "momenta", "velocities", "rates", "solutions"};
   char name[80];
   std::snprintf(name, sizeof name, "%s, %s, %s, pass %zu", info(step.key.kind).name,
-                places[static_cast<std::size_t>(step.key.place)], names[static_cast<std::size_t>(step.key.passes)], pass + 1);
+                places[static_cast<std::size_t>(step.key.place)], name_of(step.key.passes), pass + 1);
   if (made != nullptr) machine::name_for_profilers(reinterpret_cast<const void*>(made), bytes.all.size() - bytes.entry, name);
   function.store(made, std::memory_order_release);
   return made;

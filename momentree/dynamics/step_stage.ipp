@@ -1,13 +1,13 @@
 #pragma once
-// What all passes by a table of steps share. Included by forward.ipp and velocity.ipp.
+// What all passes by a table of steps share. Included by forward.ipp, velocity.ipp and acceleration.ipp.
 #include <momentree/dynamics/step_table.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/tree/unchecked_tree.hpp>
 
 namespace momentree {
 
-/// Whether a stage calls the steps of a table, which it then finds in workspace.steps: its own, or if there is none, those that
-/// are there. If there is no memory for a table, a stage in double takes the passes that keep results.
+/// Sets workspace.steps to the workspace's own table for a stage, if it has one; otherwise the caller has set it. False if there
+/// is no memory for the table: a stage in double then takes the passes that keep results.
 template <class T>
 MOMENTREE_INLINE bool takes_steps(const Tree& tree, Passes passes, Workspace<T>& workspace) {
   if (StepTable* const own = workspace.table(passes).get(); own != nullptr) {
@@ -20,7 +20,7 @@ MOMENTREE_INLINE bool takes_steps(const Tree& tree, Passes passes, Workspace<T>&
   workspace.steps->prepare(workspace.step_records.get(), workspace.step_records_of);
   return true;
 }
-/// The table of passes that keep results: its own, or if there is none, that of others.
+/// The table of passes that keep results: the workspace's own one, or the one that the caller has set.
 template <class T>
 MOMENTREE_INLINE const StepTable& keeping_steps(const Tree& tree, Passes passes, Workspace<T>& workspace) {
   StepTable* const own = workspace.table(passes).get();
@@ -37,7 +37,7 @@ MOMENTREE_INLINE StepArrays step_arrays(const Tree& tree, Passes passes, const T
   arrays.q = q, arrays.cos = workspace.cos.get(), arrays.sin = workspace.sin.get();
   arrays.u = workspace.v.get(), arrays.qdot = workspace.qdot.get(), arrays.pdot = workspace.pdot.get();
   arrays.a = workspace.a.get(), arrays.biases = workspace.biases.get();
-  arrays.records = keep(passes) ? workspace.records.get() : workspace.step_records.get();
+  arrays.records = keeps_results(passes) ? workspace.records.get() : workspace.step_records.get();
   arrays.sums = workspace.child_sums.get();
   if (passes >= Passes::rates) arrays.sums = workspace.child_wrenches.get();
   arrays.motions = workspace.parent_accelerations.get();

@@ -46,15 +46,12 @@ derive::BodyPlace place_of_body(bool leaf, bool root) {
 
 }  // namespace
 
-StepTable::StepTable(const StepScalar& scalar) : scalar_(scalar), links_(scalar) {}
-
-StepTable::StepTable(const StepScalar& scalar, int bodies) : StepTable(scalar) {
+StepTable::StepTable(const StepScalar& scalar, int bodies) : scalar_(scalar), links_(scalar) {
   const std::size_t n = at(bodies);
   bodies_.reserve(n), moving_.reserve(n), generic_.reserve(n), roots_.reserve(n);
   inboard_.reserve(n), outboard_.reserve(n), velocities_.reserve(in_velocities(scalar.passes) ? n : 0);
 }
 
-OwnStepTable detail::make_step_table(const StepScalar& scalar) { return OwnStepTable(new StepTable(scalar)); }
 OwnStepTable detail::make_step_table(const StepScalar& scalar, int bodies) { return OwnStepTable(new StepTable(scalar, bodies)); }
 void DeleteStepTable::operator()(StepTable* table) const noexcept { delete table; }
 
@@ -93,7 +90,7 @@ void StepTable::run(std::span<const StepEntry> entries, const StepArrays& arrays
 bool StepTable::follow(const Tree& tree) noexcept {
   if (revision_ == tree.revision()) return serves_;
   revision_ = tree.revision(), serves_ = false;
-  const std::size_t farthest = tree.record_capacity() * (keep(scalar_.passes) ? 1 : scalar_.size);
+  const std::size_t farthest = tree.record_capacity() * (keeps_results(scalar_.passes) ? 1 : scalar_.size);
   if (farthest > std::numeric_limits<std::int32_t>::max()) return false;
   static std::atomic<std::uint64_t> versions = 0;
   version_ = ++versions;
@@ -141,8 +138,8 @@ void StepTable::find_bodies(const Tree& tree) {
   moving_.clear(), moving_.reserve(at(tree.bodies()));
   bool any_weld = false;
   for (const KernelRun& run : all.kernel_runs()) {
-    if (run.planar && !keep(scalar_.passes)) continue;
-    const bool weld = info(run.kind).nv == 0 && !keep(scalar_.passes);
+    if (run.planar && !keeps_results(scalar_.passes)) continue;
+    const bool weld = info(run.kind).nv == 0 && !keeps_results(scalar_.passes);
     for (int i = run.begin; i < run.end; ++i) {
       const int b = order[at(i)], parent = all.parent(b);
       Body& body = bodies_[at(b)];
@@ -183,7 +180,7 @@ const LinkConstants& StepTable::link_of(const Tree& tree, int b, LinkConstants& 
 void StepTable::find_links(const Tree& tree, bool general) {
   const UncheckedTree all(tree);
   const auto serves = [&](int b) {
-    const bool alone_on_weld = keep(scalar_.passes) && bodies_[at(b)].parent >= 0 && is_alone(tree, b);
+    const bool alone_on_weld = keeps_results(scalar_.passes) && bodies_[at(b)].parent >= 0 && is_alone(tree, b);
     return links_.serves(all.kind(b), all.variant(b)) && !alone_on_weld;
   };
   bool gravity = has_gravity(tree);  // generic steps hand it on in any case
@@ -208,7 +205,7 @@ void StepTable::find_links(const Tree& tree, bool general) {
 /// one that comes first inward starts the sum.
 void StepTable::share_memory() {
   const std::size_t n = moving_.size();
-  const bool shares = !keep(scalar_.passes);
+  const bool shares = !keeps_results(scalar_.passes);
   for (std::size_t i = 0; i < n; ++i) {
     const int b = moving_[i];
     Body& body = bodies_[at(b)];
@@ -237,7 +234,7 @@ bool StepTable::add_entries(const Tree& tree) {
   masses_.clear(), masses_.reserve(passes_of == Passes::stage_momenta ? n : 0);
   const std::size_t inward_pass = count_of(passes_of) - 2;
   // Where a body's numbers are in an array, or its number.
-  const auto place = [&](int numbers, int b) { return keep(passes_of) ? b : bytes(at(numbers) * at(b)); };
+  const auto place = [&](int numbers, int b) { return keeps_results(passes_of) ? b : bytes(at(numbers) * at(b)); };
   std::size_t record = 0;
   // Registers hand on numbers between two steps of machine code.
   const auto follows_in_registers = [&](std::size_t i) {
@@ -250,7 +247,7 @@ bool StepTable::add_entries(const Tree& tree) {
     const Body& body = bodies_[at(b)];
     StepEntry entry;
     entry.q = bytes(at(all.first_q(b))), entry.angle = bytes(at(all.first_angle(b))), entry.dof = bytes(at(all.first_p(b)));
-    entry.record = keep(passes_of) ? static_cast<std::int32_t>(all.record(b)) : bytes(record);
+    entry.record = keeps_results(passes_of) ? static_cast<std::int32_t>(all.record(b)) : bytes(record);
     StepFunctions passes;
     if (body.link < 0) {
       const GenericStep step = scalar_.generic(all.kind(b), all.variant(b), body.adds);
@@ -258,7 +255,7 @@ bool StepTable::add_entries(const Tree& tree) {
       LinkConstants merged;
       own = {step.passes, link_of(tree, b, merged), all.subtree_mass(b), b};
       own.leaf = body.children == 0, own.root = body.parent < 0, own.aligned = aligned(own.link);
-      own.alone = keep(passes_of) ? is_alone(tree, b) : own.leaf && own.root;
+      own.alone = keeps_results(passes_of) ? is_alone(tree, b) : own.leaf && own.root;
       entry.constants = &own;
       record += step.record;
       passes = step.passes;
@@ -284,7 +281,7 @@ bool StepTable::add_entries(const Tree& tree) {
     entry.to = place(sum, body.parent < 0 ? b : bodies_[at(body.parent)].sum);
     entry.step = passes[inward_pass], inboard_[n - 1 - i] = entry;
   }
-  MT_REQUIRE(keep(passes_of) || record <= tree.record_capacity(),
+  MT_REQUIRE(keeps_results(passes_of) || record <= tree.record_capacity(),
              "the records of steps fit into the memory for those of the kinds");
   return true;
 }

@@ -25,9 +25,8 @@ struct GenericBody {
 /// a tree it may be used by many threads, each with arrays of its own.
 class StepTable {
  public:
-  explicit StepTable(const StepScalar& scalar);
-  /// That follows trees with so many bodies even if memory has run out since.
-  StepTable(const StepScalar& scalar, int bodies);
+  /// With memory for trees of so many bodies, which it then follows even if there is no more.
+  explicit StepTable(const StepScalar& scalar, int bodies = 0);
 
   /// Follows the tree's topology. False if there is no memory, or if 32 bits do not count that of so many bodies. Allocates where
   /// the topology has changed.

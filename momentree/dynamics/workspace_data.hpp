@@ -21,9 +21,8 @@ struct Kinematics {
 };
 
 namespace detail {
-OwnStepTable make_step_table(const StepScalar& scalar);
-/// See the constructors of StepTable.
-OwnStepTable make_step_table(const StepScalar& scalar, int bodies);
+/// See the constructor of StepTable.
+OwnStepTable make_step_table(const StepScalar& scalar, int bodies = 0);
 /// Of one world. In instantiate/.
 StepScalar double_momenta(bool kept);
 StepScalar double_velocities(bool kept);
@@ -58,8 +57,7 @@ Workspace<T>::Workspace(const Tree& tree)
   if constexpr (std::is_same_v<T, double>) {
     for (std::size_t i = 0; i < tables.size(); ++i) {
       const auto passes = static_cast<Passes>(i);
-      tables[i] = keep(passes) ? detail::make_step_table(detail::double_steps(passes), tree.bodies())
-                               : detail::make_step_table(detail::double_steps(passes));
+      tables[i] = detail::make_step_table(detail::double_steps(passes), keeps_results(passes) ? tree.bodies() : 0);
     }
   }
 }

@@ -17,6 +17,8 @@
 // Tr = Ṗb + Ω × Pb − Tb from it (32), a difference that nearly cancels if the outboard bodies are heavy and fast. Tr itself obeys
 // the same recursion: Tr = Mb Ω̇ + W, with the bias wrench W = Ω × P of the body plus the contributions of its children, and Ω̇
 // less gravity. No digits are lost that way.
+#include <type_traits>
+
 #include <momentree/base/inline.hpp>
 #include <momentree/joint/kernels.hpp>
 #include <momentree/joint/pass_data.hpp>
@@ -47,23 +49,21 @@ struct PassBody {
   const Force<T>* load = nullptr;             ///< the external wrench on it
 };
 
-/// Calls f with the transform of a body's joint: as a pass before this one left it in the record.
-template <class B, class F>
+/// Calls f with the transform of a body's joint. The first pass computes it; later ones find what it cost to compute in the
+/// record.
+template <bool First = false, class B, class F>
 MOMENTREE_INLINE void with_transform(const B& b, F&& f) {
   using K = typename B::Kernels;
+  const auto find = [&](auto aligned) MOMENTREE_INLINE_LAMBDA {
+    if constexpr (First)
+      f(K::template joint_transform<aligned()>(b.link, b.joint, b.record));
+    else
+      f(K::template cached_transform<aligned()>(b.link, b.joint, b.record));
+  };
   if (K::rotates_about_z && b.aligned)
-    f(K::template cached_transform<true>(b.link, b.joint, b.record));
+    find(std::true_type{});
   else
-    f(K::template cached_transform<false>(b.link, b.joint, b.record));
-}
-/// The same for the first pass.
-template <class B, class F>
-MOMENTREE_INLINE void with_new_transform(const B& b, F&& f) {
-  using K = typename B::Kernels;
-  if (K::rotates_about_z && b.aligned)
-    f(K::template joint_transform<true>(b.link, b.joint, b.record));
-  else
-    f(K::template joint_transform<false>(b.link, b.joint, b.record));
+    find(std::false_type{});
 }
 
 // Momenta. `armature`: of the joint's DoFs. `mass`: of the body and of all bodies outboard.
@@ -81,7 +81,7 @@ MOMENTREE_INLINE void momentum_inboard(const B& b, const auto* armature, const a
   } else {
     b.record.mc = has_gravity ? a.mc : Vector3<T>{T(0), T(0), T(0)};
     K::template reduce<T>(b.link, b.joint, b.p, armature, M, D, b.record);  // (24)–(26)
-    with_new_transform(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA {
+    with_transform<true>(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA {
       if (b.root) return;    // the ground needs no output
       transform.inboard(M);  // (16)
       transform.inboard(D);
@@ -125,7 +125,7 @@ MOMENTREE_INLINE void velocity_outboard(const B& b, Motion<T>& a) {
   if constexpr (K::rigid) {
     b.bias->acceleration = {};
   } else {
-    with_new_transform(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA { transform.outboard(a); });
+    with_transform<true>(b, [&](const auto& transform) MOMENTREE_INLINE_LAMBDA { transform.outboard(a); });
     a = K::template spatial_velocity<T>(b.link, b.joint, a, b.u);                          // (17)
     put(K::template acceleration_bias<T>(b.link, b.joint, a, b.u), b.bias->acceleration);  // (39)
     K::template coordinate_rate<T>(b.joint.q, b.u, b.qdot);

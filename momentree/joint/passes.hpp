@@ -14,9 +14,13 @@ enum class Passes : unsigned char {
   solutions  ///< inward, outward: further right-hand sides
 };
 inline constexpr std::size_t kinds_of_passes = 6;
+constexpr const char* name_of(Passes passes) {
+  constexpr const char* names[] = {"stage in momenta", "stage in velocities", "momenta", "velocities", "rates", "solutions"};
+  return names[static_cast<std::size_t>(passes)];
+}
 constexpr bool in_velocities(Passes passes) { return passes == Passes::stage_velocities || passes == Passes::velocities; }
 constexpr bool in_momenta(Passes passes) { return passes == Passes::stage_momenta || passes == Passes::momenta; }
-constexpr bool keep(Passes passes) { return passes >= Passes::momenta; }
+constexpr bool keeps_results(Passes passes) { return passes >= Passes::momenta; }
 constexpr std::size_t count_of(Passes passes) { return in_velocities(passes) ? 3 : 2; }
 /// Of what a body contributes to its parent, an Inboard or a Force; and of what it hands to its children, an Outboard or a
 /// Motion.

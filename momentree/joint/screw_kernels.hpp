@@ -85,6 +85,14 @@ struct UnitKernels : Base {
       M.A.xz = M.A.yz = M.A.zz = M.B.zx = M.B.zy = M.B.zz = o, D.l.z = p[0], w.G[0].l.z = T(1);
     w.M = M, w.D = D;
   }
+  /// (51), with Eᵀ Ŵ = τ without round-off.
+  template <class T>
+  MOMENTREE_INLINE static void reduce_wrench(const auto& k, const JointState<T>& j, const auto& w, const T* tau, Force<T>& W,
+                                             T* udot) {
+    const T given = tau[0];  // `tau` may alias `udot`
+    Base::reduce_wrench(k, j, w, tau, W, udot);
+    (entry == 5 ? W.h.z : W.l.z) = given;
+  }
   template <class T>
   MOMENTREE_INLINE static Motion<T> move(const auto&, const JointState<T>&, const auto& w, const Motion<T>& in, T* u) {
     return added(w, w.u0[0], in, u);

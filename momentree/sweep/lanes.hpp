@@ -10,7 +10,7 @@
 namespace momentree::sweep {
 
 /// The instruction set of the lanes; nothing: every world is a simulation of its own. Results have the bits of `momentree run` in
-/// either case, unless there is machine code, but not for these lanes.
+/// either case, except in lanes for which this processor makes no machine code although it makes some for single worlds.
 using Lanes = std::optional<Isa>;
 
 /// The lanes of that name: "none", "baseline", "avx2", "avx512", or "auto" for the widest that this CPU has. Throws Error for an

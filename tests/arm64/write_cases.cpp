@@ -34,7 +34,7 @@ void write_case(const derive::StepKey& key, const derive::Step& step, std::size_
   std::memcpy(static_cast<void*>(&with), pointers, sizeof with);
   const auto size = static_cast<std::int32_t>(sizeof(T));
   StepEntry entry{nullptr, block.data() + arrays * numbers, 3 * size, 5 * size, 7 * size, 9 * size, 11 * size, 60 * size};
-  if (keep(key.passes)) entry.in = 1, entry.to = 2, entry.record = 9;  // bodies, and numbers
+  if (keeps_results(key.passes)) entry.in = 1, entry.to = 2, entry.record = 9;  // bodies, and numbers
   std::vector<T> values(f.values.size());
   machine::evaluate<T, S>(f, target, &entry, &with, std::span(values));
   entry.constants = nullptr;

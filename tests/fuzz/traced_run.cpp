@@ -15,7 +15,8 @@ namespace momentree::fuzz {
 
 namespace {
 
-// The bits of a number. Documents have no sign of zero.
+// The bits of a number, without the sign of zero: a document chooses the sign of a quaternion, and the signs of zeros that follow
+// from one differ.
 void append(std::string& text, double value) {
   value += 0.0;
   char bits[sizeof value];
