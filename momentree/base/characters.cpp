@@ -30,13 +30,13 @@ char32_t code_point(std::string_view character) {
 
 namespace {
 
-struct Range {
+struct CodeRange {
   char32_t first, last;
 };
 
 // Unicode's control characters, format characters and other default ignorable code points, except variation selectors, which
 // belong to the preceding character; and noncharacters within planes. Sorted.
-constexpr Range invisible[] = {
+constexpr CodeRange invisible[] = {
     {0x0000, 0x001f},    // C0
     {0x007f, 0x009f},    // DEL, C1
     {0x00ad, 0x00ad},    // soft hyphen
@@ -85,8 +85,8 @@ void append_hexadecimal(std::string& out, char32_t c, int digits) {
 bool is_visible(char32_t c) {
   if (c >= 0x20 && c < 0x7f) return true;
   if ((c & 0xfffe) == 0xfffe) return false;  // the last two code points of every plane are noncharacters
-  const Range* range = std::upper_bound(std::begin(invisible), std::end(invisible), c,
-                                        [](char32_t value, const Range& each) { return value < each.first; });
+  const CodeRange* range = std::upper_bound(std::begin(invisible), std::end(invisible), c,
+                                            [](char32_t value, const CodeRange& each) { return value < each.first; });
   return range == std::begin(invisible) || c > (range - 1)->last;
 }
 

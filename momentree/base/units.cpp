@@ -301,6 +301,12 @@ std::string name_of(const Dimension& d) {
   return "a quantity in " + text;
 }
 
+std::string unit_of(const Dimension& dimension) {
+  const std::string name = name_of(dimension);
+  const std::size_t open = name.find('(');
+  return open == std::string::npos ? "" : name.substr(open + 1, name.find(')') - open - 1);
+}
+
 std::string example_of(const Dimension& d) {
   for (const NamedDimension& n : named_dimensions)
     if (n.dimension == d) return *n.with_unit == '\0' ? n.plain : std::string(n.plain) + ", or \"" + n.with_unit + "\"";

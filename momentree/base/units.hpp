@@ -27,6 +27,8 @@ inline constexpr Dimension inertia = mass * length * length, force = mass * acce
 
 /// The name of a dimension with its SI unit: "an angle (rad)", "a damping (N m s/rad)" …
 std::string name_of(const Dimension& dimension);
+/// Its SI unit alone: "N m s/rad"; empty for a number without one.
+std::string unit_of(const Dimension& dimension);
 /// An example value of that dimension, for hints: `0.5, or "50 cm"`; `1.5` if it has no unit.
 std::string example_of(const Dimension& dimension);
 

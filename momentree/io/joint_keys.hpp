@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include <momentree/base/units.hpp>
+#include <momentree/base/describe.hpp>
 #include <momentree/joint/joint.hpp>
 
 namespace momentree::io {
@@ -17,9 +17,6 @@ namespace momentree::io {
 enum class Quantity { q, v, damping, stiffness, armature, effort, none, force, torque };
 /// The dimension for one coordinate or DoF, given by its letter in KindInfo.
 Dimension dimension_of(Quantity quantity, char letter);
-
-/// The range of a number.
-enum class Range { any, not_negative, positive, fraction };  ///< fraction: from 0 to 1
 
 /// The parameters of a joint, with its drive unpacked.
 struct JointSettings {

@@ -86,14 +86,18 @@ struct KeyTable {
   const char* name;        ///< in messages: "[integrate]"; also selects the common mistakes
   const char* definition;  ///< its name in the schema, if it occurs more than once or is large; empty: written in place
   const char* about;
-  KeyList own;
+  KeyList own = {};
   KeyRule rules[2] = {};
-  const KeyList* shared[2] = {};  ///< keys that other tables have as well
-  bool parameters = false;        ///< it also has the parameters of a joint, joint_keys()
+  const KeyList* shared[2] = {};     ///< keys that other tables have as well
+  bool parameters = false;           ///< it also has the parameters of a joint, joint_keys()
+  KeyList (*described)() = nullptr;  ///< those of a described type: keys_of()
+  const char* details = "";          ///< of an element: more about it, for docstrings
 
   /// Calls a function with each key.
   void each(auto visit) const {
     for (const Key& key : own) visit(key);
+    if (described != nullptr)
+      for (const Key& key : described()) visit(key);
     for (const KeyList* list : shared)
       for (const Key& key : list != nullptr ? *list : KeyList()) visit(key);
   }
@@ -113,6 +117,8 @@ extern const KeyTable scenario_table, world_table, integrate_table, output_table
     shape_table, ground_shape_table, joint_table, joint_override_table, joint_start_table, placement_table, force_table,
     spring_table, cable_table, loop_table, coupling_table, mimic_table, contact_table, floor_table, belt_table, event_table,
     condition_table, point_table;
+/// The tables of elements between bodies, such as spring_table.
+std::vector<const KeyTable*> element_keys();
 /// Kind, axis, axis2 and pitch; and the initial values.
 extern const KeyList joint_geometry, joint_starts;
 /// The geometry of a joint that closes a loop.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <momentree/io/collider_shapes.hpp>
+#include <momentree/io/described.hpp>
 #include <momentree/io/joint_json.hpp>
 #include <momentree/io/mesh/source.hpp>
 #include <momentree/simulate/topology_record.hpp>
@@ -126,13 +127,8 @@ void write_springs(JsonWriter& json, const World& world) {
   for (int s = 0; s < world.springs(); ++s) {
     const SpringView spring = world.spring({s});
     json.key(spring.name).begin_object();
-    for (const auto& [key, end] : {std::pair{"from", spring.from}, {"to", spring.to}}) {
-      json.key(key).begin_object().key("body");
-      json.value(model.body_name(end.body)).member("point", end.point).end_object();
-    }
-    json.member("stiffness", spring.law.stiffness).member("rest", spring.law.rest).member("damping", spring.law.damping);
-    json.member("tension_only", spring.law.tension_only).member("inextensible", spring.inextensible);
-    json.member("strength", spring.law.strength).member("broken", spring.broken);
+    MemberWriter members(json, model);
+    describe(members, spring);
     json.end_object();
   }
   json.end_object();

@@ -103,15 +103,14 @@ std::vector<BodyForce> PartReader::forces(const Value& table, const Model& model
   return {all.begin() + static_cast<std::ptrdiff_t>(before), all.end()};
 }
 
-Spring PartReader::spring(const std::string& name, const Value& table, const Model& model, bool cable) const {
+void PartReader::add_element(const std::string& kind, const std::string& name, const Value& table, Model& model) const {
   PartReading part(what_, model);
   for (int b = 0; b < model.size(); ++b) part.reading.joints.emplace(model[BodyId{b}].joint_name, Place{});
-  const std::size_t before = model.springs().size();
-  const Value complete = with_entry(table, "name", name);
-  cable ? read_cable(complete, part.reading) : read_spring(complete, part.reading);
+  for (const ElementTable& element : element_tables())
+    if (element.keys->definition == kind) element.read(with_entry(table, "name", name), part.reading);
   part.check();
-  MT_REQUIRE(part.scenario.model.springs().size() == before + 1, "a spring without errors is added");
-  return part.scenario.model.springs().back();
+  MT_REQUIRE(part.scenario.model.springs().size() == model.springs().size() + 1, "an element without errors is added");
+  model.add_spring(part.scenario.model.springs().back());
 }
 
 LoopSpec PartReader::loop(const std::string& name, const Value& table, const Model& model) const {

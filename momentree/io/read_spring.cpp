@@ -1,40 +1,11 @@
 // [[spring]] and [[cable]]: springs and cables between two points of bodies.
 #include <momentree/base/characters.hpp>
+#include <momentree/io/described.hpp>
 #include <momentree/io/read_action.hpp>
 
 namespace momentree::io {
 
 namespace {
-
-using namespace type;
-
-constexpr const char* end_schema = R"({"anyOf": [{"type": "string"}, @]})";
-
-constexpr Key spring_entries[] = {
-    {"name", string, "Name, for events and results", nullptr, "name = \"rope\""},
-    {"from", other(end_schema, point_table), "Its first end: a point of a body, or of the \"ground\"; a name alone: the origin",
-     nullptr, "for example from = { body = \"crane/jib\", point = [2, 0, 0] }"},
-    {"to", other(end_schema, point_table), "Its second end", nullptr,
-     "for example to = { body = \"ground\", point = [0, 0, 3] }"},
-    {"stiffness", number(dimension::force / dimension::length, Range::not_negative), "Stiffness", "0"},
-    {"rest", number(dimension::length, Range::not_negative), "Length without force; default: the distance at the start"},
-    {"damping", number(dimension::force / dimension::speed, Range::not_negative), "Force per rate of the length", "0"},
-    {"tension_only", boolean, "A rope: it pulls and never pushes", "false"},
-    {"strength", number(dimension::force, Range::positive), "It breaks when its force exceeds this"},
-};
-
-constexpr Key cable_entries[] = {
-    {"name", string, "Name, for events and results", nullptr, "name = \"tether\""},
-    {"from", other(end_schema, point_table), "Its first end: a point of a body, or of the \"ground\"; a name alone: the origin",
-     nullptr, "for example from = { body = \"tug/hull\", point = [1, 0, 0] }"},
-    {"to", other(end_schema, point_table), "Its second end", nullptr,
-     "for example to = { body = \"ground\", point = [0, 0, 3] }"},
-    {"length", number(dimension::length, Range::positive),
-     "Its ends are never farther apart; default: the distance at the start"},
-    {"restitution", number(dimension::number, Range::not_negative),
-     "How its ends rebound when it becomes taut: 0 (not at all) to 1", "0"},
-    {"strength", number(dimension::force, Range::positive), "It breaks when its tension exceeds this"},
-};
 
 // Names may have one '/', so that springs of a model file carry the name of their mechanism.
 bool check_spring_name(const std::string& name, Place place, Diagnostics& out) {
@@ -72,63 +43,94 @@ std::optional<std::string> body_of_end(const std::string& name, Place place, con
   return std::nullopt;
 }
 
-struct End {
-  std::string body;
-  Vec3 point{};
-};
-std::optional<End> read_end(Fields& fields, const char* key, Reading& reading) {
-  const Value* value = fields.require(key);
-  if (!value) return std::nullopt;
-  End end;
-  std::optional<std::string> name;
-  Place place = value->place;
-  const std::size_t errors = reading.out.errors();
-  if (value->table()) {
-    Fields inner(*value, point_table, reading.out, key);
-    if (const Value* body = inner.require("body")) name = read_string(*body, "body", reading.out), place = body->place;
-    end.point = inner.vec3("point").value_or(Vec3{});
-    inner.finish();
-  } else {
-    name = read_string(*value, key, reading.out);
+class SpringReader : public FieldReader {
+ public:
+  SpringReader(Fields& fields, const char* what, Reading& reading) : FieldReader(fields), what_(what), reading_(reading) {}
+  using FieldReader::operator();
+  void operator()(const char*, std::string& name, const Field&) { name = read_name(fields_, what_, reading_); }
+  void operator()(const char* key, SpringEnd& end, const Field&) {
+    if (const std::optional<SpringEnd> read = read_end(key)) end = *read;
   }
-  if (!name) return std::nullopt;
-  const auto body = body_of_end(*name, place, key, reading);
-  if (!body || errors != reading.out.errors()) return std::nullopt;
-  end.body = *body;
-  return end;
-}
+  /// False if an end is missing, wrong, or of a mechanism with errors.
+  bool complete() const { return ends_ == 2; }
+
+ private:
+  std::optional<SpringEnd> read_end(const char* key) {
+    const Value* value = fields_.require(key);
+    if (!value) return std::nullopt;
+    SpringEnd end;
+    std::optional<std::string> name;
+    Place place = value->place;
+    const std::size_t errors = reading_.out.errors();
+    if (value->table()) {
+      Fields inner(*value, point_table, reading_.out, key);
+      if (const Value* body = inner.require("body")) name = read_string(*body, "body", reading_.out), place = body->place;
+      end.point = inner.vec3("point").value_or(Vec3{});
+      inner.finish();
+    } else {
+      name = read_string(*value, key, reading_.out);
+    }
+    const auto body = name ? body_of_end(*name, place, key, reading_) : std::nullopt;
+    const Model& model = reading_.scenario.model;
+    if (!body || errors != reading_.out.errors() || (*body != "ground" && !model.has_body(*body))) return std::nullopt;
+    end.body = *body == "ground" ? ground : model.body(*body);
+    ++ends_;
+    return end;
+  }
+
+  const char* what_;
+  Reading& reading_;
+  int ends_ = 0;
+};
 
 }  // namespace
 
-constinit const KeyTable spring_table{"[[spring]]",
-                                      "spring",
-                                      "A spring or a rope between two points of bodies",
-                                      spring_entries,
-                                      {{KeyRule::How::some, "stiffness damping"}}};
+constinit const KeyTable spring_table{.name = "[[spring]]",
+                                      .definition = "spring",
+                                      .about = "A spring or a rope between two points of bodies",
+                                      .rules = {{KeyRule::How::some, "stiffness damping"}},
+                                      .described = &keys_of<Spring>,
+                                      .details =
+                                          "Its force is along the line between the points: stiffness·(length − rest) + "
+                                          "damping·(rate of the length) pulls them together. It stays with the bodies, whatever "
+                                          "they are joined to. ``sim.world.springs[name]`` has its length and tension; "
+                                          "``break_joint`` breaks it, and ``reaction(name).force`` is the size of its force."};
 
-constinit const KeyTable cable_table{"[[cable]]", "cable", "An inextensible cable between two points of bodies", cable_entries};
+constinit const KeyTable cable_table{.name = "[[cable]]",
+                                     .definition = "cable",
+                                     .about = "An inextensible cable between two points of bodies",
+                                     .described = &keys_of<Cable>,
+                                     .details =
+                                         "Its ends are never farther apart than its length. It becomes taut by an impact (event "
+                                         "``taut NAME``), then exerts the tension that this takes, and is slack from the instant "
+                                         "at which it would have to push (event ``slack NAME``). ``sim.world.springs[name]`` has "
+                                         "its length and tension; ``break_joint`` cuts it."};
 
 namespace {
 
-// Adds it to the model, if its ends are bodies of it and nothing is wrong. `errors`: before the table was read.
-void add(const std::optional<End>& from, const std::optional<End>& to, Spring spring, Fields& fields, std::size_t errors,
-         Reading& reading) {
+Spring declared(Spring spring) { return spring; }
+Spring declared(Cable cable) { return spring_of(std::move(cable)); }
+
+// Adds it to the model, if its ends are bodies of it and nothing is wrong.
+template <class T>
+void read(const Value& table, const KeyTable& keys, Reading& reading) {
   Diagnostics& out = reading.out;
+  const std::size_t errors = out.errors();
+  Fields fields(table, keys, out);
+  SpringReader reader(fields, keys.definition, reading);
+  T read;
+  describe(reader, read);
   fields.finish();
+  if (!reader.complete() || errors != out.errors()) return;
   Model& model = reading.scenario.model;
-  if (!from || !to || errors != out.errors()) return;
-  const auto known = [&](const std::string& body) { return body == "ground" || model.has_body(body); };
-  if (!known(from->body) || !known(to->body)) return;  // of a mechanism with errors
-  const auto id = [&](const std::string& body) { return body == "ground" ? ground : model.body(body); };
-  spring.from = {id(from->body), from->point}, spring.to = {id(to->body), to->point};
+  Spring spring = declared(std::move(read));
   for (SpringProblem& problem : check_spring(spring))
     out.error(fields.place_of(problem.field), problem.field + ": " + problem.what, std::move(problem.hint));
   if (errors != out.errors()) return;
   const double length = norm(start_place(model.bodies(), spring.to) - start_place(model.bodies(), spring.from));
-  const std::string what = (spring.inextensible ? "cable " : "spring ") + in_quotes(spring.name);
-  if (!(length > 0) && spring.inextensible && !spring.rest) {
+  const std::string what = std::string(keys.definition) + " " + in_quotes(spring.name);
+  if (!(length > 0) && spring.inextensible && !spring.rest)
     return out.error(fields.place(), what + ": its ends coincide at the start", "give it a length");
-  }
   if (!(length > 0) && spring.rest.value_or(0) > 0 && !spring.tension_only && !spring.inextensible)
     out.warning(fields.place(), what + ": its ends coincide at the start: it has no direction there, and exerts no force",
                 "move one of the points");
@@ -137,30 +139,18 @@ void add(const std::optional<End>& from, const std::optional<End>& to, Spring sp
 
 }  // namespace
 
-void read_spring(const Value& table, Reading& reading) {
-  const std::size_t errors = reading.out.errors();
-  Fields fields(table, spring_table, reading.out);
-  Spring spring;
-  spring.name = read_name(fields, "spring", reading);
-  const auto from = read_end(fields, "from", reading), to = read_end(fields, "to", reading);
-  spring.stiffness = fields.number("stiffness").value_or(0);
-  spring.rest = fields.number("rest");
-  spring.damping = fields.number("damping").value_or(0);
-  spring.tension_only = fields.boolean("tension_only").value_or(false);
-  spring.strength = fields.number("strength").value_or(spring.strength);
-  add(from, to, std::move(spring), fields, errors, reading);
+std::vector<const KeyTable*> element_keys() {
+  std::vector<const KeyTable*> keys;
+  for (const ElementTable& element : element_tables()) keys.push_back(element.keys);
+  return keys;
 }
 
-void read_cable(const Value& table, Reading& reading) {
-  const std::size_t errors = reading.out.errors();
-  Fields fields(table, cable_table, reading.out);
-  Cable cable;
-  cable.name = read_name(fields, "cable", reading);
-  const auto from = read_end(fields, "from", reading), to = read_end(fields, "to", reading);
-  cable.length = fields.number("length");
-  cable.restitution = fields.number("restitution").value_or(0);
-  cable.strength = fields.number("strength").value_or(cable.strength);
-  add(from, to, spring_of(std::move(cable)), fields, errors, reading);
+std::span<const ElementTable> element_tables() {
+  static constexpr ElementTable all[] = {
+      {&spring_table, [](const Value& table, Reading& reading) { read<Spring>(table, spring_table, reading); }},
+      {&cable_table, [](const Value& table, Reading& reading) { read<Cable>(table, cable_table, reading); }},
+  };
+  return all;
 }
 
 }  // namespace momentree::io

@@ -26,8 +26,6 @@ constexpr Key keys_entries[] = {
     {"mechanism", tables(mechanism_table), "The mechanisms", nullptr, "add [[mechanism]] tables"},
     {"force", tables(force_table), "External forces on bodies"},
     {"loop", tables(loop_table), "Joints that close loops"},
-    {"spring", tables(spring_table), "Springs and ropes between points of bodies"},
-    {"cable", tables(cable_table), "Inextensible cables between points of bodies"},
     {"coupling", tables(coupling_table), "Joints that follow others"},
     {"contact", tables(contact_table), "Friction and restitution where bodies touch"},
     {"event", tables(event_table), "The events"},
@@ -96,58 +94,24 @@ void read_document(const Value& document, Reading& reading) {
   read_title(fields, reading);
   if (const Value* world = fields.find("world")) read_world(*world, reading);
   read_state_file(fields, reading);
-  if (const Value* mechanisms = fields.find("mechanism")) {
-    for (const Value* mechanism : tables_of(*mechanisms, "mechanism", out)) {
+  const auto each = [&](const char* key, const auto& read) {
+    const Value* const tables = fields.find(key);
+    if (tables == nullptr) return false;
+    for (const Value* table : tables_of(*tables, key, out)) {
       if (out.full()) break;
-      read_mechanism(*mechanism, reading);
+      read(*table, reading);
     }
-  } else {
-    out.error({1, 1, 0}, "the scenario has no mechanism", "add [[mechanism]] tables");
-  }
-  if (const Value* forces = fields.find("force")) {
-    for (const Value* force : tables_of(*forces, "force", out)) {
-      if (out.full()) break;
-      read_force(*force, reading);
-    }
-  }
-  if (const Value* loops = fields.find("loop")) {
-    for (const Value* loop : tables_of(*loops, "loop", out)) {
-      if (out.full()) break;
-      read_loop(*loop, reading);
-    }
-  }
-  if (const Value* springs = fields.find("spring")) {
-    for (const Value* spring : tables_of(*springs, "spring", out)) {
-      if (out.full()) break;
-      read_spring(*spring, reading);
-    }
-  }
-  if (const Value* cables = fields.find("cable")) {
-    for (const Value* cable : tables_of(*cables, "cable", out)) {
-      if (out.full()) break;
-      read_cable(*cable, reading);
-    }
-  }
-  if (const Value* couplings = fields.find("coupling")) {
-    for (const Value* coupling : tables_of(*couplings, "coupling", out)) {
-      if (out.full()) break;
-      read_coupling(*coupling, reading);
-    }
-  }
+    return true;
+  };
+  if (!each("mechanism", read_mechanism)) out.error({1, 1, 0}, "the scenario has no mechanism", "add [[mechanism]] tables");
+  each("force", read_force);
+  each("loop", read_loop);
+  for (const ElementTable& element : element_tables()) each(element.keys->definition, element.read);
+  each("coupling", read_coupling);
   add_model_colliders(document.find("contact") != nullptr, reading);
-  if (const Value* contacts = fields.find("contact")) {
-    for (const Value* contact : tables_of(*contacts, "contact", out)) {
-      if (out.full()) break;
-      read_contact(*contact, reading);
-    }
-  }
-  if (const Value* events = fields.find("event")) {
-    int number = 0;
-    for (const Value* event : tables_of(*events, "event", out)) {
-      if (out.full()) break;
-      read_event(*event, ++number, reading);
-    }
-  }
+  each("contact", read_contact);
+  int number = 0;
+  each("event", [&](const Value& event, Reading& all) { read_event(event, ++number, all); });
   check_couplings(reading);
   finish_events(reading);
   if (const Value* integrate = fields.find("integrate")) read_integrate(*integrate, reading);
@@ -272,7 +236,19 @@ void note_collision_shapes(const Model& model, std::vector<Shape> added, std::ve
 }
 
 constinit const KeyTable scenario_table{
-    "a scenario", "", "A scenario: mechanisms, events, and the settings for integration and output", keys_entries};
+    .name = "a scenario",
+    .definition = "",
+    .about = "A scenario: mechanisms, events, and the settings for integration and output",
+    .own = keys_entries,
+    .described = [] {
+      static const std::vector<Key> keys = [] {
+        std::vector<Key> all;
+        for (const ElementTable& element : element_tables())
+          all.push_back({element.keys->definition, tables(*element.keys), element.keys->about});
+        return all;
+      }();
+      return KeyList(keys);
+    }};
 
 ReadResult read_scenario(const std::string& path, const std::vector<std::string>& overrides) {
   std::string text;

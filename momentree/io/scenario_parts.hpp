@@ -2,6 +2,7 @@
 // The parts of a scenario file, one reader each. Internal to the reader: other code uses scenario.hpp.
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -209,8 +210,12 @@ std::vector<std::string> matching_joints(const std::string& pattern, bool spring
 std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading);
 
 void read_force(const Value& table, Reading& reading);
-void read_spring(const Value& table, Reading& reading);
-void read_cable(const Value& table, Reading& reading);
+/// The tables of elements between bodies, such as [[spring]], and their reader.
+struct ElementTable {
+  const KeyTable* keys;
+  void (*read)(const Value& table, Reading& reading);
+};
+std::span<const ElementTable> element_tables();
 
 /// The value of a body's `collision`; it has its shape already.
 void read_collision(const Value& value, BodyEntry& body, Reading& reading);

@@ -59,12 +59,6 @@ Json rule_of(const KeyRule& rule) {
 
 }  // namespace
 
-std::string unit_of(const Dimension& dimension) {
-  const std::string name = name_of(dimension);
-  const std::size_t open = name.find('(');
-  return open == std::string::npos ? "" : name.substr(open + 1, name.find(')') - open - 1);
-}
-
 Json list_of(const Json& items, int least, int most) {
   return {{"type", "array"}, {"items", items}, {"minItems", least}, {"maxItems", most}};
 }

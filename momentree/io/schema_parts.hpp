@@ -22,8 +22,6 @@ Json either(Json one, Json other);
 Json table_of(std::string about, Json properties, const std::vector<std::string>& required);
 /// Adds bounds for numbers; they do not apply to strings.
 void bound(Range range, Json& number);
-/// "m/s^2"; empty for a number without a unit.
-std::string unit_of(const Dimension& dimension);
 
 /// The schema of a file with these keys, as text.
 std::string document(const char* title, const KeyTable& keys);

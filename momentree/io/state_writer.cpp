@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string_view>
 
+#include <momentree/io/described.hpp>
 #include <momentree/io/joint_json.hpp>
 #include <momentree/io/parameters_json.hpp>
 #include <momentree/io/state_contact.hpp>
@@ -86,10 +87,8 @@ void write_spring(JsonWriter& json, const World& world, int number) {
   const SpringView spring = world.spring({number});
   json.key(spring.name).begin_object();
   json.member("broken", spring.broken);
-  if (!spring.inextensible) json.member("stiffness", spring.law.stiffness);
-  json.member("rest", spring.law.rest);
-  if (!spring.inextensible) json.member("damping", spring.law.damping).member("tension_only", spring.law.tension_only);
-  json.member("strength", spring.law.strength);  // unbounded: null
+  MemberWriter members(json, world.model());
+  describe(members, spring.law);
   json.member("length", spring.length).member("rate", spring.rate).member("tension", spring.tension);
   json.end_object();
 }

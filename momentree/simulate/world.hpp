@@ -69,6 +69,16 @@ struct SpringView {
   bool inextensible = false;            ///< a cable of length law.rest
 };
 
+/// What model.json has of it.
+template <class Visitor, Like<SpringView> S>
+void describe(Visitor& visit, S& spring) {
+  visit("from", spring.from, Field{"Its first end"});
+  visit("to", spring.to, Field{"Its second end"});
+  describe(visit, spring.law);
+  visit("inextensible", spring.inextensible, Field{"A cable, whose length never exceeds `rest`"});
+  visit("broken", spring.broken, Field{"It broke, or a body at one of its ends left the world"});
+}
+
 /// An exact coupling of joints as its user sees it.
 struct CouplingView {
   Coupling coupling;

@@ -191,7 +191,7 @@ class MeasureReader {
     }
     try {
       std::shared_ptr<const Quantity> quantity = io::PartReader(reading_.sweep.path).quantity(value, world, joints_);
-      unit = io::schema::unit_of(quantity->dimension());
+      unit = unit_of(quantity->dimension());
       about = std::string(quantity->key()) + " of";
       for (const auto& names : {quantity->joints(), quantity->bodies(), quantity->mechanisms(), quantity->solids()})
         for (const std::string& name : names) about += ' ' + name;

@@ -53,7 +53,7 @@ constexpr Key measure_keys[] = {
     {"mean", other(source_schema), "The mean of a quantity or column over time"},
     {"final", other(source_schema), "A quantity or column at the end of the run"},
     {"column", other(source_schema), "A quantity or column at the instant `at`"},
-    {"at", number(dimension::time, io::Range::not_negative), "With column: the instant"},
+    {"at", number(dimension::time, Range::not_negative), "With column: the instant"},
 };
 
 constexpr Key stop_keys[] = {

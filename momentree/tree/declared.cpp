@@ -12,6 +12,10 @@ namespace momentree::detail {
 
 namespace {
 
+std::uint64_t pair(int high, int low) {
+  return static_cast<std::uint64_t>(static_cast<std::uint32_t>(high)) << 32 | static_cast<std::uint32_t>(low);
+}
+
 // Numbers as their bits: values are equal only if nothing computed from them could differ.
 template <std::size_t N>
 class Words {
@@ -25,16 +29,20 @@ class Words {
   Words& operator()(const Sym3& a) { return (*this)(a.xx)(a.yy)(a.zz)(a.xy)(a.xz)(a.yz); }
   Words& operator()(const Pose& a) { return (*this)(a.position)(a.rotation.w)(a.rotation.x)(a.rotation.y)(a.rotation.z); }
   Words& operator()(const Mat3& a) { return (*this)(a.xx)(a.xy)(a.xz)(a.yx)(a.yy)(a.yz)(a.zx)(a.zy)(a.zz); }
+  Words& operator()(bool x) { return (*this)(std::uint64_t{x}); }
+  Words& operator()(const std::optional<double>& x) { return (*this)(x.value_or(0)); }
+  Words& operator()(const SpringEnd& end) { return (*this)(pair(end.body.index, 0))(end.point); }
+  /// A member of a described type.
+  Words& operator()(const char*, const auto& member, const Field&) {
+    if constexpr (!Like<std::decay_t<decltype(member)>, std::string>) (*this)(member);
+    return *this;
+  }
   const std::array<std::uint64_t, N>& all() const { return words_; }
 
  private:
   std::array<std::uint64_t, N> words_{};
   std::size_t count_ = 0;
 };
-
-std::uint64_t pair(int high, int low) {
-  return static_cast<std::uint64_t>(static_cast<std::uint32_t>(high)) << 32 | static_cast<std::uint32_t>(low);
-}
 
 auto words(const Joint& j) {
   return Words<24>()(j.at)(j.child_at)(j.axis)(j.axis2)(j.pitch)(pair(static_cast<int>(j.kind), j.parameters))(
@@ -59,9 +67,9 @@ auto words(const JointParameters& p) {
 }
 
 auto words(const Spring& s) {
-  return Words<14>()(pair(s.from.body.index, s.to.body.index))(s.from.point)(s.to.point)(s.stiffness)(s.rest.value_or(0))(
-             s.damping)(s.strength)(std::uint64_t{s.tension_only})(std::uint64_t{s.inextensible})(s.restitution)
-      .all();
+  Words<24> some;
+  describe(some, s);
+  return some(std::uint64_t{s.inextensible})(s.restitution).all();
 }
 
 auto words(const Coupling& c) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <momentree/base/describe.hpp>
 #include <momentree/math/vec.hpp>
 #include <momentree/tree/ids.hpp>
 
@@ -53,6 +54,21 @@ struct SpringLaw {
   }
 };
 
+/// The members of a SpringLaw, or of a Spring.
+template <class Visitor, class S>
+void describe_law(Visitor& visit, S& s) {
+  using namespace dimension;
+  visit("stiffness", s.stiffness, Field{"Stiffness", force / length, Range::not_negative});
+  visit("rest", s.rest, Field{"Length without force; default: the distance at the start", length, Range::not_negative});
+  visit("damping", s.damping, Field{"Force per rate of the length", force / speed, Range::not_negative});
+  visit("tension_only", s.tension_only, Field{"A rope: it pulls and never pushes"});
+  visit("strength", s.strength, Field{"It breaks when its force exceeds this", force, Range::positive}.or_infinite());
+}
+template <class Visitor, Like<SpringLaw> S>
+void describe(Visitor& visit, S& law) {
+  describe_law(visit, law);
+}
+
 /// A spring with a damper between two points, with a force along the line between them. It belongs to the bodies, whatever these
 /// are attached to, until it breaks or one of the bodies leaves the world.
 struct Spring {
@@ -68,6 +84,16 @@ struct Spring {
   friend bool operator==(const Spring&, const Spring&) = default;
 };
 
+template <class Visitor, Like<Spring> S>
+void describe(Visitor& visit, S& spring) {
+  visit("name", spring.name, Field{"Name, for events and results"}.needed("name = \"rope\""));
+  visit("from", spring.from,
+        Field{"Its first end: a point of a body, or of the \"ground\"; a name alone: the origin"}.needed(
+            "for example from = { body = \"crane/jib\", point = [2, 0, 0] }"));
+  visit("to", spring.to, Field{"Its second end"}.needed("for example to = { body = \"ground\", point = [0, 0, 3] }"));
+  describe_law(visit, spring);
+}
+
 /// An inextensible cable between two points: they are never farther apart than its length. It becomes taut by an impact, then
 /// exerts the tension that this takes, and is slack from the instant at which it would have to push. In a model it is a Spring
 /// that is `inextensible`.
@@ -78,14 +104,36 @@ struct Cable {
   double restitution = 0;  ///< 0 (the ends stay apart by the length) to 1 (they rebound with the speed at which it became taut)
   double strength = HUGE_VAL;  ///< it breaks when its tension exceeds this (N)
 };
+template <class Visitor, Like<Cable> C>
+void describe(Visitor& visit, C& cable) {
+  using namespace dimension;
+  visit("name", cable.name, Field{"Name, for events and results"}.needed("name = \"tether\""));
+  visit("from", cable.from,
+        Field{"Its first end: a point of a body, or of the \"ground\"; a name alone: the origin"}.needed(
+            "for example from = { body = \"tug/hull\", point = [1, 0, 0] }"));
+  visit("to", cable.to, Field{"Its second end"}.needed("for example to = { body = \"ground\", point = [0, 0, 3] }"));
+  visit("length", cable.length,
+        Field{"Its ends are never farther apart; default: the distance at the start", length, Range::positive});
+  visit("restitution", cable.restitution,
+        Field{"How its ends rebound when it becomes taut: 0 (not at all) to 1", number, Range::not_negative});
+  visit("strength", cable.strength, Field{"It breaks when its tension exceeds this", force, Range::positive}.or_infinite());
+}
 inline Spring spring_of(Cable cable) {
   Spring spring{std::move(cable.name), cable.from, cable.to};
   spring.rest = cable.length, spring.strength = cable.strength;
   spring.inextensible = true, spring.restitution = cable.restitution;
   return spring;
 }
+/// A spring of a model that is `inextensible`.
+inline Cable cable_of(const Spring& s) { return {s.name, s.from, s.to, s.rest, s.restitution, s.strength}; }
 /// The law of a spring of a model, whose rest length is known.
 inline SpringLaw law_of(const Spring& s) { return {s.stiffness, s.rest.value_or(0), s.damping, s.tension_only, s.strength}; }
+/// The spring with that law.
+inline Spring with_law(Spring spring, const SpringLaw& law) {
+  spring.stiffness = law.stiffness, spring.rest = law.rest, spring.damping = law.damping;
+  spring.tension_only = law.tension_only, spring.strength = law.strength;
+  return spring;
+}
 
 /// The faults of a single spring, except its name and its bodies; empty if there are none. `field` is the key of the scenario
 /// file at fault.

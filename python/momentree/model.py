@@ -13,6 +13,7 @@ from momentree import _core
 from momentree._attributes import assign
 from momentree._errors import Error
 from momentree._vocabulary import JointSpec, Number, Numbers, Pose, Signal, Vector, given, pose
+from momentree.elements import Elements
 
 Parent = Union[str, _core.ModelBody, None]
 """The parent of a body: a name, what ``add`` returned for it, or None for the ground."""
@@ -26,15 +27,6 @@ Friction = Union[Number, Mapping[str, Number]]
 """A coefficient, or ``{"kinetic": …}`` with any of ``"static"``, ``"torsional"`` (m) and ``"rolling"`` (m)."""
 Axes = Literal["world", "body"]
 """The axes in which a force is given."""
-SpringEnd = Union[str, _core.ModelBody, tuple[Union[str, _core.ModelBody], Vector]]
-"""An end of a spring: a body or ``"ground"``, or a pair of it and a point in its frame (m)."""
-
-
-def _spring_end(end: SpringEnd) -> Any:
-    if isinstance(end, tuple) and len(end) != 2:
-        raise Error("an end of a spring is a body, or a pair of a body and a point", hint="for example ('arm/hand', (0, 0, 0.1))")
-    body, point = end if isinstance(end, tuple) else (end, None)
-    return given(body=body.name if isinstance(body, _core.ModelBody) else body, point=point)
 
 
 def _inertia(value: Any) -> Any:
@@ -79,7 +71,7 @@ def checked(model: Any) -> Any:
     raise Error(f"model: expected a model, found {found}", hint=hint)
 
 
-class Model(_core.ModelBase):
+class Model(Elements):
     """The mechanisms of one world, built body by body. Nothing in it moves: make a :class:`Simulation` of it.
 
     ``len(model)`` is the number of bodies. A model can be copied (``copy.copy``, ``copy.deepcopy``) and pickled.
@@ -228,70 +220,6 @@ class Model(_core.ModelBase):
         """
         name = body if isinstance(body, str) else body.name
         self._add_force(name, given(body=name, force=force, torque=torque, point=point, axes=axes, drag=drag))
-
-    def add_spring(
-        self,
-        name: str,
-        *,
-        start: SpringEnd,
-        end: SpringEnd,
-        stiffness: Number | None = None,
-        rest: Number | None = None,
-        damping: Number | None = None,
-        tension_only: bool | None = None,
-        strength: Number | None = None,
-    ) -> None:
-        """Add a spring or a rope between two points of different bodies, or of a body and the ground.
-
-        Its force is along the line between the points: stiffness·(length − rest) + damping·(rate of the length) pulls them
-        together. It stays with the bodies, whatever they are joined to. ``sim.world.springs[name]`` has its length and tension;
-        ``break_joint`` breaks it, and ``reaction(name).force`` is the size of its force.
-
-        Args:
-            name: Unique among springs and joints.
-            start: One end: a body, or ``"ground"``; or a pair of it and a point in its frame (m): ``("arm/hand", (0, 0, 0.1))``.
-            end: The other end, likewise.
-            stiffness: N/m.
-            rest: Length without force (m); default: the distance at the start.
-            damping: N s/m.
-            tension_only: True for a rope: it pulls and never pushes.
-            strength: It breaks when its force exceeds this (N).
-
-        Raises:
-            Error: A value is impossible or a name unknown or used twice; the model is unchanged.
-        """
-        table = given(stiffness=stiffness, rest=rest, damping=damping, tension_only=tension_only, strength=strength)
-        self._add_spring(name, {"from": _spring_end(start), "to": _spring_end(end), **table})
-
-    def add_cable(
-        self,
-        name: str,
-        *,
-        start: SpringEnd,
-        end: SpringEnd,
-        length: Number | None = None,
-        restitution: Number | None = None,
-        strength: Number | None = None,
-    ) -> None:
-        """Add an inextensible cable between two points of different bodies, or of a body and the ground.
-
-        Its ends are never farther apart than its length. It becomes taut by an impact (event ``taut NAME``), then exerts the
-        tension that this takes, and is slack from the instant at which it would have to push (event ``slack NAME``).
-        ``sim.world.springs[name]`` has its length and tension; ``break_joint`` cuts it.
-
-        Args:
-            name: Unique among springs, cables and joints.
-            start: One end: a body, or ``"ground"``; or a pair of it and a point in its frame (m): ``("tug/hull", (1, 0, 0))``.
-            end: The other end, likewise.
-            length: m; default: the distance at the start.
-            restitution: How its ends rebound when it becomes taut, from 0 (not at all) to 1.
-            strength: It breaks when its tension exceeds this (N).
-
-        Raises:
-            Error: A value is impossible or a name unknown or used twice; the model is unchanged.
-        """
-        table = given(length=length, restitution=restitution, strength=strength)
-        self._add_cable(name, {"from": _spring_end(start), "to": _spring_end(end), **table})
 
     def add_loop(
         self,

@@ -174,8 +174,7 @@ void register_model(nb::module_& m) {
       .def("_add_ground", &add_ground)
       .def("_add_contact", &add_contact)
       .def("_add_force", &add_force)
-      .def("_add_spring", &add_spring)
-      .def("_add_cable", &add_cable)
+      .def("_add_element", &add_element)
       .def("__len__", [](const ModelObject& self) { return self.model.size(); })
       .def_prop_ro(
           "body_names", [](const ModelObject& self) { return names(self, [](const BodySpec& b) { return b.name; }); },

@@ -29,10 +29,8 @@ struct ModelBody {
 std::shared_ptr<const io::Scenario> scenario_of(const ModelObject& model, const Integration& integration);
 /// The parent that a user named: None, "ground", a name or a ModelBody of this model.
 BodyId parent_in(const ModelPtr& model, nb::handle parent);
-/// Adds a spring from the keyword arguments of add_spring(). springs.cpp
-void add_spring(ModelObject& model, const std::string& name, nb::handle fields);
-/// The same of add_cable(). springs.cpp
-void add_cable(ModelObject& model, const std::string& name, nb::handle fields);
+/// Adds a spring, a cable … from the keyword arguments of add_spring(), add_cable() …. springs.cpp
+void add_element(ModelObject& model, const std::string& kind, const std::string& name, nb::handle fields);
 /// What bodies touch with, for pickling. contacts.cpp
 void add_contacts_to(nb::class_<ModelObject>& type);
 /// The complete table of a body and its joint from the keyword arguments of add().

@@ -1,4 +1,5 @@
 // Springs between two points of bodies.
+#include "members.hpp"
 #include "model_object.hpp"
 #include "world_object.hpp"
 
@@ -32,19 +33,15 @@ std::vector<std::string> spring_names(const Model& model) {
 
 }  // namespace
 
-void add_spring(ModelObject& self, const std::string& name, nb::handle fields) {
-  const std::string call = "Model.add_spring('" + name + "')";
-  self.model.add_spring(io::PartReader(call).spring(name, to_value(fields, call), self.model));
-}
-
-void add_cable(ModelObject& self, const std::string& name, nb::handle fields) {
-  const std::string call = "Model.add_cable('" + name + "')";
-  self.model.add_spring(io::PartReader(call).spring(name, to_value(fields, call), self.model, true));
+void add_element(ModelObject& self, const std::string& kind, const std::string& name, nb::handle fields) {
+  const std::string call = "Model.add_" + kind + "('" + name + "')";
+  io::PartReader(call).add_element(kind, name, to_value(fields, call), self.model);
 }
 
 void register_spring(nb::module_& m) {
-  nb::class_<SpringObject>(m, "Spring", "A spring or a cable between two points of bodies of a world. Arrays are copies.")
-      .def_prop_ro("name", of_spring([](const SpringView& s) { return std::string(s.name); }), "Name.")
+  nb::class_<SpringObject> type(m, "Spring", "A spring or a cable between two points of bodies of a world. Arrays are copies.");
+  add_members<SpringLaw>(type, of_spring([](const SpringView& s) { return s.law; }));
+  type.def_prop_ro("name", of_spring([](const SpringView& s) { return std::string(s.name); }), "Name.")
       .def_prop_ro(
           "start",
           [](const SpringObject& s) {
@@ -65,16 +62,8 @@ void register_spring(nb::module_& m) {
                    "Force with which it pulls its ends together (N); negative: it pushes them apart. Zero once it is broken.")
       .def_prop_ro("broken", of_spring([](const SpringView& s) { return s.broken; }),
                    "True once it broke, or a body at one of its ends was removed.")
-      .def_prop_ro("stiffness", of_spring([](const SpringView& s) { return s.law.stiffness; }), "Stiffness (N/m).")
-      .def_prop_ro("rest", of_spring([](const SpringView& s) { return s.law.rest; }), "Length without force (m).")
-      .def_prop_ro("damping", of_spring([](const SpringView& s) { return s.law.damping; }),
-                   "Force per rate of the length (N s/m).")
-      .def_prop_ro("tension_only", of_spring([](const SpringView& s) { return s.law.tension_only; }),
-                   "True for a rope, which pulls and never pushes.")
       .def_prop_ro("inextensible", of_spring([](const SpringView& s) { return s.inextensible; }),
                    "True for a cable, whose length never exceeds `rest`.")
-      .def_prop_ro("strength", of_spring([](const SpringView& s) { return s.law.strength; }),
-                   "It breaks when its force exceeds this (N); infinite: it never breaks.")
       .def("__repr__", of_spring([](const SpringView& s) {
              return "<momentree.Spring '" + std::string(s.name) + (s.broken ? "', broken>" : "'>");
            }))

@@ -1,8 +1,9 @@
 // The kinds of joints, actions and quantities as data, from which tools/python_vocabulary writes the package's functions.
 #include <momentree/base/units.hpp>
-#include <momentree/io/joint_keys.hpp>
+#include <momentree/io/keys.hpp>
 #include <momentree/simulate/action.hpp>
 #include <momentree/simulate/condition.hpp>
+#include <momentree/tree/spring.hpp>
 
 #include "binding.hpp"
 
@@ -55,7 +56,26 @@ void register_vocabulary(nb::module_& m) {
     }
     for (const io::JointKey& key : io::joint_keys())
       if (!key.documents) parameters.append(nb::make_tuple(key.key, key.about));
+    nb::list elements;
+    for (const io::KeyTable* table : io::element_keys()) {
+      nb::list fields;
+      table->each([&](const io::Key& key) {
+        const char* const what = key.type.form == io::Type::Form::boolean  ? "flag"
+                                 : key.type.form == io::Type::Form::number ? "number"
+                                 : key.type.form == io::Type::Form::text   ? "name"
+                                                                           : "end";
+        fields.append(nb::make_tuple(key.name, what, key.about, unit_of(key.type.dimension), key.required != nullptr));
+      });
+      elements.append(nb::make_tuple(table->definition, table->about, table->details, fields));
+    }
+    nb::list members;
+    const auto add = [&](const char* key, const auto& member, const Field&) {
+      members.append(nb::make_tuple(key, Like<std::decay_t<decltype(member)>, bool> ? "bool" : "float"));
+    };
+    const SpringLaw law;
+    describe(add, law);
     nb::dict all;
+    all["elements"] = elements, all["spring"] = members;
     all["kinds"] = kinds, all["actions"] = actions, all["quantities"] = quantities, all["parameters"] = parameters;
     return all;
   });

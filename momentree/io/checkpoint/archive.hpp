@@ -1,6 +1,6 @@
 #pragma once
 // Values as bytes: numbers are little-endian and exact, lists begin with their length. What a type consists of is said once, in
-// a function `fields(archive, value)`, for writing and for reading.
+// a function `fields(archive, value)`, for writing and for reading, or in `describe` (base/describe.hpp).
 #include <array>
 #include <bit>
 #include <concepts>
@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include <momentree/base/describe.hpp>
 #include <momentree/base/error.hpp>
 
 namespace momentree::io {
@@ -31,6 +32,10 @@ class ArchiveWriter {
   template <class... T>
   void operator()(const T&... parts) {
     (put(parts), ...);
+  }
+  template <class T>
+  void operator()(const char*, const T& member, const Field&) {
+    put(member);
   }
 
  private:
@@ -74,7 +79,12 @@ class ArchiveWriter {
   }
   template <class T>
   requires std::is_class_v<T>
-  void put(const T& value) { fields(*this, value); }
+  void put(const T& value) {
+    if constexpr (requires { describe(*this, value); })
+      describe(*this, value);
+    else
+      fields(*this, value);
+  }
 
   std::map<const void*, std::size_t> shared_;
 };
@@ -89,6 +99,10 @@ class ArchiveReader {
   template <class... T>
   void operator()(T&... parts) {
     (get(parts), ...);
+  }
+  template <class T>
+  void operator()(const char*, T& member, const Field&) {
+    get(member);
   }
   bool at_end() const { return left_.empty(); }
   [[noreturn]] void fail() const { throw_error({what_, "", ""}); }
@@ -165,7 +179,12 @@ class ArchiveReader {
   }
   template <class T>
   requires std::is_class_v<T>
-  void get(T& value) { fields(*this, value); }
+  void get(T& value) {
+    if constexpr (requires { describe(*this, value); })
+      describe(*this, value);
+    else
+      fields(*this, value);
+  }
 
   std::string_view left_;
   const char* what_;

@@ -127,10 +127,6 @@ void fields(Archive& archive, Part<Archive, Topology::Own>& o) {
   archive(o.joint, o.parameters);
 }
 template <class Archive>
-void fields(Archive& archive, Part<Archive, SpringLaw>& l) {
-  archive(l.stiffness, l.rest, l.damping, l.tension_only, l.strength);
-}
-template <class Archive>
 void fields(Archive& archive, Part<Archive, Topology::SpringChange>& s) {
   archive(s.spring, s.broken, s.law);
 }

@@ -1,33 +1,13 @@
-#include <cmath>
-
 #include <momentree/io/convert/describe.hpp>
+#include <momentree/io/described.hpp>
 
 namespace momentree::io {
 
 using namespace document_values;
 
 Value::Table describe_spring(const Spring& spring, const Model& model) {
-  Value::Table table;
-  add(table, "name", text(spring.name));
-  const auto end = [&](const char* key, const SpringEnd& from) {
-    Value::Table one;
-    add(one, "body", text(from.body == ground ? "ground" : model[from.body].name));
-    if (!(from.point == Vec3{})) add(one, "point", list(from.point));
-    add(table, key, value(std::move(one)));
-  };
-  end("from", spring.from), end("to", spring.to);
-  if (spring.inextensible) {
-    if (spring.rest) add(table, "length", number(*spring.rest));
-    if (spring.restitution != 0) add(table, "restitution", number(spring.restitution));
-    if (std::isfinite(spring.strength)) add(table, "strength", number(spring.strength));
-    return table;
-  }
-  add(table, "stiffness", number(spring.stiffness));
-  if (spring.rest) add(table, "rest", number(*spring.rest));
-  if (spring.damping != 0) add(table, "damping", number(spring.damping));
-  if (spring.tension_only) add(table, "tension_only", Value(true, Place{}));
-  if (std::isfinite(spring.strength)) add(table, "strength", number(spring.strength));
-  return table;
+  TableWriter writer(model);
+  return spring.inextensible ? writer.of(cable_of(spring)) : writer.of(spring);
 }
 
 Value::Table describe_coupling(const Coupling& coupling, const Model& model) {
