@@ -7,7 +7,7 @@
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/base/units.hpp>
-#include <momentree/io/number_text.hpp>
+#include <momentree/text/number_text.hpp>
 
 namespace momentree::cli {
 

@@ -7,9 +7,9 @@
 #include <cli/input.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
-#include <momentree/io/diagnostic_json.hpp>
-#include <momentree/io/input_file.hpp>
-#include <momentree/sweep/read_sweep.hpp>
+#include <momentree/sweep/plan/read_sweep.hpp>
+#include <momentree/text/diagnostic_json.hpp>
+#include <momentree/text/files/input_file.hpp>
 
 namespace momentree::cli {
 

@@ -1,7 +1,7 @@
 // The options of checkpoints; tests/checkpoints kills and resumes runs.
 #include <doctest/doctest.h>
 
-#include <momentree/io/text_file.hpp>
+#include <momentree/text/files/text_file.hpp>
 #include <tests/program.hpp>
 
 namespace momentree {

@@ -15,8 +15,8 @@
 #include <cli/version.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/io/schema.hpp>
-#include <momentree/sweep/sweep_keys.hpp>
+#include <momentree/scenario/keys/schema.hpp>
+#include <momentree/sweep/plan/sweep_keys.hpp>
 
 namespace momentree::cli {
 

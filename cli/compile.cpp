@@ -9,7 +9,7 @@
 #include <momentree/generate/comment.hpp>
 #include <momentree/generate/loop_kernel.hpp>
 #include <momentree/generate/source.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 namespace momentree::cli {
 

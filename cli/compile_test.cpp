@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <sstream>
 
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/test_support.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 namespace momentree::cli {
 

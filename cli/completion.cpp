@@ -4,8 +4,8 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/io/keys.hpp>
-#include <momentree/io/model/model_file.hpp>
+#include <momentree/models/import/model_file.hpp>
+#include <momentree/scenario/keys/keys.hpp>
 
 namespace momentree::cli {
 

@@ -7,8 +7,8 @@
 #include <cli/input.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/io/convert/convert.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/convert/convert.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 namespace momentree::cli {
 

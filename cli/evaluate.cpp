@@ -6,7 +6,7 @@
 #include <cli/input.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/simulate/overlap.hpp>
+#include <momentree/simulate/stepping/overlap.hpp>
 
 namespace momentree::cli {
 

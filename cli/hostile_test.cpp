@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include <momentree/base/characters.hpp>
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/test_support.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 namespace momentree {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 namespace momentree::cli {
 

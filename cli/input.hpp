@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <momentree/io/session.hpp>
+#include <momentree/results/session.hpp>
 
 namespace momentree::cli {
 

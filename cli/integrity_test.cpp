@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <initializer_list>
 
-#include <momentree/io/json.hpp>
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/test_support.hpp>
+#include <momentree/text/files/text_file.hpp>
+#include <momentree/text/json.hpp>
 
 namespace momentree {
 namespace {

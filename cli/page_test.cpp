@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <cli/page.hpp>
-#include <momentree/io/report/page.hpp>
+#include <momentree/results/report/page.hpp>
 
 namespace momentree::cli {
 namespace {

@@ -9,12 +9,12 @@
 #include <cli/serve.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/io/convert/convert.hpp>
-#include <momentree/io/json_writer.hpp>
-#include <momentree/io/mesh/pack.hpp>
-#include <momentree/io/model/model_file.hpp>
-#include <momentree/io/model_json.hpp>
-#include <momentree/io/report/page.hpp>
+#include <momentree/models/import/model_file.hpp>
+#include <momentree/models/mesh/pack.hpp>
+#include <momentree/results/model_json.hpp>
+#include <momentree/results/report/page.hpp>
+#include <momentree/scenario/convert/convert.hpp>
+#include <momentree/text/json_writer.hpp>
 
 namespace momentree::cli {
 

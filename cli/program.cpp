@@ -17,7 +17,7 @@
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/io/diagnostic.hpp>
+#include <momentree/text/diagnostic.hpp>
 
 namespace momentree::cli {
 

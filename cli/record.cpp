@@ -13,9 +13,9 @@
 #include <cli/interrupt.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
-#include <momentree/io/mesh/pack.hpp>
-#include <momentree/io/model_json.hpp>
-#include <momentree/io/system_file.hpp>
+#include <momentree/models/mesh/pack.hpp>
+#include <momentree/results/model_json.hpp>
+#include <momentree/text/files/system_file.hpp>
 
 namespace momentree::cli {
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include <cli/progress.hpp>
-#include <momentree/io/results.hpp>
-#include <momentree/io/scenario.hpp>
+#include <momentree/results/results.hpp>
+#include <momentree/scenario/scenario.hpp>
 
 namespace momentree::cli {
 

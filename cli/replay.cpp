@@ -4,8 +4,8 @@
 #include <cli/commands.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
-#include <momentree/io/compare/compare.hpp>
-#include <momentree/io/json_writer.hpp>
+#include <momentree/results/compare/compare.hpp>
+#include <momentree/text/json_writer.hpp>
 
 namespace momentree::cli {
 

@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
-#include <momentree/io/text_file.hpp>
+#include <momentree/text/files/text_file.hpp>
 #include <tests/program.hpp>
 
 namespace momentree {

@@ -7,9 +7,9 @@
 
 #include <cli/input.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/io/state_document.hpp>
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/state/state_document.hpp>
+#include <momentree/scenario/test_support.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 namespace momentree::cli {
 

@@ -14,13 +14,13 @@
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/generate/kernel_cache.hpp>
-#include <momentree/io/checkpoint/checkpoint.hpp>
-#include <momentree/io/mesh/pack.hpp>
-#include <momentree/io/model_json.hpp>
-#include <momentree/io/report/page.hpp>
-#include <momentree/io/report/report.hpp>
-#include <momentree/io/table_file.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/models/mesh/pack.hpp>
+#include <momentree/results/checkpoint/checkpoint.hpp>
+#include <momentree/results/model_json.hpp>
+#include <momentree/results/report/page.hpp>
+#include <momentree/results/report/report.hpp>
+#include <momentree/text/files/table_file.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 namespace momentree::cli {
 

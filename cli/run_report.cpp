@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/io/results.hpp>
+#include <momentree/results/results.hpp>
 
 namespace momentree::cli {
 

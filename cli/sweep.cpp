@@ -12,10 +12,10 @@
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/sweep/coordinator.hpp>
-#include <momentree/sweep/distribute.hpp>
-#include <momentree/sweep/launch.hpp>
-#include <momentree/sweep/read_sweep.hpp>
+#include <momentree/sweep/machines/coordinator.hpp>
+#include <momentree/sweep/machines/distribute.hpp>
+#include <momentree/sweep/machines/launch.hpp>
+#include <momentree/sweep/plan/read_sweep.hpp>
 #include <momentree/sweep/scenario_worlds.hpp>
 #include <momentree/sweep/world_run.hpp>
 

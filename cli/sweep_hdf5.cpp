@@ -5,7 +5,7 @@
 #include <utility>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/json.hpp>
+#include <momentree/text/json.hpp>
 
 namespace momentree::cli {
 

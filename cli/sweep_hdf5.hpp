@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <momentree/io/table_file.hpp>
 #include <momentree/sweep/results.hpp>
+#include <momentree/text/files/table_file.hpp>
 
 namespace momentree::cli {
 

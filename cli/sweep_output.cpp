@@ -11,12 +11,12 @@
 #include <cli/record.hpp>
 #include <cli/sweep_hdf5.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/io/json.hpp>
-#include <momentree/io/report/page.hpp>
-#include <momentree/io/report/report.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/results/report/page.hpp>
+#include <momentree/results/report/report.hpp>
 #include <momentree/sweep/read_results.hpp>
 #include <momentree/sweep/scenario_worlds.hpp>
+#include <momentree/text/files/text_file.hpp>
+#include <momentree/text/json.hpp>
 
 namespace momentree::cli {
 

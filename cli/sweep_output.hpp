@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <cli/commands.hpp>
-#include <momentree/io/result_directory.hpp>
+#include <momentree/results/result_directory.hpp>
 #include <momentree/sweep/journal.hpp>
 #include <momentree/sweep/lanes.hpp>
 #include <momentree/sweep/summary.hpp>

@@ -12,8 +12,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/test_support.hpp>
+#include <momentree/text/files/text_file.hpp>
 #include <tests/program.hpp>
 
 namespace momentree {

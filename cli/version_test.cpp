@@ -5,8 +5,8 @@
 #include <cli/version.hpp>
 #include <momentree/base/build_info.hpp>
 #include <momentree/batch/stepper.hpp>
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/test_support.hpp>
+#include <momentree/text/files/text_file.hpp>
 #include <tests/program.hpp>
 
 namespace momentree {

@@ -17,13 +17,13 @@
 #include <cli/serve.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
-#include <momentree/io/export/export.hpp>
-#include <momentree/io/model/model_file.hpp>
-#include <momentree/io/report/page.hpp>
-#include <momentree/io/report/report.hpp>
-#include <momentree/io/session.hpp>
-#include <momentree/io/svg.hpp>
+#include <momentree/export/export.hpp>
+#include <momentree/export/picture/svg.hpp>
 #include <momentree/live/view.hpp>
+#include <momentree/models/import/model_file.hpp>
+#include <momentree/results/report/page.hpp>
+#include <momentree/results/report/report.hpp>
+#include <momentree/results/session.hpp>
 
 namespace momentree::cli {
 

@@ -36,8 +36,8 @@ if(TARGET momentree_generate)
   list(APPEND public_headers momentree/generate/kernel_cache.hpp momentree/generate/source.hpp)
 endif()
 if(TARGET momentree_io)
-  list(APPEND public_headers momentree/io/session.hpp momentree/io/results.hpp momentree/io/model_json.hpp
-    momentree/io/part_reader.hpp momentree/io/run_record.hpp momentree/io/export/export.hpp momentree/sweep/run.hpp)
+  list(APPEND public_headers momentree/results/session.hpp momentree/results/results.hpp momentree/results/model_json.hpp
+    momentree/scenario/part_reader.hpp momentree/results/run_record.hpp momentree/export/export.hpp momentree/sweep/run.hpp)
 endif()
 if(TARGET momentree_live)
   list(APPEND public_headers momentree/live/view.hpp)

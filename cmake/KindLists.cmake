@@ -29,4 +29,4 @@ momentree_kind_list(momentree/joint/kinds MOMENTREE_KINDS momentree/joint/kind_l
 momentree_kind_list(momentree/integrate/kinds MOMENTREE_METHODS momentree/integrate/method_list.hpp momentree/integrate/methods.hpp)
 momentree_kind_list(momentree/simulate/actions MOMENTREE_ACTIONS momentree/simulate/action_list.hpp momentree/simulate/all_actions.hpp)
 momentree_kind_list(momentree/simulate/quantities MOMENTREE_QUANTITIES momentree/simulate/quantity_list.hpp momentree/simulate/all_quantities.hpp)
-momentree_kind_list(momentree/io/importers MOMENTREE_IMPORTERS momentree/io/importers/list.hpp momentree/io/all_importers.hpp)
+momentree_kind_list(momentree/models/importers MOMENTREE_IMPORTERS momentree/models/importers/list.hpp momentree/models/all_importers.hpp)

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <momentree/io/hdf5_plugin.hpp>
+#include <momentree/results/hdf5/hdf5_plugin.hpp>
 
 using namespace momentree::io;
 

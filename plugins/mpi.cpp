@@ -9,7 +9,7 @@
 #include <new>
 #include <string>
 
-#include <momentree/sweep/mpi_plugin.hpp>
+#include <momentree/sweep/machines/mpi_plugin.hpp>
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/io/scenario.hpp>
+#include <momentree/scenario/scenario.hpp>
 
 namespace momentree::io::bad_input {
 

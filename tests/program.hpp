@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <string>
 
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/test_support.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 namespace momentree::test {
 struct Outcome {

@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <string_view>
 
-#include <momentree/io/joint_json.hpp>
-#include <momentree/io/model_json.hpp>
-#include <momentree/io/page_world/floor.hpp>
+#include <momentree/pages/floor.hpp>
+#include <momentree/results/model_json.hpp>
+#include <momentree/scenario/state/joint_json.hpp>
 #include <wasm/world.hpp>
 
 using namespace momentree;

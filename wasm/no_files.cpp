@@ -1,7 +1,7 @@
 // Replaces the file access of the scenario reader: no text is recognised as a model, and no model can be read.
 #include <momentree/base/check.hpp>
-#include <momentree/io/model/model_file.hpp>
-#include <momentree/io/scenario_parts.hpp>
+#include <momentree/models/import/model_file.hpp>
+#include <momentree/scenario/scenario_parts.hpp>
 
 namespace momentree::io {
 

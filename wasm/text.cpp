@@ -1,5 +1,5 @@
 // Names and structure of a world, as JSON.
-#include <momentree/io/joint_json.hpp>
+#include <momentree/scenario/state/joint_json.hpp>
 #include <wasm/world.hpp>
 
 namespace momentree::wasm {

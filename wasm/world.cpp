@@ -1,7 +1,7 @@
 // Worlds made from scenarios, and the changes to them.
 #include <wasm/world.hpp>
 
-#include <momentree/io/schedule.hpp>
+#include <momentree/scenario/events/schedule.hpp>
 
 namespace momentree::wasm {
 

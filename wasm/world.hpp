@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include <momentree/io/page_world/page_world.hpp>
-#include <momentree/io/scenario.hpp>
+#include <momentree/pages/page_world.hpp>
+#include <momentree/scenario/scenario.hpp>
 #include <momentree/simulate/simulation.hpp>
 
 #include <wasm/engine.h>

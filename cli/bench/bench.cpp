@@ -9,7 +9,7 @@
 #include <cli/interrupt.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/io/json_writer.hpp>
+#include <momentree/text/json_writer.hpp>
 
 namespace momentree::cli {
 

@@ -12,8 +12,8 @@
 #include <cli/record.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/io/json_writer.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/text/files/text_file.hpp>
+#include <momentree/text/json_writer.hpp>
 
 namespace momentree::cli {
 

@@ -8,8 +8,8 @@
 
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
-#include <momentree/io/scenario.hpp>
 #include <momentree/joint/kinds.hpp>
+#include <momentree/scenario/scenario.hpp>
 
 namespace momentree::cli {
 

@@ -14,8 +14,8 @@
 #include <cli/text.hpp>
 #include <momentree/base/characters.hpp>
 #include <momentree/base/error.hpp>
-#include <momentree/io/fields.hpp>
-#include <momentree/io/json.hpp>
+#include <momentree/scenario/keys/fields.hpp>
+#include <momentree/text/json.hpp>
 
 extern char** environ;
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <momentree/io/json_writer.hpp>
+#include <momentree/text/json_writer.hpp>
 
 namespace momentree::cli {
 

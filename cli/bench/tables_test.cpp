@@ -13,7 +13,7 @@
 #include <sstream>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/test_support.hpp>
+#include <momentree/scenario/test_support.hpp>
 
 namespace momentree::cli {
 

@@ -9,9 +9,9 @@
 
 #include <momentree/batch/stepper.hpp>
 #include <momentree/dynamics/motion.hpp>
-#include <momentree/simulate/action.hpp>
-#include <momentree/simulate/event.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/events/action.hpp>
+#include <momentree/simulate/events/event.hpp>
+#include <momentree/simulate/world/world.hpp>
 #include <momentree/topology/change.hpp>
 
 namespace momentree {

@@ -5,7 +5,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/batch/batch_impl.hpp>
-#include <momentree/simulate/overlap.hpp>
+#include <momentree/simulate/stepping/overlap.hpp>
 
 namespace momentree {
 

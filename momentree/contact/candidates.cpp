@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include <momentree/contact/candidates_impl.hpp>
-#include <momentree/contact/cylinder.hpp>
-#include <momentree/contact/cylinder_pair.hpp>
-#include <momentree/contact/ellipsoid.hpp>
+#include <momentree/contact/shapes/cylinder.hpp>
+#include <momentree/contact/shapes/cylinder_pair.hpp>
+#include <momentree/contact/shapes/ellipsoid.hpp>
 
 namespace momentree::contact {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <momentree/contact/feature.hpp>
-#include <momentree/contact/solid.hpp>
+#include <momentree/contact/shapes/feature.hpp>
+#include <momentree/contact/shapes/solid.hpp>
 
 namespace momentree::contact {
 

@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/contact/candidates.hpp>
-#include <momentree/contact/distance.hpp>
+#include <momentree/contact/shapes/distance.hpp>
 #include <tests/oracle/prng.hpp>
 
 using namespace momentree;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <momentree/contact/law_newton.hpp>
-#include <momentree/contact/links.hpp>
+#include <momentree/contact/shapes/links.hpp>
 
 namespace momentree::contact {
 

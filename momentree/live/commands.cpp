@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/json.hpp>
-#include <momentree/io/json_writer.hpp>
 #include <momentree/live/view_impl.hpp>
+#include <momentree/text/json.hpp>
+#include <momentree/text/json_writer.hpp>
 
 namespace momentree::live {
 

@@ -6,15 +6,15 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/io/json_writer.hpp>
-#include <momentree/io/mesh/pack.hpp>
-#include <momentree/io/model_json.hpp>
-#include <momentree/io/report/base64.hpp>
-#include <momentree/io/report/page.hpp>
-#include <momentree/io/scenario.hpp>
 #include <momentree/live/page.hpp>
 #include <momentree/live/page_server.hpp>
 #include <momentree/live/view_impl.hpp>
+#include <momentree/models/mesh/pack.hpp>
+#include <momentree/results/model_json.hpp>
+#include <momentree/results/report/page.hpp>
+#include <momentree/scenario/scenario.hpp>
+#include <momentree/text/base64.hpp>
+#include <momentree/text/json_writer.hpp>
 
 namespace momentree::live {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <momentree/io/shape.hpp>
+#include <momentree/models/import/shape.hpp>
 #include <momentree/simulate/simulation.hpp>
 
 namespace momentree::io {

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include <momentree/base/value.hpp>
-#include <momentree/io/page_world/page_world.hpp>
-#include <momentree/io/scenario.hpp>
 #include <momentree/live/feed.hpp>
 #include <momentree/live/listener.hpp>
 #include <momentree/live/view.hpp>
+#include <momentree/pages/page_world.hpp>
+#include <momentree/scenario/scenario.hpp>
 
 namespace momentree::live {
 

@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/session.hpp>
 #include <momentree/live/feed.hpp>
 #include <momentree/live/test_client.hpp>
 #include <momentree/momentree.hpp>
+#include <momentree/results/session.hpp>
 
 using namespace momentree;
 using namespace momentree::live;

@@ -5,10 +5,10 @@
 #include <cstdio>
 
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/simulate/contact_bodies.hpp>
-#include <momentree/simulate/instant.hpp>
-#include <momentree/simulate/overlap.hpp>
+#include <momentree/simulate/contact/contact_bodies.hpp>
+#include <momentree/simulate/events/instant.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <momentree/simulate/stepping/overlap.hpp>
 
 namespace momentree {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <momentree/base/error.hpp>
-#include <momentree/simulate/event_queue.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/events/event_queue.hpp>
+#include <momentree/simulate/world/world.hpp>
 
 namespace momentree {
 

@@ -9,7 +9,7 @@
 
 #include <momentree/dynamics/loops.hpp>
 #include <momentree/joint/kinds.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/world/world.hpp>
 
 namespace momentree {
 namespace {

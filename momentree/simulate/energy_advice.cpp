@@ -6,8 +6,8 @@
 #include <utility>
 
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/simulate/overlap.hpp>
 #include <momentree/simulate/simulation_impl.hpp>
+#include <momentree/simulate/stepping/overlap.hpp>
 
 namespace momentree {
 

@@ -6,9 +6,9 @@
 #include <string>
 
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/simulate/event.hpp>
+#include <momentree/simulate/events/event.hpp>
 #include <momentree/simulate/simulation.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/world/world.hpp>
 
 namespace momentree {
 

@@ -1,6 +1,6 @@
 // Bodies that are added to a running simulation, and those that are removed.
-#include <momentree/simulate/separate.hpp>
 #include <momentree/simulate/simulation_impl.hpp>
+#include <momentree/simulate/stepping/separate.hpp>
 
 namespace momentree {
 

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include <momentree/simulate/event_queue.hpp>
+#include <momentree/simulate/events/event_queue.hpp>
+#include <momentree/simulate/events/stops.hpp>
 #include <momentree/simulate/failure.hpp>
 #include <momentree/simulate/simulation.hpp>
-#include <momentree/simulate/stops.hpp>
 
 namespace momentree {
 

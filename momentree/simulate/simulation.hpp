@@ -12,11 +12,11 @@
 #include <momentree/contact/impact.hpp>
 #include <momentree/dynamics/evaluation_context.hpp>
 #include <momentree/dynamics/rates_function.hpp>
-#include <momentree/simulate/action.hpp>
-#include <momentree/simulate/condition.hpp>
-#include <momentree/simulate/event.hpp>
-#include <momentree/simulate/stepping_state.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/events/action.hpp>
+#include <momentree/simulate/events/condition.hpp>
+#include <momentree/simulate/events/event.hpp>
+#include <momentree/simulate/stepping/stepping_state.hpp>
+#include <momentree/simulate/world/world.hpp>
 
 namespace momentree {
 

@@ -16,17 +16,17 @@
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/arguments.hpp>
-#include <momentree/simulate/closed_contacts.hpp>
-#include <momentree/simulate/contact_start.hpp>
-#include <momentree/simulate/contact_steps.hpp>
-#include <momentree/simulate/contacts.hpp>
-#include <momentree/simulate/event_queue.hpp>
+#include <momentree/simulate/contact/closed_contacts.hpp>
+#include <momentree/simulate/contact/contact_start.hpp>
+#include <momentree/simulate/contact/contacts.hpp>
+#include <momentree/simulate/events/event_queue.hpp>
+#include <momentree/simulate/events/instant.hpp>
+#include <momentree/simulate/events/stops.hpp>
+#include <momentree/simulate/events/strengths.hpp>
+#include <momentree/simulate/events/topology_record.hpp>
 #include <momentree/simulate/failure.hpp>
-#include <momentree/simulate/instant.hpp>
 #include <momentree/simulate/run_state.hpp>
-#include <momentree/simulate/stops.hpp>
-#include <momentree/simulate/strengths.hpp>
-#include <momentree/simulate/topology_record.hpp>
+#include <momentree/simulate/stepping/contact_steps.hpp>
 
 namespace momentree {
 

@@ -2,7 +2,7 @@
 // Singular positions of closed loops.
 #include <vector>
 
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/world/world.hpp>
 
 namespace momentree {
 

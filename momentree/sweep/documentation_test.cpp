@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include <momentree/io/text_file.hpp>
-#include <momentree/sweep/measure.hpp>
-#include <momentree/sweep/sweep_keys.hpp>
+#include <momentree/sweep/plan/measure.hpp>
+#include <momentree/sweep/plan/sweep_keys.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 using namespace momentree::sweep;
 

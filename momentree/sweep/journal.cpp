@@ -11,7 +11,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/sweep/checksum.hpp>
-#include <momentree/sweep/encoding.hpp>
+#include <momentree/sweep/machines/encoding.hpp>
 
 namespace momentree::sweep {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include <momentree/io/system_file.hpp>
-#include <momentree/sweep/work_source.hpp>
+#include <momentree/sweep/machines/work_source.hpp>
+#include <momentree/text/files/system_file.hpp>
 
 namespace momentree::sweep {
 

@@ -4,12 +4,12 @@
 #include <string>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/test_support.hpp>
 #include <momentree/sweep/checksum.hpp>
-#include <momentree/sweep/coordinator.hpp>
-#include <momentree/sweep/encoding.hpp>
 #include <momentree/sweep/journal.hpp>
+#include <momentree/sweep/machines/coordinator.hpp>
+#include <momentree/sweep/machines/encoding.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 using namespace momentree::sweep;
 

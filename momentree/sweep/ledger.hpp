@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include <momentree/sweep/work_source.hpp>
+#include <momentree/sweep/machines/work_source.hpp>
 
 namespace momentree::sweep {
 

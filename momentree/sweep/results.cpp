@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/io/number_text.hpp>
+#include <momentree/text/number_text.hpp>
 
 namespace momentree::sweep {
 

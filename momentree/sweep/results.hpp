@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include <momentree/io/json_writer.hpp>
-#include <momentree/sweep/encoding.hpp>
 #include <momentree/sweep/journal.hpp>
+#include <momentree/sweep/machines/encoding.hpp>
 #include <momentree/sweep/sweep.hpp>
+#include <momentree/text/json_writer.hpp>
 
 namespace momentree::sweep {
 

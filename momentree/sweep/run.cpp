@@ -11,9 +11,9 @@
 #include <utility>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/diagnostic.hpp>
-#include <momentree/sweep/read_sweep.hpp>
+#include <momentree/sweep/plan/read_sweep.hpp>
 #include <momentree/sweep/scenario_worlds.hpp>
+#include <momentree/text/diagnostic.hpp>
 
 namespace momentree::sweep {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <momentree/sweep/lanes.hpp>
-#include <momentree/sweep/plan.hpp>
+#include <momentree/sweep/plan/plan.hpp>
 #include <momentree/sweep/sweep.hpp>
 
 namespace momentree::sweep {

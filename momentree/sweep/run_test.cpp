@@ -5,11 +5,11 @@
 #include <stdexcept>
 #include <vector>
 
-#include <momentree/io/diagnostic.hpp>
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/test_support.hpp>
 #include <momentree/sweep/run.hpp>
 #include <momentree/sweep/scenario_worlds.hpp>
+#include <momentree/text/diagnostic.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 using namespace momentree;
 using namespace momentree::sweep;

@@ -9,9 +9,9 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/batch/lockstep.hpp>
-#include <momentree/io/diagnostic.hpp>
-#include <momentree/io/session.hpp>
+#include <momentree/results/session.hpp>
 #include <momentree/sweep/world_run.hpp>
+#include <momentree/text/diagnostic.hpp>
 
 namespace momentree::sweep {
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <string>
 
-#include <momentree/sweep/encoding.hpp>
 #include <momentree/sweep/lanes.hpp>
-#include <momentree/sweep/work_source.hpp>
+#include <momentree/sweep/machines/encoding.hpp>
+#include <momentree/sweep/machines/work_source.hpp>
 
 namespace momentree::sweep {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include <momentree/io/text_file.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 namespace momentree::sweep {
 

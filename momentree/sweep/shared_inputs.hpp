@@ -3,7 +3,7 @@
 #include <mutex>
 #include <unordered_map>
 
-#include <momentree/io/input_cache.hpp>
+#include <momentree/text/files/input_cache.hpp>
 
 namespace momentree::sweep {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/io/number_text.hpp>
-#include <momentree/sweep/estimates.hpp>
+#include <momentree/sweep/stats/estimates.hpp>
+#include <momentree/text/number_text.hpp>
 
 #ifndef MOMENTREE_VERSION
 #error "MOMENTREE_VERSION is set by the build"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <momentree/sweep/results.hpp>
-#include <momentree/sweep/statistics.hpp>
+#include <momentree/sweep/stats/statistics.hpp>
 #include <momentree/sweep/sweep.hpp>
 
 namespace momentree::sweep {

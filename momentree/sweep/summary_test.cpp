@@ -5,11 +5,11 @@
 #include <set>
 #include <string>
 
-#include <momentree/io/json.hpp>
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
-#include <momentree/sweep/read_sweep.hpp>
+#include <momentree/scenario/test_support.hpp>
+#include <momentree/sweep/plan/read_sweep.hpp>
 #include <momentree/sweep/summary.hpp>
+#include <momentree/text/files/text_file.hpp>
+#include <momentree/text/json.hpp>
 
 using namespace momentree::sweep;
 

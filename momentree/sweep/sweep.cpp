@@ -5,8 +5,8 @@
 #include <limits>
 
 #include <momentree/base/units.hpp>
-#include <momentree/io/number_text.hpp>
-#include <momentree/io/toml.hpp>
+#include <momentree/text/number_text.hpp>
+#include <momentree/text/toml.hpp>
 
 namespace momentree::sweep {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <momentree/io/scenario.hpp>
-#include <momentree/sweep/measure.hpp>
-#include <momentree/sweep/plan.hpp>
+#include <momentree/scenario/scenario.hpp>
+#include <momentree/sweep/plan/measure.hpp>
+#include <momentree/sweep/plan/plan.hpp>
 
 namespace momentree::sweep {
 

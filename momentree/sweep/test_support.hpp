@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include <momentree/sweep/communicator.hpp>
-#include <momentree/sweep/work_source.hpp>
+#include <momentree/sweep/machines/communicator.hpp>
+#include <momentree/sweep/machines/work_source.hpp>
 
 namespace momentree::sweep::test {
 

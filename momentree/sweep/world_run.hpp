@@ -5,7 +5,7 @@
 #include <string>
 
 #include <momentree/simulate/simulation.hpp>
-#include <momentree/sweep/measure.hpp>
+#include <momentree/sweep/plan/measure.hpp>
 #include <momentree/sweep/sweep.hpp>
 
 namespace momentree::sweep {

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/result_directory.hpp>
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
-#include <momentree/sweep/read_sweep.hpp>
+#include <momentree/results/result_directory.hpp>
+#include <momentree/scenario/test_support.hpp>
+#include <momentree/sweep/plan/read_sweep.hpp>
 #include <momentree/sweep/scenario_worlds.hpp>
+#include <momentree/text/files/text_file.hpp>
 
 using namespace momentree;
 using namespace momentree::sweep;

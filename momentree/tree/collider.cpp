@@ -6,7 +6,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/base/wildcard.hpp>
-#include <momentree/contact/height_field.hpp>
+#include <momentree/contact/shapes/height_field.hpp>
 #include <momentree/math/unit.hpp>
 #include <momentree/tree/contact_rules.hpp>
 #include <momentree/tree/model.hpp>

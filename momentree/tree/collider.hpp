@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <momentree/contact/solid.hpp>
+#include <momentree/contact/shapes/solid.hpp>
 #include <momentree/tree/ids.hpp>
 
 namespace momentree {

@@ -2,7 +2,7 @@
 // Contacts that are closed at present: pairs of features that press on each other. They open and close at located instants.
 #include <cstdint>
 
-#include <momentree/contact/feature.hpp>
+#include <momentree/contact/shapes/feature.hpp>
 
 namespace momentree {
 

@@ -11,7 +11,7 @@
 
 #include <momentree/batch/batch.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/io/part_reader.hpp>
+#include <momentree/scenario/part_reader.hpp>
 
 #include "model_object.hpp"
 #include "records.hpp"

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include <momentree/contact/height_field.hpp>
+#include <momentree/contact/shapes/height_field.hpp>
 
 #include "model_object.hpp"
 

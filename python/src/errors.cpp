@@ -2,7 +2,7 @@
 #include <exception>
 #include <new>
 
-#include <momentree/io/diagnostic.hpp>
+#include <momentree/text/diagnostic.hpp>
 
 #include "binding.hpp"
 

@@ -7,13 +7,13 @@
 #include <nanobind/stl/tuple.h>
 
 #include <cli/page.hpp>
-#include <momentree/io/export/export.hpp>
-#include <momentree/io/mesh/pack.hpp>
-#include <momentree/io/model_json.hpp>
-#include <momentree/io/report/page.hpp>
-#include <momentree/io/report/report.hpp>
-#include <momentree/io/run_record.hpp>
-#include <momentree/io/state_document.hpp>
+#include <momentree/export/export.hpp>
+#include <momentree/models/mesh/pack.hpp>
+#include <momentree/results/model_json.hpp>
+#include <momentree/results/report/page.hpp>
+#include <momentree/results/report/report.hpp>
+#include <momentree/results/run_record.hpp>
+#include <momentree/scenario/state/state_document.hpp>
 
 #include "records.hpp"
 #include "world_object.hpp"

@@ -4,9 +4,9 @@
 #include <tuple>
 #include <utility>
 
-#include <momentree/io/convert/convert.hpp>
-#include <momentree/io/convert/scenario_names.hpp>
-#include <momentree/io/part_reader.hpp>
+#include <momentree/scenario/convert/convert.hpp>
+#include <momentree/scenario/convert/scenario_names.hpp>
+#include <momentree/scenario/part_reader.hpp>
 
 namespace momentree::python {
 

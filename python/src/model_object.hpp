@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
-#include <momentree/io/part_reader.hpp>
-#include <momentree/io/scenario.hpp>
+#include <momentree/scenario/part_reader.hpp>
+#include <momentree/scenario/scenario.hpp>
 
 #include "binding.hpp"
 

@@ -2,8 +2,8 @@
 // C++ records as Python objects.
 #include <span>
 
-#include <momentree/simulate/event.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/events/event.hpp>
+#include <momentree/simulate/world/world.hpp>
 
 #include "binding.hpp"
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/io/changed_start.hpp>
+#include <momentree/scenario/state/changed_start.hpp>
 
 #include "model_object.hpp"
 #include "world_object.hpp"

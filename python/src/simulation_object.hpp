@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include <momentree/io/part_reader.hpp>
-#include <momentree/io/session.hpp>
+#include <momentree/results/session.hpp>
+#include <momentree/scenario/part_reader.hpp>
 
 #include "binding.hpp"
 

@@ -13,10 +13,10 @@
 #include <thread>
 #include <utility>
 
-#include <momentree/io/diagnostic.hpp>
-#include <momentree/sweep/read_sweep.hpp>
+#include <momentree/sweep/plan/read_sweep.hpp>
 #include <momentree/sweep/scenario_worlds.hpp>
 #include <momentree/sweep/summary.hpp>
+#include <momentree/text/diagnostic.hpp>
 
 #include <nanobind/stl/map.h>
 

@@ -12,7 +12,7 @@
 #include <momentree/dynamics/contacts.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/joint/kinds.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/world/world.hpp>
 #include <tests/oracle/prng.hpp>
 
 namespace momentree::peers {

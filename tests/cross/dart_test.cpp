@@ -5,7 +5,7 @@
 #include <dart/dynamics/WeldJoint.hpp>
 #include <dart/utils/urdf/DartLoader.hpp>
 
-#include <momentree/io/text_file.hpp>
+#include <momentree/text/files/text_file.hpp>
 #include <tests/cross/random_state.hpp>
 
 namespace momentree::peers {

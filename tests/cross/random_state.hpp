@@ -7,8 +7,8 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/io/scenario.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/scenario/scenario.hpp>
+#include <momentree/simulate/world/world.hpp>
 #include <tests/oracle/prng.hpp>
 
 namespace momentree::peers {

@@ -14,8 +14,8 @@
 #include <dart/dynamics/WeldJoint.hpp>
 #include <sdf/sdf.hh>
 
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/test_support.hpp>
+#include <momentree/text/files/text_file.hpp>
 #include <tests/cross/random_state.hpp>
 
 namespace momentree::peers {

@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/checkpoint/checkpoint.hpp>
-#include <momentree/io/checksum.hpp>
-#include <momentree/io/test_support.hpp>
+#include <momentree/results/checkpoint/checkpoint.hpp>
+#include <momentree/scenario/test_support.hpp>
+#include <momentree/text/files/checksum.hpp>
 #include <tests/fuzz/judge.hpp>
 
 namespace {

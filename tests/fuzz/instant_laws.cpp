@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <limits>
 
-#include <momentree/simulate/topology_record.hpp>
+#include <momentree/simulate/events/topology_record.hpp>
 
 namespace momentree::fuzz {
 

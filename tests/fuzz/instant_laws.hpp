@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <momentree/io/scenario.hpp>
+#include <momentree/scenario/scenario.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <tests/fuzz/findings.hpp>
 

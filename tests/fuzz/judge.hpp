@@ -5,7 +5,7 @@
 #include <string>
 
 #include <momentree/base/characters.hpp>
-#include <momentree/io/scenario.hpp>
+#include <momentree/scenario/scenario.hpp>
 
 namespace momentree::fuzz {
 

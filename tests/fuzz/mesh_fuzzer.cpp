@@ -7,8 +7,8 @@
 #include <string>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/mesh/read_mesh.hpp>
-#include <momentree/io/mesh/simplify.hpp>
+#include <momentree/models/mesh/read_mesh.hpp>
+#include <momentree/models/mesh/simplify.hpp>
 
 using namespace momentree;
 

@@ -9,10 +9,10 @@
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/contacts.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/io/convert/convert.hpp>
-#include <momentree/io/test_support.hpp>
-#include <momentree/io/text_file.hpp>
+#include <momentree/scenario/convert/convert.hpp>
+#include <momentree/scenario/test_support.hpp>
 #include <momentree/simulate/actions/impulse.hpp>
+#include <momentree/text/files/text_file.hpp>
 #include <tests/fuzz/instant_laws.hpp>
 #include <tests/fuzz/same_text.hpp>
 

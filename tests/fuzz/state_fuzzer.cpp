@@ -6,8 +6,8 @@
 #include <vector>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/state_document.hpp>
-#include <momentree/io/test_support.hpp>
+#include <momentree/scenario/state/state_document.hpp>
+#include <momentree/scenario/test_support.hpp>
 #include <tests/fuzz/judge.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

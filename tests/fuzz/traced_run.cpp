@@ -6,10 +6,10 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/io/checkpoint/checkpoint.hpp>
-#include <momentree/io/joint_json.hpp>
-#include <momentree/io/results.hpp>
-#include <momentree/simulate/topology_record.hpp>
+#include <momentree/results/checkpoint/checkpoint.hpp>
+#include <momentree/results/results.hpp>
+#include <momentree/scenario/state/joint_json.hpp>
+#include <momentree/simulate/events/topology_record.hpp>
 
 namespace momentree::fuzz {
 

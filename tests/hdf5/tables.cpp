@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <momentree/base/error.hpp>
-#include <momentree/io/table_file.hpp>
+#include <momentree/text/files/table_file.hpp>
 
 using namespace momentree;
 using namespace momentree::io;

@@ -17,8 +17,8 @@
 #include <thread>
 
 #include <momentree/base/error.hpp>
-#include <momentree/sweep/distribute.hpp>
-#include <momentree/sweep/launch.hpp>
+#include <momentree/sweep/machines/distribute.hpp>
+#include <momentree/sweep/machines/launch.hpp>
 
 using namespace momentree;
 using namespace momentree::sweep;

@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/contact/solid.hpp>
+#include <momentree/contact/shapes/solid.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <tests/oracle/random_model.hpp>
 

@@ -7,9 +7,9 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/io/convert/convert.hpp>
-#include <momentree/io/scenario.hpp>
 #include <momentree/joint/motion.hpp>
+#include <momentree/scenario/convert/convert.hpp>
+#include <momentree/scenario/scenario.hpp>
 #include <tests/oracle/same_dynamics.hpp>
 
 namespace momentree::oracle {

@@ -5,10 +5,10 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/io/convert/convert.hpp>
-#include <momentree/io/model/imported.hpp>
-#include <momentree/io/scenario.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/models/import/imported.hpp>
+#include <momentree/scenario/convert/convert.hpp>
+#include <momentree/scenario/scenario.hpp>
+#include <momentree/simulate/world/world.hpp>
 #include <tests/oracle/oracle.hpp>
 #include <tests/oracle/same_dynamics.hpp>
 

@@ -1,5 +1,5 @@
 // The oracle's input from a world: numbers and topology, no computed results.
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/world/world.hpp>
 #include <tests/oracle/oracle.hpp>
 
 namespace momentree::oracle {

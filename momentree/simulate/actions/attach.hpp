@@ -3,7 +3,7 @@
 // constrains.
 #include <momentree/joint/motion.hpp>
 #include <momentree/math/unit.hpp>
-#include <momentree/simulate/topology_editor.hpp>
+#include <momentree/simulate/world/topology_editor.hpp>
 
 namespace momentree::actions {
 

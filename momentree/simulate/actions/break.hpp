@@ -1,6 +1,6 @@
 #pragma once
 // Removes a joint: the child's subtree becomes a separate mechanism (paper, section 4.1). Or removes a spring.
-#include <momentree/simulate/topology_editor.hpp>
+#include <momentree/simulate/world/topology_editor.hpp>
 
 namespace momentree::actions {
 

@@ -1,6 +1,6 @@
 #pragma once
 // Changes the kind or the axes of a joint. This is an impact unless the new joint keeps all DoFs of the old one.
-#include <momentree/simulate/topology_editor.hpp>
+#include <momentree/simulate/world/topology_editor.hpp>
 
 namespace momentree::actions {
 

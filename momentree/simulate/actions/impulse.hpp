@@ -1,7 +1,7 @@
 #pragma once
 // An external impulsive wrench on a body.
 #include <momentree/math/unit.hpp>
-#include <momentree/simulate/topology_editor.hpp>
+#include <momentree/simulate/world/topology_editor.hpp>
 
 namespace momentree::actions {
 

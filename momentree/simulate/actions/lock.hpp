@@ -1,6 +1,6 @@
 #pragma once
 // Locks a joint, or some of its DoFs, where it is: a plastic impact that removes their momenta.
-#include <momentree/simulate/topology_editor.hpp>
+#include <momentree/simulate/world/topology_editor.hpp>
 
 namespace momentree::actions {
 

@@ -1,6 +1,6 @@
 #pragma once
 // Makes a body the root of its free mechanism: no pose, velocity or acceleration changes.
-#include <momentree/simulate/topology_editor.hpp>
+#include <momentree/simulate/world/topology_editor.hpp>
 
 namespace momentree::actions {
 

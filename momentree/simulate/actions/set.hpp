@@ -1,6 +1,6 @@
 #pragma once
 // New parameters for a joint or a spring; velocities stay.
-#include <momentree/simulate/topology_editor.hpp>
+#include <momentree/simulate/world/topology_editor.hpp>
 
 namespace momentree::actions {
 

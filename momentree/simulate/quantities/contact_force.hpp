@@ -1,6 +1,6 @@
 #pragma once
 // Norm of the force between two bodies that touch (N).
-#include <momentree/simulate/of_contact.hpp>
+#include <momentree/simulate/events/of_contact.hpp>
 
 namespace momentree::quantities {
 

@@ -1,6 +1,6 @@
 #pragma once
 // Norm of the impulse of two bodies that hit each other (N s).
-#include <momentree/simulate/of_contact.hpp>
+#include <momentree/simulate/events/of_contact.hpp>
 
 namespace momentree::quantities {
 

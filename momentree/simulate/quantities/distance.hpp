@@ -1,7 +1,7 @@
 #pragma once
 // Distance between two points of bodies (m).
-#include <momentree/simulate/condition.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/events/condition.hpp>
+#include <momentree/simulate/world/world.hpp>
 
 namespace momentree::quantities {
 

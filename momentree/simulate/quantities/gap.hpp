@@ -1,6 +1,6 @@
 #pragma once
 // Least distance of the solids of two bodies, or of those of mechanisms (m).
-#include <momentree/simulate/of_contact.hpp>
+#include <momentree/simulate/events/of_contact.hpp>
 
 namespace momentree::quantities {
 

@@ -1,7 +1,7 @@
 #pragma once
 // Height of a point of a body, against gravity (m).
-#include <momentree/simulate/condition.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/events/condition.hpp>
+#include <momentree/simulate/world/world.hpp>
 
 namespace momentree::quantities {
 

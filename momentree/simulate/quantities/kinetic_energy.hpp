@@ -1,7 +1,7 @@
 #pragma once
 // Kinetic energy of the bodies of a mechanism (J).
-#include <momentree/simulate/condition.hpp>
-#include <momentree/simulate/world.hpp>
+#include <momentree/simulate/events/condition.hpp>
+#include <momentree/simulate/world/world.hpp>
 
 namespace momentree::quantities {
 

@@ -1,6 +1,6 @@
 #pragma once
 // Coordinate of a joint with one DoF (rad, m).
-#include <momentree/simulate/single_dof.hpp>
+#include <momentree/simulate/events/single_dof.hpp>
 
 namespace momentree::quantities {
 

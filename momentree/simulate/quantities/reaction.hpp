@@ -1,6 +1,6 @@
 #pragma once
 // One component of the wrench through a joint, about the joint's frame on the child, in the child's axes (N, N m).
-#include <momentree/simulate/load.hpp>
+#include <momentree/simulate/events/load.hpp>
 
 namespace momentree::quantities {
 

@@ -1,6 +1,6 @@
 #pragma once
 // Norm of the total force through a joint, or the force of a spring (N).
-#include <momentree/simulate/load.hpp>
+#include <momentree/simulate/events/load.hpp>
 
 namespace momentree::quantities {
 

@@ -2,7 +2,7 @@
 // Norm of the linear impulse through a joint at an instantaneous change (N s).
 #include <algorithm>
 
-#include <momentree/simulate/condition.hpp>
+#include <momentree/simulate/events/condition.hpp>
 
 namespace momentree::quantities {
 

@@ -1,6 +1,6 @@
 #pragma once
 // Norm of the total torque through a joint, about the origin of the joint's frame on the child (N m).
-#include <momentree/simulate/load.hpp>
+#include <momentree/simulate/events/load.hpp>
 
 namespace momentree::quantities {
 

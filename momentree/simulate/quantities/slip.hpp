@@ -1,6 +1,6 @@
 #pragma once
 // Speed with which two bodies slip on each other (m/s); without a threshold, whether they do: 1 or 0.
-#include <momentree/simulate/of_contact.hpp>
+#include <momentree/simulate/events/of_contact.hpp>
 
 namespace momentree::quantities {
 

@@ -1,6 +1,6 @@
 #pragma once
 // Velocity of a joint with one DoF (rad/s, m/s).
-#include <momentree/simulate/single_dof.hpp>
+#include <momentree/simulate/events/single_dof.hpp>
 
 namespace momentree::quantities {
 

@@ -1,6 +1,6 @@
 #pragma once
 // Whether two bodies touch: 1 or 0.
-#include <momentree/simulate/of_contact.hpp>
+#include <momentree/simulate/events/of_contact.hpp>
 
 namespace momentree::quantities {
 

@@ -1,6 +1,6 @@
 // A program outside the project's tree runs a scenario, and gets the errors of another.
-#include <momentree/io/session.hpp>
 #include <momentree/momentree.hpp>
+#include <momentree/results/session.hpp>
 
 #include <cstdio>
 #include <string>

@@ -1,0 +1,221 @@
+#include <momentree/export/solids.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include <momentree/text/colour.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+/// Principal moments and axes (columns of a rotation) of a symmetric matrix; Jacobi's method.
+struct Principal {
+  std::array<double, 3> moments{};
+  Mat3 axes{};
+};
+
+Principal principal_of(const Sym3& I) {
+  std::array<std::array<double, 3>, 3> a{{{I.xx, I.xy, I.xz}, {I.xy, I.yy, I.yz}, {I.xz, I.yz, I.zz}}};
+  std::array<std::array<double, 3>, 3> v{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  for (int sweep = 0; sweep < 30; ++sweep) {
+    const double off = std::abs(a[0][1]) + std::abs(a[0][2]) + std::abs(a[1][2]);
+    if (off <= 1e-15 * (std::abs(a[0][0]) + std::abs(a[1][1]) + std::abs(a[2][2]))) break;
+    for (const auto& [p, q] : {std::pair<std::size_t, std::size_t>{0, 1}, {0, 2}, {1, 2}}) {
+      if (a[p][q] == 0) continue;
+      const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+      const double t = (theta >= 0 ? 1 : -1) / (std::abs(theta) + std::hypot(theta, 1.0));
+      const double c = 1 / std::hypot(t, 1.0), s = t * c;
+      const auto mix = [c, s](double& x, double& y) {
+        const double before = x;
+        x = c * before - s * y, y = s * before + c * y;
+      };
+      for (std::size_t k = 0; k < 3; ++k) mix(a[k][p], a[k][q]);
+      for (std::size_t k = 0; k < 3; ++k) mix(a[p][k], a[q][k]);
+      for (std::size_t k = 0; k < 3; ++k) mix(v[k][p], v[k][q]);
+    }
+  }
+  return {{a[0][0], a[1][1], a[2][2]}, {v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2]}};
+}
+
+/// The ellipsoid of uniform density with the body's mass and inertia, as the report draws it; nothing for a point mass, and for
+/// an inertia that is the same about all axes of a body with lines.
+std::optional<Solid> ellipsoid_of(const RecordedBody& body) {
+  if (!body.inertia || !(body.mass > 0)) return std::nullopt;
+  const auto [moments, axes] = principal_of(*body.inertia);
+  const auto [smallest, largest] = std::minmax_element(moments.begin(), moments.end());
+  if (!(*largest > 0)) return std::nullopt;
+  if (!body.extent.empty() && *largest - *smallest < 1e-6 * *largest) return std::nullopt;
+  const double sum = moments[0] + moments[1] + moments[2];
+  std::array<double, 3> half{};
+  for (std::size_t k = 0; k < 3; ++k) half[k] = std::sqrt(std::max(2.5 / body.mass * (sum - 2 * moments[k]), 0.0));
+  // Identified inertias are often not those of any body: none is drawn much longer than the body is.
+  double most = 0;
+  for (const auto& [from, to] : body.extent) most = std::max(most, 0.55 * norm(to - from));
+  double bound = *std::max_element(half.begin(), half.end());
+  if (most > 0) bound = std::min(bound, most);
+  for (double& length : half) length = std::clamp(length, 0.12 * bound, bound);
+  return Solid{
+      .kind = Solid::Kind::ellipsoid, .size = {2 * half[0], 2 * half[1], 2 * half[2]}, .at = {body.com, quaternion_of(axes)}};
+}
+
+class SolidBuilder {
+ public:
+  SolidBuilder(const Recording& run, const std::vector<MeshPart>& parts, const std::vector<MeshParts>& meshes, double length)
+      : run_(run), parts_(parts), meshes_(meshes), radius_(0.045 * length), all_(run.bodies.size()) {}
+
+  std::vector<std::vector<Solid>> build() {
+    for (std::size_t b = 0; b < run_.bodies.size(); ++b) add_shapes(b);
+    for (std::size_t b = 0; b < run_.bodies.size(); ++b) shaped_.push_back(!all_[b].empty());
+    for (std::size_t b = 0; b < run_.bodies.size(); ++b) add_lines(b);
+    return std::move(all_);
+  }
+
+ private:
+  void add_shapes(std::size_t b) {
+    const RecordedBody& body = run_.bodies[b];
+    mesh_.push_back(0), reach_.push_back(0);
+    add_shape(b, body.shape, body.meshes.empty() ? -1 : body.meshes[0]);
+    for (std::size_t i = 0; i < body.shape.more.size(); ++i)
+      add_shape(b, body.shape.more[i], i + 1 < body.meshes.size() ? body.meshes[i + 1] : -1);
+    if (all_[b].empty())
+      if (const std::optional<Solid> ellipsoid = ellipsoid_of(body)) ellipsoids_.emplace_back(b, *ellipsoid);
+  }
+
+  void add_shape(std::size_t b, const Shape& shape, int mesh) {
+    Solid solid{.at = {shape.at.position, normalized(shape.at.rotation)}, .colour = hex_colour(shape.colour)};
+    const double d = 2 * shape.radius;
+    double reach = 0;
+    switch (shape.kind) {
+      case Shape::Kind::none:
+      case Shape::Kind::plane:
+      case Shape::Kind::heights: return;
+      case Shape::Kind::box: solid.size = shape.size, reach = 0.5 * norm(shape.size); break;
+      case Shape::Kind::sphere: solid.kind = Solid::Kind::ellipsoid, solid.size = {d, d, d}, reach = shape.radius; break;
+      case Shape::Kind::ellipsoid:
+        solid.kind = Solid::Kind::ellipsoid, solid.size = 2 * shape.size;
+        reach = std::max({shape.size.x, shape.size.y, shape.size.z});
+        break;
+      case Shape::Kind::cylinder:
+        solid.kind = Solid::Kind::cylinder, solid.size = {d, d, shape.length};
+        reach = std::hypot(shape.radius, 0.5 * shape.length);
+        break;
+      case Shape::Kind::capsule:
+        solid.kind = Solid::Kind::capsule, solid.size = {d, d, shape.length}, reach = shape.radius + 0.5 * shape.length;
+        break;
+      case Shape::Kind::mesh: add_mesh(b, shape, solid, mesh); return;
+    }
+    const Vec3& s = solid.size;
+    if (!(s.x > 0 && s.y > 0 && s.z > 0)) return;
+    reach_[b] = std::max(reach_[b], norm(shape.at.position) + reach);
+    all_[b].push_back(std::move(solid));
+  }
+
+  void add_mesh(std::size_t b, const Shape& shape, Solid solid, int mesh) {
+    if (mesh < 0 || static_cast<std::size_t>(mesh) >= meshes_.size()) return;
+    const Vec3& s = shape.scale;
+    if (s.x == 0 || s.y == 0 || s.z == 0) return;
+    solid.kind = Solid::Kind::mesh, solid.size = s;
+    const std::string own = solid.colour;
+    const auto [first, count] = meshes_[static_cast<std::size_t>(mesh)];
+    for (std::size_t i = first; i < first + count; ++i) {
+      if (parts_[i].triangles.empty()) continue;
+      solid.mesh = static_cast<int>(i), solid.colour = own.empty() ? parts_[i].colour : own;
+      for (const Vec3& p : parts_[i].points)
+        reach_[b] = std::max(reach_[b], norm(solid.at * Vec3{s.x * p.x, s.y * p.y, s.z * p.z}));
+      mesh_[b] = 1, some_mesh_ = true;
+      all_[b].push_back(solid);
+    }
+  }
+
+  void add_lines(std::size_t b) {
+    const RecordedBody& body = run_.bodies[b];
+    const auto own = std::find_if(ellipsoids_.begin(), ellipsoids_.end(), [b](const auto& each) { return each.first == b; });
+    const bool has_ellipsoid = own != ellipsoids_.end();
+    if (has_ellipsoid) all_[b].push_back(own->second);
+    const double reach = shaped_[b] ? 1.2 * reach_[b] : 0;
+    for (const auto& [from, to] : body.extent)
+      if ((reach == 0 || norm(from) > reach || norm(to) > reach) && shows(b, to)) add_rod(b, from, to);
+    const bool only_a_frame = some_mesh_ && body.mass == 0;
+    if (body.extent.empty() && !shaped_[b] && !has_ellipsoid && !only_a_frame) {
+      const double d = 5 * radius_;
+      all_[b].push_back({.kind = Solid::Kind::ellipsoid, .size = {d, d, d}, .at = body.com});
+    }
+  }
+
+  /// Whether a line is drawn although there are meshes: the meshes of its ends show what it would.
+  bool shows(std::size_t b, const Vec3& end) const {
+    if (!some_mesh_ || (mesh_[b] == 0 && run_.bodies[b].mass > 0)) return true;
+    for (std::size_t c = 0; c < run_.bodies.size(); ++c)
+      if (run_.bodies[c].parent == static_cast<int>(b) && mesh_[c] == 0 && run_.bodies[c].mass > 0 &&
+          norm(run_.bodies[c].at - end) < 1e-9)
+        return true;
+    return false;
+  }
+
+  void add_rod(std::size_t b, const Vec3& from, const Vec3& to) {
+    const double length = norm(to - from), d = 2 * radius_;
+    if (length > 0)
+      all_[b].push_back({.kind = Solid::Kind::capsule, .size = {d, d, length}, .at = {0.5 * (from + to), along_z(to - from)}});
+  }
+
+  const Recording& run_;
+  const std::vector<MeshPart>& parts_;
+  const std::vector<MeshParts>& meshes_;
+  const double radius_;
+  std::vector<std::vector<Solid>> all_;
+  std::vector<std::pair<std::size_t, Solid>> ellipsoids_;
+  std::vector<double> reach_;  // by body: the distance that its shapes reach from its origin (m)
+  std::vector<char> mesh_;     // by body: it has a mesh
+  std::vector<bool> shaped_;
+  bool some_mesh_ = false;
+};
+
+}  // namespace
+
+double typical_length(const Recording& run) {
+  std::vector<double> lengths;
+  for (const RecordedBody& body : run.bodies)
+    for (const auto& [from, to] : body.extent)
+      if (const double length = norm(to - from); length > 0) lengths.push_back(length);
+  if (lengths.empty()) return 0.2;
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle;
+}
+
+std::vector<std::vector<Solid>> solids_of(const Recording& run, const std::vector<MeshPart>& parts,
+                                          const std::vector<MeshParts>& meshes, double typical_length) {
+  return SolidBuilder(run, parts, meshes, typical_length).build();
+}
+
+Quat shortest_turn(const Vec3& from, const Vec3& to) {
+  const double cosine = dot(from, to);
+  if (cosine < -1 + 1e-12) {  // half a turn about any axis across
+    const Vec3 across = cross(std::abs(from.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}, from);
+    const Vec3 axis = normalized(across);
+    return {0, axis.x, axis.y, axis.z};
+  }
+  const Vec3 axis = cross(from, to);
+  return normalized(Quat{1 + cosine, axis.x, axis.y, axis.z});
+}
+
+Pose BarPoses::next(const Vec3& from, const Vec3& to) {
+  const double length = norm(to - from);
+  if (length > 1e-12) {
+    const Vec3 now = (1 / length) * (to - from);
+    rotation_ = normalized(shortest_turn(direction_, now) * rotation_);
+    direction_ = now;
+  }
+  return {0.5 * (from + to), rotation_};
+}
+
+Vec3 bar_scale(double radius, const Vec3& from, const Vec3& to) {
+  return {2 * radius, 2 * radius, std::max(norm(to - from), 1e-6)};
+}
+
+Quat along_z(const Vec3& direction) { return shortest_turn({0, 0, 1}, normalized(direction)); }
+
+}  // namespace momentree::io

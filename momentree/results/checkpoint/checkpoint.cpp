@@ -1,0 +1,88 @@
+#include <momentree/results/checkpoint/checkpoint.hpp>
+
+#include <utility>
+
+#include <momentree/results/checkpoint/run_fields.hpp>
+
+namespace momentree::io {
+
+namespace {
+
+// Like that of PNG: files that were changed by a transfer as text are recognised.
+constexpr std::string_view checkpoint_magic = "\x89MTCKPT\r\n\x1a\n";
+constexpr std::uint64_t checkpoint_format = 13;
+constexpr const char* damaged_checkpoint = "this checkpoint is damaged";
+constexpr const char* start_again = "run without --resume to start again from the beginning";
+
+std::string little_endian(std::uint64_t n) {
+  std::string bytes;
+  for (int i = 0; i < 8; ++i) bytes += static_cast<char>(n >> (8 * i) & 255);
+  return bytes;
+}
+
+std::uint64_t number_in(std::string_view bytes, std::size_t at) {
+  std::uint64_t n = 0;
+  for (std::size_t i = 0; i < 8; ++i) n |= std::uint64_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
+  return n;
+}
+
+}  // namespace
+
+template <class Archive>
+void fields(Archive& archive, Part<Archive, RunInput>& i) {
+  archive(i.version, i.scenario, i.documents, i.reactions);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, TextFile::Mark>& m) {
+  archive(m.size, m.checksum);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, RecorderState::Table>& t) {
+  archive(t.mark, t.last);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, RecorderState>& r) {
+  archive(r.events, r.bodies, r.joints, r.energy, r.springs, r.contacts, r.next, r.row_time, r.events_taken, r.body_quaternions,
+          r.joint_quaternions);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, Checkpoint>& c) {
+  archive(c.input, c.every, c.run, c.record);
+}
+
+std::string checkpoint_bytes(const Checkpoint& checkpoint) {
+  if (!checkpoint.run.world.added.empty())
+    throw_error({"bodies were added to this world: it cannot be saved as a checkpoint", "", ""});
+  ArchiveWriter archive;
+  archive(checkpoint);
+  std::string bytes(checkpoint_magic);
+  bytes += little_endian(checkpoint_format) + little_endian(archive.bytes.size()) + archive.bytes;
+  Checksum checksum;
+  checksum.add(bytes);
+  return bytes + little_endian(checksum.value());
+}
+
+Checkpoint read_checkpoint(std::string_view bytes, const std::string& path) {
+  const std::size_t head = checkpoint_magic.size() + 16, tail = 8;
+  if (!bytes.starts_with(checkpoint_magic)) throw_error({"this is not a checkpoint of momentree", path, start_again});
+  if (bytes.size() < head + tail || number_in(bytes, checkpoint_magic.size() + 8) != bytes.size() - head - tail)
+    throw_error({"this checkpoint is incomplete", path, start_again});
+  Checksum checksum;
+  checksum.add(bytes.substr(0, bytes.size() - tail));
+  if (checksum.value() != number_in(bytes, bytes.size() - tail)) throw_error({damaged_checkpoint, path, start_again});
+  if (const std::uint64_t found = number_in(bytes, checkpoint_magic.size()); found != checkpoint_format)
+    throw_error({"this checkpoint has format " + std::to_string(found) + ", and this version reads format " +
+                     std::to_string(checkpoint_format),
+                 path, "resume with the version that wrote it, or run without --resume"});
+  Checkpoint checkpoint;
+  try {
+    ArchiveReader archive(bytes.substr(head, bytes.size() - head - tail), damaged_checkpoint);
+    archive(checkpoint);
+    archive.require(archive.at_end());
+  } catch (const Error&) {
+    throw_error({damaged_checkpoint, path, start_again});
+  }
+  return checkpoint;
+}
+
+}  // namespace momentree::io

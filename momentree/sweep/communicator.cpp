@@ -1,7 +1,0 @@
-#include <momentree/sweep/communicator.hpp>
-
-namespace momentree::sweep {
-
-Communicator::~Communicator() = default;
-
-}  // namespace momentree::sweep

@@ -1,0 +1,7 @@
+#include <momentree/sweep/machines/communicator.hpp>
+
+namespace momentree::sweep {
+
+Communicator::~Communicator() = default;
+
+}  // namespace momentree::sweep
