@@ -23,6 +23,7 @@ extensions = [
 ]
 include_patterns = [
     "README.md",
+    "ARCHITECTURE.md",
     "CONTRIBUTING.md",
     "CHANGELOG.md",
     "SECURITY.md",

@@ -88,7 +88,7 @@ NAVIGATION = [
     ),
     (
         "Project",
-        ["CHANGELOG", "CONTRIBUTING", "SECURITY", "packaging/README", "wasm/npm/README", "tests/data/README"],
+        ["ARCHITECTURE", "CHANGELOG", "CONTRIBUTING", "SECURITY", "packaging/README", "wasm/npm/README", "tests/data/README"],
     ),
 ]
 

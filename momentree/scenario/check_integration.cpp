@@ -90,7 +90,7 @@ class IntegrationChecker {
     // Changes of the world by a document or an event before the first step are not known here.
     const auto at_start = [](const ScenarioEvent& event) { return !event.condition && event.after.empty() && event.time == 0; };
     if (!scenario_.state_files.empty() || std::any_of(scenario_.events.begin(), scenario_.events.end(), at_start)) return;
-    const Tree tree(model);
+    const Tree& tree = model.compiled();
     if (tree.nv() == 0) return;
     State state = start_state(model, tree, tree.has_loops() ? how_.loop_variables() : Variables::momenta);
     if (tree.has_loops() && assemble(tree, model, Names(model), state, given_start(model, tree)))

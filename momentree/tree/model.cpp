@@ -72,6 +72,7 @@ BodyId Model::add_unjudged(BodySpec spec) {
         {"there is already a " + std::string(has_spring(spec.joint_name) ? "spring" : "joint") + " '" + spec.joint_name + "'",
          spec.name, "joint names must be unique in a model"});
 
+  detail::forget(compiled_);
   const int index = size();
   by_body_.own().emplace(spec.name, index);
   by_joint_.own().emplace(spec.joint_name, index);
@@ -86,6 +87,7 @@ BodyId Model::add_unjudged(BodySpec spec) {
 
 void Model::set_gravity(Vec3 gravity) {
   if (!std::isfinite(norm(gravity))) throw_error({"gravity must be finite numbers", "", "m/s², world axes"});
+  detail::forget(compiled_);
   gravity_ = gravity;
 }
 
@@ -94,6 +96,7 @@ void Model::add_force(BodyForce force) {
     throw_error({"the force acts on no body of this model", "", "give what add() returned for the body"});
   for (const ForceProblem& problem : check_force(force))
     throw_error({problem.field + ": " + problem.what, "force on " + (*this)[force.body].name, problem.hint});
+  detail::forget(compiled_);
   forces_.push_back(std::move(force));
 }
 
@@ -111,6 +114,7 @@ JointId Model::add_loop(LoopSpec spec) {
   spec.child_at.rotation = unit(spec.child_at.rotation);
   normalise_quaternion(spec.joint.parameters.rest, kind.q_units);
   begin_motion(spec.joint.parameters.drive, 0, 0);
+  detail::forget(compiled_);
   const int number = first_loop + static_cast<int>(loops_.size());
   by_joint_.own().emplace(spec.name, number);
   loops_.push_back(std::move(spec));
@@ -123,6 +127,7 @@ CouplingId Model::add_coupling(const Coupling& coupling) {
     throw_error({problem.field + ": " + problem.what,
                  known ? "coupling of '" + (*this)[coupling.joint].joint_name + "'" : "coupling", problem.hint});
   }
+  detail::forget(compiled_);
   couplings_.push_back(coupling);
   return {static_cast<int>(couplings_.size()) - 1};
 }
@@ -141,6 +146,7 @@ SpringId Model::add_spring(Spring spring) {
   for (SpringProblem& problem : check_spring(spring)) wrong(problem.field + ": " + problem.what, std::move(problem.hint));
   if (!spring.rest) spring.rest = norm(start_place(bodies(), spring.to) - start_place(bodies(), spring.from));
   if (spring.inextensible && !(*spring.rest > 0)) wrong("its ends coincide at the start", "give it a length");
+  detail::forget(compiled_);
   has_cables_ = has_cables_ || spring.inextensible;
   springs_.push_back(std::move(spring));
   return {static_cast<int>(springs_.size()) - 1};
@@ -168,6 +174,7 @@ void Model::reserve(int count) {
 
 void Model::keep(int count) {
   MT_REQUIRE(count >= 0, "a number of bodies");
+  detail::forget(compiled_);
   std::erase_if(forces_, [count](const BodyForce& force) { return force.body.index >= count; });
   while (!loops_.empty() && (loops_.back().body.index >= count || loops_.back().to.index >= count)) {
     by_joint_.own().erase(loops_.back().name);

@@ -2,6 +2,7 @@
 // The model as the user declares it: named bodies, joints, placements. Checked as it is built; never used inside a step.
 #include <concepts>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -54,6 +55,16 @@ struct NameHash {
   using is_transparent = void;
   std::size_t operator()(std::string_view name) const { return std::hash<std::string_view>{}(name); }
 };
+}  // namespace detail
+
+class Tree;
+
+namespace detail {
+/// The place of a model's tree, which copies of the model share.
+class CompiledOnce;
+std::shared_ptr<CompiledOnce> not_compiled();
+/// Before a model changes: its tree is no longer that of its copies.
+void forget(std::shared_ptr<CompiledOnce>& compiled);
 }  // namespace detail
 
 /// The mechanisms of one world. Copies share their bodies until one of them changes. `add` throws Error for faults of a single
@@ -164,6 +175,10 @@ class Model {
   bool has_body(std::string_view name) const { return by_body_->find(name) != by_body_->end(); }
   bool has_joint(std::string_view name) const { return by_joint_->find(name) != by_joint_->end(); }
 
+  /// The tree of this model, compiled when it is first needed. Copies of the model share it until one of them changes. Threads
+  /// may ask for it at once.
+  const Tree& compiled() const;
+
   /// Name of the mechanism whose root at the start is `root`: the part of the root's name before the first '/'. It is the whole
   /// name if there is no '/', or if an earlier root has that part already.
   std::string mechanism_name(BodyId root) const;
@@ -181,6 +196,7 @@ class Model {
   std::vector<Collider> colliders_;
   std::vector<ContactRule> contact_rules_;
   detail::CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: the first root with that name
+  std::shared_ptr<detail::CompiledOnce> compiled_ = detail::not_compiled();
 };
 
 /// A fault of a single body other than its inertia. `field` is the scenario key at fault, of the body or of its joint.

@@ -1,11 +1,14 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include <momentree/joint/kinds.hpp>
 #include <momentree/tree/model.hpp>
+#include <momentree/tree/tree.hpp>
 
 using namespace momentree;
 
@@ -144,4 +147,41 @@ TEST_CASE("a mechanism is named by the part before the slash, unless an earlier 
   CHECK(model.mechanism_name(a) == "m");
   CHECK(model.mechanism_name(b) == "m/b");
   CHECK(model.mechanism_name(c) == "alone");
+}
+
+TEST_CASE("a model is compiled once, by whichever thread needs it first, and again after each kind of change") {
+  Model model;
+  const BodyId a = model.add(link("m/a")), b = model.add(link("m/b", a));
+  std::vector<const Tree*> seen(8);
+  std::vector<std::thread> threads;
+  for (const Tree*& tree : seen) threads.emplace_back([&model, &tree] { tree = &model.compiled(); });
+  for (std::thread& thread : threads) thread.join();
+  for (const Tree* tree : seen) CHECK(tree == &model.compiled());
+
+  const auto stays = [&](const auto& change) {
+    Model copy = model;
+    if (&copy.compiled() != &model.compiled()) return false;
+    change(copy);
+    return &copy.compiled() == &model.compiled();
+  };
+  CHECK(stays([](Model&) {}));
+  CHECK(stays([](Model& m) { m.reserve(10); }));
+  CHECK(!stays([&](Model& m) { m.add(link("m/c", b)); }));
+  CHECK(!stays([&](Model& m) { m.set_gravity({0, 0, 1}); }));
+  CHECK(!stays([&](Model& m) { m.add_force({.body = a}); }));
+  CHECK(!stays([&](Model& m) { m.add_spring({.name = "s", .from = {ground, {0, 0, 1}}, .to = {b, {}}, .stiffness = 1}); }));
+  CHECK(!stays([&](Model& m) { m.add_loop({.name = "l", .body = b, .joint = Ball{}}); }));
+  CHECK(!stays([&](Model& m) { m.add_coupling({.joint = {0}, .follows = {1}}); }));
+  CHECK(!stays([&](Model& m) { m.keep(1); }));
+
+  // A change of the only model that has a tree, and of one that was moved from and assigned to.
+  Model alone = model;
+  alone.set_gravity({0, 0, 2});
+  const Tree before = alone.compiled();
+  alone.set_gravity({0, 0, 3});
+  CHECK(before.gravity() == Vec3{0, 0, 2});
+  CHECK(alone.compiled().gravity() == Vec3{0, 0, 3});
+  Model taken = std::move(alone);
+  alone = taken;
+  CHECK(&alone.compiled() == &taken.compiled());
 }

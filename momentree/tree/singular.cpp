@@ -35,7 +35,7 @@ double mass_nearby(const Tree& tree, const std::vector<SpatialMass<double>>& car
 }  // namespace
 
 std::vector<SingularJoint> singular_joints(const Model& model) {
-  const Tree tree(model);
+  const Tree& tree = model.compiled();
   std::vector<double> q(static_cast<std::size_t>(tree.nq()));
   for (const int b : tree.order()) {
     const Values own = start_coordinates(model[BodyId{b}]);

@@ -292,7 +292,7 @@ void construct(BatchObject* self, const ModelObject& model, int worlds, int thre
   if (!model.couplings.empty())
     refuse("a batch has no couplings by springs, which the model has",
            "leave out their stiffness, so that the joints follow exactly, or use a sweep");
-  const Tree tree(model.model);
+  const Tree& tree = model.model.compiled();
   const double simulation = model.model.has_contact() ? 8e3 + 4e3 * tree.bodies() : 0;  // at least
   const double bytes = static_cast<double>(worlds) * (16.0 * (tree.nq() + tree.nv()) + 64 + simulation);
   const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));

@@ -137,7 +137,7 @@ void check_tolerance(Reading& reading) {
   if (!is_adaptive(integration.method)) return;
   double resolved = 0x1p-53;
   if (integration.state_variables(reading.scenario.model) == Variables::momenta) {
-    const Tree tree(reading.scenario.model);
+    const Tree& tree = reading.scenario.model.compiled();
     resolved = velocity_resolution(tree, start_state(reading.scenario.model, tree).q());
   }
   if (integration.rtol >= 10 * resolved) return;

@@ -66,7 +66,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
           {names_.joint(tree_.loops()[i].id().index), tree_.loops()[i].joint.kind, std::make_shared<const JointFunction>(*f)});
   const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
   if (forest.places.size() < model_.bodies().size()) model_.keep(first_bodies_);
-  tree_ = Tree(model_);
+  tree_ = model_.compiled();
   former_contacts_.clear(), overlapping_ = forest.overlapping;
   first_bodies_ = model_.size();
   declared_ = names_ = Names(model_);
