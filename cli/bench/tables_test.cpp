@@ -121,10 +121,10 @@ TEST_CASE("momentree bench: tables for people, one document for programs") {
 #endif
   }
 #ifdef __linux__
-  // Equal joints, masses and placements are stored once. So few bodies leave pages half used: a million bodies need 642 and 1402
-  // bytes each, of which the tree that the model keeps takes 107.
+  // Equal joints, masses and placements are stored once. So few bodies leave pages half used: a million bodies need 535 and 1295
+  // bytes each.
   for (const char* key : {"bytes_per_body", "bytes_per_body_with_motions"}) {
-    CHECK(large.at(0).at(key) < (key == std::string("bytes_per_body") ? 900 : 1500));
+    CHECK(large.at(0).at(key) < (key == std::string("bytes_per_body") ? 900 : 1400));
     CHECK(large.at(0).at(key).get<double>() + 300 < large.at(1).at(key));
   }
 #endif

@@ -28,10 +28,16 @@ struct Field {
   Range range = Range::any;
   const char* required = nullptr;  ///< for a member that must be given: the hint if it is missing, which may be empty
   bool unbounded = false;          ///< a number that may be infinite: null in JSON
+  const char* absent = nullptr;    ///< what an absent member means, if that is not the value of a new object
 
   constexpr Field needed(const char* hint) const {
     Field field = *this;
     field.required = hint;
+    return field;
+  }
+  constexpr Field by_default(const char* value) const {
+    Field field = *this;
+    field.absent = value;
     return field;
   }
   constexpr Field or_infinite() const {

@@ -32,12 +32,15 @@ class CompiledOnce {
 std::shared_ptr<CompiledOnce> not_compiled() { return std::make_shared<CompiledOnce>(); }
 
 void forget(std::shared_ptr<CompiledOnce>& compiled) {
-  if (compiled == nullptr || compiled.use_count() > 1 || !compiled->empty()) compiled = not_compiled();
+  bool stays = compiled != nullptr && compiled.use_count() == 1;
+  std::atomic_thread_fence(std::memory_order_acquire);  // a copy that has ended may have compiled it
+  stays = stays && compiled->empty();
+  if (!stays) compiled = not_compiled();
 }
 
 }  // namespace detail
 
-const Tree& Model::compiled() const {
+const Tree& Model::compiled() const& {
   MT_REQUIRE(compiled_ != nullptr, "a model that was not moved from");
   return compiled_->of(*this);
 }

@@ -22,6 +22,7 @@ class Words {
  public:
   Words& operator()(double x) { return (*this)(std::bit_cast<std::uint64_t>(x)); }
   Words& operator()(std::uint64_t x) {
+    MT_REQUIRE(count_ < N, "as many words as there is room for");
     words_[count_++] = x;
     return *this;
   }

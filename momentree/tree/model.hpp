@@ -176,8 +176,9 @@ class Model {
   bool has_joint(std::string_view name) const { return by_joint_->find(name) != by_joint_->end(); }
 
   /// The tree of this model, compiled when it is first needed. Copies of the model share it until one of them changes. Threads
-  /// may ask for it at once.
-  const Tree& compiled() const;
+  /// may ask for it at once. The reference is valid until this model changes or ends.
+  const Tree& compiled() const&;
+  const Tree& compiled() const&& = delete;
 
   /// Name of the mechanism whose root at the start is `root`: the part of the root's name before the first '/'. It is the whole
   /// name if there is no '/', or if an earlier root has that part already.

@@ -162,10 +162,16 @@ TEST_CASE("a model is compiled once, by whichever thread needs it first, and aga
     Model copy = model;
     if (&copy.compiled() != &model.compiled()) return false;
     change(copy);
+    const Tree now(copy);
+    CHECK(copy.compiled().topology().model == now.topology().model);
+    CHECK(copy.compiled().bodies() == now.bodies());
+    CHECK(copy.compiled().loops().size() == now.loops().size());
     return &copy.compiled() == &model.compiled();
   };
   CHECK(stays([](Model&) {}));
   CHECK(stays([](Model& m) { m.reserve(10); }));
+  CHECK(stays([](Model& m) { m.add_contact_rule({}); }));  // a tree has neither colliders nor their rules
+  CHECK(stays([](Model& m) { m.add_collider({.plane = true}); }));
   CHECK(!stays([&](Model& m) { m.add(link("m/c", b)); }));
   CHECK(!stays([&](Model& m) { m.set_gravity({0, 0, 1}); }));
   CHECK(!stays([&](Model& m) { m.add_force({.body = a}); }));

@@ -59,7 +59,7 @@ template <class Visitor, class S>
 void describe_law(Visitor& visit, S& s) {
   using namespace dimension;
   visit("stiffness", s.stiffness, Field{"Stiffness", force / length, Range::not_negative});
-  visit("rest", s.rest, Field{"Length without force; default: the distance at the start", length, Range::not_negative});
+  visit("rest", s.rest, Field{"Length without force", length, Range::not_negative}.by_default("the distance at the start"));
   visit("damping", s.damping, Field{"Force per rate of the length", force / speed, Range::not_negative});
   visit("tension_only", s.tension_only, Field{"A rope: it pulls and never pushes"});
   visit("strength", s.strength, Field{"It breaks when its force exceeds this", force, Range::positive}.or_infinite());
@@ -113,7 +113,7 @@ void describe(Visitor& visit, C& cable) {
             "for example from = { body = \"tug/hull\", point = [1, 0, 0] }"));
   visit("to", cable.to, Field{"Its second end"}.needed("for example to = { body = \"ground\", point = [0, 0, 3] }"));
   visit("length", cable.length,
-        Field{"Its ends are never farther apart; default: the distance at the start", length, Range::positive});
+        Field{"Its ends are never farther apart", length, Range::positive}.by_default("the distance at the start"));
   visit("restitution", cable.restitution,
         Field{"How its ends rebound when it becomes taut: 0 (not at all) to 1", number, Range::not_negative});
   visit("strength", cable.strength, Field{"It breaks when its tension exceeds this", force, Range::positive}.or_infinite());

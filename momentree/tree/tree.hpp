@@ -470,7 +470,7 @@ class Tree {
 };
 
 /// Compiles a model: `Tree tree = compile(model)`.
-[[nodiscard]] inline Tree compile(const Model& model) { return model.compiled(); }
+[[nodiscard]] inline Tree compile(const Model& model) { return Tree(model); }
 
 /// Joints at which the joint-space mass is singular at these coordinates (nq numbers, order of State::q).
 std::vector<SingularJoint> singular_joints(const Tree& tree, std::span<const double> coordinates);

@@ -37,9 +37,10 @@ class Elements(_core.ModelBase):
     ) -> None:
         """Add a spring or a rope between two points of bodies.
 
-        Its force is along the line between the points: stiffness·(length − rest) + damping·(rate of the length) pulls them
-        together. It stays with the bodies, whatever they are joined to. ``sim.world.springs[name]`` has its length and
-        tension; ``break_joint`` breaks it, and ``reaction(name).force`` is the size of its force.
+        The points are of different bodies, or of a body and the ground. The force is along the line between them:
+        stiffness·(length − rest) + damping·(rate of the length) pulls them together. It stays with the bodies, whatever they
+        are joined to. ``sim.world.springs[name]`` has its length and tension; ``break_joint`` breaks it, and
+        ``reaction(name).force`` is the size of its force.
 
         Args:
             name: Unique among springs, cables and joints.
@@ -47,7 +48,7 @@ class Elements(_core.ModelBase):
                 0.1))``.
             end: The other end, likewise.
             stiffness: Stiffness (N/m).
-            rest: Length without force; default: the distance at the start (m).
+            rest: Length without force (m); default: the distance at the start.
             damping: Force per rate of the length (N s/m).
             tension_only: A rope: it pulls and never pushes.
             strength: It breaks when its force exceeds this (N).
@@ -69,16 +70,17 @@ class Elements(_core.ModelBase):
     ) -> None:
         """Add an inextensible cable between two points of bodies.
 
-        Its ends are never farther apart than its length. It becomes taut by an impact (event ``taut NAME``), then exerts the
-        tension that this takes, and is slack from the instant at which it would have to push (event ``slack NAME``).
-        ``sim.world.springs[name]`` has its length and tension; ``break_joint`` cuts it.
+        The points are of different bodies, or of a body and the ground, and never farther apart than its length. It becomes
+        taut by an impact (event ``taut NAME``), then exerts the tension that this takes, and is slack from the instant at
+        which it would have to push (event ``slack NAME``). ``sim.world.springs[name]`` has its length and tension;
+        ``break_joint`` cuts it.
 
         Args:
             name: Unique among springs, cables and joints.
             start: One end: a body, or ``"ground"``; or a pair of it and a point in its frame (m): ``("arm/hand", (0, 0,
                 0.1))``.
             end: The other end, likewise.
-            length: Its ends are never farther apart; default: the distance at the start (m).
+            length: Its ends are never farther apart (m); default: the distance at the start.
             restitution: How its ends rebound when it becomes taut: 0 (not at all) to 1.
             strength: It breaks when its tension exceeds this (N).
 

@@ -25,7 +25,8 @@ template <class T, class Object, class Get>
 void add_members(nb::class_<Object>& type, Get get) {
   const auto add = [&]<class Member>(const char* key, const Member&, const Field& field) {
     const std::string unit = unit_of(field.dimension);
-    const std::string about = field.about + (unit.empty() ? "." : " (" + unit + ").");
+    const std::string about =
+        field.about + (unit.empty() ? "" : " (" + unit + ")") + (field.unbounded ? "; infinite: never." : ".");
     type.def_prop_ro(
         key,
         [get, key](const Object& object) {

@@ -64,7 +64,8 @@ void register_vocabulary(nb::module_& m) {
                                  : key.type.form == io::Type::Form::number ? "number"
                                  : key.type.form == io::Type::Form::text   ? "name"
                                                                            : "end";
-        fields.append(nb::make_tuple(key.name, what, key.about, unit_of(key.type.dimension), key.required != nullptr));
+        fields.append(nb::make_tuple(key.name, what, key.about, unit_of(key.type.dimension), key.required != nullptr,
+                                     key.absent != nullptr ? key.absent : ""));
       });
       elements.append(nb::make_tuple(table->definition, table->about, table->details, fields));
     }

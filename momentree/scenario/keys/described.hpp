@@ -40,7 +40,7 @@ class KeyCollector {
 
  private:
   void add(const char* key, const Type& type, const Field& field, const char* standard = nullptr) {
-    keys_.push_back({key, type, field.about, standard, field.required});
+    keys_.push_back({key, type, field.about, standard, field.required, nullptr, field.absent});
   }
   std::vector<Key> keys_;
   std::list<std::string> texts_;

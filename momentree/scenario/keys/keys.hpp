@@ -71,6 +71,7 @@ struct Key {
   const char* standard = nullptr;      ///< the default value, as JSON
   const char* required = nullptr;      ///< for a key that must be given: the hint if it is missing, which may be empty
   bool KindInfo::*of_kinds = nullptr;  ///< for a key that only some kinds of joint have
+  const char* absent = nullptr;        ///< the default in words, where `standard` cannot say it
 };
 
 /// Keys of which a table must have exactly one, at least one, or at most one.

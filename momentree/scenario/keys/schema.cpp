@@ -146,6 +146,7 @@ Json Schema::of_type(const Type& type, std::string& about) {
 
 void Schema::add(const Key& key, Json& properties) {
   std::string about = key.about;
+  if (key.absent != nullptr) about += std::string("; default: ") + key.absent;
   Json value = of_type(key.type, about);
   if (key.of_kinds != nullptr) {
     std::vector<std::string> kinds;

@@ -91,7 +91,8 @@ constinit const KeyTable spring_table{.name = "[[spring]]",
                                       .rules = {{KeyRule::How::some, "stiffness damping"}},
                                       .described = &keys_of<Spring>,
                                       .details =
-                                          "Its force is along the line between the points: stiffness·(length − rest) + "
+                                          "The points are of different bodies, or of a body and the ground. The force is along "
+                                          "the line between them: stiffness·(length − rest) + "
                                           "damping·(rate of the length) pulls them together. It stays with the bodies, whatever "
                                           "they are joined to. ``sim.world.springs[name]`` has its length and tension; "
                                           "``break_joint`` breaks it, and ``reaction(name).force`` is the size of its force."};
@@ -101,7 +102,8 @@ constinit const KeyTable cable_table{.name = "[[cable]]",
                                      .about = "An inextensible cable between two points of bodies",
                                      .described = &keys_of<Cable>,
                                      .details =
-                                         "Its ends are never farther apart than its length. It becomes taut by an impact (event "
+                                         "The points are of different bodies, or of a body and the ground, and never farther "
+                                         "apart than its length. It becomes taut by an impact (event "
                                          "``taut NAME``), then exerts the tension that this takes, and is slack from the instant "
                                          "at which it would have to push (event ``slack NAME``). ``sim.world.springs[name]`` has "
                                          "its length and tension; ``break_joint`` cuts it."};

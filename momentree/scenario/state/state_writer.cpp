@@ -88,7 +88,10 @@ void write_spring(JsonWriter& json, const World& world, int number) {
   json.key(spring.name).begin_object();
   json.member("broken", spring.broken);
   MemberWriter members(json, world.model());
-  describe(members, spring.law);
+  if (spring.inextensible)
+    json.member("rest", spring.law.rest).member("strength", spring.law.strength);
+  else
+    describe(members, spring.law);
   json.member("length", spring.length).member("rate", spring.rate).member("tension", spring.tension);
   json.end_object();
 }
