@@ -207,12 +207,6 @@ std::vector<std::string> matching_joints(const std::string& pattern, bool spring
 std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading);
 
 void read_force(const Value& table, Reading& reading);
-/// The tables of elements between bodies, such as [[spring]], and their reader.
-struct ElementTable {
-  const KeyTable* keys;
-  void (*read)(const Value& table, Reading& reading);
-};
-std::span<const ElementTable> element_tables();
 
 /// The value of a body's `collision`; it has its shape already.
 void read_collision(const Value& value, BodyEntry& body, Reading& reading);

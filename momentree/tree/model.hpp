@@ -60,10 +60,10 @@ struct NameHash {
 class Tree;
 
 namespace detail {
-/// The place of a model's tree, which copies of the model share.
+/// Holds the tree of a model once it is compiled. Copies of the model share it.
 class CompiledOnce;
 std::shared_ptr<CompiledOnce> not_compiled();
-/// Before a model changes: its tree is no longer that of its copies.
+/// Before a model changes: from then on it has a tree of its own, which is not compiled yet.
 void forget(std::shared_ptr<CompiledOnce>& compiled);
 }  // namespace detail
 

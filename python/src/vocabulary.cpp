@@ -57,9 +57,9 @@ void register_vocabulary(nb::module_& m) {
     for (const io::JointKey& key : io::joint_keys())
       if (!key.documents) parameters.append(nb::make_tuple(key.key, key.about));
     nb::list elements;
-    for (const io::KeyTable* table : io::element_keys()) {
+    for (const io::ElementTable& element : io::element_tables()) {
       nb::list fields;
-      table->each([&](const io::Key& key) {
+      element.keys->each([&](const io::Key& key) {
         const char* const what = key.type.form == io::Type::Form::boolean  ? "flag"
                                  : key.type.form == io::Type::Form::number ? "number"
                                  : key.type.form == io::Type::Form::text   ? "name"
@@ -67,7 +67,7 @@ void register_vocabulary(nb::module_& m) {
         fields.append(nb::make_tuple(key.name, what, key.about, unit_of(key.type.dimension), key.required != nullptr,
                                      key.absent != nullptr ? key.absent : ""));
       });
-      elements.append(nb::make_tuple(table->definition, table->about, table->details, fields));
+      elements.append(nb::make_tuple(element.keys->definition, element.keys->about, element.keys->details, fields));
     }
     nb::list members;
     const auto add = [&](const char* key, const auto& member, const Field&) {

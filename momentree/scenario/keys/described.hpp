@@ -23,6 +23,13 @@ inline constexpr Type body_point = type::other(R"({"anyOf": [{"type": "string"},
 /// Collects the keys of a table.
 class KeyCollector {
  public:
+  template <class T>
+  explicit KeyCollector(const T& standard) {
+    describe(*this, standard);
+  }
+  KeyCollector(const KeyCollector&) = delete;  // keys point to texts
+  KeyCollector& operator=(const KeyCollector&) = delete;
+  ~KeyCollector() = default;
   void operator()(const char* key, const std::string&, const Field& field) { add(key, type::string, field); }
   void operator()(const char* key, bool standard, const Field& field) {
     add(key, type::boolean, field, standard ? "true" : "false");
@@ -49,12 +56,7 @@ class KeyCollector {
 /// The keys of the table of a described type, for KeyTable::described.
 template <class T>
 KeyList keys_of() {
-  static const KeyCollector collector = [] {
-    KeyCollector all;
-    T value;
-    describe(all, value);
-    return all;
-  }();
+  static const KeyCollector collector{T{}};
   return collector.keys();
 }
 

@@ -118,8 +118,13 @@ extern const KeyTable scenario_table, world_table, integrate_table, output_table
     shape_table, ground_shape_table, joint_table, joint_override_table, joint_start_table, placement_table, force_table,
     spring_table, cable_table, loop_table, coupling_table, mimic_table, contact_table, floor_table, belt_table, event_table,
     condition_table, point_table;
-/// The tables of elements between bodies, such as spring_table.
-std::vector<const KeyTable*> element_keys();
+struct Reading;
+/// The tables of elements between bodies, such as spring_table, and their readers.
+struct ElementTable {
+  const KeyTable* keys;
+  void (*read)(const Value& table, Reading& reading);
+};
+std::span<const ElementTable> element_tables();
 /// Kind, axis, axis2 and pitch; and the initial values.
 extern const KeyList joint_geometry, joint_starts;
 /// The geometry of a joint that closes a loop.

@@ -49,7 +49,7 @@ class SpringReader : public FieldReader {
   using FieldReader::operator();
   void operator()(const char*, std::string& name, const Field&) { name = read_name(fields_, what_, reading_); }
   void operator()(const char* key, SpringEnd& end, const Field&) {
-    if (const std::optional<SpringEnd> read = read_end(key)) end = *read;
+    if (const std::optional<SpringEnd> given = read_end(key)) end = *given;
   }
   /// False if an end is missing, wrong, or of a mechanism with errors.
   bool complete() const { return ends_ == 2; }
@@ -120,12 +120,12 @@ void read(const Value& table, const KeyTable& keys, Reading& reading) {
   const std::size_t errors = out.errors();
   Fields fields(table, keys, out);
   SpringReader reader(fields, keys.definition, reading);
-  T read;
-  describe(reader, read);
+  T element;
+  describe(reader, element);
   fields.finish();
   if (!reader.complete() || errors != out.errors()) return;
   Model& model = reading.scenario.model;
-  Spring spring = declared(std::move(read));
+  Spring spring = declared(std::move(element));
   for (SpringProblem& problem : check_spring(spring))
     out.error(fields.place_of(problem.field), problem.field + ": " + problem.what, std::move(problem.hint));
   if (errors != out.errors()) return;
@@ -140,12 +140,6 @@ void read(const Value& table, const KeyTable& keys, Reading& reading) {
 }
 
 }  // namespace
-
-std::vector<const KeyTable*> element_keys() {
-  std::vector<const KeyTable*> keys;
-  for (const ElementTable& element : element_tables()) keys.push_back(element.keys);
-  return keys;
-}
 
 std::span<const ElementTable> element_tables() {
   static constexpr ElementTable all[] = {

@@ -88,7 +88,7 @@ void write_spring(JsonWriter& json, const World& world, int number) {
   json.key(spring.name).begin_object();
   json.member("broken", spring.broken);
   MemberWriter members(json, world.model());
-  if (spring.inextensible)
+  if (spring.inextensible)  // the rest of a law is not for cables
     json.member("rest", spring.law.rest).member("strength", spring.law.strength);
   else
     describe(members, spring.law);
