@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <momentree/base/units.hpp>
+#include <momentree/base/value.hpp>
 #include <momentree/scenario/keys/joint_keys.hpp>
 
 namespace momentree::io {
