@@ -1,6 +1,6 @@
 #pragma once
 // Mechanisms with closed loops for the benchmarks: gravity, no damping.
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 
 namespace momentree::bench {
 

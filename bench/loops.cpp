@@ -8,8 +8,8 @@
 #include <ctime>
 #include <vector>
 
-#include <momentree/dynamics/loop_workspace.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loop_workspace.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/simulate/simulation.hpp>
 #ifdef MOMENTREE_HAS_GENERATE

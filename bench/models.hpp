@@ -1,6 +1,6 @@
 #pragma once
 // The mechanisms measured by the benchmarks and by `momentree bench`: revolute joints, gravity, light damping.
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 
 namespace momentree::bench {
 

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include <cli/arguments.hpp>
-#include <cli/completion.hpp>
-#include <cli/man_page.hpp>
-#include <cli/version.hpp>
+#include <cli/commands/version.hpp>
+#include <cli/completion/completion.hpp>
+#include <cli/completion/man_page.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/scenario/keys/schema.hpp>

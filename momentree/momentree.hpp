@@ -8,7 +8,7 @@
 #include <momentree/dynamics/equations.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/joint/kinds.hpp>
+#include <momentree/model/model.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/snapshot.hpp>
-#include <momentree/tree/model.hpp>

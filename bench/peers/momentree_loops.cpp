@@ -1,6 +1,6 @@
 // momentree with closed loops: a stage of an integrator, which keeps the rows of the step, and whole states.
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
 

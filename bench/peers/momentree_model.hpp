@@ -1,7 +1,7 @@
 #pragma once
 // A model of momentree made from links.
 #include <momentree/joint/kinds.hpp>
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 
 #include "experiment.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include <momentree/generate/kernel_cache.hpp>
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 
 namespace momentree::cli {
 

@@ -2,7 +2,7 @@
 // A model in the text format of the programs peer-* of bench/peers.
 #include <string>
 
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 
 namespace momentree::cli {
 

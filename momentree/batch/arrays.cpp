@@ -6,7 +6,7 @@
 #include <momentree/base/error.hpp>
 #include <momentree/batch/batch_impl.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/simulate/assembly.hpp>
 

@@ -2,8 +2,8 @@
 // Steps of worlds with closed loops or exact couplings, in lanes, in velocities; included only by instantiate/*.cpp. Each lane
 // has the rows that a Simulation of its world would choose, so that no world depends on those beside it.
 #include <momentree/batch/stepper.ipp>
-#include <momentree/dynamics/generic_steps.ipp>
-#include <momentree/dynamics/loop_place.ipp>
+#include <momentree/dynamics/loops/loop_place.ipp>
+#include <momentree/dynamics/steps/generic_steps.ipp>
 #include <momentree/dynamics/velocity.ipp>
 
 namespace momentree::batch {
@@ -56,7 +56,7 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
   }
   const T* ydot() const noexcept override { return this->workspace_.a.get(); }
 
-  // See close_loops in dynamics/loop_closing.cpp.
+  // See close_loops in dynamics/loops/loop_closing.cpp.
   void close(const Tree& tree, const Block& block, const double* t, Mask& plausible) noexcept override {
     Workspace<T>& workspace = this->workspace_;
     T *const q = this->q_.get(), *const u = this->y_.get();

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/loops/loop_system.hpp>
 
 namespace momentree::batch {
 

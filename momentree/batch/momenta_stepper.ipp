@@ -2,7 +2,7 @@
 // Steps of states in momenta, in lanes; included only by instantiate/*.cpp.
 #include <momentree/batch/stepper.ipp>
 #include <momentree/dynamics/forward.ipp>
-#include <momentree/dynamics/generic_steps.ipp>
+#include <momentree/dynamics/steps/generic_steps.ipp>
 
 namespace momentree::batch {
 

@@ -5,8 +5,8 @@
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/elements.hpp>
-#include <momentree/dynamics/step_library.hpp>
-#include <momentree/dynamics/step_table.hpp>
+#include <momentree/dynamics/steps/step_library.hpp>
+#include <momentree/dynamics/steps/step_table.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/joint/dispatch.hpp>
 

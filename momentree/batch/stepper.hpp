@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <momentree/dynamics/forces/linear_spring.hpp>
-#include <momentree/dynamics/step_scalar.hpp>
+#include <momentree/dynamics/steps/step_scalar.hpp>
 #include <momentree/dynamics/workspace.hpp>
 #include <momentree/math/isa.hpp>
 #include <momentree/tree/state.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 // Steps of states in velocities, in lanes; included only by instantiate/*.cpp.
 #include <momentree/batch/stepper.ipp>
-#include <momentree/dynamics/generic_steps.ipp>
+#include <momentree/dynamics/steps/generic_steps.ipp>
 #include <momentree/dynamics/velocity.ipp>
 
 namespace momentree::batch {

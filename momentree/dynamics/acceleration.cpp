@@ -1,9 +1,9 @@
 #include <momentree/dynamics/evaluate.hpp>
 
-#include <momentree/dynamics/body_forces.hpp>
-#include <momentree/dynamics/loop_momenta.hpp>
-#include <momentree/dynamics/loop_workspace.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/forces/body_forces.hpp>
+#include <momentree/dynamics/loops/loop_momenta.hpp>
+#include <momentree/dynamics/loops/loop_workspace.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/dispatch.hpp>

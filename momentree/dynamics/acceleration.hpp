@@ -2,7 +2,7 @@
 // Accelerations and joint wrenches: the paper's second recursion (30)–(51), with its corrections. It reuses M̂, G and the factors
 // of Mj from the first recursion; O(n), one inward and one outward pass.
 #include <momentree/dynamics/forward.hpp>
-#include <momentree/tree/body_force.hpp>
+#include <momentree/model/body_force.hpp>
 
 namespace momentree {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/step_stage.ipp>
+#include <momentree/dynamics/steps/step_stage.ipp>
 
 namespace momentree {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/step_table.hpp>
+#include <momentree/dynamics/steps/step_table.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/joint/dispatch.hpp>
 

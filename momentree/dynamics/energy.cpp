@@ -2,8 +2,8 @@
 
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
-#include <momentree/dynamics/loops.hpp>
-#include <momentree/dynamics/springs.hpp>
+#include <momentree/dynamics/forces/springs.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 
 namespace momentree {
 

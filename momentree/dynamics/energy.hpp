@@ -1,5 +1,5 @@
 #pragma once
-#include <momentree/dynamics/totals.hpp>
+#include <momentree/dynamics/motion.hpp>
 #include <momentree/dynamics/workspace.hpp>
 
 namespace momentree {

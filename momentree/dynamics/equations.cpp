@@ -1,4 +1,4 @@
-#include <momentree/dynamics/contacts.hpp>
+#include <momentree/dynamics/contacts/contacts.hpp>
 #include <momentree/dynamics/equations.hpp>
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 
 #include <momentree/dynamics/acceleration.hpp>
 #include <momentree/dynamics/forward.hpp>
-#include <momentree/dynamics/rates_function.hpp>
+#include <momentree/dynamics/steps/rates_function.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/joint/joint_transforms.hpp>
 #include <momentree/joint/kernels.hpp>

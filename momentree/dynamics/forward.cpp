@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include <momentree/dynamics/body_forces.hpp>
-#include <momentree/dynamics/evaluation_context.hpp>
+#include <momentree/dynamics/forces/body_forces.hpp>
 #include <momentree/dynamics/forces/elements.hpp>
+#include <momentree/dynamics/forces/evaluation_context.hpp>
 #include <momentree/dynamics/forces/linear_spring.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
-#include <momentree/dynamics/loop_momenta.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loop_momenta.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/joint/dispatch.hpp>
 

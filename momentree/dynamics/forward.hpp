@@ -1,7 +1,7 @@
 #pragma once
 // (q, p) → (q̇, ṗ) in two recursions, O(n): backward (22)–(26), forward (27), (17), (21), (20).
 #include <momentree/dynamics/workspace.hpp>
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 #include <momentree/tree/state.hpp>
 
 namespace momentree {

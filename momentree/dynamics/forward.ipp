@@ -3,9 +3,9 @@
 //
 // Passes call the steps of a StepTable; those of plane mechanisms in stages are apart.
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/generic_steps.ipp>
-#include <momentree/dynamics/in_plane.ipp>
-#include <momentree/dynamics/step_stage.ipp>
+#include <momentree/dynamics/steps/generic_steps.ipp>
+#include <momentree/dynamics/steps/in_plane.ipp>
+#include <momentree/dynamics/steps/step_stage.ipp>
 #include <momentree/math/pack.hpp>
 
 namespace momentree {

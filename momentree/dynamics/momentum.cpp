@@ -4,7 +4,7 @@
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/sincos.hpp>
-#include <momentree/tree/start.hpp>
+#include <momentree/model/start.hpp>
 
 namespace momentree {
 

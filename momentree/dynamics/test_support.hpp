@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <momentree/dynamics/momentum.hpp>
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 
 namespace momentree {
 

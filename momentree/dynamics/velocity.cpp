@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include <momentree/dynamics/body_forces.hpp>
-#include <momentree/dynamics/contacts.hpp>
+#include <momentree/dynamics/contacts/contacts.hpp>
+#include <momentree/dynamics/forces/body_forces.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
-#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/loops/loop_system.hpp>
 #include <momentree/dynamics/wrench_inboard.hpp>
 
 namespace momentree {

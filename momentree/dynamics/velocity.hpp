@@ -4,7 +4,7 @@
 #include <optional>
 
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 
 namespace momentree {
 

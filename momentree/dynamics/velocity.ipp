@@ -2,9 +2,9 @@
 // Velocities as the state: (q, u) → u̇ by three passes, outward, inward, outward (body_passes.hpp). Included only by
 // instantiate/*.cpp.
 #include <momentree/dynamics/forward.ipp>
-#include <momentree/dynamics/generic_steps.ipp>
-#include <momentree/dynamics/step_stage.ipp>
-#include <momentree/dynamics/velocity_in_plane.ipp>
+#include <momentree/dynamics/steps/generic_steps.ipp>
+#include <momentree/dynamics/steps/step_stage.ipp>
+#include <momentree/dynamics/steps/velocity_in_plane.ipp>
 
 namespace momentree {
 

@@ -5,7 +5,7 @@
 
 #include <momentree/base/inline.hpp>
 #include <momentree/dynamics/requirements.hpp>
-#include <momentree/dynamics/step_scalar.hpp>
+#include <momentree/dynamics/steps/step_scalar.hpp>
 #include <momentree/dynamics/workspace.hpp>
 #include <momentree/joint/pass_data.hpp>
 #include <momentree/tree/kernel_run.hpp>

@@ -2,7 +2,7 @@
 
 #include <type_traits>
 
-#include <momentree/dynamics/loop_kernels.hpp>
+#include <momentree/dynamics/loops/loop_kernels.hpp>
 #include <momentree/tree/kernel_run.hpp>
 
 namespace momentree {

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include <momentree/dynamics/step_library.hpp>
+#include <momentree/dynamics/steps/step_library.hpp>
 #include <momentree/generate/fingerprint.hpp>
 #include <momentree/generate/loop_kernel.hpp>
 #include <momentree/generate/machine_code.hpp>

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include <momentree/dynamics/rates_function.hpp>
+#include <momentree/dynamics/steps/rates_function.hpp>
 #include <momentree/tree/state.hpp>
 
 namespace momentree {

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include <momentree/dynamics/forces/linear_spring.hpp>
-#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/loops/loop_system.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/generate/recording.hpp>
 #include <momentree/joint/dispatch.hpp>

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include <momentree/derive/graph_lowering.hpp>
-#include <momentree/dynamics/step_library.hpp>
+#include <momentree/dynamics/steps/step_library.hpp>
 #include <momentree/generate/solve_rows.hpp>
 #include <momentree/machine/memory.hpp>
 #include <momentree/machine/native.hpp>

@@ -2,7 +2,7 @@
 // One evaluation of the rates for one topology as one function of machine code.
 #include <memory>
 
-#include <momentree/dynamics/rates_function.hpp>
+#include <momentree/dynamics/steps/rates_function.hpp>
 #include <momentree/generate/kernel.hpp>
 
 namespace momentree {

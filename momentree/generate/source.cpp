@@ -179,7 +179,7 @@ std::string source_of(std::string_view text) {
 std::string loops_source(const KernelExpressions& kernel) {
   std::string text;
   if (kernel.loops) {
-    text += comment("What the caller of code with closed loops gives it: see momentree/dynamics/rates_function.hpp.");
+    text += comment("What the caller of code with closed loops gives it: see momentree/dynamics/steps/rates_function.hpp.");
     text +=
         "struct LoopCalls {\n  const double* least_pivots;\n  double *lambda, *effort;\n"
         "  void (*joint)(const LoopCalls*, int loop, const double* place, int answers, double* answer) noexcept;\n};\n\n";

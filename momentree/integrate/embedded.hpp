@@ -12,8 +12,8 @@
 #include <cstdint>
 
 #include <momentree/dynamics/forces/motion.hpp>
-#include <momentree/dynamics/loop_momenta.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loop_momenta.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/integrate/floating_centres.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/integrate/singular_position.hpp>

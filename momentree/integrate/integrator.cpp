@@ -5,13 +5,13 @@
 #include <cmath>
 #include <utility>
 
-#include <momentree/dynamics/body_forces.hpp>
-#include <momentree/dynamics/contacts.hpp>
+#include <momentree/dynamics/contacts/contacts.hpp>
+#include <momentree/dynamics/forces/body_forces.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/forces/soft_stop.hpp>
-#include <momentree/dynamics/loop_momenta.hpp>
-#include <momentree/dynamics/loop_workspace.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loop_momenta.hpp>
+#include <momentree/dynamics/loops/loop_workspace.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/integrate/method_list.hpp>

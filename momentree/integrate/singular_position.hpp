@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/dynamics/loop_workspace.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loop_workspace.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/integrate/integrator.hpp>
 
 namespace momentree {

@@ -7,8 +7,8 @@
 
 #include <momentree/dynamics/equations.hpp>
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/loops.hpp>
-#include <momentree/dynamics/springs.hpp>
+#include <momentree/dynamics/forces/springs.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/integrate/method_list.hpp>
 #include <momentree/integrate/methods.hpp>

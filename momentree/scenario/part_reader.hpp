@@ -7,13 +7,13 @@
 #include <vector>
 
 #include <momentree/base/value.hpp>
+#include <momentree/model/model.hpp>
 #include <momentree/models/import/shape.hpp>
 #include <momentree/simulate/events/action.hpp>
 #include <momentree/simulate/events/condition.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/simulate/world/world.hpp>
 #include <momentree/text/diagnostic.hpp>
-#include <momentree/tree/model.hpp>
 
 namespace momentree::io {
 

@@ -6,7 +6,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/joint/kinds.hpp>
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 
 namespace momentree::io::test {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <momentree/dynamics/forces/motion.hpp>
-#include <momentree/dynamics/islands.hpp>
-#include <momentree/dynamics/loop_system.hpp>
-#include <momentree/dynamics/loop_workspace.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/islands.hpp>
+#include <momentree/dynamics/loops/loop_system.hpp>
+#include <momentree/dynamics/loops/loop_workspace.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
 
 namespace momentree {

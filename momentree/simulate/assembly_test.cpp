@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/world/world.hpp>
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include <momentree/dynamics/forces/motion.hpp>
-#include <momentree/dynamics/islands.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/islands.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/integrate/stiffness.hpp>
 #include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/singular_start.hpp>

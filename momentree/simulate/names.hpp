@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {

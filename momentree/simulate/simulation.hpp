@@ -10,8 +10,8 @@
 #include <vector>
 
 #include <momentree/contact/impact.hpp>
-#include <momentree/dynamics/evaluation_context.hpp>
-#include <momentree/dynamics/rates_function.hpp>
+#include <momentree/dynamics/forces/evaluation_context.hpp>
+#include <momentree/dynamics/steps/rates_function.hpp>
 #include <momentree/simulate/events/action.hpp>
 #include <momentree/simulate/events/condition.hpp>
 #include <momentree/simulate/events/event.hpp>

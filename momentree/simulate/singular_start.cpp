@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/loops/loop_system.hpp>
 #include <momentree/math/sine_cosine.hpp>
 
 namespace momentree {

@@ -5,8 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/dynamics/forces/springs.hpp>
 #include <momentree/dynamics/momentum.hpp>
-#include <momentree/dynamics/springs.hpp>
 #include <momentree/integrate/stiffness.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>

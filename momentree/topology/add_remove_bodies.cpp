@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/model/start.hpp>
 #include <momentree/topology/change.hpp>
-#include <momentree/tree/start.hpp>
 
 namespace momentree {
 

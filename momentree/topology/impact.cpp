@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/loop_workspace.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loop_workspace.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/topology/change.hpp>
 
 namespace momentree {

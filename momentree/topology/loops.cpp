@@ -2,8 +2,8 @@
 // velocity.
 #include <algorithm>
 
-#include <momentree/dynamics/loop_workspace.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loop_workspace.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/velocities.hpp>

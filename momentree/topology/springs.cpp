@@ -1,5 +1,5 @@
 // Changes of springs between two points: no coordinate, momentum or velocity is affected.
-#include <momentree/dynamics/springs.hpp>
+#include <momentree/dynamics/forces/springs.hpp>
 #include <momentree/topology/change.hpp>
 
 namespace momentree {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/joint_mass.hpp>

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <momentree/dynamics/momentum.hpp>
-#include <momentree/dynamics/totals.hpp>
+#include <momentree/dynamics/motion.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/topology/snapshot.hpp>

@@ -2,7 +2,7 @@
 #include <atomic>
 #include <memory>
 
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <functional>
 
+#include <momentree/model/model.hpp>
 #include <momentree/tree/kernel_run.hpp>
-#include <momentree/tree/model.hpp>
 
 namespace momentree::detail {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <momentree/joint/joint.hpp>
+#include <momentree/model/model.hpp>
 #include <momentree/tree/distinct.hpp>
 #include <momentree/tree/links.hpp>
-#include <momentree/tree/model.hpp>
 
 namespace momentree {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include <momentree/tree/reserved.hpp>
+#include <momentree/base/reserved.hpp>
 
 namespace momentree {
 struct KernelFrame;

@@ -2,9 +2,9 @@
 // Loop joints: joints in addition to those of the tree, which close kinematic loops. They are equations between the bodies that
 // they join, not coordinates.
 #include <momentree/joint/motion.hpp>
-#include <momentree/tree/coupling.hpp>
+#include <momentree/model/coupling.hpp>
+#include <momentree/model/ids.hpp>
 #include <momentree/tree/declared.hpp>
-#include <momentree/tree/ids.hpp>
 #include <momentree/tree/kernel_frame.hpp>
 
 namespace momentree {

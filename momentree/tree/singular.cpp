@@ -7,7 +7,7 @@
 
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/sine_cosine.hpp>
-#include <momentree/tree/start.hpp>
+#include <momentree/model/start.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {

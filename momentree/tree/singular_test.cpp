@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include <momentree/joint/kinds.hpp>
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 
 namespace momentree {
 namespace {

@@ -12,10 +12,10 @@
 #include <momentree/base/unique_number.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/joint/variant.hpp>
+#include <momentree/model/model.hpp>
 #include <momentree/tree/contact.hpp>
 #include <momentree/tree/declared.hpp>
 #include <momentree/tree/loop.hpp>
-#include <momentree/tree/model.hpp>
 
 namespace momentree {
 

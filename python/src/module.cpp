@@ -1,8 +1,12 @@
 // The extension module momentree._core: bindings without physics of their own.
 #include <cstdlib>
 
+#include <cli/commit.hpp>
+
 #include "binding.hpp"
 #include "command.hpp"
+
+const char* momentree::python::commit() { return cli::commit; }
 
 NB_MODULE(_core, m) {
   namespace py = momentree::python;

@@ -1,9 +1,9 @@
 // The kinds of joints, actions and quantities as data, from which tools/python_vocabulary writes the package's functions.
 #include <momentree/base/units.hpp>
+#include <momentree/model/spring.hpp>
 #include <momentree/scenario/keys/keys.hpp>
 #include <momentree/simulate/events/action.hpp>
 #include <momentree/simulate/events/condition.hpp>
-#include <momentree/tree/spring.hpp>
 
 #include "binding.hpp"
 

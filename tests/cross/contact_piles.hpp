@@ -8,8 +8,8 @@
 #include <momentree/contact/candidates.hpp>
 #include <momentree/contact/many_points.hpp>
 #include <momentree/contact/system.hpp>
-#include <momentree/dynamics/contact_parts.hpp>
-#include <momentree/dynamics/contacts.hpp>
+#include <momentree/dynamics/contacts/contact_parts.hpp>
+#include <momentree/dynamics/contacts/contacts.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/world/world.hpp>

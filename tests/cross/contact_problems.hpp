@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <momentree/contact/system.hpp>
-#include <momentree/dynamics/contacts.hpp>
+#include <momentree/dynamics/contacts/contacts.hpp>
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <tests/oracle/loop_rows.hpp>

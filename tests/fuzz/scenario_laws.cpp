@@ -7,7 +7,7 @@
 #include <set>
 
 #include <momentree/base/error.hpp>
-#include <momentree/dynamics/contacts.hpp>
+#include <momentree/dynamics/contacts/contacts.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/scenario/convert/convert.hpp>
 #include <momentree/scenario/test_support.hpp>

@@ -8,7 +8,7 @@
 #include <doctest/doctest.h>
 
 #include <bench/loop_models.hpp>
-#include <momentree/dynamics/loop_workspace.hpp>
+#include <momentree/dynamics/loops/loop_workspace.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/generate/loop_kernel.hpp>
 #include <momentree/generate/machine_code.hpp>

@@ -5,8 +5,8 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/loop_momenta.hpp>
-#include <momentree/dynamics/loop_workspace.hpp>
+#include <momentree/dynamics/loops/loop_momenta.hpp>
+#include <momentree/dynamics/loops/loop_workspace.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/assembly.hpp>

@@ -8,9 +8,9 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/dynamics/loop_momenta.hpp>
-#include <momentree/dynamics/loop_system.hpp>
-#include <momentree/dynamics/loop_workspace.hpp>
+#include <momentree/dynamics/loops/loop_momenta.hpp>
+#include <momentree/dynamics/loops/loop_system.hpp>
+#include <momentree/dynamics/loops/loop_workspace.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/simulate/assembly.hpp>
 #include <momentree/simulate/simulation.hpp>

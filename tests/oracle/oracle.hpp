@@ -7,7 +7,7 @@
 // rates and velocities are ordered by body number, starting with body 0.
 #include <vector>
 
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 #include <tests/oracle/jet.hpp>
 
 namespace momentree {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 #include <tests/oracle/prng.hpp>
 
 namespace momentree::oracle {

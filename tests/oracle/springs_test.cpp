@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/springs.hpp>
+#include <momentree/dynamics/forces/springs.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <tests/oracle/kinematics.hpp>
 #include <tests/oracle/laws.hpp>

@@ -1,5 +1,5 @@
 #include <momentree/dynamics/acceleration.ipp>
-#include <momentree/dynamics/generic_steps.ipp>
+#include <momentree/dynamics/steps/generic_steps.ipp>
 
 namespace momentree {
 template void evaluate_accelerations<double>(const Tree&, const double*, Workspace<double>&) noexcept;

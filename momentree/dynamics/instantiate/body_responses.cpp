@@ -1,5 +1,5 @@
 // Single steps of the passes in solve.ipp, for unit wrenches.
-#include <momentree/dynamics/body_response.hpp>
+#include <momentree/dynamics/contacts/body_response.hpp>
 #include <momentree/dynamics/wrench_inboard.hpp>
 #include <momentree/joint/dispatch.hpp>
 

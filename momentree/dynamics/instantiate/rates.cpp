@@ -1,5 +1,5 @@
 #include <momentree/dynamics/forward.ipp>
-#include <momentree/dynamics/generic_steps.ipp>
+#include <momentree/dynamics/steps/generic_steps.ipp>
 
 namespace momentree {
 template void evaluate_rates<double>(const Tree&, const double*, const double*, Workspace<double>&) noexcept;

@@ -1,4 +1,4 @@
-#include <momentree/dynamics/generic_steps.ipp>
+#include <momentree/dynamics/steps/generic_steps.ipp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/dynamics/velocity.ipp>
 

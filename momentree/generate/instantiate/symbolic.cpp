@@ -2,7 +2,7 @@
 
 #include <momentree/derive/symbolic.hpp>
 #include <momentree/dynamics/forward.ipp>
-#include <momentree/dynamics/generic_steps.ipp>
+#include <momentree/dynamics/steps/generic_steps.ipp>
 #include <momentree/dynamics/velocity.ipp>
 #include <momentree/generate/recording.hpp>
 

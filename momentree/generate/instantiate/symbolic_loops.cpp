@@ -1,6 +1,6 @@
 #include <momentree/derive/symbolic.hpp>
-#include <momentree/dynamics/generic_steps.ipp>
-#include <momentree/dynamics/loop_place.ipp>
+#include <momentree/dynamics/loops/loop_place.ipp>
+#include <momentree/dynamics/steps/generic_steps.ipp>
 #include <momentree/dynamics/velocity.ipp>
 #include <momentree/generate/recording.hpp>
 

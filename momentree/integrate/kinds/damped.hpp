@@ -14,7 +14,7 @@
 #include <cmath>
 #include <optional>
 
-#include <momentree/dynamics/resistance.hpp>
+#include <momentree/dynamics/forces/resistance.hpp>
 #include <momentree/integrate/integrator.hpp>
 
 namespace momentree {

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include <momentree/model/model.hpp>
 #include <momentree/models/import/shape.hpp>
 #include <momentree/models/xml/file.hpp>
-#include <momentree/tree/model.hpp>
 
 namespace momentree::io {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 
 namespace momentree::io {
 

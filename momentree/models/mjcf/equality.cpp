@@ -7,8 +7,8 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/joint/motion.hpp>
+#include <momentree/model/start.hpp>
 #include <momentree/models/mjcf/parts.hpp>
-#include <momentree/tree/start.hpp>
 
 namespace momentree::io::mjcf {
 

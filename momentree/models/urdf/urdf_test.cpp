@@ -3,10 +3,10 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/model/start.hpp>
 #include <momentree/scenario/test_support.hpp>
 #include <momentree/simulate/world/world.hpp>
 #include <momentree/text/files/text_file.hpp>
-#include <momentree/tree/start.hpp>
 #include <tests/models.hpp>
 
 using namespace momentree;

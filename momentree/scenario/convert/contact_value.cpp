@@ -6,9 +6,9 @@
 #include <momentree/base/error.hpp>
 #include <momentree/base/wildcard.hpp>
 #include <momentree/contact/shapes/height_field.hpp>
+#include <momentree/model/contact_rules.hpp>
 #include <momentree/scenario/convert/describe.hpp>
 #include <momentree/scenario/read/collider_shapes.hpp>
-#include <momentree/tree/contact_rules.hpp>
 
 namespace momentree::io {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <momentree/joint/motion.hpp>
+#include <momentree/model/model.hpp>
 #include <momentree/models/import/shape.hpp>
 #include <momentree/scenario/convert/document_values.hpp>
 #include <momentree/scenario/coupling.hpp>
-#include <momentree/tree/model.hpp>
 
 namespace momentree::io {
 

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include <momentree/base/describe.hpp>
+#include <momentree/model/model.hpp>
 #include <momentree/scenario/convert/document_values.hpp>
 #include <momentree/scenario/keys/fields.hpp>
 #include <momentree/scenario/keys/keys.hpp>
 #include <momentree/text/json_writer.hpp>
 #include <momentree/text/number_text.hpp>
-#include <momentree/tree/model.hpp>
 
 namespace momentree::io {
 

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include <momentree/contact/shapes/solid.hpp>
+#include <momentree/model/model.hpp>
 #include <momentree/models/import/shape.hpp>
 #include <momentree/models/mesh/mesh.hpp>
-#include <momentree/tree/model.hpp>
 
 namespace momentree::io {
 

@@ -6,10 +6,10 @@
 #include <unordered_set>
 #include <utility>
 
+#include <momentree/model/start.hpp>
 #include <momentree/models/import/follow_circles.hpp>
 #include <momentree/scenario/events/read_action.hpp>
 #include <momentree/text/number_text.hpp>
-#include <momentree/tree/start.hpp>
 
 namespace momentree::io {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include <momentree/base/error.hpp>
+#include <momentree/model/start.hpp>
 #include <momentree/scenario/keys/joint_tables.hpp>
 #include <momentree/text/files/input_cache.hpp>
 #include <momentree/text/number_text.hpp>
-#include <momentree/tree/start.hpp>
 
 namespace momentree::io {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include <momentree/base/error.hpp>
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 
 namespace momentree {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <momentree/dynamics/contacts.hpp>
+#include <momentree/dynamics/contacts/contacts.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/world/world.hpp>
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <momentree/dynamics/totals.hpp>
+#include <momentree/dynamics/motion.hpp>
 #include <momentree/joint/joint.hpp>
 #include <momentree/simulate/names.hpp>
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/loops/loop_system.hpp>
 #include <momentree/simulate/events/stops.hpp>
 
 namespace momentree {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/loops/loop_system.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/joint/motion.hpp>
 #include <momentree/simulate/arguments.hpp>

@@ -5,7 +5,7 @@
 #include <string>
 
 #include <momentree/base/error.hpp>
-#include <momentree/tree/model.hpp>
+#include <momentree/model/model.hpp>
 
 namespace momentree {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/dynamics/islands.hpp>
+#include <momentree/dynamics/loops/islands.hpp>
 #include <momentree/simulate/contact/contact_policy.hpp>
 #include <momentree/simulate/stepping/stepped_pairs.hpp>
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include <momentree/contact/many_points.hpp>
-#include <momentree/dynamics/contact_parts.hpp>
+#include <momentree/dynamics/contacts/contact_parts.hpp>
 #include <momentree/simulate/stepping/pair_overlaps.hpp>
 
 namespace momentree {

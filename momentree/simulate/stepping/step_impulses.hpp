@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <momentree/contact/many_points.hpp>
-#include <momentree/dynamics/contact_parts.hpp>
+#include <momentree/dynamics/contacts/contact_parts.hpp>
 #include <momentree/simulate/stepping/stepped_pairs.hpp>
 #include <momentree/simulate/stepping/stepping_state.hpp>
 

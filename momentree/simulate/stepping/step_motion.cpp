@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/loops/loop_system.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/simulate/contact/contact_policy.hpp>
 

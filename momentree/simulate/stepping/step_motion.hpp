@@ -2,7 +2,7 @@
 // What the impulses of a step through contacts move, and the energy that this takes or brings.
 #include <vector>
 
-#include <momentree/dynamics/contact_parts.hpp>
+#include <momentree/dynamics/contacts/contact_parts.hpp>
 #include <momentree/simulate/stepping/step_impulses.hpp>
 
 namespace momentree {

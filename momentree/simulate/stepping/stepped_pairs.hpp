@@ -2,7 +2,7 @@
 // Pairs whose contacts are stepped through instead of being located: of which bodies, and how near each other these are.
 #include <vector>
 
-#include <momentree/dynamics/islands.hpp>
+#include <momentree/dynamics/loops/islands.hpp>
 #include <momentree/simulate/contact/contact_pairs.hpp>
 
 namespace momentree {

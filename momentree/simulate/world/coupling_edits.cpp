@@ -1,6 +1,6 @@
 // Couplings of joints in topology changes.
+#include <momentree/model/forced_stop.hpp>
 #include <momentree/simulate/world/topology_editor_impl.hpp>
-#include <momentree/tree/forced_stop.hpp>
 
 namespace momentree {
 

@@ -1,7 +1,7 @@
 // Prescribed motions of joints in loops have to be independent: each must move something that the others leave free.
 #include <vector>
 
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/simulate/assembly.hpp>
 
 namespace momentree {

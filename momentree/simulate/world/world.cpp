@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
-#include <momentree/dynamics/contacts.hpp>
+#include <momentree/dynamics/contacts/contacts.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/joint/motion.hpp>
+#include <momentree/model/start.hpp>
 #include <momentree/simulate/assembly.hpp>
 #include <momentree/tree/lasting_function.hpp>
-#include <momentree/tree/start.hpp>
 
 namespace momentree {
 

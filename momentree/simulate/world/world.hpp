@@ -9,14 +9,13 @@
 
 #include <momentree/base/numbers.hpp>
 #include <momentree/dynamics/acceleration.hpp>
-#include <momentree/dynamics/loops.hpp>
+#include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/motion.hpp>
-#include <momentree/dynamics/totals.hpp>
 #include <momentree/dynamics/workspace.hpp>
+#include <momentree/model/model.hpp>
 #include <momentree/simulate/names.hpp>
 #include <momentree/simulate/world/connections.hpp>
 #include <momentree/topology/snapshot.hpp>
-#include <momentree/tree/model.hpp>
 #include <momentree/tree/state.hpp>
 #include <momentree/tree/tree.hpp>
 

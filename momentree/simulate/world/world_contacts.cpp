@@ -1,7 +1,7 @@
 // Contacts of a world as its user sees them, and distances of its bodies.
 #include <algorithm>
 
-#include <momentree/dynamics/contacts.hpp>
+#include <momentree/dynamics/contacts/contacts.hpp>
 #include <momentree/simulate/contact/contact_bodies.hpp>
 #include <momentree/simulate/contact/contact_pairs.hpp>
 #include <momentree/simulate/events/topology_record.hpp>

@@ -1,5 +1,5 @@
 // Couplings of joints in a world.
-#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/loops/loop_system.hpp>
 #include <momentree/simulate/world/world.hpp>
 
 namespace momentree {

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/loop_system.hpp>
+#include <momentree/dynamics/loops/loop_system.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/simulate/world/world.hpp>

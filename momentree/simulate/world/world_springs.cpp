@@ -1,6 +1,6 @@
 // The springs of a world.
 #include <momentree/dynamics/evaluate.hpp>
-#include <momentree/dynamics/springs.hpp>
+#include <momentree/dynamics/forces/springs.hpp>
 #include <momentree/simulate/world/world.hpp>
 
 namespace momentree {

@@ -1,11 +1,11 @@
 // The page of a live view: the world of a program that is running on this machine.
-import "../panels/base.css";
-import "../panels/parts.css";
-import "../panels/overlays.css";
-import "../panels/help.css";
+import "../panels/styles/base.css";
+import "../panels/styles/parts.css";
+import "../panels/styles/overlays.css";
+import "../panels/styles/help.css";
 import "../playground/style.css";
-import "../panels/across.css";
-import "../panels/fingers.css";
+import "../panels/styles/across.css";
+import "../panels/styles/fingers.css";
 import { RemoteEngine } from "../engine/remote";
 import type { Meshes } from "../meshes";
 import { h } from "../panels/dom";

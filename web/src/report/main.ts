@@ -1,11 +1,11 @@
 // The report of a run: reads the data in the page and shows them.
-import "../panels/base.css";
-import "../panels/parts.css";
-import "../panels/overlays.css";
-import "../panels/help.css";
+import "../panels/styles/base.css";
+import "../panels/styles/parts.css";
+import "../panels/styles/overlays.css";
+import "../panels/styles/help.css";
 import "./style.css";
-import "../panels/across.css";
-import "../panels/fingers.css";
+import "../panels/styles/across.css";
+import "../panels/styles/fingers.css";
 import { h } from "../panels/dom";
 import { recordingOf, type ReportData } from "./data";
 import { showRun } from "./page";

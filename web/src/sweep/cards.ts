@@ -1,11 +1,11 @@
 // A card for each column: its distribution, its statistics, and for measures what they depend on.
 import { h } from "../panels/dom";
 import { digits } from "../panels/numbers";
-import { categories } from "./categories";
+import { categories } from "./plots/categories";
 import type { Column } from "./document";
 import type { Explorer } from "./explorer";
-import { HistogramPlot } from "./histogram";
-import { sensitivities } from "./sensitivities";
+import { HistogramPlot } from "./plots/histogram";
+import { sensitivities } from "./plots/sensitivities";
 import { breakable, valueText, worldsText } from "./words";
 
 /** The least or the greatest value; a press picks its world. */

@@ -1,11 +1,11 @@
 // The report of a sweep: reads the document in the page and shows it.
-import "../panels/base.css";
-import "../panels/parts.css";
-import "../panels/help.css";
+import "../panels/styles/base.css";
+import "../panels/styles/parts.css";
+import "../panels/styles/help.css";
 import "./style.css";
-import "./plots.css";
+import "./plots/plots.css";
 import "./worlds.css";
-import "../panels/fingers.css";
+import "../panels/styles/fingers.css";
 import { h } from "../panels/dom";
 import { showSweep } from "./page";
 import { sweepOf } from "./read";

@@ -1,7 +1,7 @@
 // Reads a column of a sweep; statistics that the document leaves out are computed from its values.
 import type { Column, Histogram, Kind } from "./document";
 import { fail, list, numberOr, oneOf, record, textOr, type Json } from "./json";
-import { deviationOf, histogramOf, meanOf, presentValues, quantile, shareInterval } from "./statistics";
+import { deviationOf, histogramOf, meanOf, presentValues, quantile, shareInterval } from "./plots/statistics";
 
 const standardQuantiles = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
 

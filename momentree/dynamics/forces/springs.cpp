@@ -1,0 +1,70 @@
+#include <momentree/dynamics/forces/springs.hpp>
+
+#include <momentree/dynamics/momentum.hpp>
+
+namespace momentree {
+
+namespace {
+
+// Of a body's kernel frame, to one of its points in that frame.
+Vec3 in_kernel_frame(const Tree& tree, const SpringEnd& end) noexcept {
+  const KernelFrame& frame = tree.frame(end.body.index);
+  return transpose_times(frame.R, end.point - frame.r);
+}
+
+struct End {
+  Vec3 place, velocity;
+};
+End end_of(const Tree& tree, const Workspace<double>& workspace, const SpringEnd& end) noexcept {
+  if (end.body == ground) return {end.point, {}};
+  const Kinematics<double>& body = workspace.bodies[static_cast<std::size_t>(end.body.index)];
+  const Vec3 at = in_kernel_frame(tree, end);
+  return {body.r + body.R * at, body.R * (body.velocity.v + cross(body.velocity.w, at))};
+}
+
+// `force`: on the end, in world axes.
+void pull(const Tree& tree, const SpringEnd& end, const Vec3& force, Workspace<double>& workspace) noexcept {
+  if (end.body == ground) return;
+  const auto b = static_cast<std::size_t>(end.body.index);
+  const Vec3 own = transpose_times(workspace.bodies[b].R, force);
+  workspace.loads[b] += Force<double>{own, cross(in_kernel_frame(tree, end), own)};
+}
+
+}  // namespace
+
+SpringMotion spring_motion(const Tree& tree, const Workspace<double>& workspace, int spring) noexcept {
+  const Spring& s = tree.springs()[static_cast<std::size_t>(spring)];
+  const End from = end_of(tree, workspace, s.from), to = end_of(tree, workspace, s.to);
+  SpringMotion motion{from.place, to.place, {}, norm(to.place - from.place), 0};
+  if (!(motion.length > 0)) return motion;
+  motion.direction = (1 / motion.length) * (to.place - from.place);
+  motion.rate = dot(motion.direction, to.velocity - from.velocity);
+  return motion;
+}
+
+double spring_energy(const Tree& tree, const State& state, const Workspace<double>& workspace, int spring) noexcept {
+  if (!tree.spring_acts(spring)) return 0;
+  const auto place = [&](const SpringEnd& end) {
+    if (end.body == ground) return end.point;
+    const DenseTransform<double> body = locate_body(tree, state, workspace, end.body.index);
+    return body.r + body.R * in_kernel_frame(tree, end);
+  };
+  const Spring& s = tree.springs()[static_cast<std::size_t>(spring)];
+  return tree.spring_law(spring).energy(norm(place(s.to) - place(s.from)));
+}
+
+void add_spring_loads(const Tree& tree, Workspace<double>& workspace) noexcept {
+  for (int i = 0; i < tree.spring_count(); ++i) {
+    if (!tree.spring_acts(i)) continue;
+    const SpringLaw& law = tree.spring_law(i);
+    const SpringMotion motion = spring_motion(tree, workspace, i);
+    workspace.power.dissipated += law.dissipated(motion.length, motion.rate);
+    const double tension = law.tension(motion.length, motion.rate);
+    if (tension == 0 || !(motion.length > 0)) continue;
+    const Spring& s = tree.springs()[static_cast<std::size_t>(i)];
+    pull(tree, s.from, tension * motion.direction, workspace);
+    pull(tree, s.to, -tension * motion.direction, workspace);
+  }
+}
+
+}  // namespace momentree
