@@ -27,6 +27,7 @@ endfunction()
 
 momentree_kind_list(momentree/joint/kinds MOMENTREE_KINDS momentree/joint/kind_list.hpp momentree/joint/kinds.hpp)
 momentree_kind_list(momentree/integrate/kinds MOMENTREE_METHODS momentree/integrate/method_list.hpp momentree/integrate/methods.hpp)
+momentree_kind_list(momentree/model/elements MOMENTREE_ELEMENTS momentree/model/element_list.hpp momentree/model/all_elements.hpp)
 momentree_kind_list(momentree/simulate/actions MOMENTREE_ACTIONS momentree/simulate/action_list.hpp momentree/simulate/all_actions.hpp)
 momentree_kind_list(momentree/simulate/quantities MOMENTREE_QUANTITIES momentree/simulate/quantity_list.hpp momentree/simulate/all_quantities.hpp)
 momentree_kind_list(momentree/models/importers MOMENTREE_IMPORTERS momentree/models/importers/list.hpp momentree/models/all_importers.hpp)

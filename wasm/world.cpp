@@ -7,7 +7,6 @@ namespace momentree::wasm {
 
 std::unique_ptr<Simulation> start(const io::Scenario& scenario) {
   auto simulation = std::make_unique<Simulation>(scenario.model, scenario.integration);
-  io::couple(*simulation, scenario.couplings);
   std::vector<const io::ScenarioEvent*> events;
   for (const io::ScenarioEvent& event : scenario.events) events.push_back(&event);
   io::schedule(*simulation, std::move(events));  // the reader has found no problems with them

@@ -29,6 +29,8 @@ struct Field {
   const char* required = nullptr;  ///< for a member that must be given: the hint if it is missing, which may be empty
   bool unbounded = false;          ///< a number that may be infinite: null in JSON
   const char* absent = nullptr;    ///< what an absent member means, if that is not the value of a new object
+  Dimension along{};               ///< its dimension if the first joint of the element is along its axis, not about it
+  bool of_joint = false;           ///< it has that other dimension
 
   constexpr Field needed(const char* hint) const {
     Field field = *this;
@@ -40,11 +42,24 @@ struct Field {
     field.absent = value;
     return field;
   }
+  constexpr Field or_along(const Dimension& other) const {
+    Field field = *this;
+    field.along = other, field.of_joint = true;
+    return field;
+  }
   constexpr Field or_infinite() const {
     Field field = *this;
     field.unbounded = true;
     return field;
   }
+};
+
+/// The table of an element between joints in scenarios.
+struct ElementInfo {
+  const char* table;         ///< "[[gear]]"
+  const char* key;           ///< "gear"
+  const char* about;         ///< in one line
+  const char* details = "";  ///< more about it, for docstrings
 };
 
 }  // namespace momentree

@@ -132,6 +132,17 @@ CouplingId Model::add_coupling(const Coupling& coupling) {
   return {static_cast<int>(couplings_.size()) - 1};
 }
 
+void Model::add_element(JointElement element) {
+  for (const ElementProblem& problem : check_element(element, *this)) {
+    const JointId first = joints_of(element).front();
+    const bool known = first.index >= 0 && first.index < size();
+    throw_error({problem.field + ": " + problem.what, known ? "element of '" + (*this)[first].joint_name + "'" : "element",
+                 problem.hint});
+  }
+  detail::forget(compiled_);
+  elements_.push_back(std::move(element));
+}
+
 SpringId Model::add_spring(Spring spring) {
   const auto wrong = [&](const std::string& what, std::string hint) {
     throw_error({what, (spring.inextensible ? "cable '" : "spring '") + spring.name + "'", std::move(hint)});
@@ -181,6 +192,10 @@ void Model::keep(int count) {
     loops_.pop_back();
   }
   std::erase_if(couplings_, [count](const Coupling& c) { return std::max(c.joint.index, c.follows.index) >= count; });
+  std::erase_if(elements_, [count](const JointElement& element) {
+    const std::vector<JointId> joints = joints_of(element);
+    return std::any_of(joints.begin(), joints.end(), [count](JointId joint) { return joint.index >= count; });
+  });
   std::erase_if(colliders_, [count](const Collider& c) { return c.body.index >= count; });
   for (ContactRule& rule : contact_rules_)
     for (std::vector<BodyId>* const set : {&rule.one, &rule.other}) {

@@ -18,6 +18,7 @@
 #include <momentree/model/collider.hpp>
 #include <momentree/model/coupling.hpp>
 #include <momentree/model/ids.hpp>
+#include <momentree/model/joint_element.hpp>
 #include <momentree/model/spring.hpp>
 
 namespace momentree {
@@ -99,6 +100,10 @@ class Model {
   /// one DoF, a joint that follows itself, numbers that are not finite, joints whose motions are all prescribed.
   CouplingId add_coupling(const Coupling& coupling);
   const std::vector<Coupling>& couplings() const { return couplings_; }
+  /// Adds an element between joints of this model. Throws Error: no such joint, a joint that closes a loop, does not have one DoF
+  /// or has a prescribed motion, the same joint twice, numbers outside of their ranges.
+  void add_element(JointElement element);
+  const std::vector<JointElement>& elements() const { return elements_; }
   /// True with loop joints or couplings: the model has equations beside its tree.
   bool has_equations() const { return !loops_.empty() || !couplings_.empty(); }
   /// Adds a spring between two points of different bodies of this model, or of the ground. Throws Error: no name, or one that
@@ -192,6 +197,7 @@ class Model {
   std::vector<BodyForce> forces_;
   std::vector<LoopSpec> loops_;
   std::vector<Coupling> couplings_;
+  std::vector<JointElement> elements_;
   std::vector<Spring> springs_;
   bool has_cables_ = false;  // among them
   std::vector<Collider> colliders_;

@@ -44,9 +44,6 @@ Session::Session(std::shared_ptr<const Scenario> scenario, std::vector<RestoredS
     from_document_ = true;
     of_documents_ = restore(simulation_, documents);
   }
-  couple(simulation_, shared_->couplings);
-  if (from_document_ && !shared_->couplings.empty())
-    static_cast<void>(restore(simulation_, documents));  // its contacts close again: they opened when forces were added
   for (const RestoredState& document : documents) {
     if (document.memory != StepMemory{}) memory_ = document.memory;
     for (const ArmedEvent& event : document.armed) take_armed(event, document.file);

@@ -10,7 +10,6 @@
 #include <momentree/results/session.hpp>
 #include <momentree/results/summary.hpp>
 #include <momentree/scenario/convert/convert.hpp>
-#include <momentree/scenario/coupling.hpp>
 #include <momentree/scenario/state/state_document.hpp>
 #include <tests/bad_input.hpp>
 
@@ -38,7 +37,6 @@ TEST_CASE("two coupled wheels swing about their gear as two masses on a spring d
       "s.toml");
   REQUIRE(read.scenario);
   Simulation run(read.scenario->model, read.scenario->integration);
-  couple(run, read.scenario->couplings);
   // e = b − m a: ë = −k (1/I_b + m²/I_a) e; the spring does not change the momentum p_a + m p_b.
   const double w = std::sqrt(k * (1 / inertia_b + m * m / inertia_a)), rate = -m * 2;
   for (const double t : {0.01, 0.1, 0.5}) {
@@ -61,7 +59,6 @@ TEST_CASE("functions that drive coupled joints act beside the springs, and end w
       "s.toml");
   REQUIRE(read.scenario);
   Simulation run(read.scenario->model, read.scenario->integration);
-  couple(run, read.scenario->couplings);
   Simulation without = run.branch();
   run.drive("m/a", [](const EvaluationContext&) { return 0.3; });
   run.drive("m/a", [](const EvaluationContext&) { return 0.2; });  // in place of the former function, not of the spring
@@ -90,7 +87,6 @@ TEST_CASE("a damped coupling ends in step, and a locked leader holds its followe
   REQUIRE(read.scenario);
   CHECK(said(read).find("starts -1.571 rad from where it should follow 'm/a'") != std::string::npos);
   Simulation run(read.scenario->model, read.scenario->integration);
-  couple(run, read.scenario->couplings);
   run.at(1).then(lock("m/a"));
   REQUIRE(run.run_until(1) == Status::ok);
   const double held = q(run, 0);
@@ -107,31 +103,32 @@ TEST_CASE("several joints may follow one") {
                                              "s.toml");
   REQUIRE(read.scenario);
   Simulation run(read.scenario->model, read.scenario->integration);
-  couple(run, read.scenario->couplings);
   REQUIRE(run.run_until(1) == Status::ok);
   CHECK(p(run, 0) + p(run, 1) + p(run, 2) == doctest::Approx(0.01).epsilon(1e-12));
   CHECK(run.world().totals().kinetic < 0.5 * 0.01);  // the rest of the energy is in the springs
 }
 
 TEST_CASE("the Panda's second finger follows the first if the scenario requests it") {
-  const ReadResult read = read_scenario(MOMENTREE_SOURCE_DIR "/scenarios/panda_lets_go.toml",
-                                        {"mechanism.panda.mimic={ stiffness = 2e4, damping = 20 }",
-                                         "mechanism.panda.state={ joints = { panda_finger_joint1 = 0.02 } }"});
+  const auto panda = [](const std::string& mimic) {
+    return read_scenario(MOMENTREE_SOURCE_DIR "/scenarios/panda_lets_go.toml",
+                         {"mechanism.panda.mimic=" + mimic, "mechanism.panda.state={ joints = { panda_finger_joint1 = 0.02 } }"});
+  };
+  const ReadResult read = panda("{ stiffness = 2e4, damping = 20 }"), independent = panda("independent");
   CAPTURE(said(read));
   REQUIRE(read.scenario);
   CHECK(said(read).find("should follow") == std::string::npos);
-  REQUIRE(read.scenario->couplings.size() == 1);
-  const JointCoupling& pair = read.scenario->couplings[0];
+  REQUIRE(independent.scenario);
   const Model& model = read.scenario->model;
+  REQUIRE(model.elements().size() == 1);
+  const auto& pair = std::get<elements::SpringCoupling>(model.elements()[0]);
   CHECK(model[pair.joint].joint_name == "panda/panda_finger_joint2");
   CHECK(model[pair.joint].q[0] == 0.02);  // its initial value follows its leader's
 
-  Simulation coupled(model, read.scenario->integration), alone(model, read.scenario->integration);
-  couple(coupled, read.scenario->couplings);
+  Simulation coupled(model, read.scenario->integration), alone(independent.scenario->model, read.scenario->integration);
   const auto apart = [&](Simulation& run) {
     const Status status = run.run_until(0.2);
     REQUIRE_MESSAGE(status == Status::ok, run.result().reason);
-    return std::abs(q(run, pair.joint.index) - q(run, pair.leader.index));
+    return std::abs(q(run, pair.joint.index) - q(run, pair.follows.index));
   };
   CHECK(apart(coupled) < 1e-4);
   CHECK(apart(alone) > 10 * apart(coupled));
@@ -140,8 +137,8 @@ TEST_CASE("the Panda's second finger follows the first if the scenario requests 
   const ReadResult again = read_scenario_text(to_toml(*read.scenario, ".").text, "panda.toml");
   CAPTURE(said(again));
   REQUIRE(again.scenario);
-  REQUIRE(again.scenario->couplings.size() == 1);
-  const JointCoupling& same = again.scenario->couplings[0];
+  REQUIRE(again.scenario->model.elements().size() == 1);
+  const auto& same = std::get<elements::SpringCoupling>(again.scenario->model.elements()[0]);
   CHECK(again.scenario->model[same.joint].joint_name == "panda/panda_finger_joint2");
   CHECK(same.stiffness == 2e4);
   CHECK(same.damping == 20);
@@ -154,7 +151,7 @@ TEST_CASE("an exact coupling holds at the start, in the run and in its documents
                            "[[event]]\nat = 0.5\nbreak = \"m/b\"\n[integrate]\nuntil = 1\nstep = 0.01\n";
   const ReadResult read = read_scenario_text(text, "s.toml");
   REQUIRE_MESSAGE(read.scenario, said(read));
-  CHECK(read.scenario->couplings.empty());
+  CHECK(read.scenario->model.elements().empty());
   REQUIRE(read.scenario->model.couplings().size() == 1);
   Session session = load_text(text, "s.toml");
   Simulation& sim = session.simulation();

@@ -107,10 +107,12 @@ void PartReader::add_element(const std::string& kind, const std::string& name, c
   PartReading part(what_, model);
   for (int b = 0; b < model.size(); ++b) part.reading.joints.emplace(model[BodyId{b}].joint_name, Place{});
   for (const ElementTable& element : element_tables())
-    if (element.keys->definition == kind) element.read(with_entry(table, "name", name), part.reading);
+    if (element.keys->definition == kind) element.read(name.empty() ? table : with_entry(table, "name", name), part.reading);
   part.check();
-  MT_REQUIRE(part.scenario.model.springs().size() == model.springs().size() + 1, "an element without errors is added");
-  model.add_spring(part.scenario.model.springs().back());
+  const Model& read = part.scenario.model;
+  if (read.springs().size() > model.springs().size()) model.add_spring(read.springs().back());
+  if (read.couplings().size() > model.couplings().size()) model.add_coupling(read.couplings().back());
+  if (read.elements().size() > model.elements().size()) model.add_element(read.elements().back());
 }
 
 LoopSpec PartReader::loop(const std::string& name, const Value& table, const Model& model) const {

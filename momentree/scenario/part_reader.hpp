@@ -51,7 +51,8 @@ class PartReader {
   /// A table with the keys of [[contact]]; adds its rule.
   void add_contact(const Value& table, Model& model) const;
 
-  /// A table with the keys of [[spring]] or of [[cable]], as `kind` says, except its name; adds it.
+  /// A table with the keys of [[spring]], [[cable]], [[coupling]] or another element, as `kind` says, except its name; adds it.
+  /// `name`: empty for elements without a name.
   void add_element(const std::string& kind, const std::string& name, const Value& table, Model& model) const;
   /// A table with the keys of [[loop]], but `name`.
   [[nodiscard]] LoopSpec loop(const std::string& name, const Value& table, const Model& model) const;

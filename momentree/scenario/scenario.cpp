@@ -26,7 +26,6 @@ constexpr Key keys_entries[] = {
     {"mechanism", tables(mechanism_table), "The mechanisms", nullptr, "add [[mechanism]] tables"},
     {"force", tables(force_table), "External forces on bodies"},
     {"loop", tables(loop_table), "Joints that close loops"},
-    {"coupling", tables(coupling_table), "Joints that follow others"},
     {"contact", tables(contact_table), "Friction and restitution where bodies touch"},
     {"event", tables(event_table), "The events"},
     {"integrate", table(integrate_table), ""},
@@ -107,7 +106,6 @@ void read_document(const Value& document, Reading& reading) {
   each("force", read_force);
   each("loop", read_loop);
   for (const ElementTable& element : element_tables()) each(element.keys->definition, element.read);
-  each("coupling", read_coupling);
   add_model_colliders(document.find("contact") != nullptr, reading);
   each("contact", read_contact);
   int number = 0;

@@ -10,7 +10,6 @@
 #include <momentree/base/value.hpp>
 #include <momentree/model/model.hpp>
 #include <momentree/models/import/shape.hpp>
-#include <momentree/scenario/coupling.hpp>
 #include <momentree/simulate/events/action.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/text/diagnostic.hpp>
@@ -53,12 +52,11 @@ struct Scenario {
   std::string hash;  ///< 16 hexadecimal digits over the text and the overrides: names the input of a run
   Model model;
   Integration integration;
-  double until = 10;                     ///< s
-  double output_every = 0;               ///< s; 0: every step
-  std::vector<JointCoupling> couplings;  ///< for couple(), once the model is a simulation
-  std::vector<ScenarioEvent> events;     ///< in the order of the file
-  std::vector<StateFile> state_files;    ///< the document of the whole world first
-  std::vector<Shape> shapes;             ///< by body number
+  double until = 10;                   ///< s
+  double output_every = 0;             ///< s; 0: every step
+  std::vector<ScenarioEvent> events;   ///< in the order of the file
+  std::vector<StateFile> state_files;  ///< the document of the whole world first
+  std::vector<Shape> shapes;           ///< by body number
   /// By collider; none, or missing: it was not given as a shape of a body. Of a mesh that is split the first part has the shape.
   std::vector<Shape> collision_shapes;
   std::shared_ptr<InputCache> inputs{};  ///< files that further readings need not read again; null: they read them

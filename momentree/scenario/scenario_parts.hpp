@@ -84,7 +84,7 @@ struct Reading {
   };
   std::vector<ModelColliders> model_colliders{};
   std::optional<ContactRule> floor_rule{};
-  std::vector<Place> coupling_places{};       ///< places of the scenario's couplings by springs
+  std::vector<Place> element_places{};        ///< places of the model's elements between joints
   std::vector<CouplingPlace> exact_places{};  ///< places of the model's exact couplings
   std::vector<LateEntry> late{};
   IntegratePlaces integrate{};
@@ -136,7 +136,7 @@ enum class Held { unsaid, fixed, free };
 struct Mimic {
   enum class How { spring, exact, independent };
   How how = How::spring;
-  CouplingSpring spring{};
+  elements::SpringCoupling spring{};  ///< its stiffness and damping
 };
 
 struct ModelChoice {
@@ -244,15 +244,20 @@ bool loops_fit(Reading& reading);
 /// Reports loops that cannot be closed at the start.
 void check_loops(Reading& reading);
 
+void read_spring(const Value& table, Reading& reading);
+void read_cable(const Value& table, Reading& reading);
+
 void read_coupling(const Value& table, Reading& reading);
+/// The joint of a name, if it has one DoF and, `driven`, may be driven by a function; else −1, with a report.
+JointId coupled_joint(const Value& value, const char* key, bool driven, Reading& reading);
 /// Adds an exact coupling, with a warning if the joint is given another start value than the coupling requires.
 void add_exact_coupling(const Coupling& coupling, const CouplingPlace& place, Reading& reading);
 /// Reads stiffness and damping; `along_axis`: of a joint whose coordinate is a length, in N/m and N s/m.
-CouplingSpring read_coupling_spring(Fields& fields, bool along_axis);
+void read_coupling_spring(Fields& fields, bool along_axis, elements::SpringCoupling& spring);
 /// Adds the coupling, with a warning if the joint does not start at the position that the coupling requires.
-void add_coupling(const JointCoupling& coupling, Place place, Reading& reading);
-/// Reports joints that follow themselves through others, and events that change coupled joints: the effect of such a change on
-/// the spring is not defined.
+void add_spring_coupling(const elements::SpringCoupling& coupling, Place place, Reading& reading);
+/// Reports joints that follow themselves through others, and events that change joints that are coupled or have elements: the
+/// effect of such a change is not defined.
 void check_couplings(Reading& reading);
 
 /// One match of a wildcard in a condition. Actions of the event with the same wildcard act on this match: on the joint, or on

@@ -32,6 +32,7 @@ class Words {
   Words& operator()(const Mat3& a) { return (*this)(a.xx)(a.xy)(a.xz)(a.yx)(a.yy)(a.yz)(a.zx)(a.zy)(a.zz); }
   Words& operator()(bool x) { return (*this)(std::uint64_t{x}); }
   Words& operator()(const std::optional<double>& x) { return (*this)(x.value_or(0)); }
+  Words& operator()(JointId joint) { return (*this)(pair(joint.index, 0)); }
   Words& operator()(const SpringEnd& end) { return (*this)(pair(end.body.index, 0))(end.point); }
   /// A member of a described type.
   Words& operator()(const char*, const auto& member, const Field&) {
@@ -87,7 +88,14 @@ struct Fingerprint {
   }
 };
 
-std::uint64_t fingerprint_of(const Declared& d) {
+auto words(const JointElement& element) {
+  Words<24> some;
+  some(std::uint64_t{element.index()});
+  with_kind(element, [&some](const auto& kind) { describe(some, kind); });
+  return some.all();
+}
+
+std::uint64_t fingerprint_of(const Declared& d, const std::vector<JointElement>& elements) {
   Fingerprint all;
   for (const Declared::Body& b : d.bodies) all.add(pair(b.parent, b.joint)), all.add(static_cast<std::uint64_t>(b.mass));
   for (const Joint& joint : d.joints) all.add(words(joint));
@@ -95,6 +103,7 @@ std::uint64_t fingerprint_of(const Declared& d) {
   for (const JointParameters& p : d.parameters) all.add(words(p));
   for (const Spring& s : d.springs) all.add(words(s));
   for (const Coupling& c : d.couplings) all.add(words(c));
+  for (const JointElement& element : elements) all.add(words(element));
   return all.value;
 }
 
@@ -153,7 +162,7 @@ std::shared_ptr<Declared> declare(const Model& model) {
   shrink(d.joints), shrink(d.masses);
   d.dofs.reserve(d.parameters.size());
   for (const JointParameters& p : d.parameters) d.dofs.push_back(spread(p));
-  d.fingerprint = fingerprint_of(d);
+  d.fingerprint = fingerprint_of(d, model.elements());
   return declared;
 }
 

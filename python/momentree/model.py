@@ -253,36 +253,6 @@ class Model(Elements):
         fields = {**joint.scenario_value(), **given(at=pose(at), child_at=pose(child_at), assemble=assemble)}
         self._add_loop(name, body, to, fields)
 
-    def add_coupling(
-        self,
-        joint: str,
-        follows: str | None = None,
-        *,
-        multiplier: float | None = None,
-        offset: float | None = None,
-        polynomial: Sequence[float] | None = None,
-    ) -> None:
-        """Make a joint follow another exactly, as by gears or a belt: q(joint) = multiplier·q(follows) + offset.
-
-        At the start the joint takes the position and velocity that follow. The coupling ends when one of the joints breaks, becomes
-        free or is changed; ``sim.world.couplings`` has its effort.
-
-        Args:
-            joint: Name of a joint of a body with one DoF.
-            follows: Name of another such joint; ``None``: the joint is held at the offset.
-            multiplier: Default 1.
-            offset: rad or m; default 0.
-            polynomial: Instead of both, the coefficients a0 … a4 of a0 + a1·q + a2·q² + a3·q³ + a4·q⁴.
-
-        Raises:
-            Error: A joint is unknown, closes a loop or has several DoFs; the model is unchanged.
-        """
-        if polynomial is not None and (multiplier is not None or offset is not None):
-            raise Error("polynomial: multiplier and offset are its first coefficients", hint="give either these or the polynomial")
-        if polynomial is None:
-            polynomial = [0.0 if offset is None else offset, 1.0 if multiplier is None else multiplier]
-        self._add_coupling(joint, follows or "", [float(a) for a in polynomial])
-
     def copy(self) -> Model:
         """An independent copy: what is added to one is not in the other."""
         copy = Model.__new__(Model)

@@ -289,9 +289,6 @@ void construct(BatchObject* self, const ModelObject& model, int worlds, int thre
   }
   options.threads = threads;
   options.contact_method = contact_method, options.step = step;
-  if (!model.couplings.empty())
-    refuse("a batch has no couplings by springs, which the model has",
-           "leave out their stiffness, so that the joints follow exactly, or use a sweep");
   const Tree& tree = model.model.compiled();
   const double simulation = model.model.has_contact() ? 8e3 + 4e3 * tree.bodies() : 0;  // at least
   const double bytes = static_cast<double>(worlds) * (16.0 * (tree.nq() + tree.nv()) + 64 + simulation);

@@ -67,7 +67,6 @@ void restore_state(const SimulationPtr& self, const std::string& text, const std
   const Use use(*self, Access::change);
   const io::RestoredState state = io::read_state(text, name, self->simulation().world().first_model());
   for (io::Diagnostic& warning : io::restore(self->simulation(), {state})) self->warn(std::move(warning));
-  io::couple(self->simulation(), self->scenario().couplings);  // joints that had broken exist again
   self->simulation().resume({}, state.memory);
 }
 

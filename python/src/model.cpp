@@ -16,7 +16,6 @@ std::shared_ptr<const io::Scenario> scenario_of(const ModelObject& model, const 
   scenario->title = model.title;
   scenario->model = model.model;
   scenario->integration = integration;
-  scenario->couplings = model.couplings;
   scenario->shapes = model.shapes;
   scenario->collision_shapes = model.collision_shapes;
   scenario->shapes.resize(static_cast<std::size_t>(model.model.size()));
@@ -85,17 +84,6 @@ void add_loop(const ModelPtr& self, const std::string& name, nb::handle body, nb
   self->model.add_loop(io::PartReader(call).loop(name, table, self->model));
 }
 
-void add_coupling(ModelObject& self, const std::string& joint, const std::string& follows,
-                  const std::vector<double>& polynomial) {
-  Coupling coupling;
-  coupling.joint = self.model.joint(joint);
-  if (!follows.empty()) coupling.follows = self.model.joint(follows);
-  if (polynomial.empty() || polynomial.size() > 5) refuse("polynomial: expected 1 to 5 numbers");
-  const auto a = [&](std::size_t i) { return i < polynomial.size() ? polynomial[i] : 0.0; };
-  coupling.offset = a(0), coupling.multiplier = a(1), coupling.higher = {a(2), a(3), a(4)};
-  self.model.add_coupling(coupling);
-}
-
 template <class Name>
 std::vector<std::string> names(const ModelObject& self, Name name) {
   std::vector<std::string> all;
@@ -107,7 +95,7 @@ std::vector<std::string> names(const ModelObject& self, Name name) {
 // mechanism by mechanism. `names`: of bodies and joints in that order, which scenarios may have changed.
 std::shared_ptr<ModelObject> in_order(const ModelObject& self, const std::vector<std::string>& order,
                                       const std::vector<std::pair<std::string, std::string>>& names) {
-  auto sorted = std::make_shared<ModelObject>(ModelObject{Model({.gravity = self.model.gravity()}), {}, {}, self.title});
+  auto sorted = std::make_shared<ModelObject>(ModelObject{Model({.gravity = self.model.gravity()}), {}, self.title});
   std::vector<BodyId> place(static_cast<std::size_t>(self.model.size()), ground);
   const auto now = [&](int number) { return number < 0 ? ground : place[static_cast<std::size_t>(number)]; };
   for (const std::string& name : order) {
@@ -134,10 +122,8 @@ std::shared_ptr<ModelObject> in_order(const ModelObject& self, const std::vector
     coupling.joint = {now(coupling.joint.index).index}, coupling.follows = {now(coupling.follows.index).index};
     sorted->model.add_coupling(coupling);
   }
-  for (io::JointCoupling coupling : self.couplings) {
-    coupling.joint = {now(coupling.joint.index).index}, coupling.leader = {now(coupling.leader.index).index};
-    sorted->couplings.push_back(coupling);
-  }
+  for (const JointElement& element : self.model.elements())
+    sorted->model.add_element(with_joints(element, [&now](JointId joint) { return JointId{now(joint.index).index}; }));
   return sorted;
 }
 
@@ -169,7 +155,6 @@ void register_model(nb::module_& m) {
           "gravity"_a)
       .def("_add", &add, "name"_a, "parent"_a.none(), "fields"_a)
       .def("_add_loop", &add_loop, nb::arg(), nb::arg().none(), nb::arg().none(), nb::arg())
-      .def("_add_coupling", &add_coupling)
       .def("_add_floor", &add_floor)
       .def("_add_ground", &add_ground)
       .def("_add_contact", &add_contact)
@@ -210,16 +195,12 @@ void register_model(nb::module_& m) {
              return bodies;
            })
       .def(
-          "to_toml",
-          [](const ModelObject& self) {
-            return io::to_toml(self.model, self.shapes, true, self.collision_shapes, self.couplings);
-          },
+          "to_toml", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, true, self.collision_shapes); },
           "The model as the text of a scenario file (TOML), without events. `momentree.loads` reads it.\n\n"
           "Names that do not begin with the mechanism of their root get it in front, with dots for slashes: `hand`, carried\n"
           "by `arm`, becomes `arm/hand`, and `gripper/base` becomes `arm/gripper.base`.\n\n"
           "Raises:\n    Error: A body touches with a mesh of a model file.")
-      .def("_to_toml_without_contact",
-           [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, false, {}, self.couplings); })
+      .def("_to_toml_without_contact", [](const ModelObject& self) { return io::to_toml(self.model, self.shapes, false); })
       .def("to_urdf", &to_urdf, "mechanism"_a = "",
            "One mechanism as the text of a URDF file.\n\n"
            "Args:\n    mechanism: Its name; may be left out if there is only one.\n\n"

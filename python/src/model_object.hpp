@@ -13,7 +13,6 @@ namespace momentree::python {
 struct ModelObject {
   Model model;
   std::vector<io::Shape> shapes;  ///< by body number
-  std::vector<io::JointCoupling> couplings{};
   std::string title{};
   std::vector<io::Shape> collision_shapes{};  ///< by collider, as in a scenario
 };

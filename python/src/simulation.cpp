@@ -211,7 +211,7 @@ void register_simulation(nb::module_& m) {
       .def("_model",
            [](const SimulationPtr& self) {
              const io::Scenario& s = self->scenario();
-             return std::make_shared<ModelObject>(ModelObject{s.model, s.shapes, s.couplings, s.title, s.collision_shapes});
+             return std::make_shared<ModelObject>(ModelObject{s.model, s.shapes, s.title, s.collision_shapes});
            })
       .def_prop_ro("_has_functions",
                    [](const SimulationPtr& self) {

@@ -34,7 +34,7 @@ std::vector<std::string> spring_names(const Model& model) {
 }  // namespace
 
 void add_element(ModelObject& self, const std::string& kind, const std::string& name, nb::handle fields) {
-  const std::string call = "Model.add_" + kind + "('" + name + "')";
+  const std::string call = "Model.add_" + kind + (name.empty() ? "" : "('" + name + "')");
   io::PartReader(call).add_element(kind, name, to_value(fields, call), self.model);
 }
 

@@ -62,10 +62,13 @@ void register_vocabulary(nb::module_& m) {
       element.keys->each([&](const io::Key& key) {
         const char* const what = key.type.form == io::Type::Form::boolean  ? "flag"
                                  : key.type.form == io::Type::Form::number ? "number"
-                                 : key.type.form == io::Type::Form::text   ? "name"
-                                                                           : "end";
-        fields.append(nb::make_tuple(key.name, what, key.about, unit_of(key.type.dimension), key.required != nullptr,
-                                     key.absent != nullptr ? key.absent : ""));
+                                 : key.type.form == io::Type::Form::text
+                                     ? (key.name == std::string_view("name") ? "name" : "joint")
+                                 : key.type.keys != nullptr ? "end"
+                                                            : "numbers";
+        fields.append(nb::make_tuple(key.name, what, key.about,
+                                     key.type.unit != nullptr ? key.type.unit : unit_of(key.type.dimension),
+                                     key.required != nullptr, key.absent != nullptr ? key.absent : ""));
       });
       elements.append(nb::make_tuple(element.keys->definition, element.keys->about, element.keys->details, fields));
     }

@@ -1,4 +1,4 @@
-"""Exact couplings of joints."""
+"""Couplings of joints, exact and by springs."""
 
 from __future__ import annotations
 
@@ -65,3 +65,17 @@ def test_mistakes() -> None:
         sim = mt.Simulation(gears(), method=method, variables=variables)
         sim.run(0.1)
         assert sim.world.loop_status.residual < 1e-12
+
+
+def test_a_joint_follows_by_a_spring() -> None:
+    model = mt.Model()
+    for name in ("a", "b"):
+        model.add(f"gear/{name}", mass=1, inertia=0.1, joint=mt.Revolute(axis=(0, 0, 1)))
+    model.add_coupling("gear/b", "gear/a", offset="0.3 rad", stiffness=40, damping="0.5 N m s")
+    with pytest.raises(mt.Error, match="there is no joint 'gear/c'"):
+        model.add_coupling("gear/c", "gear/a", stiffness=1)
+    for each in (model, copy.copy(model), pickle.loads(pickle.dumps(model)), mt.loads(model.to_toml()).model):
+        sim = mt.Simulation(each, method="rk4", step=1e-3)
+        assert sim.accelerations() == pytest.approx([-120, 120], rel=1e-12)
+        sim.run(5)
+        assert sim.q == pytest.approx([-0.15, 0.15], abs=1e-6)

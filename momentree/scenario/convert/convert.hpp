@@ -27,10 +27,9 @@ Converted to_toml(const Scenario& scenario, const std::unordered_map<std::string
 /// the mechanism of their root get it in front, with dots for slashes: `gripper/base`, carried by `arm/hand`, becomes
 /// `arm/gripper.base`. `contact`: also what bodies touch with, the floor, and a [[contact]] for each rule, or each pair to which
 /// a rule applies that no names stand for. `collision_shapes`: of which colliders are made, by collider, where that is known.
-/// Meshes of others, and belts of several planes, cannot be written: throws Error. `springs_of_joints`: couplings
-/// that are not in the model.
+/// Meshes of others, and belts of several planes, cannot be written: throws Error.
 std::string to_toml(const Model& model, const std::vector<Shape>& shapes = {}, bool contact = true,
-                    const std::vector<Shape>& collision_shapes = {}, const std::vector<JointCoupling>& springs_of_joints = {});
+                    const std::vector<Shape>& collision_shapes = {});
 
 /// One mechanism of a scenario as URDF: its links, joints, limits, damping, friction and visuals. Joint kinds that URDF lacks
 /// are written as chains of joints that it has, if the motion is the same (universal, cylindrical, ball). `mechanism`: its

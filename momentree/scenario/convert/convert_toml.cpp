@@ -11,6 +11,7 @@
 #include <momentree/scenario/convert/describe.hpp>
 #include <momentree/scenario/convert/scenario_names.hpp>
 #include <momentree/scenario/convert/toml_writer.hpp>
+#include <momentree/scenario/keys/keys.hpp>
 
 namespace momentree::io {
 
@@ -78,12 +79,14 @@ class Converter {
 
   Converted convert() {
     Value::Table document;
-    for (const char* key : {"format", "title", "state", "world", "mechanism", "force", "loop", "spring", "cable", "coupling",
-                            "contact", "event", "integrate", "output"}) {
+    std::vector<const char*> keys{"format", "title", "state", "world", "mechanism", "force", "loop"};
+    for (const ElementTable& element : element_tables()) keys.push_back(element.keys->definition);
+    for (const char* key : {"contact", "event", "integrate", "output"}) keys.push_back(key);
+    for (const char* const key : keys) {
       const Value::Entry* entry = scenario_.document->find(key);
       if (std::string_view(key) == "coupling" &&
-          springs_of(entry) < scenario_.couplings.size() + scenario_.model.couplings().size()) {
-        add(document, key, couplings());
+          springs_of(entry) < describe_couplings(scenario_.model).size()) {  // one for each follower of a model file, too
+        add(document, key, value(describe_couplings(scenario_.model)));
         continue;
       }
       if (std::string_view(key) == "loop") {
@@ -159,14 +162,6 @@ class Converter {
       explain_carriers(one);
       all.push_back(std::move(one));
     }
-    return value(std::move(all));
-  }
-
-  // The coupling tables: the scenario's own, and one for each follower of a model file.
-  Value couplings() const {
-    Value::Array all;
-    for (const JointCoupling& each : scenario_.couplings) all.push_back(value(describe_coupling(each, scenario_.model)));
-    for (const Coupling& each : scenario_.model.couplings()) all.push_back(value(describe_coupling(each, scenario_.model)));
     return value(std::move(all));
   }
 
@@ -318,7 +313,7 @@ Converted to_toml(const Scenario& scenario, const MeshNames& meshes) {
 }
 
 std::string to_toml(const Model& given, const std::vector<Shape>& shapes, bool contact,
-                    const std::vector<Shape>& collision_shapes, const std::vector<JointCoupling>& springs_of_joints) {
+                    const std::vector<Shape>& collision_shapes) {
   const Model model = with_scenario_names(given);
   Value::Table document, world;
   add(document, "format", Value(std::int64_t{1}, Place{}));
@@ -331,7 +326,7 @@ std::string to_toml(const Model& given, const std::vector<Shape>& shapes, bool c
     add(world, "collision", std::move(solids));
   if (!world.empty()) add(document, "world", value(std::move(world)));
   LeftOut left_out;
-  Value::Array mechanisms, forces, loops, springs, cables, couplings;
+  Value::Array mechanisms, forces, loops, springs, cables, couplings = describe_couplings(model);
   const auto bodies = by_mechanism(model);
   for (int b = 0; b < model.size(); ++b) {
     const std::string mechanism = mechanism_of(model, {b});
@@ -344,13 +339,12 @@ std::string to_toml(const Model& given, const std::vector<Shape>& shapes, bool c
   for (const LoopSpec& loop : model.loops()) loops.push_back(value(describe_loop(loop, model)));
   for (const Spring& spring : model.springs())
     (spring.inextensible ? cables : springs).push_back(value(describe_spring(spring, model)));
-  for (const JointCoupling& each : springs_of_joints) couplings.push_back(value(describe_coupling(each, model)));
-  for (const Coupling& each : model.couplings()) couplings.push_back(value(describe_coupling(each, model)));
   add(document, "mechanism", value(std::move(mechanisms)));
   if (!forces.empty()) add(document, "force", value(std::move(forces)));
   if (!loops.empty()) add(document, "loop", value(std::move(loops)));
   if (!springs.empty()) add(document, "spring", value(std::move(springs)));
   if (!cables.empty()) add(document, "cable", value(std::move(cables)));
+  for (auto& [key, tables] : describe_elements(model)) add(document, key, value(std::move(tables)));
   if (!couplings.empty()) add(document, "coupling", value(std::move(couplings)));
   if (Value all = contact ? describe_contacts(model) : value(Value::Array{}); !all.array()->empty())
     add(document, "contact", std::move(all));

@@ -278,7 +278,7 @@ class UrdfWriter {
     if (g.x != usual.x || g.y != usual.y || g.z != usual.z) all += ", its gravity";
     if (!model_.forces().empty()) all += ", " + std::to_string(model_.forces().size()) + " forces on bodies";
     if (!model_.springs().empty()) all += ", " + std::to_string(model_.springs().size()) + " springs between bodies";
-    if (!scenario_.couplings.empty() || !model_.couplings().empty()) all += ", the couplings of its joints";
+    if (!model_.elements().empty() || !model_.couplings().empty()) all += ", the couplings of its joints";
     if (!scenario_.events.empty()) all += ", its events";
     if (!scenario_.state_files.empty()) all += ", its state document";
     if (!all.empty()) say(Severity::warning, "a URDF holds only a model; left out: " + all.substr(2), "", {});

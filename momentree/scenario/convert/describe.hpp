@@ -9,7 +9,6 @@
 #include <momentree/model/model.hpp>
 #include <momentree/models/import/shape.hpp>
 #include <momentree/scenario/convert/document_values.hpp>
-#include <momentree/scenario/coupling.hpp>
 
 namespace momentree::io {
 
@@ -54,8 +53,10 @@ Value::Table describe_floor(const Model& model);
 Value describe_contacts(const Model& model);
 Value::Table describe_force(const BodyForce& force, const Model& model);
 Value::Table describe_spring(const Spring& spring, const Model& model);
-Value::Table describe_coupling(const Coupling& coupling, const Model& model);
-Value::Table describe_coupling(const JointCoupling& coupling, const Model& model);
+/// The tables of the couplings of a model: those by springs, then the exact ones.
+Value::Array describe_couplings(const Model& model);
+/// The tables of each kind of element between joints that has tables of its own, by their key.
+std::vector<std::pair<const char*, Value::Array>> describe_elements(const Model& model);
 Value::Table describe_loop(const LoopSpec& loop, const Model& model);
 
 }  // namespace momentree::io

@@ -62,6 +62,7 @@ Model with_scenario_names(const Model& model) {
   for (const Spring& spring : model.springs()) renamed.add_spring(spring);
   for (const LoopSpec& loop : model.loops()) renamed.add_loop(loop);
   for (const Coupling& coupling : model.couplings()) renamed.add_coupling(coupling);
+  for (const JointElement& element : model.elements()) renamed.add_element(element);
   for (const Collider& collider : model.colliders()) renamed.add_collider(collider);
   for (ContactRule rule : model.contact_rules()) {
     for (std::string* name : {&rule.one_name, &rule.other_name})

@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
 #include <momentree/scenario/convert/describe.hpp>
 #include <momentree/scenario/keys/described.hpp>
 
@@ -9,6 +13,8 @@ Value::Table describe_spring(const Spring& spring, const Model& model) {
   TableWriter writer(model);
   return spring.inextensible ? writer.of(cable_of(spring)) : writer.of(spring);
 }
+
+namespace {
 
 Value::Table describe_coupling(const Coupling& coupling, const Model& model) {
   Value::Table table;
@@ -26,15 +32,30 @@ Value::Table describe_coupling(const Coupling& coupling, const Model& model) {
   return table;
 }
 
-Value::Table describe_coupling(const JointCoupling& coupling, const Model& model) {
-  Value::Table table;
-  add(table, "joint", text(model[coupling.joint].joint_name));
-  add(table, "follows", text(model[coupling.leader].joint_name));
-  if (coupling.multiplier != 1) add(table, "multiplier", number(coupling.multiplier));
-  if (coupling.offset != 0) add(table, "offset", number(coupling.offset));
-  add(table, "stiffness", number(coupling.stiffness));
-  if (coupling.damping != 0) add(table, "damping", number(coupling.damping));
-  return table;
+}  // namespace
+
+Value::Array describe_couplings(const Model& model) {
+  Value::Array all;
+  for (const JointElement& element : model.elements())
+    if (const auto* const spring = std::get_if<elements::SpringCoupling>(&element))
+      all.push_back(value(TableWriter(model).of(*spring)));
+  for (const Coupling& each : model.couplings()) all.push_back(value(describe_coupling(each, model)));
+  return all;
+}
+
+std::vector<std::pair<const char*, Value::Array>> describe_elements(const Model& model) {
+  std::vector<std::pair<const char*, Value::Array>> all;
+  for (const JointElement& element : model.elements())
+    with_kind(element, [&](const auto& kind) {
+      using T = std::decay_t<decltype(kind)>;
+      if constexpr (has_table<T>) {
+        const auto known =
+            std::find_if(all.begin(), all.end(), [](const auto& list) { return std::string_view(list.first) == T::info.key; });
+        auto& list = known == all.end() ? all.emplace_back(T::info.key, Value::Array()) : *known;
+        list.second.push_back(value(TableWriter(model).of(kind)));
+      }
+    });
+  return all;
 }
 
 }  // namespace momentree::io

@@ -35,9 +35,12 @@ class KeyCollector {
     add(key, type::boolean, field, standard ? "true" : "false");
   }
   void operator()(const char* key, double standard, const Field& field) {
-    texts_.push_back(number_text(standard));
-    add(key, type::number(field.dimension, field.range), field, std::isfinite(standard) ? texts_.back().c_str() : nullptr);
+    const char* const text = std::isfinite(standard) && field.required == nullptr ? kept(number_text(standard)) : nullptr;
+    if (field.of_joint)
+      return add(key, type::number(kept(unit_of(field.dimension) + " or " + unit_of(field.along)), field.range), field, text);
+    add(key, type::number(field.dimension, field.range), field, text);
   }
+  void operator()(const char* key, JointId, const Field& field) { add(key, type::string, field); }
   void operator()(const char* key, const std::optional<double>&, const Field& field) {
     add(key, type::number(field.dimension, field.range), field);
   }
@@ -49,6 +52,7 @@ class KeyCollector {
   void add(const char* key, const Type& type, const Field& field, const char* standard = nullptr) {
     keys_.push_back({key, type, field.about, standard, field.required, nullptr, field.absent});
   }
+  const char* kept(std::string text) { return texts_.emplace_back(std::move(text)).c_str(); }
   std::vector<Key> keys_;
   std::list<std::string> texts_;
 };
@@ -102,6 +106,9 @@ class TableWriter {
   void operator()(const char* key, bool x, const Field&) {
     if (comparing_) return standard_.push_back(x);
     if (x != (standard_[next_++] != 0)) document_values::add(table_, key, document_values::value(x));
+  }
+  void operator()(const char* key, JointId joint, const Field&) {
+    if (!comparing_) document_values::add(table_, key, document_values::text(model_[joint].joint_name));
   }
   void operator()(const char* key, const SpringEnd& end, const Field&) {
     if (comparing_) return;

@@ -120,7 +120,7 @@ extern const KeyTable scenario_table, world_table, integrate_table, output_table
     spring_table, cable_table, loop_table, coupling_table, mimic_table, contact_table, floor_table, belt_table, event_table,
     condition_table, point_table;
 struct Reading;
-/// The tables of elements between bodies, such as spring_table, and their readers.
+/// The tables of elements between bodies or joints, such as spring_table, and their readers.
 struct ElementTable {
   const KeyTable* keys;
   void (*read)(const Value& table, Reading& reading);

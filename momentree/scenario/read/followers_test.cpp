@@ -5,7 +5,6 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/scenario/coupling.hpp>
 #include <momentree/scenario/test_support.hpp>
 #include <momentree/text/files/text_file.hpp>
 #include <tests/bad_input.hpp>
@@ -51,7 +50,7 @@ TEST_CASE("followers of followers start where they should, in whatever order the
     CAPTURE(said(result));
     REQUIRE(result.scenario);
     CHECK(said(result).empty());
-    REQUIRE(result.scenario->couplings.size() == 3);
+    REQUIRE(result.scenario->model.elements().size() == 3);
     CHECK(start(result, "b") == 1);
     CHECK(start(result, "c") == -1);
     CHECK(start(result, "d") == -1);
@@ -91,7 +90,6 @@ TEST_CASE("ten thousand joints may follow one another") {
   const Model& model = result.scenario->model;
   CHECK(model[model.joint("r/j10000")].q[0] == 10'000);
   Simulation run(model, result.scenario->integration);
-  couple(run, result.scenario->couplings);
   double most = 0;  // if all joints start where they should, no spring acts
   for (int j = 0; j < model.size(); ++j)
     for (const double rate : run.world().joint({j}).pdot) most = std::max(most, std::abs(rate));

@@ -40,8 +40,9 @@ constexpr Key coupling_entries[] = {
 /// True for a joint with one DoF whose coordinate is a length.
 bool is_length(const JointSpec& joint) { return info(joint.kind).q_units[0] == 'm'; }
 
-/// The joint of a name, if it has one DoF and may be driven; else −1, with a report.
-JointId coupled_joint(const Value& value, const char* key, bool by_spring, Reading& reading) {
+}  // namespace
+
+JointId coupled_joint(const Value& value, const char* key, bool driven, Reading& reading) {
   Diagnostics& out = reading.out;
   const auto name = read_string(value, key, out);
   if (!name || reading.opaque.contains(mechanism_of(*name))) return {-1};
@@ -67,7 +68,7 @@ JointId coupled_joint(const Value& value, const char* key, bool by_spring, Readi
               "couple revolute, prismatic and helical joints");
     return {-1};
   }
-  if (by_spring && spec.parameters.drive && spec.parameters.drive->moves()) {
+  if (driven && spec.parameters.drive && spec.parameters.drive->moves()) {
     out.error(value.place, std::string(key) + ": the motion of joint " + in_quotes(*name) + " is prescribed",
               "drive it by position control: drive = { pd = { … } }");
     return {-1};
@@ -75,27 +76,28 @@ JointId coupled_joint(const Value& value, const char* key, bool by_spring, Readi
   return joint;
 }
 
-}  // namespace
-
 constinit const KeyTable mimic_table{"mimic", "", "Spring that couples the joints that the model file declares as mimic",
                                      mimic_entries};
-constinit const KeyTable coupling_table{"[[coupling]]", "coupling",
-                                        "Makes a joint follow another, exactly or by a spring between their coordinates",
-                                        coupling_entries};
+constinit const KeyTable coupling_table{
+    .name = "[[coupling]]",
+    .definition = "coupling",
+    .about = "A coupling, which makes a joint follow another, exactly or by a spring between their coordinates",
+    .own = coupling_entries,
+    .details = "The joint is at multiplier·q(follows) + offset. At the start a joint that follows exactly takes the position and "
+               "velocity that follow; ``sim.world.couplings`` has the effort of an exact coupling. With a stiffness it follows by a "
+               "spring and a damper. A coupling ends when one of the joints breaks, becomes free or is changed."};
 
-CouplingSpring read_coupling_spring(Fields& fields, bool along_axis) {
+void read_coupling_spring(Fields& fields, bool along_axis, elements::SpringCoupling& spring) {
   const Dimension effort = along_axis ? dimension::force : dimension::torque,
                   way = along_axis ? dimension::length : dimension::angle;
-  CouplingSpring spring;
   fields.require("stiffness");
   spring.stiffness = fields.number("stiffness", effort / way).value_or(0);
   spring.damping = fields.number("damping", effort * dimension::time / way).value_or(0);
-  return spring;
 }
 
-void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) {
+void add_spring_coupling(const elements::SpringCoupling& coupling, Place place, Reading& reading) {
   const Model& model = reading.scenario.model;
-  const BodySpec &joint = model[coupling.joint], &leader = model[coupling.leader];
+  const BodySpec &joint = model[coupling.joint], &leader = model[coupling.follows];
   const double own = start_coordinates(joint).of(0), led = coupling.multiplier * start_coordinates(leader).of(0);
   const double apart = own - led - coupling.offset;
   const double size = std::abs(own) + std::abs(led) + std::abs(coupling.offset);
@@ -106,8 +108,8 @@ void add_coupling(const JointCoupling& coupling, Place place, Reading& reading) 
                             " from where it should follow " + in_quotes(leader.joint_name),
                         "the spring pulls it there from the start");
   }
-  reading.scenario.couplings.push_back(coupling);
-  reading.coupling_places.push_back(place);
+  reading.scenario.model.add_element(coupling);
+  reading.element_places.push_back(place);
 }
 
 void add_exact_coupling(const Coupling& coupling, const CouplingPlace& place, Reading& reading) {
@@ -177,32 +179,35 @@ void read_coupling(const Value& table, Reading& reading) {
     out.error(polynomial->place, "polynomial: a spring follows by 'multiplier' and 'offset'",
               "leave 'stiffness' out: the coupling is then exact");
   const bool along = joint.index >= 0 && is_length(reading.scenario.model[joint].joint);
-  JointCoupling coupling;
+  elements::SpringCoupling coupling{joint, leader};
   coupling.multiplier = fields.number("multiplier").value_or(1);
   coupling.offset = fields.number("offset", along ? dimension::length : dimension::angle).value_or(0);
-  const CouplingSpring spring = read_coupling_spring(fields, along);
+  read_coupling_spring(fields, along, coupling);
   fields.finish();
   if (joint.index >= 0 && joint == leader)
     out.error(leader_value->place, "follows: a joint cannot follow itself", "name another one of the same world");
   if (errors != out.errors() || joint.index < 0 || leader.index < 0) return;
-  coupling.joint = joint, coupling.leader = leader;
-  coupling.stiffness = spring.stiffness, coupling.damping = spring.damping;
-  add_coupling(coupling, fields.place(), reading);
+  add_spring_coupling(coupling, fields.place(), reading);
 }
 
 void check_couplings(Reading& reading) {
   const Model& model = reading.scenario.model;
   std::vector<std::pair<int, int>> pairs;
-  for (const JointCoupling& each : reading.scenario.couplings) pairs.emplace_back(each.joint.index, each.leader.index);
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < model.elements().size(); ++i)
+    if (const auto* const spring = std::get_if<elements::SpringCoupling>(&model.elements()[i])) {
+      pairs.emplace_back(spring->joint.index, spring->follows.index);
+      places.push_back(reading.element_places[i]);
+    }
   for (const std::vector<int>& circle : circles_of(pairs)) {
     const auto first = std::find(pairs.begin(), pairs.end(), std::pair(circle[0], circle[1]));
-    reading.out.error(reading.coupling_places[static_cast<std::size_t>(first - pairs.begin())],
+    reading.out.error(places[static_cast<std::size_t>(first - pairs.begin())],
                       "coupling: " + circle_text(circle, [&](int joint) { return in_quotes(model[JointId{joint}].joint_name); }),
                       "one of them must lead and follow no other");
   }
   std::unordered_set<std::string_view> coupled;
-  for (const JointCoupling& each : reading.scenario.couplings)
-    for (const JointId joint : {each.joint, each.leader}) coupled.insert(model[joint].joint_name);
+  for (const JointElement& each : model.elements())
+    for (const JointId joint : joints_of(each)) coupled.insert(model[joint].joint_name);
   for (const Coupling& each : model.couplings()) {
     coupled.insert(model[each.joint].joint_name);
     if (each.leads()) coupled.insert(model[each.follows].joint_name);

@@ -307,7 +307,8 @@ void read_mechanism(const Value& table, Reading& reading) {
       mimic = Mimic{*word == "independent" ? Mimic::How::independent : Mimic::How::exact, {}};
     } else {
       Fields parts(*spring, mimic_table, out);
-      mimic = Mimic{Mimic::How::spring, read_coupling_spring(parts, false)};
+      mimic = Mimic{};
+      read_coupling_spring(parts, false, mimic->spring);
       parts.finish();
     }
     if (!model)

@@ -242,15 +242,12 @@ void take_limits_of(const Import& import, const ModelChoice& choice, const Joint
 
 void couple_followers(const Import& import, const ModelChoice& choice, int first, Reading& reading) {
   for (const Follower& each : import.model.followers) {
-    if (by_spring(each, choice))
-      add_coupling({{first + each.body},
-                    {first + each.leader},
-                    each.multiplier,
-                    each.offset,
-                    choice.mimic->spring.stiffness,
-                    choice.mimic->spring.damping},
-                   choice.mimic_place, reading);
-    else if (is_exact(each, choice))
+    if (by_spring(each, choice)) {
+      elements::SpringCoupling spring = choice.mimic->spring;
+      spring.joint = {first + each.body}, spring.follows = {first + each.leader};
+      spring.multiplier = each.multiplier, spring.offset = each.offset;
+      add_spring_coupling(spring, choice.mimic_place, reading);
+    } else if (is_exact(each, choice))
       add_exact_coupling(each.coupling(first),
                          {choice.mimic ? choice.mimic_place : Place{}, choice.mimic ? nullptr : each.file, each.element},
                          reading);

@@ -141,12 +141,7 @@ void read(const Value& table, const KeyTable& keys, Reading& reading) {
 
 }  // namespace
 
-std::span<const ElementTable> element_tables() {
-  static constexpr ElementTable all[] = {
-      {&spring_table, [](const Value& table, Reading& reading) { read<Spring>(table, spring_table, reading); }},
-      {&cable_table, [](const Value& table, Reading& reading) { read<Cable>(table, cable_table, reading); }},
-  };
-  return all;
-}
+void read_spring(const Value& table, Reading& reading) { read<Spring>(table, spring_table, reading); }
+void read_cable(const Value& table, Reading& reading) { read<Cable>(table, cable_table, reading); }
 
 }  // namespace momentree::io

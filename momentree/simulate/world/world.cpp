@@ -120,6 +120,7 @@ void World::restore(double time, const Forest& forest, std::span<const JointStar
     if (error) throw_error(std::move(*error));
   }
   state_ = std::move(state);
+  attach_elements();
 }
 
 // Start values: those of the model if the document gives none.

@@ -319,6 +319,8 @@ class World {
   void remove(BodyId body);
   void make_room();
   void drive(int joint, JointFunction function);
+  void attach_elements();
+  bool as_in_the_model(JointId joint) const;
   void load(int body, BodyFunction function);
   void set_time(double time);
   Variables own_variables() const {
