@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/scenario/events/read_action.hpp>
 #include <momentree/scenario/keys/schema.hpp>
+#include <momentree/scenario/scenario_parts.hpp>
 
 namespace momentree::io {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include <momentree/scenario/events/read_action.hpp>
+#include <momentree/scenario/events/argument_reader.hpp>
 #include <momentree/simulate/events/topology_record.hpp>
 
 namespace momentree::io {
@@ -156,7 +156,7 @@ std::vector<Action> PartReader::actions(const std::string& key, const Value& val
   std::vector<ScenarioEvent> wild;
   read_actions(value, key, event, trigger.match.get(), wild, part.reading);
   for (const Reading::LateEntry& late : part.reading.late) {
-    ActionReader reader(*late.value, *late.action, late.match, late.time, part.reading);
+    ArgumentReader reader(*late.value, *late.action, {"", late.match, late.match}, late.time, part.reading);
     reader.kinds_of = [&](const std::string& joint) {
       const auto found = part.kinds.find(joint);
       return found == part.kinds.end() ? std::vector<const KindInfo*>() : std::vector<const KindInfo*>{found->second};

@@ -202,6 +202,8 @@ void read_parameters(Fields& fields, const KindInfo* kind, JointParameters& para
 /// Reports the findings of check_joint() at the keys; true if there are any.
 bool report_problems(const JointSpec& joint, const Fields& fields, Diagnostics& out);
 
+/// The part of a name before the first '/'.
+std::string mechanism_of(const std::string& name);
 /// The joints that match a name with `*`, in the order of the model; with `springs_too` then the springs.
 std::vector<std::string> matching_joints(const std::string& pattern, bool springs_too, Reading& reading);
 std::vector<std::string> matching_bodies(const std::string& pattern, Reading& reading);
@@ -274,6 +276,10 @@ std::shared_ptr<momentree::Quantity> read_quantity(const Value& table, const std
 /// none.
 void read_trigger(Fields& fields, ScenarioEvent& event, const TriggerMatch* match, Reading& reading);
 void read_event(const Value& table, int number, Reading& reading);
+/// The keys of the actions that scenario files can use.
+const std::vector<std::string>& scenario_actions();
+/// True for an action that sets parameters of a joint: their units depend on its kind, which another event may determine.
+bool sets_parameters(WithArguments& action);
 /// Reads one key of an event: a name, a table, or a list of them. Actions whose names contain a wildcard become separate events
 /// in `wild`. If the event itself belongs to one `match` of its condition's wildcard, its actions stay with it: an action with
 /// the same wildcard acts on that match, any other on all matches of its own wildcard.

@@ -1,6 +1,7 @@
 // The kinds of joints, actions and quantities as data, from which tools/python_vocabulary writes the package's functions.
 #include <momentree/base/units.hpp>
 #include <momentree/model/spring.hpp>
+#include <momentree/scenario/events/argument_kinds.hpp>
 #include <momentree/scenario/keys/keys.hpp>
 #include <momentree/simulate/events/action.hpp>
 #include <momentree/simulate/events/condition.hpp>
@@ -11,27 +12,18 @@ namespace momentree::python {
 
 namespace {
 
-struct ActionProbe final : ActionFields {
-  nb::list fields;
-  void add(const char* what, const char* key, const char* about) { fields.append(nb::make_tuple(what, key, about)); }
-  void joint(const char* key, std::string&) override { add("joint", key, ""); }
-  void made_joint(const char* key, std::string&) override { add("made joint", key, ""); }
-  void body(const char* key, std::string&, bool ground_too) override { add(ground_too ? "body or ground" : "body", key, ""); }
-  void dofs(const char* key, const std::string&, std::vector<int>&) override { add("dofs", key, ""); }
-  void vector(const char* key, Vec3&, const Dimension&, const char* about) override { add("vector", key, about); }
-  void placement(const char* key, std::optional<Pose>&, const char* about) override { add("placement", key, about); }
-  void description(JointDescription&, bool) override { add("description", "to", ""); }
-  void parameters(const std::string&, JointParameters&) override { add("parameters", "parameters", ""); }
-};
-
-struct QuantityProbe final : QuantityFields {
-  nb::list fields;
-  void joint(std::string&) override { fields.append("joint"); }
-  void mechanism(std::string&) override { fields.append("mechanism"); }
-  void point(int, int count, std::string&, Vec3&) override { fields.append(count == 1 ? "point" : "points"); }
-  void component(std::string&) override { fields.append("component"); }
-  void solid(int, std::string&) override { fields.append("solid"); }
-};
+// Key, value in Python and parameters of each argument.
+nb::list arguments_of(WithArguments& what) {
+  nb::list all;
+  what.arguments([&all](const Argument& argument) {
+    const io::ArgumentDescription described = io::kind_of(argument).described(argument);
+    nb::list parameters;
+    for (const auto& [name, type, about, by_keyword] : described.python)
+      parameters.append(nb::make_tuple(name, type, about, by_keyword));
+    all.append(nb::make_tuple(argument.key, described.in_python, parameters));
+  });
+  return all;
+}
 
 }  // namespace
 
@@ -42,17 +34,13 @@ void register_vocabulary(nb::module_& m) {
       kinds.append(nb::make_tuple(kind.name, kind.q_units, kind.v_units, kind.axis, kind.axis2, kind.pitch));
     for (const std::string& key : action_keys()) {
       const auto action = make_action(key);
-      ActionProbe probe;
-      action->fields(probe);
-      actions.append(nb::make_tuple(key, action->summary(), action->plain_field() != nullptr, probe.fields));
+      actions.append(nb::make_tuple(key, action->summary(), arguments_of(*action)));
     }
     for (const std::string& key : quantity_keys()) {
       const auto quantity = make_quantity(key);
-      QuantityProbe probe;
-      quantity->fields(probe);
+      const nb::list arguments = arguments_of(*quantity);
       const bool threshold = quantity->has_threshold();
-      quantities.append(
-          nb::make_tuple(key, quantity->summary(), probe.fields, threshold, threshold && quantity->drop_threshold()));
+      quantities.append(nb::make_tuple(key, quantity->summary(), arguments, threshold, threshold && quantity->drop_threshold()));
     }
     for (const io::JointKey& key : io::joint_keys())
       if (!key.documents) parameters.append(nb::make_tuple(key.key, key.about));

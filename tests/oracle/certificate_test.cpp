@@ -86,26 +86,18 @@ TEST_CASE("certificates: every body's momentum changes by the impulses of its jo
       // Impulses act after all topology changes: the poses are the present ones.
       for (const Action& action : actions) {
         if (action->key() != "impulse") continue;
-        struct Reader : ActionFields {
-          std::string name;
-          Vec3 force, torque, point;
-          void joint(const char*, std::string&) override {}
-          void made_joint(const char*, std::string&) override {}
-          void body(const char*, std::string& body, bool) override { name = body; }
-          void dofs(const char*, const std::string&, std::vector<int>&) override {}
-          void vector(const char* key, Vec3& value, const Dimension&, const char*) override {
-            (key == std::string_view("force") ? force : key == std::string_view("torque") ? torque : point) = value;
-          }
-          void placement(const char*, std::optional<Pose>&, const char*) override {}
-          void description(JointDescription&, bool) override {}
-          void parameters(const std::string&, JointParameters&) override {}
-        } reader;
-        const_cast<ActionBase&>(*action).fields(reader);
-        const int b = model.body(reader.name).index;
-        const Vec3 at = world.motions()[static_cast<std::size_t>(b)].pose * reader.point;
+        std::string name;
+        Vec3 force, torque, point;
+        const_cast<ActionBase&>(*action).arguments([&](const Argument& each) {
+          const std::string_view key = each.key;
+          if (const auto* body = each.as<argument::Body>()) name = body->name;
+          if (const Vec3* value = each.as<Vec3>()) (key == "force" ? force : key == "torque" ? torque : point) = *value;
+        });
+        const int b = model.body(name).index;
+        const Vec3 at = world.motions()[static_cast<std::size_t>(b)].pose * point;
         Momentum& sum = outside[b];
-        sum.linear += reader.force, sum.angular += reader.torque + cross(at, reader.force);
-        pushed += reader.force, turned += reader.torque + cross(at, reader.force);
+        sum.linear += force, sum.angular += torque + cross(at, force);
+        pushed += force, turned += torque + cross(at, force);
       }
       double scale = 1e-3;
       std::vector<Momentum> given(static_cast<std::size_t>(model.size()));

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <momentree/base/check.hpp>
-#include <momentree/scenario/events/read_action.hpp>
+#include <momentree/scenario/events/argument_reader.hpp>
 #include <momentree/scenario/keys/joint_tables.hpp>
 #include <momentree/simulate/events/instant.hpp>
 
@@ -110,16 +110,6 @@ class Names {
   bool joins_ = false;
 };
 
-// Fills in an action that sets parameters, without reading it from the file.
-struct ParametersOf final : IgnoredFields {
-  ParametersOf(const std::string& joint_, const JointParameters& given_) : name(joint_), given(given_) {}
-  void joint(const char*, std::string& joint) override { joint = name; }
-  void parameters(const std::string&, JointParameters& parameters) override { parameters = given; }
-
-  const std::string& name;
-  const JointParameters& given;
-};
-
 // Actions that set parameters of joints, with a wildcard: each matching joint gets the values that its kind can have.
 class WildSets {
  public:
@@ -153,8 +143,11 @@ class WildSets {
     if (!kind) return false;
     const JointTable::Part* part = tables_.at(late.value).part(kind->kind);
     const JointParameters none;
-    ParametersOf filled(late.match, part != nullptr ? part->parameters : none);
-    late.action->fields(filled);
+    late.action->arguments([&](const Argument& each) {
+      if (const auto* joint = each.as<argument::Joint>()) joint->name = late.match;
+      if (const auto* parameters = each.as<argument::Parameters>())
+        parameters->values = part != nullptr ? part->parameters : none;
+    });
     if (part == nullptr) idle_.insert(late.action.get());
     return true;
   }
@@ -235,7 +228,7 @@ void finish_events(Reading& reading) {
   const Value* wrong = nullptr;  // an error in one table concerns every match of its wildcard
   for (const Reading::LateEntry& late : reading.late) {
     if (late.value == wrong || is_unread(*late.value, reading) || wild.fill(late)) continue;
-    ActionReader reader(*late.value, *late.action, late.match, late.time, reading);
+    ArgumentReader reader(*late.value, *late.action, {"", late.match, late.match}, late.time, reading);
     reader.kinds_of = [&](const std::string& joint) { return names.kinds_of(joint, late.time); };
     if (!reader.read()) wrong = late.value;
   }

@@ -1,7 +1,7 @@
 // [[event]]: an instant or condition, and the actions, in the order of its keys.
 #include <algorithm>
 
-#include <momentree/scenario/events/read_action.hpp>
+#include <momentree/scenario/scenario_parts.hpp>
 
 namespace momentree::io {
 

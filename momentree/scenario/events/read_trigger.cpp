@@ -2,8 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include <momentree/scenario/scenario_parts.hpp>
-#include <momentree/simulate/contact/contact_bodies.hpp>
+#include <momentree/scenario/events/argument_reader.hpp>
 #include <momentree/simulate/events/single_dof.hpp>
 
 namespace momentree::io {
@@ -49,112 +48,6 @@ constexpr double unknown_time = std::numeric_limits<double>::infinity();
 
 using momentree::Quantity;  // not that of joint parameters
 
-class QuantityReader final : public QuantityFields {
- public:
-  QuantityReader(const Value& value, std::string key, bool springs_too, const TriggerMatch* match, Reading& reading)
-      : value_(value), key_(std::move(key)), springs_too_(springs_too), match_(match), reading_(reading), out_(reading.out) {}
-
-  void joint(std::string& name) override {
-    const Value* value = field("joint");
-    const auto text = value ? read_string(*value, key_, out_) : std::nullopt;
-    if (!text) return;
-    name = matched(*text, &TriggerMatch::joint);
-    reading_.joint_uses.push_back({name, key_, value->place, unknown_time, false, springs_too_});
-  }
-
-  void mechanism(std::string& name) override {
-    const auto text = read_string(value_, key_, out_);
-    if (!text) return;
-    name = *text;
-    // A separated part becomes a mechanism named after its root body.
-    if (!reading_.mechanisms.contains(name) && !reading_.bodies.contains(name))
-      out_.error(value_.place, key_ + ": there is no mechanism " + in_quotes(name), reading_.suggest(name, reading_.mechanisms));
-  }
-
-  void point(int number, int count, std::string& body, Vec3& point) override {
-    const Value* entry = &value_;
-    if (count > 1) {
-      if (!value_.array() || static_cast<int>(value_.array()->size()) != count) {
-        if (number == 0)
-          out_.error(value_.place, key_ + ": expected a list of two bodies", "for example [\"tug/gripper\", \"satellite/hull\"]");
-        return;
-      }
-      entry = &(*value_.array())[static_cast<std::size_t>(number)];
-    }
-    Place place = entry->place;
-    std::optional<std::string> name;
-    if (entry->table()) {
-      Fields fields(*entry, point_table, out_, key_);
-      if (const Value* given = fields.require("body")) name = read_string(*given, "body", out_), place = given->place;
-      point = fields.vec3("point").value_or(Vec3{});
-      fields.finish();
-    } else {
-      name = read_string(*entry, key_, out_);
-    }
-    if (!name) return;
-    body = matched(*name, &TriggerMatch::body);
-    if (body == "ground" && count > 1) return;
-    if (!reading_.bodies.contains(body))
-      out_.error(place, key_ + ": there is no body " + in_quotes(body), reading_.suggest(body, reading_.bodies));
-  }
-
-  void solid(int number, std::string& name) override {
-    if (!value_.array() || value_.array()->size() != 2) {
-      if (number == 0)
-        out_.error(value_.place, key_ + ": expected a list of two bodies or mechanisms", "for example [\"crate\", \"floor\"]");
-      return;
-    }
-    const Value& entry = (*value_.array())[static_cast<std::size_t>(number)];
-    const auto text = read_string(entry, key_, out_);
-    if (!text) return;
-    name = *text == "floor" ? "ground" : matched(*text, &TriggerMatch::body);
-    if (name == "ground" || reading_.bodies.contains(name) || reading_.mechanisms.contains(name)) return;
-    if (!ContactBodies(reading_.scenario.model, name).empty()) return;  // a mechanism that has broken
-    std::string hint = reading_.suggest(name, reading_.bodies);
-    if (hint.empty()) hint = reading_.suggest(name, reading_.mechanisms);
-    out_.error(entry.place, key_ + ": there is no body or mechanism " + in_quotes(name), std::move(hint));
-  }
-
-  void component(std::string& name) override {
-    const Value* value = field("component");
-    const auto text = value ? read_string(*value, "component", out_) : std::nullopt;
-    if (!text) return;
-    if (text->size() != 2 || std::string("fm").find((*text)[0]) == std::string::npos ||
-        std::string("xyz").find((*text)[1]) == std::string::npos)
-      return out_.error(value->place, "component: there is no " + in_quotes(*text), "one of: fx fy fz mx my mz");
-    name = *text;
-  }
-
-  void finish() {
-    if (fields_) fields_->finish();
-  }
-
- private:
-  // A field of the table, or the value itself if it is a plain name.
-  const Value* field(const char* key) {
-    if (!value_.table() && key == std::string_view("joint")) return &value_;
-    if (!value_.table()) {
-      out_.error(value_.place, key_ + ": names no component",
-                 "write reaction = { joint = …, component = \"fx\" }, or reaction_force for the norm");
-      return nullptr;
-    }
-    if (!fields_) fields_.emplace(value_, key_, out_);
-    return fields_->require(key);
-  }
-
-  std::string matched(const std::string& name, std::string TriggerMatch::*which) const {
-    return match_ && name == match_->pattern ? match_->*which : name;
-  }
-
-  const Value& value_;
-  std::string key_;
-  bool springs_too_;
-  const TriggerMatch* match_;
-  Reading& reading_;
-  Diagnostics& out_;
-  std::optional<Fields> fields_;
-};
-
 // Sets the unit of a coordinate from the joint's kind, if the model of the file has the joint.
 void set_unit(momentree::Quantity& quantity, const Value& value, Reading& reading) {
   auto* of_joint = dynamic_cast<quantities::SingleDof*>(&quantity);
@@ -189,9 +82,7 @@ std::shared_ptr<momentree::Quantity> quantity_in(Fields& fields, const std::stri
       continue;
     }
     quantity = make_quantity(key);
-    QuantityReader reader(*value, key, quantity->takes_springs(), match, reading);
-    quantity->fields(reader);
-    reader.finish();
+    ArgumentReader(*value, *quantity, match != nullptr ? *match : TriggerMatch{}, unknown_time, reading).read();
     if (out.errors() == errors) set_unit(*quantity, *value, reading);
     if (out.errors() == errors && !quantity->solids().empty()) reading.solid_uses.push_back({quantity, value->place});
   }
@@ -239,16 +130,6 @@ std::optional<Condition> read_condition(const Value& when, const TriggerMatch* m
   return condition;
 }
 
-// What a quantity belongs to.
-struct Subject final : QuantityFields {
-  void joint(std::string&) override { joints = true; }
-  void mechanism(std::string&) override {}
-  void point(int, int, std::string&, Vec3&) override { bodies = true; }
-  void component(std::string&) override {}
-  void solid(int, std::string&) override { bodies = true; }
-  bool joints = false, bodies = false;
-};
-
 // False if the unit of the threshold does not fit this quantity of a prismatic joint, or of a revolute one.
 bool fits_unit(const Value& when, momentree::Quantity& quantity, bool along_axis) {
   if (auto* of_joint = dynamic_cast<quantities::SingleDof*>(&quantity)) of_joint->turns = !along_axis;
@@ -286,7 +167,7 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
   const Value::Entry* when = event.find("when");
   const Value *pattern = nullptr, *another = nullptr;
   std::shared_ptr<momentree::Quantity> what;
-  Subject subject;
+  bool joints = false, bodies = false;
   if (!when || !when->value.table()) return std::nullopt;
   const auto visit = [&](const Value& name) {
     if (!name.string() || name.string()->find('*') == std::string::npos) return;
@@ -297,9 +178,8 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
     const Value::Entry* quantity = when->value.find(key);
     if (!quantity) continue;
     what = make_quantity(key);
-    subject = {};
-    what->fields(subject);
-    if (!subject.joints && !subject.bodies) continue;  // names a mechanism
+    joints = !what->joints().empty(), bodies = !what->bodies().empty() || !what->solids().empty();
+    if (!joints && !bodies) continue;  // names a mechanism
     const auto visit_entries = [&visit](const Value& entry) {
       visit(entry);
       for (const char* field : {"joint", "body"})
@@ -322,7 +202,7 @@ std::optional<std::vector<TriggerMatch>> matches_of_trigger(const Value& event, 
   int others = 0;
   std::vector<TriggerMatch> of_other_unit;
   const Model& model = reading.scenario.model;
-  const bool bodies = subject.bodies, of_one = what->of_single_dof();
+  const bool of_one = what->of_single_dof();
   for (const std::string& found :
        bodies ? matching_bodies(name, reading) : matching_joints(name, what->takes_springs(), reading)) {
     TriggerMatch match{name, found, found};

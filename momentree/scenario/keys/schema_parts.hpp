@@ -8,6 +8,7 @@
 
 #include <momentree/scenario/keys/joint_keys.hpp>
 #include <momentree/scenario/keys/keys.hpp>
+#include <momentree/simulate/events/argument.hpp>
 
 namespace momentree::io::schema {
 
@@ -41,10 +42,10 @@ class Schema {
   /// Add a key, or the parameters of a joint, to the properties of a table.
   void add(const Key& key, Json& properties);
   void add_parameters(Json& properties) { add(joint_keys(), properties); }
-  Json point() { return either(a_name(), table(point_table)); }
 
  private:
   Json in_place(const KeyTable& keys);
+  Json table_of_arguments(WithArguments& what);
   void add_actions(Json& properties);
   void add_quantities(Json& properties);
   Json of_type(const Type& type, std::string& about);

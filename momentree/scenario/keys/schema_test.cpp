@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/scenario/events/read_action.hpp>
 #include <momentree/scenario/keys/schema.hpp>
 #include <momentree/scenario/mistakes/mistakes.hpp>
+#include <momentree/scenario/scenario_parts.hpp>
 #include <tests/bad_input.hpp>
 
 namespace momentree::io {

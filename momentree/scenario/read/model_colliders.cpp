@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <momentree/contact/shapes/height_field.hpp>
-#include <momentree/scenario/events/read_action.hpp>
 #include <momentree/scenario/scenario_parts.hpp>
 
 namespace momentree::io {

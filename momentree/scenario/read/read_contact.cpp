@@ -7,7 +7,7 @@
 #include <momentree/contact/shapes/height_field.hpp>
 #include <momentree/math/unit.hpp>
 #include <momentree/models/import/height_grid.hpp>
-#include <momentree/scenario/events/read_action.hpp>
+#include <momentree/scenario/scenario_parts.hpp>
 #include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/contact/contact_bodies.hpp>
 #include <momentree/simulate/stepping/overlap.hpp>

@@ -8,7 +8,7 @@
 
 #include <momentree/model/start.hpp>
 #include <momentree/models/import/follow_circles.hpp>
-#include <momentree/scenario/events/read_action.hpp>
+#include <momentree/scenario/scenario_parts.hpp>
 #include <momentree/text/number_text.hpp>
 
 namespace momentree::io {

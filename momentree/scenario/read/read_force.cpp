@@ -1,6 +1,6 @@
 // [[force]]: external forces on bodies.
-#include <momentree/scenario/events/read_action.hpp>
 #include <momentree/scenario/keys/dof_values.hpp>
+#include <momentree/scenario/scenario_parts.hpp>
 
 namespace momentree::io {
 

@@ -2,7 +2,6 @@
 #include <string>
 #include <vector>
 
-#include <momentree/scenario/events/read_action.hpp>
 #include <momentree/scenario/scenario_parts.hpp>
 #include <momentree/scenario/state/changed_start.hpp>
 #include <momentree/simulate/assembly.hpp>

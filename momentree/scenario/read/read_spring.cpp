@@ -1,7 +1,7 @@
 // [[spring]] and [[cable]]: springs and cables between two points of bodies.
 #include <momentree/base/characters.hpp>
-#include <momentree/scenario/events/read_action.hpp>
 #include <momentree/scenario/keys/described.hpp>
+#include <momentree/scenario/scenario_parts.hpp>
 
 namespace momentree::io {
 

@@ -16,12 +16,12 @@ struct Attach : ActionBase {
   const char* summary() const override { return "Joins a body to another, or to the ground, by a joint of any kind"; }
   const char* hint() const override { return R"(for example attach = { body = "load/hook", to = "crane/rope", kind = "ball" })"; }
   std::string target() const override { return body + " to " + to; }
-  void fields(ActionFields& fields) override {
-    fields.body("body", body, false);
-    fields.body("to", to, true);
-    fields.placement("at", at, "Placement of the joint's frame in the frame of `to`");
-    fields.description(joint, false);
-    fields.made_joint("name", name);
+  void arguments(const ArgumentVisitor& visit) override {
+    visit({"body", argument::Body{body}});
+    visit({"to", argument::OtherBody{to}});
+    visit({"at", at, Field{"Placement of the joint's frame in the frame of `to`"}});
+    visit({"joint", argument::Description{joint, false}});
+    visit({"name", argument::MadeJoint{name}});
   }
   std::vector<std::string> bodies() const override {
     return to == "ground" ? std::vector<std::string>{body} : std::vector<std::string>{body, to};

@@ -13,8 +13,8 @@ struct Break : ActionBase {
   }
   const char* hint() const override { return R"(a name, or for example { joint = "arm/elbow" })"; }
   std::string target() const override { return name; }
-  const char* plain_field() const override { return "joint"; }
-  void fields(ActionFields& fields) override { fields.joint("joint", name); }
+  const char* plain_argument() const override { return "joint"; }
+  void arguments(const ArgumentVisitor& visit) override { visit({"joint", argument::Joint{name}}); }
   std::vector<std::string> joints() const override { return {name}; }
   bool takes_springs() const override { return true; }
   unsigned reshapes() const override { return ~0u; }

@@ -12,9 +12,9 @@ struct Change : ActionBase {
   const char* summary() const override { return "Changes a joint to another kind, or to other axes"; }
   const char* hint() const override { return R"(for example change = { joint = "arm/elbow", kind = "ball" })"; }
   std::string target() const override { return name + " to " + info(to.spec.kind).name; }
-  void fields(ActionFields& fields) override {
-    fields.joint("joint", name);
-    fields.description(to, true);
+  void arguments(const ArgumentVisitor& visit) override {
+    visit({"joint", argument::Joint{name}});
+    visit({"to", argument::Description{to, true}});
   }
   std::vector<std::string> joints() const override { return {name}; }
   unsigned reshapes() const override { return ~0u; }

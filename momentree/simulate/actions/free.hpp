@@ -10,8 +10,8 @@ struct Free : Change {
   const char* summary() const override { return "Gives a joint six DoFs, relative to the same parent"; }
   const char* hint() const override { return R"(a name, or for example { joint = "arm/elbow" })"; }
   std::string target() const override { return name; }
-  const char* plain_field() const override { return "joint"; }
-  void fields(ActionFields& fields) override { fields.joint("joint", name); }
+  const char* plain_argument() const override { return "joint"; }
+  void arguments(const ArgumentVisitor& visit) override { visit({"joint", argument::Joint{name}}); }
   JointEffect effect() const override { return JointEffect::released; }
 };
 

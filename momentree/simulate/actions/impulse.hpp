@@ -13,11 +13,11 @@ struct Impulse : ActionBase {
   const char* summary() const override { return "Applies an impulsive wrench to a body, in world axes"; }
   const char* hint() const override { return R"(for example impulse = { body = "arm/hand", force = ["2 N s", 0, 0] })"; }
   std::string target() const override { return body; }
-  void fields(ActionFields& fields) override {
-    fields.body("body", body, false);
-    fields.vector("force", force, dimension::force * dimension::time, "Impulse at `point`");
-    fields.vector("torque", torque, dimension::torque * dimension::time, "Angular impulse");
-    fields.vector("point", point, dimension::length, "Point of application in the body's frame");
+  void arguments(const ArgumentVisitor& visit) override {
+    visit({"body", argument::Body{body}});
+    visit({"force", force, Field{"Impulse at `point`", dimension::force * dimension::time}});
+    visit({"torque", torque, Field{"Angular impulse", dimension::torque * dimension::time}});
+    visit({"point", point, Field{"Point of application in the body's frame", dimension::length}});
   }
   std::vector<std::string> bodies() const override { return {body}; }
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::impulse; }

@@ -12,10 +12,10 @@ struct Lock : ActionBase {
   const char* summary() const override { return "Locks a joint, or some of its DoFs, in its current position"; }
   const char* hint() const override { return R"(a name, or for example { joint = "arm/elbow", freedoms = [0] })"; }
   std::string target() const override { return name + listed(); }
-  const char* plain_field() const override { return "joint"; }
-  void fields(ActionFields& fields) override {
-    fields.joint("joint", name);
-    fields.dofs("freedoms", name, dofs);
+  const char* plain_argument() const override { return "joint"; }
+  void arguments(const ArgumentVisitor& visit) override {
+    visit({"joint", argument::Joint{name}});
+    visit({"freedoms", argument::Dofs{dofs}});
   }
   std::vector<std::string> joints() const override { return {name}; }
   unsigned reshapes() const override { return mask(); }

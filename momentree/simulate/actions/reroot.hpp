@@ -12,8 +12,8 @@ struct Reroot : ActionBase {
   const char* hint() const override { return R"(for example reroot = "arm/hand")"; }
   bool in_scenarios() const override { return false; }  // other actions re-root as needed
   std::string target() const override { return body; }
-  const char* plain_field() const override { return "body"; }
-  void fields(ActionFields& fields) override { fields.body("body", body, false); }
+  const char* plain_argument() const override { return "body"; }
+  void arguments(const ArgumentVisitor& visit) override { visit({"body", argument::Body{body}}); }
   std::vector<std::string> bodies() const override { return {body}; }
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::release; }
   ActionResult apply(TopologyEditor& editor) const override {

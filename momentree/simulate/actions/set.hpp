@@ -12,9 +12,9 @@ struct Set : ActionBase {
   const char* summary() const override { return "Sets new parameters of a joint or a spring; those that are not given stay"; }
   const char* hint() const override { return R"(for example set = { joint = "arm/elbow", damping = 0.1 })"; }
   std::string target() const override { return name; }
-  void fields(ActionFields& fields) override {
-    fields.joint("joint", name);
-    fields.parameters(name, parameters);
+  void arguments(const ArgumentVisitor& visit) override {
+    visit({"joint", argument::Joint{name}});
+    visit({"parameters", argument::Parameters{parameters, name}});
   }
   std::vector<std::string> joints() const override { return {name}; }
   bool takes_springs() const override { return true; }

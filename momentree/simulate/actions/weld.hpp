@@ -8,10 +8,10 @@ struct Weld : Attach {
   std::string_view key() const override { return "weld"; }
   const char* summary() const override { return "Joins a body rigidly to another, or to the ground"; }
   const char* hint() const override { return R"(for example weld = { body = "satellite/hull", to = "tug/gripper" })"; }
-  void fields(ActionFields& fields) override {
-    fields.body("body", body, false);
-    fields.body("to", to, true);
-    fields.made_joint("name", name);
+  void arguments(const ArgumentVisitor& visit) override {
+    visit({"body", argument::Body{body}});
+    visit({"to", argument::OtherBody{to}});
+    visit({"name", argument::MadeJoint{name}});
   }
 };
 

@@ -26,7 +26,7 @@ struct ContactWatches::Located final : Quantity {
 
   std::string_view key() const override { return "contact"; }
   const char* summary() const override { return "What changes at contacts"; }
-  void fields(QuantityFields&) override {}
+  void arguments(const ArgumentVisitor&) override {}
   Dimension dimension() const override { return dimension::number; }
   std::optional<double> value(const World&, std::span<const Event>) const override {
     switch (what) {

@@ -8,9 +8,7 @@
 #include <vector>
 
 #include <momentree/base/check.hpp>
-#include <momentree/base/units.hpp>
-#include <momentree/joint/joint.hpp>
-#include <momentree/math/vec.hpp>
+#include <momentree/simulate/events/argument.hpp>
 
 namespace momentree {
 
@@ -37,54 +35,14 @@ struct ActionResult {
   }
 };
 
-/// A joint that an action makes, as the user describes it.
-struct JointDescription {
-  JointSpec spec;
-  bool axis_given = false, axis2_given = false;
-};
-
-/// Visitor with which file readers fill in the fields of an action under their names in files.
-class ActionFields {
- public:
-  virtual ~ActionFields() = default;
-  virtual void joint(const char* key, std::string& name) = 0;
-  /// Name of the joint that the action makes, if the user gives one.
-  virtual void made_joint(const char* key, std::string& name) = 0;
-  /// `ground_too`: the name may be "ground".
-  virtual void body(const char* key, std::string& name, bool ground_too) = 0;
-  /// Indices of the DoFs of the joint `of`, in the order of v; empty: all of them.
-  virtual void dofs(const char* key, const std::string& of, std::vector<int>& numbers) = 0;
-  /// `about`: the meaning, for editors.
-  virtual void vector(const char* key, Vec3& value, const Dimension& dimension, const char* about) = 0;
-  virtual void placement(const char* key, std::optional<Pose>& value, const char* about) = 0;
-  /// Kind, axis, axis2, pitch and parameters of a joint. `keeps_axes`: axes that are not given stay those of the present joint.
-  virtual void description(JointDescription& joint, bool keeps_axes) = 0;
-  /// Parameters for the joint `of`; absent ones are left empty.
-  virtual void parameters(const std::string& of, JointParameters& parameters) = 0;
-};
-
 /// Base class of actions. Derive each action in its own file in actions/.
-class ActionBase {
+class ActionBase : public WithArguments {
  public:
-  virtual ~ActionBase() = default;
-  /// Its key in scenario files: "break".
-  virtual std::string_view key() const = 0;
-  /// What it does, for lists and editors: "Removes a joint: its child's subtree becomes a separate mechanism".
-  virtual const char* summary() const = 0;
-  /// How to write it in a scenario: "for example weld = { body = …, to = … }".
-  virtual const char* hint() const = 0;
+  const char* hint() const override = 0;
   /// False for an action that is only for C++.
   virtual bool in_scenarios() const { return true; }
   /// The joint or bodies that it acts on, for logs: "chain/41", "satellite/hull to tug/gripper".
   virtual std::string target() const = 0;
-  /// The field that a plain string in place of a table sets; null if a table is required.
-  virtual const char* plain_field() const { return nullptr; }
-  virtual void fields(ActionFields& fields) = 0;
-  /// Names of joints and bodies that it refers to ("ground" is not listed).
-  virtual std::vector<std::string> joints() const { return {}; }
-  virtual std::vector<std::string> bodies() const { return {}; }
-  /// True if the name of a spring may take the place of a joint's.
-  virtual bool takes_springs() const { return false; }
   /// DoFs of its joint that it locks, unlocks or replaces, one bit each: two actions of one instant must not share any.
   virtual unsigned reshapes() const { return 0; }
   virtual JointEffect effect() const { return JointEffect::none; }
@@ -123,7 +81,7 @@ class Action {
   std::shared_ptr<const ActionBase> what_;
 };
 
-/// An action with that key, its fields still empty; null if no action has that key.
+/// An action with that key, its arguments still empty; null if no action has that key.
 std::shared_ptr<ActionBase> make_action(std::string_view key);
 /// Keys of all actions.
 std::vector<std::string> action_keys();

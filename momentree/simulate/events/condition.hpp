@@ -12,7 +12,7 @@
 #include <momentree/base/check.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/base/units.hpp>
-#include <momentree/math/vec.hpp>
+#include <momentree/simulate/events/argument.hpp>
 #include <momentree/simulate/events/event.hpp>
 #include <momentree/tree/state.hpp>
 
@@ -20,36 +20,14 @@ namespace momentree {
 
 class World;
 
-/// Visitor with which file readers fill in the fields of a quantity.
-class QuantityFields {
+/// A scalar function of the world's state. In files it has the value of its argument, or a table if there are several.
+class Quantity : public WithArguments {
  public:
-  virtual ~QuantityFields() = default;
-  virtual void joint(std::string& name) = 0;
-  virtual void mechanism(std::string& name) = 0;
-  /// A point of a body, in the body's frame (m); the `number`-th of `count`.
-  virtual void point(int number, int count, std::string& body, Vec3& point) = 0;
-  virtual void component(std::string& name) = 0;
-  /// A body or a mechanism that can touch, or "ground"; the `number`-th of two.
-  virtual void solid(int number, std::string& name) = 0;
-};
-
-/// A scalar function of the world's state.
-class Quantity {
- public:
-  virtual ~Quantity() = default;
-  /// Its key in scenario files: "reaction_force".
-  virtual std::string_view key() const = 0;
-  /// What it is, for lists and editors: "Norm of the reaction force of a joint".
-  virtual const char* summary() const = 0;
-  virtual void fields(QuantityFields& fields) = 0;
+  const char* plain_argument() const override { return "joint"; }
   virtual Dimension dimension() const = 0;
-  virtual std::vector<std::string> joints() const { return {}; }
-  virtual std::vector<std::string> bodies() const { return {}; }
   virtual std::vector<std::string> mechanisms() const { return {}; }
   /// Bodies or mechanisms that can touch, or "ground".
   virtual std::vector<std::string> solids() const { return {}; }
-  /// True if the name of a spring may take the place of a joint's.
-  virtual bool takes_springs() const { return false; }
   /// True for quantities of joints with one DoF.
   virtual bool of_single_dof() const { return false; }
   /// True if the quantity cannot be negative, so that a threshold below zero is an error.
@@ -190,7 +168,7 @@ Condition beginning_to_slip(std::string one, std::string other);
 /// to it; exceptions that it throws propagate out of run_until(). Throws Error for an empty function.
 Measure measured(std::function<double(const World&)> function);
 
-/// A quantity with that key, its fields still empty; null if no quantity has that key.
+/// A quantity with that key, its arguments still empty; null if no quantity has that key.
 std::shared_ptr<Quantity> make_quantity(std::string_view key);
 /// Keys of all quantities.
 std::vector<std::string> quantity_keys();

@@ -57,7 +57,7 @@ struct Function : Quantity {
   std::function<double(const World&)> function;
   std::string_view key() const override { return "function"; }
   const char* summary() const override { return "A function of the world's state"; }
-  void fields(QuantityFields&) override {}
+  void arguments(const ArgumentVisitor&) override {}
   Dimension dimension() const override { return {}; }
   std::optional<double> value(const World& world, std::span<const Event>) const override { return function(world); }
 };

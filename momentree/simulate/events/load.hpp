@@ -10,7 +10,7 @@ namespace momentree::quantities {
 struct Load : Quantity {
   std::string joint;
 
-  void fields(QuantityFields& fields) override { fields.joint(joint); }
+  void arguments(const ArgumentVisitor& visit) override { visit({"joint", argument::Joint{joint}}); }
   std::vector<std::string> joints() const override { return {joint}; }
   bool is_load() const override { return true; }
   bool is_reaction() const override { return true; }

@@ -11,7 +11,7 @@ namespace momentree {
 struct OfContact : Quantity {
   std::string one, other;  ///< bodies or mechanisms; "ground" is the floor, too
 
-  void fields(QuantityFields& fields) override { fields.solid(0, one), fields.solid(1, other); }
+  void arguments(const ArgumentVisitor& visit) override { visit({"solids", argument::TwoSolids{one, other}}); }
   std::vector<std::string> solids() const override { return {one, other}; }
 
   /// False if it also makes sense for bodies that pass through each other.

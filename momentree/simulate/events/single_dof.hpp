@@ -9,7 +9,7 @@ struct SingleDof : Quantity {
   std::string joint;
   bool turns = true;  ///< for its unit, set by file readers
 
-  void fields(QuantityFields& fields) override { fields.joint(joint); }
+  void arguments(const ArgumentVisitor& visit) override { visit({"joint", argument::Joint{joint}}); }
   std::vector<std::string> joints() const override { return {joint}; }
   bool of_single_dof() const override { return true; }
   virtual double of(double position, double speed) const = 0;

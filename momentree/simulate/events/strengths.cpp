@@ -14,7 +14,7 @@ struct Load : Quantity {
   explicit Load(const Strength& s) : strength(s) {}
   std::string_view key() const override { return strength.torque ? "reaction_torque" : "reaction_force"; }
   const char* summary() const override { return "Load on a joint, relative to its strength"; }
-  void fields(QuantityFields&) override {}
+  void arguments(const ArgumentVisitor&) override {}
   Dimension dimension() const override { return strength.torque ? dimension::torque : dimension::force; }
   bool is_load() const override { return true; }
   std::optional<double> value(const World& world, std::span<const Event>) const override {

@@ -15,9 +15,8 @@ struct Distance : Quantity {
   }
   Dimension dimension() const override { return dimension::length; }
   bool never_negative() const override { return true; }
-  void fields(QuantityFields& fields) override {
-    fields.point(0, 2, one, point_of_one);
-    fields.point(1, 2, other, point_of_other);
+  void arguments(const ArgumentVisitor& visit) override {
+    visit({"points", argument::TwoPoints{{one, point_of_one}, {other, point_of_other}}});
   }
   std::vector<std::string> bodies() const override { return {one, other}; }
   std::optional<double> value(const World& world, std::span<const Event>) const override {

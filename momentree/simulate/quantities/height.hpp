@@ -12,7 +12,7 @@ struct Height : Quantity {
   std::string_view key() const override { return "height"; }
   const char* summary() const override { return "Height of a body, or of a point of it, against gravity (m)"; }
   Dimension dimension() const override { return dimension::length; }
-  void fields(QuantityFields& fields) override { fields.point(0, 1, name, point); }
+  void arguments(const ArgumentVisitor& visit) override { visit({"point", argument::Point{name, point}}); }
   std::vector<std::string> bodies() const override { return {name}; }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     const BodyId body = world.model().body(name);

@@ -13,7 +13,7 @@ struct KineticEnergy : Quantity {
   Dimension dimension() const override { return dimension::torque; }
   bool never_negative() const override { return true; }
   std::vector<std::string> mechanisms() const override { return {name}; }
-  void fields(QuantityFields& fields) override { fields.mechanism(name); }
+  void arguments(const ArgumentVisitor& visit) override { visit({"mechanism", argument::Mechanism{name}}); }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     double energy = 0;
     bool found = false, inside = false;

@@ -11,9 +11,9 @@ struct Reaction : Load {
   const char* summary() const override { return "One component of the reaction of a joint, in the child's axes (N or N m)"; }
   bool never_negative() const override { return false; }
   Dimension dimension() const override { return component.starts_with('m') ? dimension::torque : dimension::force; }
-  void fields(QuantityFields& fields) override {
-    fields.joint(joint);
-    fields.component(component);
+  void arguments(const ArgumentVisitor& visit) override {
+    visit({"joint", argument::Joint{joint}});
+    visit({"component", argument::Component{component}});
   }
   std::optional<double> of(const Wrench& wrench) const override {
     const Vec3& v = component[0] == 'm' ? wrench.torque : wrench.force;

@@ -12,7 +12,7 @@ struct ReactionImpulse : Quantity {
   std::string_view key() const override { return "reaction_impulse"; }
   const char* summary() const override { return "Norm of the linear impulse through a joint at an instantaneous change (N s)"; }
   Dimension dimension() const override { return dimension::force * dimension::time; }
-  void fields(QuantityFields& fields) override { fields.joint(joint); }
+  void arguments(const ArgumentVisitor& visit) override { visit({"joint", argument::Joint{joint}}); }
   std::vector<std::string> joints() const override { return {joint}; }
   bool is_load() const override { return true; }
   bool never_negative() const override { return true; }
