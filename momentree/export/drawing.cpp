@@ -143,6 +143,7 @@ Drawing read_drawing(const std::filesystem::path& directory) {
   const std::filesystem::path file = directory / "bodies.csv";
   const BodyTable table(file);
   Drawing drawing;
+  drawing.directory = directory;
   drawing.run = read_world(directory, table);
   drawing.status = status_in(directory / "summary.json");
   read_rows(table, file.string(), drawing);

@@ -40,11 +40,12 @@ struct Colouring {
 };
 
 struct Drawing {
-  Recording run;              ///< without frames
-  std::vector<double> times;  ///< of the rows (s)
-  std::vector<double> poses;  ///< row by row, body by body: x y z (m) qw qx qy qz, unit quaternions with continuous signs
-  bool gap = false;           ///< the run diverged: the motion between the last two rows is unknown
-  std::string status;         ///< that of summary.json; empty: there is none
+  std::filesystem::path directory{};  ///< the result, for its tables
+  Recording run;                      ///< without frames
+  std::vector<double> times;          ///< of the rows (s)
+  std::vector<double> poses;          ///< row by row, body by body: x y z (m) qw qx qy qz, unit quaternions with continuous signs
+  bool gap = false;                   ///< the run diverged: the motion between the last two rows is unknown
+  std::string status;                 ///< that of summary.json; empty: there is none
   std::vector<std::vector<Solid>> solids;  ///< by body
   std::vector<Bar> bars;
   std::vector<Colouring> colourings;  ///< at least one, in order of time
