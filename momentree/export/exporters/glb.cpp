@@ -175,7 +175,7 @@ class GlbBuilder {
         case Solid::Kind::ellipsoid: made = unit_sphere(); break;
         case Solid::Kind::cylinder: made = unit_cylinder(); break;
         case Solid::Kind::capsule: made = capsule_of(0.5 * solid.size.x, solid.size.z); break;
-        case Solid::Kind::mesh: made = triangles_of(drawing_.meshes[static_cast<std::size_t>(solid.mesh)]); break;
+        case Solid::Kind::mesh: made = triangles_of(drawing_.run.mesh_parts[static_cast<std::size_t>(solid.mesh)]); break;
       }
       triangles = geometries_.emplace(key, file_.add_triangles(made)).first;
     }

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 
 #include <momentree/export/exporter.hpp>
@@ -16,7 +15,6 @@
 #include <momentree/export/mcap_file.hpp>
 #include <momentree/export/scene_messages.hpp>
 #include <momentree/results/recording/number_table.hpp>
-#include <momentree/text/files/system_file.hpp>
 
 namespace momentree::io {
 
@@ -40,15 +38,12 @@ struct Grouped {
 };
 
 std::optional<Grouped> grouped(const std::filesystem::path& file) {
-  if (!is_there(file)) return std::nullopt;
-  const NumberTable table(file);
-  Grouped result{.times = table.times(), .width = table.columns().size()};
-  std::vector<std::size_t> rows(result.times.size());
-  std::iota(rows.begin(), rows.end(), std::size_t{0});
-  result.numbers = table.read(rows);
+  const std::optional<NumberTable> table = find_table(file);
+  if (!table) return std::nullopt;
+  Grouped result{.times = table->times(), .numbers = table->read(), .width = table->columns().size()};
   std::map<std::string, std::size_t> known;
   for (std::size_t c = 0; c < result.width; ++c) {
-    const std::string& column = table.columns()[c];
+    const std::string& column = table->columns()[c];
     const std::size_t dot = column.rfind('.');
     const std::string owner = dot == std::string::npos ? "" : column.substr(0, dot);
     const auto [group, is_new] = known.try_emplace(owner, result.groups.size());
@@ -130,9 +125,9 @@ class McapBuilder {
   explicit McapBuilder(const Drawing& drawing)
       : drawing_(drawing),
         world_(world_frame(drawing.run)),
-        joints_(grouped(drawing.directory / "joints.csv")),
-        springs_(grouped(drawing.directory / "springs.csv")),
-        energy_(grouped(drawing.directory / "energy.csv")),
+        joints_(grouped(drawing.run.folder / "joints.csv")),
+        springs_(grouped(drawing.run.folder / "springs.csv")),
+        energy_(grouped(drawing.run.folder / "energy.csv")),
         zero_(std::min(drawing.times.front(), 0.0)) {}
 
   std::string build() {

@@ -232,7 +232,7 @@ class UsdBuilder {
       line("def Mesh \"" + mesh_name(mesh) + "\"");
       line("{");
       ++depth_;
-      write_mesh(drawing_.meshes[static_cast<std::size_t>(mesh)]);
+      write_mesh(drawing_.run.mesh_parts[static_cast<std::size_t>(mesh)]);
       close();
     }
     close();
