@@ -14,6 +14,7 @@
 #include <cli/completion/completion.hpp>
 #include <cli/completion/man_page.hpp>
 #include <momentree/base/error.hpp>
+#include <momentree/export/export.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/scenario/keys/schema.hpp>
 #include <momentree/sweep/plan/sweep_keys.hpp>
@@ -278,9 +279,7 @@ void CommandLine::add_pages() {
       ->add_option("--layout", view_.layout, "overlay: all frames in one picture; multiples: side by side; default overlay")
       ->type_name("overlay|multiples");
   view_command
-      ->add_option(
-          "--export", view_.exported,
-          "Write the run into this file for other programs instead: .glb (animated glTF), .usda (USD) or .mcap (Foxglove)")
+      ->add_option("--export", view_.exported, "Write the run into this file for other programs instead: " + io::export_formats())
       ->type_name("FILE");
   view_command->add_flag("--live", view_.live, "Run the scenario while its page is open: pause it, slow it down, change it");
   overrides(view_command, view_.overrides);

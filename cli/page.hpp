@@ -1,5 +1,6 @@
 #pragma once
 // The pages built from web/, embedded in the program.
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,9 @@ std::string_view report_html();
 std::string_view sweep_html();
 /// web/dist/playground.html; io::playground_page and io::model_page insert a scenario into it.
 std::string_view playground_html();
+
+/// The report of a result folder. `summary`: the text of summary.json if that is not yet written.
+std::string report_of(const std::filesystem::path& folder, const std::string& summary = {});
 
 /// What the playground's page is given.
 struct PlaygroundContent {

@@ -1,13 +1,19 @@
 # Generates two headers from a drop-in folder: a list (an X macro over its files, alphabetical) and an umbrella header that
-# includes them all. A new kind is one new file; its type is the CamelCase of the file's name (rk4.hpp → Rk4).
+# includes them all. A new kind is one new file; its type is the CamelCase of the file's name (rk4.hpp → Rk4). Without an umbrella
+# header, the files of the folder are sources (usd.cpp), which are compiled with the others.
 
-function(momentree_kind_list folder macro list_header umbrella_header)
-  file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}/${folder}" "${PROJECT_SOURCE_DIR}/${folder}/*.hpp")
-  list(SORT headers)
+function(momentree_kind_list folder macro list_header)
+  set(ending hpp)
+  if(NOT ARGN)
+    set(ending cpp)
+  endif()
+  file(GLOB files CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}/${folder}" "${PROJECT_SOURCE_DIR}/${folder}/*.${ending}")
+  list(FILTER files EXCLUDE REGEX "_test\\.cpp$")
+  list(SORT files)
   set(rows "")
   set(includes "")
-  foreach(header IN LISTS headers)
-    string(REGEX REPLACE "\\.hpp$" "" name "${header}")
+  foreach(file IN LISTS files)
+    string(REGEX REPLACE "\\.${ending}$" "" name "${file}")
     string(REPLACE "_" ";" words "${name}")
     set(type "")
     foreach(word IN LISTS words)
@@ -17,12 +23,14 @@ function(momentree_kind_list folder macro list_header umbrella_header)
       string(APPEND type "${first}${rest}")
     endforeach()
     string(APPEND rows " \\\n  X(${name}, ${type})")
-    string(APPEND includes "#include <${folder}/${header}>\n")
+    string(APPEND includes "#include <${folder}/${file}>\n")
   endforeach()
   file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/generated/${list_header}"
     CONTENT "#pragma once\n// Generated from the files in ${folder}/: X(name, Type), in alphabetical order.\n#define ${macro}(X)${rows}\n" @ONLY)
-  file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/generated/${umbrella_header}"
-    CONTENT "#pragma once\n// Generated: every file in ${folder}/.\n${includes}" @ONLY)
+  if(ARGN)
+    file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/generated/${ARGN}"
+      CONTENT "#pragma once\n// Generated: every file in ${folder}/.\n${includes}" @ONLY)
+  endif()
 endfunction()
 
 momentree_kind_list(momentree/joint/kinds MOMENTREE_KINDS momentree/joint/kind_list.hpp momentree/joint/kinds.hpp)
@@ -31,3 +39,4 @@ momentree_kind_list(momentree/model/elements MOMENTREE_ELEMENTS momentree/model/
 momentree_kind_list(momentree/simulate/actions MOMENTREE_ACTIONS momentree/simulate/action_list.hpp momentree/simulate/all_actions.hpp)
 momentree_kind_list(momentree/simulate/quantities MOMENTREE_QUANTITIES momentree/simulate/quantity_list.hpp momentree/simulate/all_quantities.hpp)
 momentree_kind_list(momentree/models/importers MOMENTREE_IMPORTERS momentree/models/importers/list.hpp momentree/models/all_importers.hpp)
+momentree_kind_list(momentree/export/exporters MOMENTREE_EXPORTERS momentree/export/exporter_list.hpp)

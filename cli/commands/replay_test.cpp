@@ -163,7 +163,7 @@ TEST_CASE("folders that are no results are bad input") {
   io::write_text_file(here.path("b/bodies.csv"), "");
   CHECK(here.call("replay a b").code == 2);
   io::write_text_file(here.path("b/bodies.csv"), "time,x\nnow,1\n");
-  CHECK(here.call("replay a b").says("b/bodies.csv:2: error: the time is not a number"));
+  CHECK(here.call("replay a b").says("b/bodies.csv:2: error: column 'time': 'now' is not a number"));
 }
 
 }  // namespace

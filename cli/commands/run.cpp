@@ -17,8 +17,6 @@
 #include <momentree/models/mesh/pack.hpp>
 #include <momentree/results/checkpoint/checkpoint.hpp>
 #include <momentree/results/model_json.hpp>
-#include <momentree/results/report/page.hpp>
-#include <momentree/results/report/report.hpp>
 #include <momentree/text/files/table_file.hpp>
 #include <momentree/text/files/text_file.hpp>
 
@@ -125,10 +123,7 @@ int run(const RunOptions& options) {
   progress.clear();
 
   io::ReportPage report;
-  if (options.report)
-    report = [](const std::filesystem::path& folder, const std::string& summary) {
-      return io::report_page(report_html(), io::report_data(folder, {.summary = summary}));
-    };
+  if (options.report) report = &report_of;
   recorder.finish(status_text(ended, simulation), session.armed(), report);
 
   if (options.json)

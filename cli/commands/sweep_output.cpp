@@ -12,7 +12,6 @@
 #include <cli/record.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/results/report/page.hpp>
-#include <momentree/results/report/report.hpp>
 #include <momentree/sweep/read_results.hpp>
 #include <momentree/sweep/scenario_worlds.hpp>
 #include <momentree/text/files/text_file.hpp>
@@ -271,7 +270,7 @@ std::string SweepOutput::page_of(std::uint64_t world) const {
   const Recorded recorded = record(*read.scenario, scratch.result(), Purpose::report, [&](Simulation& simulation, double until) {
     return run_world(simulation, until, sweep_.stop, observation);
   });
-  return recorded.code == done ? io::report_page(report_html(), io::report_data(recorded.folder)) : "";
+  return recorded.code == done ? report_of(recorded.folder) : "";
 }
 
 std::optional<std::vector<std::string>> SweepOutput::publish(bool report) {

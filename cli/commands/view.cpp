@@ -88,14 +88,12 @@ int draw(const ViewOptions& options) {
   });
 }
 
-Page report_of(const std::string& folder) {
-  return {io::report_page(report_html(), io::report_data(folder)), io::content_policy(report_html())};
-}
+Page page_of_report(const std::string& folder) { return {report_of(folder), io::content_policy(report_html())}; }
 
 /// The page, or nothing, with an exit code: the report of a result, or of a scenario that is run for it (as far as it gets), or
 /// sliders for the joints of a model.
 std::optional<Page> page_of(const std::string& source, Notes notes, int& code) {
-  if (is_folder(source)) return report_of(source);
+  if (is_folder(source)) return page_of_report(source);
   const std::shared_ptr<const io::Scenario> scenario = load(source, {}, notes);
   code = bad_input;
   if (!scenario) return std::nullopt;
@@ -108,7 +106,7 @@ std::optional<Page> page_of(const std::string& source, Notes notes, int& code) {
   const Recorded recorded = record(*scenario, folder.result(), Purpose::report);
   code = recorded.code;
   if (code == interrupted) return std::nullopt;
-  return report_of(recorded.folder);
+  return page_of_report(recorded.folder);
 }
 
 /// Runs the scenario in real time until Ctrl-C, or until the reader stops it.
@@ -143,6 +141,10 @@ int show_live(const ViewOptions& options) {
 }
 
 }  // namespace
+
+std::string report_of(const std::filesystem::path& folder, const std::string& summary) {
+  return io::report_page(report_html(), io::report_data(folder, {.summary = summary}));
+}
 
 int view(const ViewOptions& options) {
   if (options.live) return show_live(options);

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <optional>
 
 #include <momentree/base/error.hpp>
 #include <momentree/export/solids.hpp>
-#include <momentree/results/recording/meshes.hpp>
 #include <momentree/text/colour.hpp>
-#include <momentree/text/files/text_file.hpp>
-#include <momentree/text/json.hpp>
 
 namespace momentree::io {
 
@@ -17,20 +14,17 @@ namespace {
 
 constexpr const char* spring_bar_colour = "#6b7684";
 
-/// The status that the run left, if its summary can be read: a run that was killed may have left none.
+/// The status that the run left: a run that was killed may have left none.
 std::string status_in(const std::filesystem::path& file) {
-  if (!is_there(file)) return "";
-  const Value summary = parse_json(read_text_file(file.string(), Links::refuse), file.string());
-  const Value::Entry* status = summary.find("status");
+  const std::optional<Value> summary = find_document(file);
+  const Value::Entry* const status = summary ? summary->find("status") : nullptr;
   return status && status->value.string() ? *status->value.string() : "";
 }
 
 /// Reads the rows; unit quaternions, each with the sign that is nearer to that of the row before.
 void read_rows(const BodyTable& table, const std::string& file, Drawing& drawing) {
   const std::size_t width = 7 * table.bodies().size();
-  std::vector<std::size_t> rows(table.times().size());
-  std::iota(rows.begin(), rows.end(), std::size_t{0});
-  std::vector<double>& poses = drawing.poses = table.poses(rows);
+  std::vector<double>& poses = drawing.poses = table.poses();
   const auto infinite = std::find_if(poses.begin(), poses.end(), [](double x) { return !std::isfinite(x); });
   const std::size_t count = static_cast<std::size_t>(infinite - poses.begin()) / width;
   if (count == 0) throw_error({"its first row has no finite poses", file, ""});
@@ -64,19 +58,6 @@ std::vector<Colouring> colourings_of(const Recording& run, double start) {
   return all;
 }
 
-/// The point of a body's lines that is nearest to a point, in its axes; its centre of mass if it has none.
-Vec3 nearest_on(const RecordedBody& body, const Vec3& point) {
-  Vec3 best = body.com;
-  double least = HUGE_VAL;
-  for (const auto& [from, to] : body.extent) {
-    const Vec3 along = to - from;
-    const double length = dot(along, along);
-    const Vec3 near = from + (length > 0 ? std::clamp(dot(point - from, along) / length, 0.0, 1.0) : 0.0) * along;
-    if (norm(near - point) < least) best = near, least = norm(near - point);
-  }
-  return best;
-}
-
 /// The bars of a joint that was made in the run: from what is drawn of its bodies to the joint; a weld is a strut between the
 /// centres of mass.
 std::vector<Bar> bars_of(const RecordedLoop& loop, const Recording& run) {
@@ -85,7 +66,7 @@ std::vector<Bar> bars_of(const RecordedLoop& loop, const Recording& run) {
     return {{loop.name, loop.parent, loop.child, body(loop.parent).com, body(loop.child).com}};
   std::vector<Bar> bars;
   const auto reach = [&](int number, const Vec3& point) {
-    const Vec3 from = nearest_on(body(number), point);
+    const Vec3 from = nearest_on(body(number), point, body(number).com);
     if (norm(from - point) > 1e-9) bars.push_back({loop.name, number, number, from, point});
   };
   reach(loop.child, loop.child_at);
@@ -138,8 +119,7 @@ std::string Drawing::colour_of(int mechanism) {
 }
 
 Drawing read_drawing(const std::filesystem::path& directory) {
-  if (!std::filesystem::is_directory(directory))
-    throw_error({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
+  require_result_folder(directory);
   const std::filesystem::path file = directory / "bodies.csv";
   const BodyTable table(file);
   Drawing drawing;
@@ -148,9 +128,8 @@ Drawing read_drawing(const std::filesystem::path& directory) {
   read_rows(table, file.string(), drawing);
   drawing.gap = drawing.times.size() > 1 && drawing.status.starts_with("diverged");
   drawing.colourings = colourings_of(drawing.run, drawing.times.front());
-  const std::vector<MeshParts> meshes = read_meshes(directory / "meshes.json", drawing.meshes);
   const double length = typical_length(drawing.run);
-  drawing.solids = solids_of(drawing.run, drawing.meshes, meshes, length);
+  drawing.solids = solids_of(drawing.run, length);
   add_bars(drawing, 0.045 * length);
   return drawing;
 }

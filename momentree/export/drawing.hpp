@@ -20,7 +20,7 @@ struct Solid {
   Vec3 size{1, 1, 1};
   Pose at{};
   std::string colour{};  ///< "#rrggbb"; empty: the colour of the body's mechanism
-  int mesh = -1;         ///< of Kind::mesh: an index in Drawing::meshes
+  int mesh = -1;         ///< of Kind::mesh: an index in Recording::mesh_parts; those without triangles are not drawn
 };
 
 /// A bar of the mechanism of its bodies, or a spring, between points of two bodies, from `begin` until `end` (s).
@@ -48,7 +48,6 @@ struct Drawing {
   std::vector<std::vector<Solid>> solids;  ///< by body
   std::vector<Bar> bars;
   std::vector<Colouring> colourings;  ///< at least one, in order of time
-  std::vector<MeshPart> meshes;       ///< parts of the meshes of the result; those without triangles are not drawn
 
   const double* pose(std::size_t row, std::size_t body) const { return poses.data() + 7 * (row * run.bodies.size() + body); }
   /// A point of a body in the world; of the ground: the point itself.

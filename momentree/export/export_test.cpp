@@ -10,11 +10,10 @@
 #include <tuple>
 
 #include <momentree/export/drawing.hpp>
-#include <momentree/export/glb.hpp>
+#include <momentree/export/exporter.hpp>
 #include <momentree/export/mcap_file.hpp>
 #include <momentree/export/solids.hpp>
 #include <momentree/export/triangles.hpp>
-#include <momentree/export/usd.hpp>
 #include <momentree/models/mesh/read_mesh.hpp>
 #include <momentree/results/model_json.hpp>
 #include <momentree/results/results.hpp>
@@ -195,24 +194,24 @@ TEST_CASE("USD: any name, one row, and the gap of a run that diverged") {
   write_export_input(folder / "r", 0.2);
   Drawing drawing = read_drawing(folder / "r");
   const auto has = [](const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; };
-  CHECK(has(usd_of(drawing), "endTimeCode = 12\n"));
-  CHECK(has(usd_of(drawing), "color3f inputs:diffuseColor.timeSamples"));  // of the arm that comes off
+  CHECK(has(exporters::usd().bytes(drawing), "endTimeCode = 12\n"));
+  CHECK(has(exporters::usd().bytes(drawing), "color3f inputs:diffuseColor.timeSamples"));  // of the arm that comes off
 
   drawing.run.bodies[0].name = "materials";
   drawing.run.bodies[1].name = "a \"b\\c\"\nd\xff";
   drawing.run.bodies[2].name = "a__b_c__d_";
   drawing.run.bodies[3].name = "";
-  const std::string named = usd_of(drawing);
+  const std::string named = exporters::usd().bytes(drawing);
   CHECK(has(named, "def Xform \"materials_2\" (\n        displayName = \"materials\"\n"));
   CHECK(has(named, "def Xform \"a__b_c__d_\" (\n        displayName = \"a \\\"b\\\\c\\\" d\xef\xbf\xbd\"\n"));
   CHECK(has(named, "def Xform \"a__b_c__d__2\" (\n"));
   CHECK(has(named, "def Xform \"_\" (\n        displayName = \"\"\n"));
 
   drawing.gap = true;
-  CHECK(has(usd_of(drawing), "            11.999999999999998: "));
+  CHECK(has(exporters::usd().bytes(drawing), "            11.999999999999998: "));
   drawing.gap = false;
   drawing.times.resize(1), drawing.poses.resize(7 * drawing.run.bodies.size());
-  const std::string still = usd_of(drawing);
+  const std::string still = exporters::usd().bytes(drawing);
   CHECK(has(still, "endTimeCode = 0\n"));
   CHECK_FALSE(has(still, "translate.timeSamples"));
   CHECK_FALSE(has(still, "orient.timeSamples"));

@@ -92,7 +92,7 @@ class EntityWriter {
     end(solid);
   }
   void triangles(const Solid& solid) {
-    const MeshPart& part = drawing_.meshes[static_cast<std::size_t>(solid.mesh)];
+    const MeshPart& part = drawing_.run.mesh_parts[static_cast<std::size_t>(solid.mesh)];
     const Vec3& s = solid.size;
     begin(solid.at);
     json_.key("points").begin_array();

@@ -63,8 +63,7 @@ std::optional<Solid> ellipsoid_of(const RecordedBody& body) {
 
 class SolidBuilder {
  public:
-  SolidBuilder(const Recording& run, const std::vector<MeshPart>& parts, const std::vector<MeshParts>& meshes, double length)
-      : run_(run), parts_(parts), meshes_(meshes), radius_(0.045 * length), all_(run.bodies.size()) {}
+  SolidBuilder(const Recording& run, double length) : run_(run), radius_(0.045 * length), all_(run.bodies.size()) {}
 
   std::vector<std::vector<Solid>> build() {
     for (std::size_t b = 0; b < run_.bodies.size(); ++b) add_shapes(b);
@@ -77,14 +76,13 @@ class SolidBuilder {
   void add_shapes(std::size_t b) {
     const RecordedBody& body = run_.bodies[b];
     mesh_.push_back(0), reach_.push_back(0);
-    add_shape(b, body.shape, body.meshes.empty() ? -1 : body.meshes[0]);
-    for (std::size_t i = 0; i < body.shape.more.size(); ++i)
-      add_shape(b, body.shape.more[i], i + 1 < body.meshes.size() ? body.meshes[i + 1] : -1);
+    add_shape(b, body.shape, run_.parts_of(body, 0));
+    for (std::size_t i = 0; i < body.shape.more.size(); ++i) add_shape(b, body.shape.more[i], run_.parts_of(body, i + 1));
     if (all_[b].empty())
       if (const std::optional<Solid> ellipsoid = ellipsoid_of(body)) ellipsoids_.emplace_back(b, *ellipsoid);
   }
 
-  void add_shape(std::size_t b, const Shape& shape, int mesh) {
+  void add_shape(std::size_t b, const Shape& shape, MeshParts mesh) {
     Solid solid{.at = {shape.at.position, normalized(shape.at.rotation)}, .colour = hex_colour(shape.colour)};
     const double d = 2 * shape.radius;
     double reach = 0;
@@ -113,18 +111,16 @@ class SolidBuilder {
     all_[b].push_back(std::move(solid));
   }
 
-  void add_mesh(std::size_t b, const Shape& shape, Solid solid, int mesh) {
-    if (mesh < 0 || static_cast<std::size_t>(mesh) >= meshes_.size()) return;
+  void add_mesh(std::size_t b, const Shape& shape, Solid solid, MeshParts mesh) {
     const Vec3& s = shape.scale;
     if (s.x == 0 || s.y == 0 || s.z == 0) return;
     solid.kind = Solid::Kind::mesh, solid.size = s;
     const std::string own = solid.colour;
-    const auto [first, count] = meshes_[static_cast<std::size_t>(mesh)];
-    for (std::size_t i = first; i < first + count; ++i) {
-      if (parts_[i].triangles.empty()) continue;
-      solid.mesh = static_cast<int>(i), solid.colour = own.empty() ? parts_[i].colour : own;
-      for (const Vec3& p : parts_[i].points)
-        reach_[b] = std::max(reach_[b], norm(solid.at * Vec3{s.x * p.x, s.y * p.y, s.z * p.z}));
+    for (std::size_t i = mesh.first; i < mesh.first + mesh.count; ++i) {
+      const MeshPart& part = run_.mesh_parts[i];
+      if (part.triangles.empty()) continue;
+      solid.mesh = static_cast<int>(i), solid.colour = own.empty() ? part.colour : own;
+      for (const Vec3& p : part.points) reach_[b] = std::max(reach_[b], norm(solid.at * Vec3{s.x * p.x, s.y * p.y, s.z * p.z}));
       mesh_[b] = 1, some_mesh_ = true;
       all_[b].push_back(solid);
     }
@@ -162,8 +158,6 @@ class SolidBuilder {
   }
 
   const Recording& run_;
-  const std::vector<MeshPart>& parts_;
-  const std::vector<MeshParts>& meshes_;
   const double radius_;
   std::vector<std::vector<Solid>> all_;
   std::vector<std::pair<std::size_t, Solid>> ellipsoids_;
@@ -186,9 +180,8 @@ double typical_length(const Recording& run) {
   return *middle;
 }
 
-std::vector<std::vector<Solid>> solids_of(const Recording& run, const std::vector<MeshPart>& parts,
-                                          const std::vector<MeshParts>& meshes, double typical_length) {
-  return SolidBuilder(run, parts, meshes, typical_length).build();
+std::vector<std::vector<Solid>> solids_of(const Recording& run, double typical_length) {
+  return SolidBuilder(run, typical_length).build();
 }
 
 Quat shortest_turn(const Vec3& from, const Vec3& to) {

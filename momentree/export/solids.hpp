@@ -3,16 +3,14 @@
 #include <vector>
 
 #include <momentree/export/drawing.hpp>
-#include <momentree/results/recording/meshes.hpp>
 
 namespace momentree::io {
 
 /// A length compared with which rods are thin: the median of the lines of all bodies (m).
 double typical_length(const Recording& run);
 
-/// By body. `meshes`: by number, parts of `parts`.
-std::vector<std::vector<Solid>> solids_of(const Recording& run, const std::vector<MeshPart>& parts,
-                                          const std::vector<MeshParts>& meshes, double typical_length);
+/// By body.
+std::vector<std::vector<Solid>> solids_of(const Recording& run, double typical_length);
 
 /// The rotation that turns the z axis into a direction other than zero.
 Quat along_z(const Vec3& direction);

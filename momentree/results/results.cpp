@@ -6,24 +6,20 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/results/columns/contact_columns.hpp>
-#include <momentree/results/columns/energy_columns.hpp>
-#include <momentree/results/columns/spring_columns.hpp>
 #include <momentree/results/hdf5/hdf5_results.hpp>
 
 namespace momentree::io {
 
 namespace {
 
-bool writes_contacts(const Simulation& simulation, const RecordOptions& options) {
-  return options.reactions && !simulation.world().model().colliders().empty();
+TableChoice choice_of(const Simulation& simulation, const RecordOptions& options) {
+  const bool contacts = options.reactions && !simulation.world().model().colliders().empty();
+  return {options.joints, options.reactions, options.energy, contacts};
 }
 
 std::vector<std::string> files_of(const Simulation& simulation, const RecordOptions& options) {
-  std::vector<std::string> files = {"summary.json", "model.json", "events.jsonl", "bodies.csv", "joints.csv", "final.json"};
-  if (options.energy) files.emplace_back("energy.csv");
-  if (simulation.world().springs() > 0) files.emplace_back("springs.csv");
-  if (writes_contacts(simulation, options)) files.emplace_back("contacts.csv");
+  std::vector<std::string> files = RunTables::files(simulation.world().model(), choice_of(simulation, options));
+  files.insert(files.end(), {"summary.json", "model.json", "final.json"});
   if (!options.meshes.empty()) files.emplace_back("meshes.json");
   if (options.report) files.emplace_back("report.html");
   if (options.hdf5) files.insert(files.end(), {"results.h5", "results.h5.partial"});
@@ -31,24 +27,10 @@ std::vector<std::string> files_of(const Simulation& simulation, const RecordOpti
   return files;
 }
 
-TextFile open_table(ResultDirectory& folder, const char* name, const RecordOptions& options, const RecorderState::Table* from) {
-  const std::string path = folder.file(name);
-  if (from == nullptr) {
-    TextFile made(path);
-    if (options.input) made.keep_checksum();
-    return made;
-  }
-  TextFile continued(path, from->mark);
-  continued.text() = from->last;
-  return continued;
-}
-
 std::unique_ptr<ResultDirectory> take_up(Interrupted& from, const Simulation& simulation, const RecordOptions& options) {
   const RecorderState& record = from.checkpoint.record;
-  if (record.energy.has_value() != options.energy || record.springs.has_value() != (simulation.world().springs() > 0) ||
-      record.contacts.has_value() != writes_contacts(simulation, options) ||
-      record.body_quaternions.size() != static_cast<std::size_t>(simulation.world().model().size()) ||
-      record.joint_quaternions.size() != options.joints.size() + 1 || record.events_taken > from.checkpoint.run.events.size())
+  if (!RunTables::fit(simulation.world(), choice_of(simulation, options), record) ||
+      record.events_taken > from.checkpoint.run.events.size())
     throw_error({"this checkpoint is of other tables", from.path, "run without --resume to start again from the beginning"});
   require_fit(simulation, from.checkpoint, from.path);
   from.directory->take_up();
@@ -63,18 +45,7 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, RecordOptions
       origin_(std::move(origin)),
       options_(std::move(options)),
       directory_(std::move(directory)),
-      events_(open_table(*directory_, "events.jsonl", options_, from != nullptr ? &from->events : nullptr)),
-      bodies_(open_table(*directory_, "bodies.csv", options_, from != nullptr ? &from->bodies : nullptr)),
-      joints_(open_table(*directory_, "joints.csv", options_, from != nullptr ? &from->joints : nullptr)),
-      body_columns_(simulation.world()),
-      joint_columns_(options_.joints, options_.reactions) {
-  if (options_.energy)
-    energy_.emplace(open_table(*directory_, "energy.csv", options_, from != nullptr ? &*from->energy : nullptr));
-  if (simulation.world().springs() > 0)
-    springs_.emplace(open_table(*directory_, "springs.csv", options_, from != nullptr ? &*from->springs : nullptr));
-  if (writes_contacts(simulation, options_))
-    contacts_.emplace(open_table(*directory_, "contacts.csv", options_, from != nullptr ? &*from->contacts : nullptr));
-}
+      tables_(*directory_, simulation.world(), choice_of(simulation, options_), options_.input.has_value(), from) {}
 
 Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_view model_json, RecordOptions options)
     : Recorder(simulation, std::move(origin), options,
@@ -87,12 +58,7 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, std::string_v
       static_cast<void>(directory_->file(checkpoint_file));
       directory_->to_disk();
     }
-    body_columns_.header(bodies_.text(), simulation.world().model());
-    joint_columns_.header(joints_.text());
-    if (energy_) energy_header(energy_->text());
-    if (springs_) spring_header(springs_->text(), simulation.world().model());
-    if (contacts_) contact_header(contacts_->text());
-    each_table([](TextFile& table, std::size_t&) { table.flush(); });
+    tables_.flush();
     directory_->keep();
   } catch (const Error& error) {  // the file that it names is removed with the folder
     status_ = "not begun";
@@ -107,19 +73,7 @@ Recorder::Recorder(const Simulation& simulation, RunOrigin origin, RecordOptions
     : Recorder(simulation, std::move(origin), options, take_up(from, simulation, options), &from.checkpoint.record) {
   const RecorderState& record = from.checkpoint.record;
   next_ = record.next, row_time_ = record.row_time, events_taken_ = record.events_taken;
-  body_columns_.quaternions().continue_from(record.body_quaternions);
-  joint_columns_.quaternions().continue_from(record.joint_quaternions);
   write_running_summary();
-}
-
-// Calls f with each table of rows, and the offset of its last row in its buffer.
-template <class F>
-void Recorder::each_table(const F& f) {
-  f(bodies_, body_row_);
-  f(joints_, joint_row_);
-  if (energy_) f(*energy_, energy_row_);
-  if (springs_) f(*springs_, spring_row_);
-  if (contacts_) f(*contacts_, contact_row_);
 }
 
 void Recorder::write_running_summary() {
@@ -129,24 +83,10 @@ void Recorder::write_running_summary() {
   directory_->reserve(running.size() + results + message);
 }
 
-// The last row is kept back: a row of the same instant may replace it.
 RecorderState Recorder::state() {
-  const auto table = [](TextFile& file, std::size_t& row) {
-    file.flush(row);
-    row = 0;
-    return RecorderState::Table{file.mark(), file.text()};
-  };
-  std::size_t all = events_.text().size();
   RecorderState state;
-  state.events = table(events_, all);  // events first: see close_tables
-  state.bodies = table(bodies_, body_row_);
-  state.joints = table(joints_, joint_row_);
-  if (energy_) state.energy = table(*energy_, energy_row_);
-  if (springs_) state.springs = table(*springs_, spring_row_);
-  if (contacts_) state.contacts = table(*contacts_, contact_row_);
+  tables_.save(state);
   state.next = next_, state.row_time = row_time_, state.events_taken = events_taken_;
-  state.body_quaternions = body_columns_.quaternions().last();
-  state.joint_quaternions = joint_columns_.quaternions().last();
   return state;
 }
 
@@ -175,39 +115,23 @@ bool Recorder::due(double time) {
 
 void Recorder::take_events() {
   const std::vector<Event>& all = simulation_.events();
-  for (; events_taken_ < all.size(); ++events_taken_) events_.text() += event_json(all[events_taken_]) + '\n';
+  for (; events_taken_ < all.size(); ++events_taken_) tables_.add(all[events_taken_]);
 }
 
 void Recorder::write_out_where_due() {
   using namespace std::chrono_literals;
   const Clock::time_point now = Clock::now();
-  bool full = false;
-  each_table([&](TextFile& table, std::size_t&) { full = full || table.is_full(); });
-  if (!full && now - written_out_ < 1s) return;
+  if (!tables_.is_full() && now - written_out_ < 1s) return;
   written_out_ = now;
-  events_.flush();
-  each_table([](TextFile& table, std::size_t&) { table.flush(); });
+  tables_.flush();
 }
 
 void Recorder::write_row(const World& world) {
-  if (row_time_ == world.time()) {
-    each_table([](TextFile& table, std::size_t& row) { table.text().resize(row); });
-  } else {
-    write_out_where_due();  // the last row is final: no other row has its time
-    each_table([](TextFile& table, std::size_t& row) { row = table.text().size(); });
-    row_time_ = world.time();
-  }
-  try {
-    take_events();
-    body_columns_.row(bodies_.text(), world);
-    joint_columns_.row(joints_.text(), world);
-    if (energy_) energy_row(energy_->text(), simulation_.world(), simulation_.energy());
-    if (springs_) spring_row(springs_->text(), world);
-    if (contacts_) contact_rows(contacts_->text(), world);
-  } catch (...) {  // out of memory: no table has a partial row, or one row more than another
-    each_table([](TextFile& table, std::size_t& row) { table.text().resize(row); });
-    throw;
-  }
+  const bool replaces = row_time_ == world.time();
+  if (!replaces) write_out_where_due();  // the last row is final: no other row has its time
+  take_events();
+  tables_.row(world, simulation_.energy(), replaces);
+  row_time_ = world.time();
 }
 
 Recorder::~Recorder() {
@@ -247,11 +171,11 @@ bool Recorder::observe(const World& world) noexcept {
 
 // Rows whose events are not in events.jsonl would show a topology that did not exist.
 void Recorder::close_tables() {
-  const bool events = attempt([&] { events_.close(options_.lasting); });
-  each_table([&](TextFile& table, std::size_t&) {
-    if (!events) table.text().clear();
-    attempt([&] { table.close(options_.lasting); });
-  });
+  const bool events = attempt([&] { tables_.events().close(options_.lasting); });
+  for (RunTables::File& table : tables_.tables()) {
+    if (!events) table.file.text().clear();
+    attempt([&] { table.file.close(options_.lasting); });
+  }
 }
 
 // summary.json comes last: the report contains its text, and all files it refers to are complete.
@@ -299,7 +223,7 @@ void Recorder::finish(const std::string& status, const Armed& armed, const Repor
     std::vector<const char*> temporary;
     if (options_.input) temporary.push_back(checkpoint_file);
     if (options_.hdf5)
-      temporary.insert(temporary.end(), {"bodies.csv", "joints.csv", "energy.csv", "springs.csv", "contacts.csv"});
+      for (const RunTables::File& table : tables_.tables()) temporary.push_back(table.name.c_str());
     warnings = directory_->publish(temporary);
   });
   if (!published_) return seal(outcome, report);

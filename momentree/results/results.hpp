@@ -15,6 +15,7 @@
 #include <momentree/results/checkpoint/checkpoint.hpp>
 #include <momentree/results/columns/result_columns.hpp>
 #include <momentree/results/result_directory.hpp>
+#include <momentree/results/run_tables.hpp>
 #include <momentree/results/summary.hpp>
 #include <momentree/scenario/state/state_document.hpp>
 #include <momentree/simulate/simulation.hpp>
@@ -95,8 +96,6 @@ class Recorder {
   RecorderState state();
   void write_out_where_due();
   void take_events();
-  template <class F>
-  void each_table(const F& f);
   void close_tables();
   std::string reason() const;
   void seal(const std::string& status, const ReportPage& report);
@@ -108,13 +107,9 @@ class Recorder {
   const RunOrigin origin_;
   const RecordOptions options_;
   const std::unique_ptr<ResultDirectory> directory_;
-  TextFile events_, bodies_, joints_;  // declared after the folder that contains them
-  std::optional<TextFile> energy_, springs_, contacts_;
-  BodyColumns body_columns_;
-  JointColumns joint_columns_;
+  RunTables tables_;                                        // declared after the folder that contains them
   double next_ = -std::numeric_limits<double>::infinity();  ///< multiple of options_.every at which the next row is due
   std::optional<double> row_time_;
-  std::size_t body_row_ = 0, joint_row_ = 0, energy_row_ = 0, spring_row_ = 0, contact_row_ = 0;  ///< offsets of the last rows
   std::size_t events_taken_ = 0;  ///< the number of events in events.jsonl or its buffer
   Clock::time_point written_out_ = Clock::now();
   std::optional<Error> error_;

@@ -8,6 +8,8 @@
 #include <sstream>
 
 #include <momentree/joint/kinds.hpp>
+#include <momentree/results/model_json.hpp>
+#include <momentree/results/recording/recording.hpp>
 #include <momentree/scenario/test_support.hpp>
 
 namespace momentree::io {
@@ -279,6 +281,33 @@ TEST_CASE("removed bodies have empty cells in the tables, added ones have no col
   const std::string text = state_json(simulation.world(), {});
   CHECK(text.find("\"arm/link\"") == std::string::npos);
   CHECK(text.find("\"guest\"") != std::string::npos);
+}
+
+TEST_CASE("events number bodies by their places in bodies.csv, also where some are missing at the start") {
+  const test::TemporaryFolder folder;
+  Model model = test::two_mechanisms();
+  const BodySpec load{.name = "pendulum/load",
+                      .mass = 1,
+                      .com = {0, 0, -1},
+                      .inertia = diagonal(0.1),
+                      .parent = model.body("pendulum"),
+                      .at = {0, 0, -2},
+                      .joint = Revolute{.axis = {1, 0, 0}}};
+  model.add(load);
+  Simulation simulation(model, {.step = 0.01});
+  simulation.remove(model.body("arm/hand"));
+  simulation.at(0.015).then(break_joint("pendulum/load"));
+  Recorder recorder(simulation, {}, model_json(simulation.world(), ""),
+                    {.directory = folder / "r", .joints = all_joints(simulation)});
+  simulation.observe(0, [&](const World& world) { return recorder.observe(world); });
+  REQUIRE(simulation.run_until(0.03) == Status::ok);
+  recorder.finish("done", {});
+  CHECK(read_text_file(folder / "r/events.jsonl").find("\"moved\": {\"pendulum/load\": [[3, 1]]}") != std::string::npos);
+  const Recording run = read_recording(folder / "r");
+  REQUIRE(run.bodies.size() == 4);
+  const std::vector<int>& mechanism = run.phases.back().mechanism;
+  CHECK(run.mechanisms[static_cast<std::size_t>(mechanism[2])] == "pendulum");
+  CHECK(run.mechanisms[static_cast<std::size_t>(mechanism[3])] == "pendulum/load");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <unordered_set>
+#include <unordered_map>
 #include <utility>
 
 #include <momentree/integrate/integrator.hpp>
@@ -17,43 +17,15 @@ namespace {
 
 constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 
-// Flips quaternions of a column of coordinates where that brings them nearer to the row before.
+// Makes quaternions in a column of coordinates continuous in sign, as in the tables.
 void make_continuous(std::vector<double>& q, std::size_t width, std::size_t first) {
-  const double* last = nullptr;
+  ContinuousQuaternions signs(1);
   for (std::size_t at = first; at + 4 <= q.size(); at += width) {
     double* const now = q.data() + at;
     if (std::isnan(now[0])) continue;
-    double dot = last != nullptr ? 0 : now[0];
-    for (std::size_t i = 0; last != nullptr && i < 4; ++i) dot += last[i] * now[i];
-    if (dot < 0)
-      for (std::size_t i = 0; i < 4; ++i) now[i] = -now[i];
-    last = now;
+    const Quat next = signs.next(0, {now[0], now[1], now[2], now[3]});
+    now[0] = next.w, now[1] = next.x, now[2] = next.y, now[3] = next.z;
   }
-}
-
-// The place of each body among those that are in the world; −1: it is not.
-std::vector<int> numbers_in(const World& world) {
-  std::vector<int> numbers;
-  int next = 0;
-  for (int b = 0; b < world.model().size(); ++b) numbers.push_back(world.alive({b}) ? next++ : -1);
-  return numbers;
-}
-
-using Ranges = std::vector<std::pair<int, int>>;
-
-// Ranges of bodies (first number, count) by their places.
-Ranges renumbered(const Ranges& ranges, const std::vector<int>& numbers) {
-  Ranges all;
-  for (const auto& [first, count] : ranges)
-    for (int b = first; b < first + count; ++b) {
-      const int number = numbers[static_cast<std::size_t>(b)];
-      if (number < 0) continue;
-      if (!all.empty() && all.back().first + all.back().second == number)
-        ++all.back().second;
-      else
-        all.emplace_back(number, 1);
-    }
-  return all;
 }
 
 }  // namespace
@@ -96,7 +68,7 @@ std::size_t RunRecord::row_size(const Epoch& epoch) const {
 
 void RunRecord::drop_last_row() {
   numbers_.resize(offsets_.back());
-  times_.pop_back(), offsets_.pop_back(), ledger_.pop_back(), progress_.pop_back();
+  times_.pop_back(), offsets_.pop_back(), energy_.pop_back(), progress_.pop_back();
   contacts_.resize(std::min(contacts_.size(), times_.size()));
   if (epochs_.back().first_row == times_.size() && times_.size() > 0) epochs_.pop_back();
   if (times_.empty()) epochs_.clear();
@@ -151,14 +123,14 @@ void RunRecord::observe(const Simulation& simulation) {
       }
     }
     if (reactions_) contact_rows(contacts_.emplace_back(), world);
-    const EnergyBalance e = simulation.energy();
+    const EnergyBalance energy = simulation.energy();
     add_progress(simulation);
     offsets_.push_back(offset);
-    ledger_.push_back({e.dissipated, e.lost_in_impacts, e.released, e.work, e.error});
+    energy_.push_back(energy);
     times_.push_back(world.time());
   } catch (...) {  // out of memory: no partial row
     numbers_.resize(offset);
-    offsets_.resize(times_.size()), ledger_.resize(times_.size(), Ledger{}), progress_.resize(times_.size());
+    offsets_.resize(times_.size()), energy_.resize(times_.size()), progress_.resize(times_.size());
     contacts_.resize(std::min(contacts_.size(), times_.size()));
     throw;
   }
@@ -173,12 +145,23 @@ void RunRecord::finish(const Simulation& simulation, std::string status, const A
   final_ = state_json(simulation.world(), armed, simulation.step_memory());
 }
 
+std::vector<JointKinds> RunRecord::joint_kinds() const {
+  std::vector<JointKinds> all;
+  std::unordered_map<std::string_view, std::size_t> known;
+  for (const Epoch& epoch : epochs_)
+    for (const Layout& layout : epoch.joints) {
+      if (layout.name.empty()) continue;
+      const auto [place, fresh] = known.try_emplace(layout.name, all.size());
+      if (fresh) all.push_back({layout.name});
+      JointKinds& joint = all[place->second];
+      joint.nq = std::max(joint.nq, layout.nq), joint.nv = std::max(joint.nv, layout.nv);
+    }
+  return all;
+}
+
 std::vector<std::string> RunRecord::joints() const {
   std::vector<std::string> names;
-  std::unordered_set<std::string_view> known;
-  for (const Epoch& epoch : epochs_)
-    for (const Layout& layout : epoch.joints)
-      if (!layout.name.empty() && known.insert(layout.name).second) names.push_back(layout.name);
+  for (JointKinds& joint : joint_kinds()) names.push_back(std::move(joint.name));
   return names;
 }
 
@@ -302,67 +285,34 @@ std::vector<double> RunRecord::energies() const {
   std::vector<double> all;
   all.reserve(rows() * 14);
   each_world([&](const World& world, std::size_t row) {
-    const Ledger& l = ledger_[row];
-    const auto numbers = energy_numbers(
-        world, {.dissipated = l.dissipated, .work = l.work, .lost_in_impacts = l.lost, .released = l.released, .error = l.error});
+    const auto numbers = energy_numbers(world, energy_[row]);
     all.insert(all.end(), numbers.begin(), numbers.end());
   });
   return all;
 }
 
 std::string RunRecord::write(const std::string& folder, const ReportPage& report, const std::string& meshes) const {
-  std::vector<std::string> files = {"summary.json", "model.json", "events.jsonl", "bodies.csv",
-                                    "joints.csv",   "final.json", "energy.csv"};
-  const bool with_springs = !model_.springs().empty();
-  if (with_springs) files.emplace_back("springs.csv");
   const bool with_contacts = reactions_ && !model_.colliders().empty();
+  const TableChoice choice{.joints = joint_kinds()};
+  std::vector<std::string> files = RunTables::files(model_, choice);
+  files.insert(files.end(), {"summary.json", "model.json", "final.json"});
   if (with_contacts) files.emplace_back("contacts.csv");
   if (!meshes.empty()) files.emplace_back("meshes.json");
   if (report) files.emplace_back("report.html");
   ResultDirectory directory(folder, files);
   directory.write("model.json", model_json_);
   if (!meshes.empty()) directory.write("meshes.json", meshes);
-  {
-    std::vector<JointKinds> kinds;
-    for (const std::string& name : joints()) {
-      JointKinds each{name};
-      for (const Epoch& epoch : epochs_)
-        for (const Layout& layout : epoch.joints)
-          if (layout.name == name) each.nq = std::max(each.nq, layout.nq), each.nv = std::max(each.nv, layout.nv);
-      kinds.push_back(std::move(each));
-    }
-    TextFile events(directory.file("events.jsonl")), bodies(directory.file("bodies.csv")), joints(directory.file("joints.csv")),
-        energy(directory.file("energy.csv"));
-    std::vector<int> columns;
-    std::optional<BodyColumns> body_columns;
-    JointColumns joint_columns(std::move(kinds), false);
-    joint_columns.header(joints.text());
-    energy_header(energy.text());
-    std::optional<TextFile> springs;
-    if (with_springs) spring_header(springs.emplace(directory.file("springs.csv")).text(), model_);
-    each_world([&](const World& world, std::size_t row) {
-      const Ledger& l = ledger_[row];
-      if (!body_columns) {
-        body_columns.emplace(world).header(bodies.text(), model_);
-        columns = numbers_in(world);
-      }
-      body_columns->row(bodies.text(), world);
-      joint_columns.row(joints.text(), world);
-      energy_row(
-          energy.text(), world,
-          {.dissipated = l.dissipated, .work = l.work, .lost_in_impacts = l.lost, .released = l.released, .error = l.error});
-      if (springs) spring_row(springs->text(), world);
-      for (TextFile* table : {&bodies, &joints, &energy, springs ? &*springs : &energy})
-        if (table->is_full()) table->flush();
-    });
-    for (Event event : events_) {
-      for (TopologyRecord::Moved& moved : event.topology.moved) moved.bodies = renumbered(moved.bodies, columns);
-      events.text() += event_json(event) + '\n';
-    }
-    for (TextFile* table : {&events, &bodies, &joints, &energy}) table->close(false);
-    if (springs) springs->close(false);
-  }
-  if (with_contacts) {
+  std::optional<RunTables> tables;
+  each_world([&](const World& world, std::size_t row) {
+    if (!tables) tables.emplace(directory, world, choice);
+    tables->row(world, energy_[row]);
+    if (tables->is_full()) tables->flush();
+  });
+  MT_REQUIRE(tables.has_value(), "a record that is finished");
+  for (const Event& event : events_) tables->add(event);
+  tables->events().close(false);
+  for (RunTables::File& table : tables->tables()) table.file.close(false);
+  if (with_contacts) {  // reactions are not computed anew
     std::string text;
     contact_header(text);
     for (const std::string& rows : contacts_) text += rows;

@@ -82,15 +82,13 @@ class RunRecord {
     int nq = 0, nv = 0;
     int loop_q = 0, loop_v = 0, loops = 0;  // coordinates and velocities of loop joints, and their number
   };
-  struct Ledger {
-    double dissipated, lost, released, work, error;
-  };
   // What a row adds to its state; the events are shared by rows between which none happened.
   struct Progress {
     SimulationSnapshot run;
     std::shared_ptr<const std::vector<EventStatus>> armed;
   };
   void add_progress(const Simulation& simulation);
+  std::vector<JointKinds> joint_kinds() const;
   void begin_epoch(const Simulation& simulation);
   void add_loops(const World& world, const Epoch& epoch);
   std::size_t row_size(const Epoch& epoch) const;
@@ -108,7 +106,7 @@ class RunRecord {
   std::vector<double> times_,
       numbers_;                       // of each row q, v, p; of loops q, v, turns; with reactions a and a wrench for each joint
   std::vector<std::size_t> offsets_;  // of the rows in numbers_
-  std::vector<Ledger> ledger_;
+  std::vector<EnergyBalance> energy_;
   std::vector<Progress> progress_;
   std::vector<std::string> contacts_;  // by row, with reactions: its rows of contacts.csv
   std::size_t events_before_ = 0;

@@ -280,14 +280,13 @@ class Run:
         """Write the run as one file for other programs.
 
         Args:
-            path: A name that ends in ``.glb`` or ``.usda``, for an animated glTF 2.0 or USD file (3D programs), or in ``.mcap``
-                (Foxglove).
+            path: Its ending says the format, as in ``run.glb`` for animated glTF 2.0; ``momentree view --help`` lists them.
 
         Returns:
             The path.
 
         Raises:
-            Error: The name has another ending, the file can't be written, or the run was pickled.
+            Error: No format has the name's ending, the file can't be written, or the run was pickled.
 
         Warns:
             UserWarning: A mesh of a body can't be read, and is not drawn.

@@ -10,8 +10,6 @@
 #include <momentree/export/export.hpp>
 #include <momentree/models/mesh/pack.hpp>
 #include <momentree/results/model_json.hpp>
-#include <momentree/results/report/page.hpp>
-#include <momentree/results/report/report.hpp>
 #include <momentree/results/run_record.hpp>
 #include <momentree/scenario/state/state_document.hpp>
 
@@ -154,11 +152,7 @@ nb::object run(const SimulationPtr& self, double until, double every, bool react
 }
 
 std::string run_page(const RecordObject& self, const std::string& folder, bool report) {
-  io::ReportPage page;
-  if (report)
-    page = [](const std::filesystem::path& at, const std::string& summary) {
-      return io::report_page(cli::report_html(), io::report_data(at, {.summary = summary}));
-    };
+  const io::ReportPage page = report ? io::ReportPage(&cli::report_of) : nullptr;
   const io::PackedMeshes meshes = io::meshes_json(self.meshes);
   for (const io::Diagnostic& warning : meshes.warnings)
     if (PyErr_WarnEx(PyExc_UserWarning, warning.message().c_str(), 1) < 0) throw nb::python_error();

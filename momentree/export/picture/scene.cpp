@@ -81,9 +81,7 @@ std::vector<Patch> patches_of(const Shape& shape) {
 template <class Action>
 void for_each_shape(const Recording& run, const RecordedBody& body, const Action& action) {
   const auto parts_of = [&](std::size_t place) -> std::span<const MeshPart> {
-    const int number = place < body.meshes.size() ? body.meshes[place] : -1;
-    if (number < 0 || static_cast<std::size_t>(number) >= run.meshes.size()) return {};
-    const auto [first, count] = run.meshes[static_cast<std::size_t>(number)];
+    const auto [first, count] = run.parts_of(body, place);
     return std::span(run.mesh_parts).subspan(first, count);
   };
   action(body.shape, parts_of(0));
@@ -96,19 +94,6 @@ constexpr const char* spring_colour = "#6b7684";
 
 Vec3 spring_end(const RecordedFrame& frame, int body, const Vec3& point) {
   return body < 0 ? point : frame.poses[static_cast<std::size_t>(body)] * point;
-}
-
-/// The point of a body's lines that is nearest to a point, in its axes; its joint if it has none.
-Vec3 nearest_drawn(const RecordedBody& body, const Vec3& point) {
-  Vec3 best = body.child_at;
-  for (const auto& [from, to] : body.extent) {
-    const Vec3 along = to - from;
-    const double length = dot(along, along);
-    const double share = length > 0 ? std::clamp(dot(point - from, along) / length, 0.0, 1.0) : 0.0;
-    const Vec3 near = from + share * along;
-    if (norm(near - point) < norm(best - point)) best = near;
-  }
-  return best;
 }
 
 double distance(const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
@@ -217,7 +202,7 @@ class FrameBuilder {
 
   void add_reach(std::size_t b, const Vec3& point) {
     const RecordedBody& body = run_.bodies[b];
-    const Vec3 from = nearest_drawn(body, point);
+    const Vec3 from = nearest_on(body, point, body.child_at, norm(body.child_at - point));
     if (norm(from - point) > 1e-9)
       add(Primitive::Kind::line, b, {place(static_cast<int>(b), from), place(static_cast<int>(b), point)});
   }

@@ -10,7 +10,7 @@ namespace {
 
 // Like that of PNG: files that were changed by a transfer as text are recognised.
 constexpr std::string_view checkpoint_magic = "\x89MTCKPT\r\n\x1a\n";
-constexpr std::uint64_t checkpoint_format = 13;
+constexpr std::uint64_t checkpoint_format = 14;
 constexpr const char* damaged_checkpoint = "this checkpoint is damaged";
 constexpr const char* start_again = "run without --resume to start again from the beginning";
 
@@ -38,12 +38,11 @@ void fields(Archive& archive, Part<Archive, TextFile::Mark>& m) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, RecorderState::Table>& t) {
-  archive(t.mark, t.last);
+  archive(t.file, t.mark, t.last);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, RecorderState>& r) {
-  archive(r.events, r.bodies, r.joints, r.energy, r.springs, r.contacts, r.next, r.row_time, r.events_taken, r.body_quaternions,
-          r.joint_quaternions);
+  archive(r.tables, r.next, r.row_time, r.events_taken, r.body_quaternions, r.joint_quaternions);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Checkpoint>& c) {

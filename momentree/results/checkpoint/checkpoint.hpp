@@ -29,11 +29,11 @@ RunInput run_input(const Scenario& scenario, bool reactions);
 struct RecorderState {
   /// A table: what is in its file, and the last row, which is written only once it is final.
   struct Table {
+    std::string file;
     TextFile::Mark mark;
     std::string last;
   };
-  Table events, bodies, joints;
-  std::optional<Table> energy, springs, contacts;
+  std::vector<Table> tables;  ///< events.jsonl first
   double next = -std::numeric_limits<double>::infinity();
   std::optional<double> row_time;
   std::size_t events_taken = 0;

@@ -45,16 +45,8 @@ std::optional<Interrupted> find_checkpoint(const std::string& destination, const
   found.path = (folder / checkpoint_file).string();
   found.checkpoint = read_checkpoint(read_text_file(found.path, Links::refuse), found.path);
   require_same_input(found.checkpoint.input, input, found.path);
-  const RecorderState& record = found.checkpoint.record;
-  const auto require = [&](const char* name, const RecorderState::Table& table) {
-    require_unchanged((folder / name).string(), table.mark);
-  };
-  require("events.jsonl", record.events);
-  require("bodies.csv", record.bodies);
-  require("joints.csv", record.joints);
-  if (record.energy) require("energy.csv", *record.energy);
-  if (record.springs) require("springs.csv", *record.springs);
-  if (record.contacts) require("contacts.csv", *record.contacts);
+  for (const RecorderState::Table& table : found.checkpoint.record.tables)
+    require_unchanged((folder / table.file).string(), table.mark);
   return found;
 }
 

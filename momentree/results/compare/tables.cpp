@@ -23,37 +23,12 @@ std::optional<double> number_of(std::string_view cell) {
   return error == std::errc{} && stop == end ? std::optional(value) : std::nullopt;
 }
 
-// A table, row by row. A last line without an end is left out: its run was killed while it wrote it.
-class RowReader {
- public:
-  explicit RowReader(const std::filesystem::path& file) : in_(file), path_(file.string()) {
-    if (!in_.next(line_)) throw_error({"the file is empty", path_, "give a folder that `momentree run` wrote"});
-    columns_ = split_csv(line_);
-    if (columns_.front() != "time") throw_error({"the first column is '" + columns_.front() + "', not 'time'", path_ + ":1", ""});
-  }
-  const std::vector<std::string>& columns() const { return columns_; }
-  const std::string& line() const { return line_; }
-  bool next() {
-    if (!in_.next(line_) || !in_.is_whole()) return false;
-    const std::optional<double> time = number_of(std::string_view(line_).substr(0, line_.find(',')));
-    if (!time) throw_error({"the time is not a number", path_ + ':' + std::to_string(in_.number()), ""});
-    time_ = *time;
-    return true;
-  }
-  double time() const { return time_; }
-  /// Reads on to the end, and counts the rows.
-  std::size_t rest() {
-    std::size_t count = 0;
-    while (next()) ++count;
-    return count;
-  }
-
- private:
-  LineReader in_;
-  std::string path_, line_;
-  std::vector<std::string> columns_;
-  double time_ = 0;
-};
+// Reads on to the end, and counts the rows.
+std::size_t rest_of(RowReader& in) {
+  std::size_t count = 0;
+  while (in.next()) ++count;
+  return count;
+}
 
 struct NamedColumn {
   std::string name, column;
@@ -133,7 +108,7 @@ TableEnds compare_tables(const Compared& folders, const char* file, std::vector<
   TableEnds ends;
   if (std::optional<Difference> columns = other_columns(one, other, file, thing)) {
     found.push_back(std::move(*columns));
-    one.rest(), other.rest();
+    rest_of(one), rest_of(other);
     return {0, one.time(), other.time()};
   }
   bool differs = false;
@@ -143,7 +118,7 @@ TableEnds compare_tables(const Compared& folders, const char* file, std::vector<
     differs = true;
   };
   const auto longer = [&](bool second, const RowReader& shorter, RowReader& lasting, std::size_t rows, double from) {
-    rows += lasting.rest();
+    rows += rest_of(lasting);
     if (file == contacts_file) {
       Difference more{.kind = Difference::Kind::rows, .file = file, .time = from};
       more.what =
@@ -182,7 +157,7 @@ TableEnds compare_tables(const Compared& folders, const char* file, std::vector<
     }
     if (!differs) ++ends.rows;
   }
-  one.rest(), other.rest();
+  rest_of(one), rest_of(other);
   ends.one = one.time(), ends.other = other.time();
   return ends;
 }

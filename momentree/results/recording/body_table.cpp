@@ -52,8 +52,7 @@ std::size_t BodyTable::row_near(double time) const {
   return static_cast<std::size_t>(before - times.begin());
 }
 
-std::vector<double> BodyTable::poses(const std::vector<std::size_t>& rows) const {
-  const std::vector<double> cells = table_.read(rows);
+std::vector<double> BodyTable::in_order(const std::vector<double>& cells) const {
   std::vector<double> poses;
   poses.reserve(cells.size());
   for (std::size_t row = 0; row < cells.size(); row += at_.size())

@@ -22,11 +22,14 @@ class BodyTable {
   std::size_t row_near(double time) const;
   /// Of the rows with these indices (ascending): x y z qw qx qy qz of each body. The numbers of a run that diverged may not be
   /// finite. Throws Error as NumberTable::read does.
-  std::vector<double> poses(const std::vector<std::size_t>& rows) const;
+  std::vector<double> poses(const std::vector<std::size_t>& rows) const { return in_order(table_.read(rows)); }
+  std::vector<double> poses() const { return in_order(table_.read()); }  ///< of all rows
   /// The same as frames. Throws Error also for poses that are not finite.
   std::vector<RecordedFrame> read(const std::vector<std::size_t>& rows) const;
 
  private:
+  std::vector<double> in_order(const std::vector<double>& cells) const;
+
   NumberTable table_;
   std::vector<std::string> bodies_;
   std::vector<std::size_t> at_;  // by body, seven column indices

@@ -3,10 +3,9 @@
 #include <optional>
 
 #include <momentree/results/recording/record.hpp>
+#include <momentree/results/recording/recording.hpp>
 #include <momentree/text/base64.hpp>
 #include <momentree/text/colour.hpp>
-#include <momentree/text/files/text_file.hpp>
-#include <momentree/text/json.hpp>
 
 namespace momentree::io {
 
@@ -52,10 +51,10 @@ MeshPart part_of(const Value& value, Diagnostics& out) {
 
 std::vector<MeshParts> read_meshes(const std::filesystem::path& file, std::vector<MeshPart>& parts) {
   std::vector<MeshParts> meshes;
-  if (!is_there(file)) return meshes;
-  const Value document = parse_json(read_text_file(file.string(), Links::refuse), file.string());
+  const std::optional<Value> document = find_document(file);
+  if (!document) return meshes;
   Diagnostics out(file.string(), "");
-  for (const Value& mesh : Record(document, "the file", out).list("meshes")) {
+  for (const Value& mesh : Record(*document, "the file", out).list("meshes")) {
     meshes.push_back({parts.size(), 0});
     if (mesh.is_null()) continue;
     for (const Value& part : Record(mesh, "mesh", out).list("parts")) parts.push_back(part_of(part, out));

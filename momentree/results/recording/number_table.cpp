@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include <momentree/base/error.hpp>
-#include <momentree/text/files/line_reader.hpp>
 
 namespace momentree::io {
 
@@ -13,17 +12,25 @@ namespace {
 
 constexpr const char* damaged_table = "the file was truncated or modified: run again";
 
-double number(std::string_view cell, const std::string& column, const std::string& where) {
+const std::filesystem::path& required_table(const std::filesystem::path& file) {
+  if (!is_there(file) && is_there(file.parent_path() / "results.h5"))
+    throw_error({"the tables of this result are in results.h5, and only CSV tables can be shown", file.parent_path().string(),
+                 "run again with --format csv, or with --report"});
+  if (!is_there(file)) throw_error({"there is no such file", file.string(), "give the directory that `momentree run` wrote"});
+  return file;
+}
+
+}  // namespace
+
+double cell_number(std::string_view cell, std::string_view column, const std::string& where) {
   if (cell.empty()) return std::nan("");
   double value = 0;
   const char* end = cell.data() + cell.size();
   const auto [stop, error] = std::from_chars(cell.data(), end, value);
   if (error != std::errc{} || stop != end)
-    throw_error({"column '" + column + "': '" + std::string(cell) + "' is not a number", where, damaged_table});
+    throw_error({"column '" + std::string(column) + "': '" + std::string(cell) + "' is not a number", where, damaged_table});
   return value;
 }
-
-}  // namespace
 
 std::vector<std::string> split_csv(const std::string& line) {
   std::vector<std::string> fields(1);
@@ -42,25 +49,27 @@ std::vector<std::string> split_csv(const std::string& line) {
   return fields;
 }
 
+RowReader::RowReader(const std::filesystem::path& file) : path_(file.string()), in_(required_table(file)) {
+  if (!in_.next(line_)) throw_error({"the file is empty", path_, {}});
+  columns_ = split_csv(line_);
+  if (columns_.front() != "time") throw_error({"the first column is '" + columns_.front() + "', not 'time'", place(), {}});
+}
+
+bool RowReader::next() {
+  do
+    if (!in_.next(line_) || !in_.is_whole()) return false;
+  while (line_.empty());
+  const double time = cell_number(std::string_view(line_).substr(0, line_.find(',')), "time", place());
+  if (!std::isfinite(time)) throw_error({"the time is not a finite number", place(), damaged_table});
+  if (begun_ && time < time_) throw_error({"time runs backwards", place(), {}});
+  time_ = time, begun_ = true;
+  return true;
+}
+
 NumberTable::NumberTable(std::filesystem::path file) : file_(std::move(file)) {
-  if (!is_there(file_) && is_there(file_.parent_path() / "results.h5"))
-    throw_error({"the tables of this result are in results.h5, and only CSV tables can be shown", file_.parent_path().string(),
-                 "run again with --format csv, or with --report"});
-  if (!is_there(file_)) throw_error({"there is no such file", file_.string(), "give the directory that `momentree run` wrote"});
-  LineReader in(file_);
-  std::string line;
-  if (!in.next(line)) throw_error({"the file is empty", file_.string(), {}});
-  columns_ = split_csv(line);
-  if (columns_.front() != "time") throw_error({"the first column is '" + columns_.front() + "', not 'time'", header_place(), {}});
-  columns_.erase(columns_.begin());
-  while (in.next(line) && in.is_whole()) {
-    if (line.empty()) continue;
-    const double time = number(std::string_view(line).substr(0, line.find(',')), "time", at_line(in.number()));
-    if (!std::isfinite(time)) throw_error({"the time is not a finite number", at_line(in.number()), damaged_table});
-    if (!times_.empty() && time < times_.back()) throw_error({"time runs backwards", at_line(in.number()), {}});
-    times_.push_back(time);
-    lines_.push_back(in.number());
-  }
+  RowReader in(file_);
+  columns_.assign(in.columns().begin() + 1, in.columns().end());
+  while (in.next()) times_.push_back(in.time()), lines_.push_back(in.number());
 }
 
 void NumberTable::append_cells(const std::string& line, const std::string& where, std::vector<double>& numbers) const {
@@ -68,7 +77,7 @@ void NumberTable::append_cells(const std::string& line, const std::string& where
   for (std::size_t at = line.find(','); at != std::string::npos; ++cells) {
     const std::size_t end = line.find(',', at + 1);
     const std::string_view cell = std::string_view(line).substr(at + 1, end == std::string::npos ? end : end - at - 1);
-    if (cells < columns_.size()) numbers.push_back(number(cell, columns_[cells], where));
+    if (cells < columns_.size()) numbers.push_back(cell_number(cell, columns_[cells], where));
     at = end;
   }
   if (cells != columns_.size())
@@ -89,6 +98,13 @@ std::vector<double> NumberTable::read(const std::vector<std::size_t>& rows) cons
   return numbers;
 }
 
+std::vector<double> NumberTable::read() const {
+  std::vector<double> numbers;
+  numbers.reserve(times_.size() * columns_.size());
+  each_row([&](std::span<const double> row) { numbers.insert(numbers.end(), row.begin() + 1, row.end()); });
+  return numbers;
+}
+
 void NumberTable::each_row(const std::function<void(std::span<const double> row)>& visit) const {
   LineReader in(file_);
   std::string line;
@@ -100,6 +116,10 @@ void NumberTable::each_row(const std::function<void(std::span<const double> row)
     append_cells(line, place(i), row);
     visit(row);
   }
+}
+
+std::optional<NumberTable> find_table(const std::filesystem::path& file) {
+  return is_there(file) ? std::optional<NumberTable>(file) : std::nullopt;
 }
 
 }  // namespace momentree::io

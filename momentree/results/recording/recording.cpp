@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include <momentree/base/error.hpp>
@@ -15,15 +14,6 @@
 
 namespace momentree::io {
 namespace {
-
-std::optional<Value> parse_file(const std::filesystem::path& file) {
-  if (!is_there(file)) return std::nullopt;
-  try {
-    return parse_json(read_text_file(file.string(), Links::refuse), file.string());
-  } catch (const Error& error) {
-    throw_error({error.problem, error.where, error.hint.empty() ? damaged : error.hint});
-  }
-}
 
 std::string text_or_none(const Value& object, const char* key) {
   const Value::Entry* found = object.find(key);
@@ -59,30 +49,18 @@ int mesh_of(const Value& shape) {
   return number && *number >= 0 && *number < 1'000'000 ? static_cast<int>(*number) : -1;
 }
 
-using Numbers = std::map<std::string, int>;
-
-int find(const Numbers& numbers, const Value& name) {
-  const auto it = name.string() ? numbers.find(*name.string()) : numbers.end();
-  return it == numbers.end() ? -1 : it->second;
-}
-
-void read_joints(const Value::Table& joints, const Numbers& numbers, Recording& run, Diagnostics& out) {
+void read_joints(const Value::Table& joints, const BodyNumbers& numbers, Recording& run, Diagnostics& out) {
   for (const Value::Entry& entry : joints) {
-    Record joint(entry.value, "joint", out);
-    const int child = find(numbers, joint["child"]);
-    if (child < 0) continue;              // bodies.csv may have fewer bodies than the world
-    if (joint.find("loop") != nullptr) {  // in addition to the body's inboard joint
-      run.loops.push_back({entry.key, joint.text("kind"), find(numbers, joint["parent"]), child,
-                           Record(joint["at"], "at", out).vec("xyz"), Record(joint["child_at"], "child_at", out).vec("xyz"),
-                           true});
+    RecordedLoop joint = read_joint(entry, numbers, out);
+    if (joint.child < 0) continue;              // bodies.csv may have fewer bodies than the world
+    if (entry.value.find("loop") != nullptr) {  // in addition to the body's inboard joint
+      joint.at_start = true;
+      run.loops.push_back(std::move(joint));
       continue;
     }
-    RecordedBody& body = run.bodies[static_cast<std::size_t>(child)];
-    body.joint = entry.key;
-    body.kind = joint.text("kind");
-    body.parent = find(numbers, joint["parent"]);
-    body.at = Record(joint["at"], "at", out).vec("xyz");
-    body.child_at = Record(joint["child_at"], "child_at", out).vec("xyz");
+    RecordedBody& body = run.bodies[static_cast<std::size_t>(joint.child)];
+    body.joint = joint.name, body.kind = joint.kind, body.parent = joint.parent;
+    body.at = joint.at, body.child_at = joint.child_at;
   }
 }
 
@@ -95,7 +73,7 @@ void guess_extents(Recording& run) {
   for (const RecordedLoop& loop : run.loops) reach(loop.parent, loop.at), reach(loop.child, loop.child_at);
 }
 
-void read_model(const Value& document, const Numbers& numbers, Recording& run, std::vector<std::string>& mechanism_of,
+void read_model(const Value& document, const BodyNumbers& numbers, Recording& run, std::vector<std::string>& mechanism_of,
                 Diagnostics& out) {
   Record model(document, "the model", out);
   run.title = text_or_none(document, "title");
@@ -104,7 +82,7 @@ void read_model(const Value& document, const Numbers& numbers, Recording& run, s
   for (const Value& value : model.list("mechanisms")) {
     Record mechanism(value, "mechanism", out);
     for (const Value& name : mechanism.list("bodies"))
-      if (const int b = find(numbers, name); b >= 0) mechanism_of[static_cast<std::size_t>(b)] = mechanism.text("name");
+      if (const int b = find_body(numbers, name); b >= 0) mechanism_of[static_cast<std::size_t>(b)] = mechanism.text("name");
   }
   for (const Value::Entry& entry : model.table("bodies")) {
     const auto known = numbers.find(entry.key);
@@ -165,7 +143,7 @@ void read_ground(const Value& document, Recording& run, Diagnostics& out) {
   }
 }
 
-void read_springs(const Value& document, const Numbers& numbers, Recording& run, Diagnostics& out) {
+void read_springs(const Value& document, const BodyNumbers& numbers, Recording& run, Diagnostics& out) {
   Record model(document, "the model", out);
   if (!model.find("springs")) return;
   for (const Value::Entry& entry : model.table("springs")) {
@@ -176,7 +154,7 @@ void read_springs(const Value& document, const Numbers& numbers, Recording& run,
     const auto read_end = [&](const char* key, int& body, Vec3& point) {
       Record end(spring[key], key, out);
       const Value& name = end["body"];
-      body = find(numbers, name);
+      body = find_body(numbers, name);
       known = known && (body >= 0 || (name.string() && *name.string() == "ground"));
       point = end.vec("point");
     };
@@ -201,8 +179,9 @@ void note_broken_springs(const Value& document, Recording& run, RecordedEvent& e
       }
 }
 
-void read_events(const std::filesystem::path& file, const std::vector<std::string>& mechanism_of, Recording& run) {
-  TopologyHistory history(run, mechanism_of);
+void read_events(const std::filesystem::path& file, const BodyNumbers& numbers, const std::vector<std::string>& mechanism_of,
+                 Recording& run) {
+  TopologyHistory history(run, numbers, mechanism_of);
   for_each_event(file, [&](const Value& document, const std::string&, const std::string& where) {
     Diagnostics out(where, "");
     Record record(document, "the event", out);
@@ -218,6 +197,20 @@ void read_events(const std::filesystem::path& file, const std::vector<std::strin
 }
 
 }  // namespace
+
+void require_result_folder(const std::filesystem::path& directory) {
+  if (!std::filesystem::is_directory(directory))
+    throw_error({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
+}
+
+std::optional<Value> find_document(const std::filesystem::path& file) {
+  if (!is_there(file)) return std::nullopt;
+  try {
+    return parse_json(read_text_file(file.string(), Links::refuse), file.string());
+  } catch (const Error& error) {
+    throw_error({error.problem, error.where, error.hint.empty() ? damaged : error.hint});
+  }
+}
 
 void for_each_event(const std::filesystem::path& file,
                     const std::function<void(const Value& document, const std::string& line, const std::string& where)>& use) {
@@ -239,7 +232,8 @@ void for_each_event(const std::filesystem::path& file,
 
 Recording read_world(const std::filesystem::path& directory, const BodyTable& table) {
   Recording run;
-  Numbers numbers;
+  run.folder = directory;
+  BodyNumbers numbers;
   std::vector<std::string> mechanism_of;
   for (const std::string& name : table.bodies()) {
     numbers.emplace(name, static_cast<int>(run.bodies.size()));
@@ -248,7 +242,8 @@ Recording read_world(const std::filesystem::path& directory, const BodyTable& ta
     mechanism_of.push_back(name.substr(0, name.find('/')));
   }
 
-  const std::optional<Value> model = parse_file(directory / "model.json"), final_state = parse_file(directory / "final.json");
+  const std::optional<Value> model = find_document(directory / "model.json"),
+                             final_state = find_document(directory / "final.json");
   Diagnostics out((directory / (model ? "model.json" : "final.json")).string(), "");
   if (model)
     read_model(*model, numbers, run, mechanism_of, out), read_springs(*model, numbers, run, out), read_ground(*model, run, out);
@@ -256,19 +251,18 @@ Recording read_world(const std::filesystem::path& directory, const BodyTable& ta
     read_joints(Record(*final_state, "the state", out).table("joints"), numbers, run, out), guess_extents(run);
   out.throw_first();
   if (run.title.empty()) run.title = std::filesystem::absolute(directory).lexically_normal().filename().string();
-  read_events(directory / "events.jsonl", mechanism_of, run);
+  read_events(directory / "events.jsonl", numbers, mechanism_of, run);
+  run.meshes = read_meshes(directory / "meshes.json", run.mesh_parts);
   return run;
 }
 
 Recording read_recording(const std::filesystem::path& directory, double every) {
-  if (!std::filesystem::is_directory(directory))
-    throw_error({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
+  require_result_folder(directory);
   const BodyTable table(directory / "bodies.csv");
   Recording run = read_world(directory, table);
   const std::vector<std::size_t> rows = choose_rows(table, every);
   run.every = every;
   run.frames = table.read(rows);
-  run.meshes = read_meshes(directory / "meshes.json", run.mesh_parts);
   for (RecordedEvent& event : run.events) {
     const std::size_t row = table.row_near(event.time);
     if (std::abs(table.times()[row] - event.time) < 0.25 * every) event.frame = table.read({row}).front();
@@ -280,6 +274,22 @@ const Phase& Recording::phase_at(double time) const {
   const auto later = std::find_if(phases.begin() + 1, phases.end(),
                                   [&](const Phase& p) { return p.from > time + 1e-9 * std::max(1.0, std::abs(time)); });
   return *(later - 1);
+}
+
+MeshParts Recording::parts_of(const RecordedBody& body, std::size_t shape) const {
+  const int number = shape < body.meshes.size() ? body.meshes[shape] : -1;
+  return number < 0 || static_cast<std::size_t>(number) >= meshes.size() ? MeshParts{} : meshes[static_cast<std::size_t>(number)];
+}
+
+Vec3 nearest_on(const RecordedBody& body, const Vec3& point, const Vec3& otherwise, double least) {
+  Vec3 best = otherwise;
+  for (const auto& [from, to] : body.extent) {
+    const Vec3 along = to - from;
+    const double length = dot(along, along);
+    const Vec3 near = from + (length > 0 ? std::clamp(dot(point - from, along) / length, 0.0, 1.0) : 0.0) * along;
+    if (norm(near - point) < least) best = near, least = norm(near - point);
+  }
+  return best;
 }
 
 }  // namespace momentree::io

@@ -80,6 +80,7 @@ struct RecordedEvent {
 };
 
 struct Recording {
+  std::filesystem::path folder;  ///< the result
   std::string title;
   Vec3 gravity{};
   std::vector<RecordedBody> bodies;
@@ -91,12 +92,23 @@ struct Recording {
   std::vector<RecordedLoop> loops;      ///< all joints of the run that close loops
   std::vector<Phase> phases;            ///< at least one, ordered by time
   std::vector<std::string> mechanisms;  ///< all mechanisms of the run, in order of appearance
-  std::vector<MeshPart> mesh_parts;     ///< of meshes.json; read only for pictures
+  std::vector<MeshPart> mesh_parts;     ///< of meshes.json
   std::vector<MeshParts> meshes;        ///< by their numbers
   double every = 0;                     ///< requested time between frames (s)
 
   const Phase& phase_at(double time) const;
+  /// The parts of the mesh that is a shape of the body: its `shape`, and then those of `more`. None if it is no mesh.
+  MeshParts parts_of(const RecordedBody& body, std::size_t shape) const;
 };
+
+/// The point of a body's lines that is nearest to a point, in its axes; `otherwise`, if none is nearer than `least` (m).
+Vec3 nearest_on(const RecordedBody& body, const Vec3& point, const Vec3& otherwise, double least = HUGE_VAL);
+
+/// Throws Error unless the folder of a result exists.
+void require_result_folder(const std::filesystem::path& directory);
+
+/// A document of a result; nothing if the file does not exist. Throws Error with its place.
+std::optional<Value> find_document(const std::filesystem::path& file);
 
 /// Calls back with each line of `events.jsonl`, as a document and as text, and its place, if the file exists. Leaves out a last
 /// line that an interrupted run was still writing. Throws Error with the file and the line.

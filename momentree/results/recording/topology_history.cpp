@@ -3,10 +3,25 @@
 #include <algorithm>
 
 namespace momentree::io {
-TopologyHistory::TopologyHistory(Recording& run, const std::vector<std::string>& mechanism_of) : run_(run) {
+
+int find_body(const BodyNumbers& numbers, const Value& name) {
+  const auto known = name.string() ? numbers.find(*name.string()) : numbers.end();
+  return known == numbers.end() ? -1 : known->second;
+}
+
+RecordedLoop read_joint(const Value::Entry& entry, const BodyNumbers& numbers, Diagnostics& out) {
+  Record joint(entry.value, "joint", out);
+  RecordedLoop read{.name = entry.key, .kind = {}, .child = find_body(numbers, joint["child"])};
+  if (read.child < 0) return read;
+  read.kind = joint.text("kind"), read.parent = find_body(numbers, joint["parent"]);
+  read.at = Record(joint["at"], "at", out).vec("xyz"), read.child_at = Record(joint["child_at"], "child_at", out).vec("xyz");
+  return read;
+}
+
+TopologyHistory::TopologyHistory(Recording& run, const BodyNumbers& numbers, const std::vector<std::string>& mechanism_of)
+    : run_(run), numbers_(numbers) {
   Phase phase;
   for (std::size_t b = 0; b < run.bodies.size(); ++b) {
-    bodies_.emplace(run.bodies[b].name, static_cast<int>(b));
     const bool floats = run.bodies[b].kind == "free" && run.bodies[b].parent < 0;  // nothing breaks when it is grasped
     links_[run.bodies[b].joint] = {run.bodies[b].parent, static_cast<int>(b), !floats};
     phase.mechanism.push_back(mechanism(mechanism_of[b]));
@@ -21,11 +36,6 @@ int TopologyHistory::mechanism(const std::string& name) {
   if (known != run_.mechanisms.end()) return static_cast<int>(known - run_.mechanisms.begin());
   run_.mechanisms.push_back(name);
   return static_cast<int>(run_.mechanisms.size()) - 1;
-}
-
-int TopologyHistory::body(const Value& name) const {
-  const auto known = name.string() ? bodies_.find(*name.string()) : bodies_.end();
-  return known == bodies_.end() ? -1 : known->second;
 }
 
 void TopologyHistory::remove(const std::string& joint, RecordedEvent& event, Phase& phase) {
@@ -72,25 +82,17 @@ bool TopologyHistory::put_loop(RecordedLoop now, bool closes, RecordedEvent& eve
 }
 
 void TopologyHistory::put(const Value::Entry& entry, RecordedEvent& event, Phase& phase, Diagnostics& out) {
-  Record joint(entry.value, "joint", out);
-  const int parent = body(joint["parent"]), child = body(joint["child"]);
-  if (child < 0) return;
-  const RecordedLoop loop{entry.key,
-                          joint.text("kind"),
-                          parent,
-                          child,
-                          Record(joint["at"], "at", out).vec("xyz"),
-                          Record(joint["child_at"], "child_at", out).vec("xyz"),
-                          false};
-  const bool closes = joint.find("loop") != nullptr;
+  const RecordedLoop joint = read_joint(entry, numbers_, out);
+  if (joint.child < 0) return;
+  const bool closes = entry.value.find("loop") != nullptr;
   if (closes) unlink(entry.key, event, phase);  // an earlier joint of that name
-  if (put_loop(loop, closes, event, phase)) return;
+  if (put_loop(joint, closes, event, phase)) return;
   const auto link = links_.find(entry.key);
-  const bool same = link != links_.end() && link->second.parent == parent && link->second.child == child;
-  const bool floats = joint.text("kind") == "free" && parent < 0;
+  const bool same = link != links_.end() && link->second.parent == joint.parent && link->second.child == joint.child;
+  const bool floats = joint.kind == "free" && joint.parent < 0;
   if (same && !floats) return;
   unlink(entry.key, event, phase);
-  if (!floats) links_[entry.key] = {parent, child, false};
+  if (!floats) links_[entry.key] = {joint.parent, joint.child, false};
 }
 
 void TopologyHistory::add(Record& line, RecordedEvent& event, Diagnostics& out) {

@@ -9,12 +9,19 @@
 
 namespace momentree::io {
 
+/// The numbers of bodies by name.
+using BodyNumbers = std::unordered_map<std::string, int>;
+/// −1: the ground, or not recorded.
+int find_body(const BodyNumbers& numbers, const Value& name);
+/// A joint of model.json, a state document or an event, whether or not it closes a loop. Without a child, nothing else is read.
+RecordedLoop read_joint(const Value::Entry& entry, const BodyNumbers& numbers, Diagnostics& out);
+
 /// Reads `changes` and `topology` of successive lines of events.jsonl into `run.phases`, `run.mechanisms` and the events'
 /// `broken` and `impacts`.
 class TopologyHistory {
  public:
   /// `mechanism_of`: for each body the name of its mechanism at the start.
-  TopologyHistory(Recording& run, const std::vector<std::string>& mechanism_of);
+  TopologyHistory(Recording& run, const BodyNumbers& numbers, const std::vector<std::string>& mechanism_of);
   /// `event` is not yet in run.events. Reports to `out` if the line is invalid.
   void add(Record& line, RecordedEvent& event, Diagnostics& out);
 
@@ -25,14 +32,13 @@ class TopologyHistory {
   };
   int mechanism(const std::string& name);
   int loop(const std::string& name, const Phase& phase) const;  // index in run_.loops; −1: none
-  int body(const Value& name) const;                            // −1: the ground, or not recorded
   void remove(const std::string& joint, RecordedEvent& event, Phase& phase);
   void unlink(const std::string& joint, RecordedEvent& event, Phase& phase);
   bool put_loop(RecordedLoop loop, bool closes, RecordedEvent& event, Phase& phase);
   void put(const Value::Entry& entry, RecordedEvent& event, Phase& phase, Diagnostics& out);
 
   Recording& run_;
-  std::unordered_map<std::string, int> bodies_;  // by name
+  const BodyNumbers& numbers_;
   std::unordered_map<std::string, Link> links_;  // by joint
 };
 

@@ -7,10 +7,10 @@
 #include <span>
 
 #include <momentree/base/error.hpp>
+#include <momentree/results/columns/contact_columns.hpp>
 #include <momentree/results/recording/body_table.hpp>
 #include <momentree/results/recording/number_table.hpp>
 #include <momentree/results/recording/recording.hpp>
-#include <momentree/results/report/contact_rows.hpp>
 #include <momentree/results/report/page.hpp>
 #include <momentree/scenario/state/joint_json.hpp>
 #include <momentree/text/base64.hpp>
@@ -81,22 +81,16 @@ void write_table(JsonWriter& json, std::string& text, const char* key, const Num
   json.end_object();
 }
 
-/// A table that may be missing.
-std::optional<NumberTable> table_of(const fs::path& file) {
-  if (!is_there(file)) return std::nullopt;
-  return NumberTable(file);
-}
-
 /// How many contacts are closed at each of some instants, and ten numbers of each: point, normal, force and speed of slip.
 void write_contacts(JsonWriter& json, std::string& text, const fs::path& file, const std::vector<double>& times) {
   std::vector<long> counts(times.size(), 0);
   std::vector<double> numbers;
-  for (const ContactRow& row : read_contact_rows(file)) {
+  for_each_contact(file, [&](const ContactCells& row) {
     const auto at = std::lower_bound(times.begin(), times.end(), row.time);
-    if (at == times.end() || *at != row.time) continue;
+    if (at == times.end() || *at != row.time) return;
     ++counts[static_cast<std::size_t>(at - times.begin())];
     numbers.insert(numbers.end(), row.numbers.begin(), row.numbers.end());
-  }
+  });
   json.key("contacts").begin_object().key("counts").begin_array();
   for (const long count : counts) json.value(count);
   json.end_array();
@@ -130,13 +124,12 @@ EventLines read_event_lines(const fs::path& file) {
 }  // namespace
 
 std::string report_data(const fs::path& directory, const ReportOptions& options) {
-  if (!fs::is_directory(directory))
-    throw_error({"there is no such directory", directory.string(), "run the scenario first: momentree run SCENARIO --out DIR"});
+  require_result_folder(directory);
   const fs::path model = directory / "model.json", summary = directory / "summary.json";
   if (!is_there(model)) throw_error({"it has no model.json", directory.string(), "was the run killed? run it again"});
   const BodyTable bodies(directory / "bodies.csv");
-  std::optional<NumberTable> joints = table_of(directory / "joints.csv");
-  const std::optional<NumberTable> energy = table_of(directory / "energy.csv");
+  std::optional<NumberTable> joints = find_table(directory / "joints.csv");
+  const std::optional<NumberTable> energy = find_table(directory / "energy.csv");
   std::size_t count = bodies.times().size();  // a killed run may have written fewer rows of one table than of another
   if (joints) count = std::min(count, joints->times().size());
   if (energy) count = std::min(count, energy->times().size());

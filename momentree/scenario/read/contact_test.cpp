@@ -2,7 +2,6 @@
 #include <doctest/doctest.h>
 
 #include <momentree/results/columns/contact_columns.hpp>
-#include <momentree/results/report/contact_rows.hpp>
 #include <momentree/results/session.hpp>
 #include <momentree/results/summary.hpp>
 #include <momentree/scenario/convert/convert.hpp>
@@ -179,12 +178,18 @@ TEST_CASE("contact: runs with reactions have a table of the points that touch") 
   CHECK(points[0].force.z == doctest::Approx(9.81).epsilon(1e-12));
   test::TemporaryFolder folder;
   write_text_file(folder / "contacts.csv", text + "0.06,a/ball,ground,1,2");  // a line that was being written
-  const std::vector<ContactRow> rows = read_contact_rows(folder / "contacts.csv");
+  std::vector<ContactCells> rows;
+  for_each_contact(folder / "contacts.csv", [&](const ContactCells& row) { rows.push_back(row); });
   REQUIRE(rows.size() == 1);
   CHECK(rows[0].one == "a/ball");
   CHECK(rows[0].numbers[8] == points[0].force.z);
+  for (const char* more : {"1,2\n", "1,a/ball,ground,0,0,0,0,0,1,0,0,9.8x,0\n"}) {
+    write_text_file(folder / "contacts.csv", text + more);
+    CHECK(error_of([&] { for_each_contact(folder / "contacts.csv", [](const ContactCells&) {}); }).find("contacts.csv:3") !=
+          std::string::npos);
+  }
   write_text_file(folder / "contacts.csv", "time\n1,2\n");
-  CHECK(error_of([&] { static_cast<void>(read_contact_rows(folder / "contacts.csv")); }).find("contacts.csv:2") !=
+  CHECK(error_of([&] { for_each_contact(folder / "contacts.csv", [](const ContactCells&) {}); }).find("contacts.csv:1") !=
         std::string::npos);
 }
 

@@ -1,5 +1,9 @@
-#include <momentree/export/usd.hpp>
-
+// An animated USD file as text (.usda), in metres and with z upwards.
+//
+// The prim /world turns the world so that gravity points along −z. Below it, each body is an Xform, whose translation (double
+// precision) and orientation have a sample at each row; there are 60 time codes per second, and the first row is at 0. Names are
+// valid identifiers; `displayName` is the body's own. Below a body are its solids. Bars are prims of their own, invisible when
+// they are not there. Materials change in steps where mechanisms do. `customLayerData` has the start, the status and the events.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +12,7 @@
 #include <utility>
 
 #include <momentree/base/characters.hpp>
+#include <momentree/export/exporter.hpp>
 #include <momentree/export/solids.hpp>
 #include <momentree/text/colour.hpp>
 #include <momentree/text/number_text.hpp>
@@ -227,7 +232,7 @@ class UsdBuilder {
       line("def Mesh \"" + mesh_name(mesh) + "\"");
       line("{");
       ++depth_;
-      write_mesh(drawing_.meshes[static_cast<std::size_t>(mesh)]);
+      write_mesh(drawing_.run.mesh_parts[static_cast<std::size_t>(mesh)]);
       close();
     }
     close();
@@ -362,8 +367,12 @@ class UsdBuilder {
   std::set<int> meshes_;                              ///< those that solids refer to
 };
 
+std::string usd_of(const Drawing& drawing) { return UsdBuilder(drawing).build(); }
+
 }  // namespace
 
-std::string usd_of(const Drawing& drawing) { return UsdBuilder(drawing).build(); }
+Exporter exporters::usd() {
+  return {.ending = ".usda", .format = "USD", .content = "USD", .readers = "3D programs", .bytes = &usd_of};
+}
 
 }  // namespace momentree::io

@@ -1,9 +1,15 @@
-#include <momentree/export/glb.hpp>
-
+// An animated glTF 2.0 file (.glb).
+//
+// The root node turns the world so that gravity points along −y. Below it, each body has a node with its name, whose translation
+// and rotation have a key at each row; times are relative to the first row, in single precision. Below a body are its solids.
+// If its mechanism changes, those in mechanism colours are there once for each colour: scales of 1 and 0, which change in steps,
+// show the present one. Bars are nodes of their own. Extras: of the scene the start, the status and the events; of a body the
+// mechanisms to which it belongs, and from when on.
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include <momentree/export/exporter.hpp>
 #include <momentree/export/gltf_document.hpp>
 #include <momentree/export/solids.hpp>
 #include <momentree/text/json_writer.hpp>
@@ -169,7 +175,7 @@ class GlbBuilder {
         case Solid::Kind::ellipsoid: made = unit_sphere(); break;
         case Solid::Kind::cylinder: made = unit_cylinder(); break;
         case Solid::Kind::capsule: made = capsule_of(0.5 * solid.size.x, solid.size.z); break;
-        case Solid::Kind::mesh: made = triangles_of(drawing_.meshes[static_cast<std::size_t>(solid.mesh)]); break;
+        case Solid::Kind::mesh: made = triangles_of(drawing_.run.mesh_parts[static_cast<std::size_t>(solid.mesh)]); break;
       }
       triangles = geometries_.emplace(key, file_.add_triangles(made)).first;
     }
@@ -252,8 +258,13 @@ class GlbBuilder {
   std::map<std::vector<float>, int> switch_times_;
 };
 
+/// Throws Error, without a place, if it would have more than 4 GiB.
+std::string glb_of(const Drawing& drawing) { return GlbBuilder(drawing).build(); }
+
 }  // namespace
 
-std::string glb_of(const Drawing& drawing) { return GlbBuilder(drawing).build(); }
+Exporter exporters::glb() {
+  return {.ending = ".glb", .format = "glTF", .content = "animated glTF", .readers = "3D programs", .bytes = &glb_of};
+}
 
 }  // namespace momentree::io

@@ -1,16 +1,20 @@
-#include <momentree/export/mcap.hpp>
-
+// An MCAP file with the messages of Foxglove in JSON (.mcap). Times are those of the run; if it starts before zero, its start is
+// at zero.
+//
+// /tf: foxglove.FrameTransforms, the poses of all bodies in the frame `world`, a message per row. /scene: foxglove.SceneUpdate,
+// solids in the colours of mechanisms, at the start and at each change; /scene/own_colours: the others, at the start;
+// /scene/bars: springs and the bars of joints that were made, at each row. /joints, /springs, /energy: the tables. /events:
+// foxglove.Log.
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 
+#include <momentree/export/exporter.hpp>
 #include <momentree/export/foxglove_schemas.hpp>
 #include <momentree/export/mcap_file.hpp>
 #include <momentree/export/scene_messages.hpp>
 #include <momentree/results/recording/number_table.hpp>
-#include <momentree/text/files/system_file.hpp>
 
 namespace momentree::io {
 
@@ -34,15 +38,12 @@ struct Grouped {
 };
 
 std::optional<Grouped> grouped(const std::filesystem::path& file) {
-  if (!is_there(file)) return std::nullopt;
-  const NumberTable table(file);
-  Grouped result{.times = table.times(), .width = table.columns().size()};
-  std::vector<std::size_t> rows(result.times.size());
-  std::iota(rows.begin(), rows.end(), std::size_t{0});
-  result.numbers = table.read(rows);
+  const std::optional<NumberTable> table = find_table(file);
+  if (!table) return std::nullopt;
+  Grouped result{.times = table->times(), .numbers = table->read(), .width = table->columns().size()};
   std::map<std::string, std::size_t> known;
   for (std::size_t c = 0; c < result.width; ++c) {
-    const std::string& column = table.columns()[c];
+    const std::string& column = table->columns()[c];
     const std::size_t dot = column.rfind('.');
     const std::string owner = dot == std::string::npos ? "" : column.substr(0, dot);
     const auto [group, is_new] = known.try_emplace(owner, result.groups.size());
@@ -121,12 +122,12 @@ std::string world_frame(const Recording& run) {
 
 class McapBuilder {
  public:
-  McapBuilder(const Drawing& drawing, const std::filesystem::path& directory)
+  explicit McapBuilder(const Drawing& drawing)
       : drawing_(drawing),
         world_(world_frame(drawing.run)),
-        joints_(grouped(directory / "joints.csv")),
-        springs_(grouped(directory / "springs.csv")),
-        energy_(grouped(directory / "energy.csv")),
+        joints_(grouped(drawing.run.folder / "joints.csv")),
+        springs_(grouped(drawing.run.folder / "springs.csv")),
+        energy_(grouped(drawing.run.folder / "energy.csv")),
         zero_(std::min(drawing.times.front(), 0.0)) {}
 
   std::string build() {
@@ -203,10 +204,13 @@ class McapBuilder {
   std::size_t next_colouring_ = 0, next_event_ = 0;
 };
 
+/// Reads joints.csv, energy.csv and springs.csv, if they exist. Throws Error with the file and the line.
+std::string mcap_of(const Drawing& drawing) { return McapBuilder(drawing).build(); }
+
 }  // namespace
 
-std::string mcap_of(const Drawing& drawing, const std::filesystem::path& directory) {
-  return McapBuilder(drawing, directory).build();
+Exporter exporters::mcap() {
+  return {.ending = ".mcap", .format = "MCAP", .content = "Foxglove", .readers = "Foxglove", .bytes = &mcap_of};
 }
 
 }  // namespace momentree::io
