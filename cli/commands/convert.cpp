@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -8,6 +7,7 @@
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/scenario/convert/convert.hpp>
+#include <momentree/text/files/file_name.hpp>
 #include <momentree/text/files/text_file.hpp>
 
 namespace momentree::cli {
@@ -20,9 +20,7 @@ enum class Format { toml, urdf };
 
 Format format_of(const std::string& path) {
   if (path == "-") return Format::toml;
-  std::string ending = fs::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string ending = io::small_ending(path);
   if (ending == ".toml") return Format::toml;
   if (ending == ".urdf") return Format::urdf;
   throw_error({ending.empty() ? "the format is unknown: the file name has no ending" : "'" + ending + "' files cannot be written",

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -24,6 +23,7 @@
 #include <momentree/results/report/page.hpp>
 #include <momentree/results/report/report.hpp>
 #include <momentree/results/session.hpp>
+#include <momentree/text/files/file_name.hpp>
 
 namespace momentree::cli {
 
@@ -38,8 +38,7 @@ bool is_folder(const std::string& path) {
 
 /// A picture with another ending would be opened by a program that cannot read it.
 void require_svg(const std::string& file) {
-  std::string ending = fs::path(file).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return static_cast<char>(c | 0x20); });
+  const std::string ending = io::small_ending(file);
   if (ending.empty() || ending == ".svg") return;
   throw_error({"'" + ending + "' pictures cannot be drawn, only SVG", file,
                "name a file that ends in .svg, and convert it with another program"});

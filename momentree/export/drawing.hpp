@@ -1,8 +1,10 @@
 #pragma once
 // What is drawn of a run that was read back, independent of file formats: solids that move with bodies, bars between bodies, and
 // the colours of both over time. It is what the report draws, without joint markers, floor, trails and arrows.
+#include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <momentree/models/mesh/mesh.hpp>
@@ -55,6 +57,25 @@ struct Drawing {
   /// "#rrggbb" of a mechanism: the colours of the report in a light theme.
   static std::string colour_of(int mechanism);
 };
+
+/// The rows with their times in a program's own numbers: of several at one of its times the last. Where the run diverged, the
+/// last row but one is held until the last.
+template <class Time, class Convert>
+std::vector<std::pair<Time, std::size_t>> keys_of(const Drawing& drawing, const Convert& convert) {
+  std::vector<std::pair<Time, std::size_t>> keys;
+  for (std::size_t row = 0; row < drawing.times.size(); ++row) {
+    const Time time = convert(drawing.times[row]);
+    if (!keys.empty() && time <= keys.back().first)
+      keys.back().second = row;
+    else
+      keys.emplace_back(time, row);
+  }
+  const std::size_t count = keys.size();
+  if (!drawing.gap || count < 2) return keys;
+  const Time held = std::nextafter(keys.back().first, Time{0});
+  if (held > keys[count - 2].first) keys.insert(keys.end() - 1, {held, keys[count - 2].second});
+  return keys;
+}
 
 /// Reads a result directory: bodies.csv and, if they exist, model.json, meshes.json, events.jsonl, final.json and summary.json.
 /// The rows of a run that diverged end before the first that is not finite. Throws Error with the file and the line.

@@ -7,6 +7,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/export/exporter.hpp>
+#include <momentree/text/files/file_name.hpp>
 #include <momentree/text/files/text_file.hpp>
 
 namespace momentree::io {
@@ -26,16 +27,9 @@ std::vector<Exporter> all_exporters() {
   return all;
 }
 
-std::string small_ending(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  for (char& c : ending)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return ending;
-}
-
 std::optional<Exporter> exporter_of(const std::filesystem::path& file) {
   for (const Exporter& each : all_exporters())
-    if (small_ending(file) == each.ending) return each;
+    if (small_ending(file.native()) == each.ending) return each;
   return std::nullopt;
 }
 
@@ -73,7 +67,7 @@ std::string export_formats() {
 
 void require_export_name(const std::filesystem::path& file) {
   if (exporter_of(file)) return;
-  const std::string ending = small_ending(file);
+  const std::string ending = small_ending(file.native());
   throw_error({ending.empty() ? "the name has no ending, which says the format" : "runs cannot be exported as '" + ending + "'",
                file.string(), "name a file that ends " + endings_by_readers()});
 }

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <momentree/pages/page_world.hpp>
+#include <momentree/results/columns/row_numbers.hpp>
 #include <momentree/simulate/events/topology_record.hpp>
 
 namespace momentree::io {
@@ -18,16 +19,10 @@ double load_of(double force, double torque, const JointParameters* parameters) {
 }  // namespace
 
 void fill_motions(const World& world, std::vector<double>& all) {
-  const std::vector<BodyMotion>& motions = world.motions();
-  all.assign(motions.size() * motion_size, none);
-  for (std::size_t b = 0; b < motions.size(); ++b) {
-    if (!world.alive({static_cast<int>(b)})) continue;
-    const auto& [pose, linear, angular] = motions[b];
-    const Vec3& x = pose.position;
-    const Quat& r = pose.rotation;
-    const double numbers[motion_size] = {x.x,      x.y,      x.z,      r.w,       r.x,       r.y,      r.z,
-                                         linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
-    std::copy(std::begin(numbers), std::end(numbers), all.begin() + static_cast<std::ptrdiff_t>(b * motion_size));
+  all.clear();
+  for (std::size_t b = 0; b < world.motions().size(); ++b) {
+    const std::array<double, motion_size> numbers = body_numbers(world, {static_cast<int>(b)});
+    all.insert(all.end(), numbers.begin(), numbers.end());
   }
 }
 
@@ -58,8 +53,7 @@ void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thr
     if (!reactions) continue;
     const JointForces forces = world.joint_forces(number);
     const Wrench& w = forces.reaction;
-    const double wrench[6] = {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
-    std::copy(std::begin(wrench), std::end(wrench), row + 21);
+    std::ranges::copy(wrench_numbers(w), row + 21);
     row[28] = forces.determined ? 1 : 0;
     row[27] = load_of(norm(w.force), norm(w.torque), world.joint(number).parameters);
   }

@@ -9,6 +9,7 @@
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/results/columns/contact_columns.hpp>
 #include <momentree/results/columns/energy_columns.hpp>
+#include <momentree/results/columns/row_numbers.hpp>
 #include <momentree/results/columns/spring_columns.hpp>
 
 namespace momentree::io {
@@ -118,8 +119,7 @@ void RunRecord::observe(const Simulation& simulation) {
       for (std::size_t j = 0; j < epoch.joints.size(); ++j) {
         const Layout& joint = epoch.joints[j];
         const Wrench w = joint.name.empty() ? Wrench{} : world.reaction({joint.loop < 0 ? static_cast<int>(j) : joint.loop});
-        const double six[] = {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
-        add(six);
+        add(wrench_numbers(w));
       }
     }
     if (reactions_) contact_rows(contacts_.emplace_back(), world);
@@ -252,15 +252,11 @@ void RunRecord::each_world(const Visit& visit) const {
 }
 
 std::vector<double> RunRecord::body(BodyId body) const {
-  std::vector<double> all(rows() * 13, absent);
-  each_world([&](const World& world, std::size_t row) {
-    if (!world.alive(body)) return;
-    const BodyMotion& m = world.motions()[static_cast<std::size_t>(body.index)];
-    const Vec3& x = m.pose.position;
-    const Quat& r = m.pose.rotation;
-    const double numbers[] = {x.x,        x.y,        x.z,        r.w,         r.x,         r.y,        r.z,
-                              m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z};
-    std::copy_n(numbers, 13, all.data() + row * 13);
+  std::vector<double> all;
+  all.reserve(rows() * 13);
+  each_world([&](const World& world, std::size_t) {
+    const auto numbers = body_numbers(world, body);
+    all.insert(all.end(), numbers.begin(), numbers.end());
   });
   make_continuous(all, 13, 3);
   return all;
@@ -268,10 +264,11 @@ std::vector<double> RunRecord::body(BodyId body) const {
 
 std::vector<double> RunRecord::spring(std::string_view name) const {
   const SpringId spring = model_.spring(name);
-  std::vector<double> all(rows() * 3, absent);
-  each_world([&](const World& world, std::size_t row) {
+  std::vector<double> all;
+  all.reserve(rows() * 3);
+  each_world([&](const World& world, std::size_t) {
     const auto numbers = spring_numbers(world, spring.index);
-    std::copy(numbers.begin(), numbers.end(), all.begin() + static_cast<std::ptrdiff_t>(row * 3));
+    all.insert(all.end(), numbers.begin(), numbers.end());
   });
   return all;
 }

@@ -55,25 +55,11 @@ class GlbBuilder {
  private:
   float since_start(double time) const { return static_cast<float>(std::clamp(time - drawing_.times.front(), 0.0, 1e30)); }
 
-  /// A key at each row. Of rows at times that are the same in single precision, the last one counts. Where the run diverged, the
-  /// last row but one is held until the last.
   void choose_keys() {
     std::vector<float> times;
-    for (std::size_t row = 0; row < drawing_.times.size(); ++row) {
-      const float time = since_start(drawing_.times[row]);
-      if (!times.empty() && time <= times.back())
-        rows_.back() = row;
-      else
-        times.push_back(time), rows_.push_back(row);
-    }
+    for (const auto& [time, row] : keys_of<float>(drawing_, [this](double t) { return since_start(t); }))
+      times.push_back(time), rows_.push_back(row);
     end_ = times.back();
-    const std::size_t count = times.size();
-    if (drawing_.gap && count > 1) {
-      if (const float held = std::nextafter(times.back(), 0.0f); held > times[count - 2]) {
-        times.insert(times.end() - 1, held);
-        rows_.insert(rows_.end() - 1, rows_[count - 2]);
-      }
-    }
     times_ = file_.add_times(times);
   }
 

@@ -72,7 +72,7 @@ class UsdBuilder {
   explicit UsdBuilder(const Drawing& drawing) : drawing_(drawing) {}
 
   std::string build() {
-    choose_samples();
+    rows_ = keys_of<double>(drawing_, [this](double time) { return code_of(time); });
     write_header();
     const Vec3& g = drawing_.run.gravity;
     const Vec3 up = norm(g) > 0 ? normalized(-g) : Vec3{0, 0, 1};
@@ -120,21 +120,6 @@ class UsdBuilder {
   }
 
   double code_of(double time) const { return codes_per_second * std::max(time - drawing_.times.front(), 0.0); }
-
-  /// A sample at each row. Of rows at the same time the last one counts. Where the run diverged, the last row but one is held
-  /// until the last.
-  void choose_samples() {
-    for (std::size_t row = 0; row < drawing_.times.size(); ++row) {
-      const double code = code_of(drawing_.times[row]);
-      if (!rows_.empty() && code <= rows_.back().first)
-        rows_.back().second = row;
-      else
-        rows_.emplace_back(code, row);
-    }
-    const std::size_t count = rows_.size();
-    if (drawing_.gap && count > 1)
-      rows_.insert(rows_.end() - 1, {std::nextafter(rows_.back().first, 0), rows_[count - 2].second});
-  }
 
   /// Values that are the same throughout are no samples.
   void write_samples(const std::string& attribute, const Samples& samples) {

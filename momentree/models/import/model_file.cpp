@@ -1,18 +1,16 @@
 #include <momentree/models/import/model_file.hpp>
 
 #include <algorithm>
-#include <filesystem>
 #include <iterator>
 
 #include <momentree/base/error.hpp>
 #include <momentree/models/all_importers.hpp>  // generated from the files in importers/, like the list of formats
 #include <momentree/models/importers/list.hpp>
+#include <momentree/text/files/file_name.hpp>
 
 namespace momentree::io {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 struct Format {
   const char *name, *root;
@@ -52,9 +50,7 @@ void read(Import& import) {
 }  // namespace
 
 bool is_model(std::string_view path, std::string_view text) {
-  std::string ending = fs::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string ending = small_ending(path);
   if (ending == ".toml") return false;
   if (ending == ".xml") return true;
   for (const Format& format : formats())

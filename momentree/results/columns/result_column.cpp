@@ -6,6 +6,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/results/columns/energy_columns.hpp>
+#include <momentree/results/columns/row_numbers.hpp>
 #include <momentree/results/columns/spring_columns.hpp>
 #include <momentree/text/json_writer.hpp>
 
@@ -139,11 +140,8 @@ double ResultColumn::value(const Simulation& simulation) const {
         if (!model.has_body(owner_)) return NAN;
         body = model.body(owner_);
       }
-      if (!world.alive(body)) return NAN;
-      const Pose& pose = world.motions()[static_cast<std::size_t>(body.index)].pose;
-      const Quat turn = with_positive_w(pose.rotation);
-      const double all[] = {pose.position.x, pose.position.y, pose.position.z, turn.w, turn.x, turn.y, turn.z};
-      return all[place_];
+      const auto numbers = body_numbers(world, body);
+      return place_ >= 3 && numbers[3] < 0 ? -numbers[place_] : numbers[place_];
     }
     case Of::spring: {
       const int spring = world.find_spring(owner_);
@@ -153,11 +151,7 @@ double ResultColumn::value(const Simulation& simulation) const {
   }
   const int number = world.find_joint(owner_);
   if (number < 0) return NAN;
-  if (group_ == 'f' || group_ == 'm') {
-    const auto [force, torque] = world.reaction(JointId{number});
-    const Vec3& v = group_ == 'f' ? force : torque;
-    return place_ == 0 ? v.x : place_ == 1 ? v.y : v.z;
-  }
+  if (group_ == 'f' || group_ == 'm') return wrench_numbers(world.reaction(JointId{number}))[place_ + (group_ == 'f' ? 0 : 3)];
   const JointView joint = world.joint(JointId{number});
   const Numbers& numbers = group_ == 'q' ? joint.q : group_ == 'v' ? joint.v : joint.p;
   if (place_ >= numbers.size()) return NAN;

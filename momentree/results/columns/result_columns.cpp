@@ -4,6 +4,7 @@
 #include <map>
 #include <string_view>
 
+#include <momentree/results/columns/row_numbers.hpp>
 #include <momentree/simulate/events/instant.hpp>
 #include <momentree/text/number_text.hpp>
 
@@ -177,8 +178,7 @@ void JointColumns::row(std::string& text, const World& world) {
     append_cells(text, joint.v, group.nv);
     append_cells(text, joint.p, group.nv);
     if (!reactions_) continue;
-    const auto& [force, torque] = world.reaction(JointId{number});
-    for (const double x : {force.x, force.y, force.z, torque.x, torque.y, torque.z}) append_cell(text, x);
+    for (const double x : wrench_numbers(world.reaction(JointId{number}))) append_cell(text, x);
   }
   text += '\n';
 }

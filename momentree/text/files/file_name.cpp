@@ -20,4 +20,11 @@ bool leaves_folder(const std::string& name) {
          first_invisible(name) != std::string::npos;
 }
 
+std::string small_ending(std::string_view name) {
+  std::string ending = std::filesystem::path(name).extension().string();
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return ending;
+}
+
 }  // namespace momentree::io
