@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/tree/unchecked_tree.hpp>
 #include <tests/oracle/machine.hpp>
 
 using namespace momentree;
@@ -33,23 +34,24 @@ void check_same(const Tree& a, const Tree& b) {
   CHECK(a.nq() == b.nq());
   CHECK(a.nv() == b.nv());
   CHECK(a.first_root() == b.first_root());
-  CHECK(a.record_scalars() == b.record_scalars());
+  CHECK(a.tables().record_scalars == b.tables().record_scalars);
   CHECK(a.has_forces() == b.has_forces());
   REQUIRE(same_list(a.order(), b.order()));
-  CHECK(same_list(a.quaternion_joints(), b.quaternion_joints()));
-  CHECK(same_list(a.spring_joints(), b.spring_joints()));
-  CHECK(same_list(a.angle_coordinates(), b.angle_coordinates()));
-  CHECK(same_list(a.angle_offsets(), b.angle_offsets()));
+  CHECK(same_list(a.joints_with().quaternions, b.joints_with().quaternions));
+  CHECK(same_list(a.joints_with().springs, b.joints_with().springs));
+  CHECK(same_list(a.tables().angle_q, b.tables().angle_q));
+  CHECK(same_list(a.tables().angle_offset, b.tables().angle_offset));
   const auto nv = static_cast<std::size_t>(a.nv());
   CHECK(same_bits(a.armature(), b.armature(), nv));
   CHECK(same_bits(a.damping(), b.damping(), nv));
   CHECK(same_bits(a.effort(), b.effort(), nv));
-  REQUIRE(a.kernel_runs().size() == b.kernel_runs().size());
-  for (std::size_t i = 0; i < a.kernel_runs().size(); ++i) {
-    const KernelRun &s = a.kernel_runs()[i], &t = b.kernel_runs()[i];
+  REQUIRE(a.tables().runs.size() == b.tables().runs.size());
+  for (std::size_t i = 0; i < a.tables().runs.size(); ++i) {
+    const KernelRun &s = a.tables().runs[i], &t = b.tables().runs[i];
     CHECK((s.begin == t.begin && s.end == t.end && s.kind == t.kind && s.variant == t.variant && s.planar == t.planar));
   }
-  CHECK(std::equal(a.node_flags().begin(), a.node_flags().end(), b.node_flags().begin(), b.node_flags().end()));
+  CHECK(std::equal(a.tables().node_flags.begin(), a.tables().node_flags.end(), b.tables().node_flags.begin(),
+                   b.tables().node_flags.end()));
   for (int k : a.order()) {
     INFO("body ", k);
     CHECK(a.parent(k) == b.parent(k));
@@ -57,8 +59,8 @@ void check_same(const Tree& a, const Tree& b) {
     CHECK(a.next_sibling(k) == b.next_sibling(k));
     CHECK(a.first_q(k) == b.first_q(k));
     CHECK(a.first_p(k) == b.first_p(k));
-    CHECK(a.first_angle(k) == b.first_angle(k));
-    CHECK(a.record(k) == b.record(k));
+    CHECK(UncheckedTree(a).first_angle(k) == UncheckedTree(b).first_angle(k));
+    CHECK(UncheckedTree(a).record(k) == UncheckedTree(b).record(k));
     CHECK(a.joint_of(k) == b.joint_of(k));
     CHECK(b.carrier(a.joint_of(k)) == k);
     CHECK(a.reversed(k) == b.reversed(k));
