@@ -63,7 +63,7 @@ std::optional<Solid> ellipsoid_of(const RecordedBody& body) {
 
 class SolidBuilder {
  public:
-  SolidBuilder(const Recording& run, const std::vector<MeshPart>& parts, const std::vector<MeshParts>& meshes, double length)
+  SolidBuilder(const Recording& run, std::vector<MeshPart>& parts, const std::vector<MeshParts>& meshes, double length)
       : run_(run), parts_(parts), meshes_(meshes), radius_(0.045 * length), all_(run.bodies.size()) {}
 
   std::vector<std::vector<Solid>> build() {
@@ -86,40 +86,33 @@ class SolidBuilder {
 
   void add_shape(std::size_t b, const Shape& shape, int mesh) {
     Solid solid{.at = {shape.at.position, normalized(shape.at.rotation)}, .colour = hex_colour(shape.colour)};
-    const double d = 2 * shape.radius;
-    double reach = 0;
-    switch (shape.kind) {
-      case Shape::Kind::none:
-      case Shape::Kind::plane:
-      case Shape::Kind::heights: return;
-      case Shape::Kind::box: solid.size = shape.size, reach = 0.5 * norm(shape.size); break;
-      case Shape::Kind::sphere: solid.kind = Solid::Kind::ellipsoid, solid.size = {d, d, d}, reach = shape.radius; break;
-      case Shape::Kind::ellipsoid:
-        solid.kind = Solid::Kind::ellipsoid, solid.size = 2 * shape.size;
-        reach = std::max({shape.size.x, shape.size.y, shape.size.z});
-        break;
-      case Shape::Kind::cylinder:
-        solid.kind = Solid::Kind::cylinder, solid.size = {d, d, shape.length};
-        reach = std::hypot(shape.radius, 0.5 * shape.length);
-        break;
-      case Shape::Kind::capsule:
-        solid.kind = Solid::Kind::capsule, solid.size = {d, d, shape.length}, reach = shape.radius + 0.5 * shape.length;
-        break;
-      case Shape::Kind::mesh: add_mesh(b, shape, solid, mesh); return;
+    if (shape.kind == Shape::Kind::mesh) {
+      if (mesh >= 0 && static_cast<std::size_t>(mesh) < meshes_.size())
+        add_mesh(b, shape, std::move(solid), meshes_[static_cast<std::size_t>(mesh)]);
+      return;
     }
-    const Vec3& s = solid.size;
-    if (!(s.x > 0 && s.y > 0 && s.z > 0)) return;
+    if (shape.kind != Shape::Kind::primitive || !contact::has_volume(shape.primitive)) return;
+    const std::optional<contact::StandardSolid> standard = contact::standard(shape.primitive);
+    if (!standard) {
+      parts_.push_back(surface_of(contact::solid(shape.primitive, {})));
+      return add_mesh(b, shape, std::move(solid), {parts_.size() - 1, 1});
+    }
+    const Vec3 &s = solid.size = standard->size, half = 0.5 * s;
+    solid.kind = static_cast<Solid::Kind>(standard->kind);
+    const double reach = solid.kind == Solid::Kind::box         ? norm(half)
+                         : solid.kind == Solid::Kind::ellipsoid ? std::max({half.x, half.y, half.z})
+                         : solid.kind == Solid::Kind::cylinder  ? std::hypot(half.x, half.z)
+                                                                : half.x + half.z;
     reach_[b] = std::max(reach_[b], norm(shape.at.position) + reach);
     all_[b].push_back(std::move(solid));
   }
 
-  void add_mesh(std::size_t b, const Shape& shape, Solid solid, int mesh) {
-    if (mesh < 0 || static_cast<std::size_t>(mesh) >= meshes_.size()) return;
+  void add_mesh(std::size_t b, const Shape& shape, Solid solid, const MeshParts& parts) {
     const Vec3& s = shape.scale;
     if (s.x == 0 || s.y == 0 || s.z == 0) return;
     solid.kind = Solid::Kind::mesh, solid.size = s;
     const std::string own = solid.colour;
-    const auto [first, count] = meshes_[static_cast<std::size_t>(mesh)];
+    const auto [first, count] = parts;
     for (std::size_t i = first; i < first + count; ++i) {
       if (parts_[i].triangles.empty()) continue;
       solid.mesh = static_cast<int>(i), solid.colour = own.empty() ? parts_[i].colour : own;
@@ -162,7 +155,7 @@ class SolidBuilder {
   }
 
   const Recording& run_;
-  const std::vector<MeshPart>& parts_;
+  std::vector<MeshPart>& parts_;
   const std::vector<MeshParts>& meshes_;
   const double radius_;
   std::vector<std::vector<Solid>> all_;
@@ -186,7 +179,7 @@ double typical_length(const Recording& run) {
   return *middle;
 }
 
-std::vector<std::vector<Solid>> solids_of(const Recording& run, const std::vector<MeshPart>& parts,
+std::vector<std::vector<Solid>> solids_of(const Recording& run, std::vector<MeshPart>& parts,
                                           const std::vector<MeshParts>& meshes, double typical_length) {
   return SolidBuilder(run, parts, meshes, typical_length).build();
 }

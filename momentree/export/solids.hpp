@@ -10,8 +10,8 @@ namespace momentree::io {
 /// A length compared with which rods are thin: the median of the lines of all bodies (m).
 double typical_length(const Recording& run);
 
-/// By body. `meshes`: by number, parts of `parts`.
-std::vector<std::vector<Solid>> solids_of(const Recording& run, const std::vector<MeshPart>& parts,
+/// By body. `meshes`: by number, parts of `parts`, which also gets the surfaces of shapes that are no solids of a Drawing.
+std::vector<std::vector<Solid>> solids_of(const Recording& run, std::vector<MeshPart>& parts,
                                           const std::vector<MeshParts>& meshes, double typical_length);
 
 /// The rotation that turns the z axis into a direction other than zero.

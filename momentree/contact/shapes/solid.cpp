@@ -8,6 +8,8 @@
 #include <utility>
 
 #include <momentree/contact/indices.hpp>
+#include <momentree/contact/primitives/declaration.hpp>
+#include <momentree/contact/shapes/feature.hpp>
 #include <momentree/contact/shapes/quick_hull.hpp>
 #include <momentree/math/sine_cosine.hpp>
 
@@ -165,6 +167,13 @@ double volume(const Solid& solid) {
       six += dot(a - solid.centre, cross(b - solid.centre, solid.vertices[at(face.corners[k])] - solid.centre));
     }
   return six / 6;
+}
+
+Pose placed_along_z(const Vec3& from, const Vec3& to) {
+  const Vec3 z = normalized(to - from);
+  Vec3 across[2];
+  perpendiculars(z, across);
+  return {0.5 * (from + to), rotation_from_axes(across[0], across[1], z)};
 }
 
 }  // namespace momentree::contact

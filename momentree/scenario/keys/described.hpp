@@ -36,10 +36,14 @@ class KeyCollector {
   }
   void operator()(const char* key, double standard, const Field& field) {
     texts_.push_back(number_text(standard));
-    add(key, type::number(field.dimension, field.range), field, std::isfinite(standard) ? texts_.back().c_str() : nullptr);
+    const bool shown = std::isfinite(standard) && field.required == nullptr;
+    add(key, type::number(field.dimension, field.range), field, shown ? texts_.back().c_str() : nullptr);
   }
   void operator()(const char* key, const std::optional<double>&, const Field& field) {
     add(key, type::number(field.dimension, field.range), field);
+  }
+  void operator()(const char* key, const Vec3&, const Field& field) {
+    add(key, type::vector(field.dimension, field.range), field);
   }
   void operator()(const char* key, const SpringEnd&, const Field& field) { add(key, body_point, field); }
 
@@ -64,9 +68,16 @@ KeyList keys_of() {
 class FieldReader {
  public:
   explicit FieldReader(Fields& fields) : fields_(fields) {}
-  void operator()(const char* key, double& x, const Field&) { x = fields_.number(key).value_or(x); }
+  void operator()(const char* key, double& x, const Field& field) {
+    if (field.required != nullptr) fields_.require(key);
+    x = fields_.number(key).value_or(x);
+  }
   void operator()(const char* key, std::optional<double>& x, const Field&) {
     if (const auto given = fields_.number(key)) x = given;
+  }
+  void operator()(const char* key, Vec3& x, const Field& field) {
+    if (field.required != nullptr) fields_.require(key);
+    x = fields_.vec3(key).value_or(x);
   }
   void operator()(const char* key, bool& x, const Field&) { x = fields_.boolean(key).value_or(x); }
 
@@ -124,6 +135,7 @@ class MemberWriter {
  public:
   MemberWriter(JsonWriter& json, const Model& model) : json_(json), model_(model) {}
   void operator()(const char* key, double x, const Field&) { json_.member(key, x); }
+  void operator()(const char* key, const Vec3& x, const Field&) { json_.member(key, x); }
   void operator()(const char* key, bool x, const Field&) { json_.member(key, x); }
   void operator()(const char* key, const SpringEnd& end, const Field&) {
     json_.key(key).begin_object().member("body", model_.body_name(end.body)).member("point", end.point).end_object();
