@@ -32,14 +32,28 @@ void describe(Visitor& visit, P& primitive) {
   std::visit([&visit](auto& shape) { describe(visit, shape); }, primitive);
 }
 
+/// It has a support function of its own.
+template <class Shape>
+inline constexpr bool is_smooth = requires {
+  &Shape::farthest;
+};
+
 inline Solid solid(const Primitive& primitive, const Pose& at) {
-  return std::visit([&at](const auto& shape) { return shape.solid(at); }, primitive);
+  return std::visit(
+      [&]<class Shape>(const Shape& shape) {
+        Solid made = shape.solid(at);
+        if constexpr (is_smooth<Shape>) made.surface = static_cast<unsigned char>(primitive.index() + 1);
+        return made;
+      },
+      primitive);
 }
 /// Nothing for the hull of points.
 inline std::optional<Placed<Primitive>> primitive_of(const Solid& solid) {
   std::optional<Placed<Primitive>> found;
+  unsigned char number = 0;
   each_primitive([&]<class Shape>(const Shape&) {
-    if (found) return;
+    ++number;
+    if (found || solid.surface != (is_smooth<Shape> ? number : 0)) return;
     if (const auto placed = Shape::from(solid)) found = Placed<Primitive>{placed->shape, placed->at};
   });
   return found;

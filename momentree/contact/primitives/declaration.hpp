@@ -6,6 +6,7 @@
 //   static std::optional<Placed<…>> from(const Solid&);               // the inverse, for solids that have no document
 //   UniformBody uniform() const;                                      // for masses by density
 //   StandardSolid standard() const;                                   // only if other programs have that shape
+//   static Vec3 farthest(…), farthest_rate(…);                        // only if solid() is a smooth one: see SmoothSurface
 // in axes with its centre of mass at the origin. A document has the only member of a shape as its value, several as a table.
 // Without standard() it is drawn by the triangles of its solid.
 #include <momentree/base/describe.hpp>

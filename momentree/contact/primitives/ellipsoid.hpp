@@ -14,7 +14,7 @@ struct Ellipsoid {
 
   Solid solid(const Pose& at) const { return ellipsoid(semi_axes, at); }
   static std::optional<Placed<Ellipsoid>> from(const Solid& solid) {
-    if (!solid.is_ellipsoid()) return std::nullopt;
+    if (!solid.is_smooth()) return std::nullopt;
     const auto& [x, y, z] = solid.axes;
     return Placed<Ellipsoid>{{{norm(x), norm(y), norm(z)}},
                              {solid.centre, rotation_from_axes(normalized(x), normalized(y), normalized(z))}};

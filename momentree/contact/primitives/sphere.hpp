@@ -14,7 +14,7 @@ struct Sphere {
 
   Solid solid(const Pose& at) const { return sphere(radius, at); }
   static std::optional<Placed<Sphere>> from(const Solid& solid) {
-    if (solid.vertices.size() != 1 || solid.is_ellipsoid()) return std::nullopt;
+    if (solid.vertices.size() != 1 || solid.is_smooth()) return std::nullopt;
     return Placed<Sphere>{{solid.radius}, Pose(solid.vertices[0])};
   }
   UniformBody uniform() const {

@@ -76,6 +76,15 @@ Solid::Face face_of(const std::vector<Vec3>& vertices, std::vector<int> corners)
   return face;
 }
 
+// `inner`, `outer`: radii of balls in it and around it.
+Solid smooth(const Vec3& sizes, double inner, double outer, const Pose& at_pose) {
+  Solid solid = sphere(inner, at_pose);
+  solid.reach = outer;
+  const Mat3 R = rotation_matrix(at_pose.rotation);
+  solid.axes = {R * Vec3{sizes.x, 0, 0}, R * Vec3{0, sizes.y, 0}, R * Vec3{0, 0, sizes.z}};
+  return solid;
+}
+
 }  // namespace
 
 Solid sphere(double radius, const Pose& at_pose) {
@@ -106,11 +115,30 @@ Solid box(const Vec3& size, const Pose& at_pose) {
 }
 
 Solid ellipsoid(const Vec3& semi_axes, const Pose& at_pose) {
-  Solid solid = sphere(std::min({semi_axes.x, semi_axes.y, semi_axes.z}), at_pose);
-  solid.reach = std::max({semi_axes.x, semi_axes.y, semi_axes.z});
-  const Mat3 R = rotation_matrix(at_pose.rotation);
-  solid.axes = {R * Vec3{semi_axes.x, 0, 0}, R * Vec3{0, semi_axes.y, 0}, R * Vec3{0, 0, semi_axes.z}};
-  return solid;
+  const auto [least, most] = std::minmax({semi_axes.x, semi_axes.y, semi_axes.z});
+  return smooth(semi_axes, least, most, at_pose);
+}
+
+Solid smooth_solid(const SmoothSurface& surface, const Vec3& sizes, const Pose& at_pose) {
+  const Axes axes{Vec3{sizes.x, 0, 0}, {0, sizes.y, 0}, {0, 0, sizes.z}};
+  double inner = HUGE_VAL, outer = 0;
+  for (const Vec3& n : directions(32)) {
+    const Vec3 x = surface.farthest(axes, n);
+    inner = std::min(inner, dot(n, x)), outer = std::max(outer, norm(x));
+  }
+  return smooth(sizes, inner, 1.01 * outer, at_pose);  // it may reach farther between these directions
+}
+
+std::vector<Vec3> directions(int around) {
+  std::vector<Vec3> all;
+  const int down = around / 2;
+  for (int i = 0; i <= down; ++i)
+    for (int k = 0; k < (i == 0 || i == down ? 1 : around); ++k) {
+      const auto [sine, cosine] = sine_cosine(std::numbers::pi * i / down);
+      const auto [y, x] = sine_cosine(2 * std::numbers::pi * k / around);
+      all.push_back({sine * x, sine * y, cosine});
+    }
+  return all;
 }
 
 Solid cylinder(double radius, double length, const Pose& at_pose) {

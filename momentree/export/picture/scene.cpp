@@ -76,8 +76,8 @@ std::vector<Patch> patches_of(const Shape& shape) {
   } else if (const auto* cylinder = shape.as<contact::Cylinder>()) {
     add_cylinder(cylinder->radius, cylinder->length, patches);
   } else {
-    contact::Solid solid = contact::solid(shape.primitive, {});
-    patches.push_back({std::move(solid.vertices), solid.radius});
+    const contact::Solid solid = contact::solid(shape.primitive, {});
+    patches.push_back(solid.is_smooth() ? Patch{surface_of(solid).points} : Patch{solid.vertices, solid.radius});
   }
   return patches;
 }

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <utility>
 
 #include <momentree/contact/shapes/height_field.hpp>
-#include <momentree/math/sine_cosine.hpp>
 
 namespace momentree::io {
 
@@ -38,20 +36,20 @@ MeshPart surface_of(const contact::HeightField& field) {
   return part;
 }
 
-// Points of a rounded polyhedron, farthest along some directions.
-std::vector<Vec3> rounded_points(const contact::Solid& solid) {
-  constexpr int around = 16, down = around / 2;
+// Points of a rounded polyhedron, or of a smooth solid, that are farthest along some directions.
+std::vector<Vec3> farthest_points(const contact::Solid& solid) {
+  const contact::SmoothSurface* const surface = contact::smooth_surface(solid.surface);
   std::vector<Vec3> points;
-  for (int i = 0; i <= down; ++i)
-    for (int k = 0; k < (i == 0 || i == down ? 1 : around); ++k) {
-      const auto [sine, cosine] = sine_cosine(std::numbers::pi * i / down);
-      const auto [y, x] = sine_cosine(2 * std::numbers::pi * k / around);
-      const Vec3 n{sine * x, sine * y, cosine};
-      double farthest = -HUGE_VAL;
-      for (const Vec3& v : solid.vertices) farthest = std::max(farthest, dot(n, v));
-      for (const Vec3& v : solid.vertices)
-        if (dot(n, v) >= farthest - 1e-9 * solid.reach) points.push_back(v + solid.radius * n);
+  for (const Vec3& n : contact::directions(16)) {
+    if (surface != nullptr) {
+      points.push_back(solid.centre + surface->farthest(solid.axes, n));
+      continue;
     }
+    double farthest = -HUGE_VAL;
+    for (const Vec3& v : solid.vertices) farthest = std::max(farthest, dot(n, v));
+    for (const Vec3& v : solid.vertices)
+      if (dot(n, v) >= farthest - 1e-9 * solid.reach) points.push_back(v + solid.radius * n);
+  }
   return points;
 }
 
@@ -70,7 +68,7 @@ Shape solid_shape(const contact::Solid& solid) {
 }
 
 MeshPart surface_of(const contact::Solid& solid) {
-  if (solid.radius > 0) return surface_of(contact::hull(rounded_points(solid)));
+  if (solid.radius > 0) return surface_of(contact::hull(farthest_points(solid)));
   MeshPart part;
   part.points = solid.vertices;
   for (const contact::Solid::Face& face : solid.faces)
