@@ -209,9 +209,9 @@ bool is_ball(const Solid& solid) { return solid.vertices.size() == 1; }
 void face_plane(const Solid& solid, const Place& place, const Vec3& point, const Vec3& normal, const Place& of_plane,
                 double within, std::vector<Candidate>& out) {
   if (solid.rim > 0) return cylinder_on_plane(solid, place, point, normal, of_plane, within, out);
-  if (solid.is_ellipsoid()) {
+  if (solid.is_smooth()) {
     Features f{FeaturePair::ellipsoid_plane, solid.centre, {}, point, normal};
-    f.axes_a = solid.axes;
+    f.axes_a = solid.axes, f.surface_a = solid.surface;
     const double gap = touch(f, place, of_plane).gap;
     if (gap < within) out.push_back({f, false, id_of(f.pair, false, 0, 0), gap});
     return;
@@ -227,8 +227,8 @@ void face_each_other(const Solid& one, const Place& place_one, const Solid& othe
                      std::vector<Candidate>& out) {
   const Vec3 apart = out_of(place_one, one.centre) - out_of(place_other, other.centre);
   if (norm(apart) > one.reach + other.reach + within) return;
-  if (one.is_ellipsoid() || other.is_ellipsoid()) {
-    const bool swapped = !one.is_ellipsoid();
+  if (one.is_smooth() || other.is_smooth()) {
+    const bool swapped = !one.is_smooth();
     const Candidate nearest = swapped ? nearest_of_ellipsoid(other, place_other, one, place_one, true)
                                       : nearest_of_ellipsoid(one, place_one, other, place_other);
     if (nearest.gap < within) out.push_back(nearest);

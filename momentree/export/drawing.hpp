@@ -15,10 +15,9 @@ namespace momentree::io {
 
 /// A solid in the frame of a body. Its axes are those of `at`.
 struct Solid {
-  enum class Kind { box, ellipsoid, cylinder, capsule, mesh };
+  enum class Kind { box, ellipsoid, cylinder, capsule, mesh };  ///< as in contact::StandardSolid, and a mesh
   Kind kind = Kind::box;
-  /// m. box: its edges; ellipsoid: its diameters; cylinder and capsule: the diameter twice, and the length along z, of a capsule
-  /// between the centres of its caps; mesh: the scale of its points (1)
+  /// That of contact::StandardSolid (m); mesh: the scale of its points (1)
   Vec3 size{1, 1, 1};
   Pose at{};
   std::string colour{};  ///< "#rrggbb"; empty: the colour of the body's mechanism

@@ -91,9 +91,9 @@ void write_export_input(const std::string& out, double until) {
   Simulation simulation(model, {.step = 0.01});
   simulation.at(0.1).then(break_joint("arm/shoulder"));
   std::vector<Shape> shapes(4);
-  shapes[2].kind = Shape::Kind::box, shapes[2].size = {0.3, 0.2, 0.1}, shapes[2].colour = "red";
+  shapes[2] = Shape::of(contact::Box{{0.3, 0.2, 0.1}}), shapes[2].colour = "red";
   shapes[2].at = {{0.1, 0, 0}, from_rpy(0.1, 0.2, 0.3)};
-  shapes[3].kind = Shape::Kind::sphere, shapes[3].radius = 0.25, shapes[3].at = {0, 0, -1}, shapes[3].colour = "#008000";
+  shapes[3] = Shape::of(contact::Sphere{0.25}, {0, 0, -1}), shapes[3].colour = "#008000";
   RunOrigin origin;
   origin.name = "arm";
   Recorder recorder(simulation, origin, model_json(simulation.world(), "an arm", shapes),

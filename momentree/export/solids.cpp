@@ -63,7 +63,7 @@ std::optional<Solid> ellipsoid_of(const RecordedBody& body) {
 
 class SolidBuilder {
  public:
-  SolidBuilder(const Recording& run, double length) : run_(run), radius_(0.045 * length), all_(run.bodies.size()) {}
+  SolidBuilder(Recording& run, double length) : run_(run), radius_(0.045 * length), all_(run.bodies.size()) {}
 
   std::vector<std::vector<Solid>> build() {
     for (std::size_t b = 0; b < run_.bodies.size(); ++b) add_shapes(b);
@@ -84,29 +84,19 @@ class SolidBuilder {
 
   void add_shape(std::size_t b, const Shape& shape, MeshParts mesh) {
     Solid solid{.at = {shape.at.position, normalized(shape.at.rotation)}, .colour = hex_colour(shape.colour)};
-    const double d = 2 * shape.radius;
-    double reach = 0;
-    switch (shape.kind) {
-      case Shape::Kind::none:
-      case Shape::Kind::plane:
-      case Shape::Kind::heights: return;
-      case Shape::Kind::box: solid.size = shape.size, reach = 0.5 * norm(shape.size); break;
-      case Shape::Kind::sphere: solid.kind = Solid::Kind::ellipsoid, solid.size = {d, d, d}, reach = shape.radius; break;
-      case Shape::Kind::ellipsoid:
-        solid.kind = Solid::Kind::ellipsoid, solid.size = 2 * shape.size;
-        reach = std::max({shape.size.x, shape.size.y, shape.size.z});
-        break;
-      case Shape::Kind::cylinder:
-        solid.kind = Solid::Kind::cylinder, solid.size = {d, d, shape.length};
-        reach = std::hypot(shape.radius, 0.5 * shape.length);
-        break;
-      case Shape::Kind::capsule:
-        solid.kind = Solid::Kind::capsule, solid.size = {d, d, shape.length}, reach = shape.radius + 0.5 * shape.length;
-        break;
-      case Shape::Kind::mesh: add_mesh(b, shape, solid, mesh); return;
+    if (shape.kind == Shape::Kind::mesh) return add_mesh(b, shape, std::move(solid), mesh);
+    if (shape.kind != Shape::Kind::primitive || !contact::has_volume(shape.primitive)) return;
+    const std::optional<contact::StandardSolid> standard = contact::standard(shape.primitive);
+    if (!standard) {
+      run_.mesh_parts.push_back(surface_of(contact::solid(shape.primitive, {})));
+      return add_mesh(b, shape, std::move(solid), {run_.mesh_parts.size() - 1, 1});
     }
-    const Vec3& s = solid.size;
-    if (!(s.x > 0 && s.y > 0 && s.z > 0)) return;
+    const Vec3 &s = solid.size = standard->size, half = 0.5 * s;
+    solid.kind = static_cast<Solid::Kind>(standard->kind);
+    const double reach = solid.kind == Solid::Kind::box         ? norm(half)
+                         : solid.kind == Solid::Kind::ellipsoid ? std::max({half.x, half.y, half.z})
+                         : solid.kind == Solid::Kind::cylinder  ? std::hypot(half.x, half.z)
+                                                                : half.x + half.z;
     reach_[b] = std::max(reach_[b], norm(shape.at.position) + reach);
     all_[b].push_back(std::move(solid));
   }
@@ -157,7 +147,7 @@ class SolidBuilder {
       all_[b].push_back({.kind = Solid::Kind::capsule, .size = {d, d, length}, .at = {0.5 * (from + to), along_z(to - from)}});
   }
 
-  const Recording& run_;
+  Recording& run_;
   const double radius_;
   std::vector<std::vector<Solid>> all_;
   std::vector<std::pair<std::size_t, Solid>> ellipsoids_;
@@ -180,7 +170,7 @@ double typical_length(const Recording& run) {
   return *middle;
 }
 
-std::vector<std::vector<Solid>> solids_of(const Recording& run, double typical_length) {
+std::vector<std::vector<Solid>> solids_of(Recording& run, double typical_length) {
   return SolidBuilder(run, typical_length).build();
 }
 

@@ -9,8 +9,8 @@ namespace momentree::io {
 /// A length compared with which rods are thin: the median of the lines of all bodies (m).
 double typical_length(const Recording& run);
 
-/// By body.
-std::vector<std::vector<Solid>> solids_of(const Recording& run, double typical_length);
+/// By body. Adds the surfaces of shapes that are no solids of a Drawing to the run's parts of meshes.
+std::vector<std::vector<Solid>> solids_of(Recording& run, double typical_length);
 
 /// The rotation that turns the z axis into a direction other than zero.
 Quat along_z(const Vec3& direction);

@@ -59,19 +59,19 @@ void each_source(const std::vector<Shape>& shapes, const F& f) {
   }
 }
 
-// `inside`: the triangles of a mesh that has no number.
-void write_shape(JsonWriter& json, const Shape& shape, const MeshNumbers& numbers, const MeshPart& inside = {}) {
+// `inside`: the triangles of a mesh that has no number. Those of primitives that viewers do not have are written, too.
+void write_shape(JsonWriter& json, const Model& model, const Shape& shape, const MeshNumbers& numbers, MeshPart inside = {}) {
   using Kind = Shape::Kind;
   if (shape.kind == Kind::none) {
     json.null();
     return;
   }
-  constexpr const char* names[] = {"none", "box", "sphere", "cylinder", "capsule", "ellipsoid", "mesh"};
-  json.begin_object().member("kind", names[static_cast<int>(shape.kind)]);
-  if (shape.kind == Kind::box || shape.kind == Kind::ellipsoid) json.member("size", shape.size);
-  if (shape.kind == Kind::sphere || shape.kind == Kind::cylinder || shape.kind == Kind::capsule)
-    json.member("radius", shape.radius);
-  if (shape.kind == Kind::cylinder || shape.kind == Kind::capsule) json.member("length", shape.length);
+  json.begin_object().member("kind", shape.kind == Kind::mesh ? "mesh" : contact::info(shape.primitive).key);
+  if (shape.kind == Kind::primitive) {
+    MemberWriter members(json, model);
+    describe(members, shape.primitive);
+    if (!contact::standard(shape.primitive)) inside = surface_of(contact::solid(shape.primitive, {}));
+  }
   if (!inside.points.empty()) {
     json.key("points").begin_array();
     for (const Vec3& point : inside.points) json.value(point);
@@ -115,7 +115,7 @@ void write_ground(JsonWriter& json, const Model& model) {
   const std::vector<GroundShape> shapes = ground_shapes(model);
   if (shapes.empty()) return;
   json.key("ground").begin_array();
-  for (const auto& [shape, mesh] : shapes) write_shape(json, shape, {}, mesh);
+  for (const auto& [shape, mesh] : shapes) write_shape(json, model, shape, {}, mesh);
   json.end_array();
 }
 
@@ -165,10 +165,10 @@ std::string model_json(const World& world, const std::string& title, const std::
     const auto write_shapes = [&](const char* key, const std::vector<Shape>& all) {
       if (all.empty()) return;
       json.key(key).begin_array();
-      for (const Shape& each : all) write_shape(json, each, meshes);
+      for (const Shape& each : all) write_shape(json, model, each, meshes);
       json.end_array();
     };
-    write_shape(json, shape, meshes);
+    write_shape(json, model, shape, meshes);
     write_shapes("more_shapes", shape.more);
     if (n < given.size() && given[n].kind == Shape::Kind::mesh && shape.kind != Shape::Kind::mesh) {
       std::vector<Shape> missing = given[n].more;

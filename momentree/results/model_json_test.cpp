@@ -44,8 +44,7 @@ TEST_CASE("a body is drawn to its children, a leaf through its centre of mass") 
   Model rod;
   rod.add({.name = "rod", .mass = 1, .com = {0.5, 0, 0}, .inertia = diagonal(1), .joint = Revolute{}, .child_at = {0.25, 0, 0}});
   CHECK(mentions(model_json(World(rod), ""), R"("extent": [[[0.25, 0, 0], [0.75, 0, 0]]])"));
-  Shape ball;
-  ball.kind = Shape::Kind::sphere;
+  const Shape ball = Shape::of(contact::Sphere{});
   CHECK(mentions(model_json(World(rod), "", {ball}), R"("extent": [[[0.25, 0, 0], [0.5, 0, 0]]])"));
 }
 
@@ -80,26 +79,24 @@ TEST_CASE("bodies without shapes have those of their colliders, and the planes o
   model.add_collider({.body = pin, .solid = contact::capsule(0.125, 4, at)});
   model.add_collider({.body = ball, .solid = contact::sphere(7)});
   model.add_collider({.plane = true, .point = {0, 0, -2}, .normal = {0, 1, 0}});
-  Shape own;
-  own.kind = Shape::Kind::sphere;
-  own.radius = 8;
+  const Shape own = Shape::of(contact::Sphere{8});
   const std::vector<Shape> shapes = drawn_shapes(model, {{}, {}, own});
   REQUIRE(shapes.size() == 3);
-  CHECK(shapes[0].kind == Shape::Kind::box);
-  CHECK(norm(shapes[0].size - Vec3{0.5, 2, 3}) < 1e-14);
+  REQUIRE(shapes[0].as<contact::Box>());
+  CHECK(norm(shapes[0].as<contact::Box>()->size - Vec3{0.5, 2, 3}) < 1e-14);
   REQUIRE(shapes[0].more.size() == 1);
-  CHECK(shapes[0].more[0].kind == Shape::Kind::sphere);
+  CHECK(shapes[0].more[0].as<contact::Sphere>());
   CHECK(norm(shapes[0].more[0].at.position - at.position) < 1e-14);
-  CHECK(shapes[1].kind == Shape::Kind::capsule);
-  CHECK(shapes[1].length == doctest::Approx(4).epsilon(1e-14));
+  REQUIRE(shapes[1].as<contact::Capsule>());
+  CHECK(shapes[1].as<contact::Capsule>()->length == doctest::Approx(4).epsilon(1e-14));
   for (const Vec3& corner : {Vec3{0.25, 1, 1.5}, {-0.25, 1, -1.5}, {0.25, -1, 1.5}})
     CHECK(norm(shapes[0].at * corner - at * corner) < 1e-14);
   for (const double end : {-2, 2}) CHECK(norm(shapes[1].at * Vec3{0, 0, end} - at * Vec3{0, 0, end}) < 1e-14);
-  CHECK(shapes[2].radius == 8);
+  CHECK(shapes[2].primitive == own.primitive);
   CHECK(shapes[2].more.empty());
   Shape missing;  // a mesh that does not exist
   missing.kind = Shape::Kind::mesh, missing.mesh = "ball.stl";
-  CHECK(drawn_shapes(model, {{}, {}, missing})[2].radius == 7);
+  CHECK(drawn_shapes(model, {{}, {}, missing})[2].primitive == contact::Primitive(contact::Sphere{7}));
   const std::string replaced = model_json(World(model, Variables::velocities), "", {{}, {}, missing});
   CHECK(mentions(replaced, R"("missing_shapes": [{"kind": "mesh", "file": "ball.stl")"));
   missing.more.push_back(own);
@@ -125,17 +122,15 @@ TEST_CASE("of the colliders of bodies without shapes cylinders are drawn, hulls 
   add("frustum", contact::hull(frustum));
   const std::vector<Shape> shapes = drawn_shapes(model, {});
   REQUIRE(shapes.size() == 2);
-  CHECK(shapes[0].kind == Shape::Kind::cylinder);
-  CHECK(shapes[0].radius == 0.5);
-  CHECK(shapes[0].length == doctest::Approx(3).epsilon(1e-14));
+  REQUIRE(shapes[0].as<contact::Cylinder>());
+  CHECK(shapes[0].as<contact::Cylinder>()->radius == 0.5);
+  CHECK(shapes[0].as<contact::Cylinder>()->length == doctest::Approx(3).epsilon(1e-14));
   for (const double end : {-1.5, 1.5}) CHECK(norm(shapes[0].at * Vec3{0, 0, end} - at * Vec3{0, 0, end}) < 1e-14);
   CHECK(shapes[1].kind == Shape::Kind::none);
 }
 
 TEST_CASE("the document lists joints and bodies in the order of the model") {
-  Shape box;
-  box.kind = Shape::Kind::box;
-  box.size = {1, 2, 3};
+  Shape box = Shape::of(contact::Box{{1, 2, 3}});
   box.colour = "#ff8800";
   const std::string text = model_json(World(arm()), "An \"arm\"", {box});
   CHECK(mentions(text, R"("title": "An \"arm\"")"));

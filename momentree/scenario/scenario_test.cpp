@@ -200,8 +200,8 @@ TEST_CASE("shapes are kept by body number") {
       one_body + "shape = { capsule = { radius = \"1 cm\", length = 1 }, at = { xyz = [1, 2, 3] }, colour = \"#12aB34\" }\n" +
       "[[mechanism]]\nname = \"n\"\n" + chain.substr(head.size()) + "inertia = 1\n");
   REQUIRE(s.shapes.size() == 4);
-  CHECK(s.shapes[0].kind == Shape::Kind::capsule);
-  CHECK(s.shapes[0].radius == 0.01);
+  REQUIRE(s.shapes[0].as<contact::Capsule>());
+  CHECK(s.shapes[0].as<contact::Capsule>()->radius == 0.01);
   CHECK(s.shapes[0].at.position == Vec3{1, 2, 3});
   CHECK(s.shapes[0].colour == "#12aB34");
   CHECK(s.shapes[3].kind == Shape::Kind::none);
@@ -213,9 +213,9 @@ TEST_CASE("each link of a chain has its shape") {
   REQUIRE(s.shapes.size() == 4);
   CHECK(s.shapes[0].kind == Shape::Kind::none);
   for (std::size_t link = 1; link < s.shapes.size(); ++link) {
-    CHECK(s.shapes[link].radius == 2);
+    CHECK(s.shapes[link].primitive == contact::Primitive(contact::Sphere{2}));
     REQUIRE(s.shapes[link].more.size() == 1);
-    CHECK(s.shapes[link].more[0].size == Vec3{1, 2, 3});
+    CHECK(s.shapes[link].more[0].primitive == contact::Primitive(contact::Box{{1, 2, 3}}));
   }
 }
 
@@ -223,7 +223,7 @@ TEST_CASE("a body has several shapes, a mesh is scaled") {
   const Scenario s =
       read(one_body + "shape = [{ sphere = 2 }, { mesh = \"a.stl\", scale = [1, 2, 3] }, { mesh = \"a.stl\", scale = 5 }]\n");
   REQUIRE(s.shapes[0].more.size() == 2);
-  CHECK(s.shapes[0].radius == 2);
+  CHECK(s.shapes[0].primitive == contact::Primitive(contact::Sphere{2}));
   CHECK(s.shapes[0].more[0].scale == Vec3{1, 2, 3});
   CHECK(s.shapes[0].more[1].scale == Vec3{5, 5, 5});
 }

@@ -31,7 +31,7 @@ nb::tuple from_solid(const contact::Solid& s) {
   for (const contact::Solid::Face& f : s.faces) faces.append(nb::make_tuple(from_vec(f.normal), f.offset, f.corners, f.plane));
   for (const std::vector<Vec3>& each : s.along) along.append(from_vecs(each));
   return nb::make_tuple(from_vecs(s.vertices), edges, faces, along, s.radius, from_vec(s.centre), s.reach, s.thickness, s.rim,
-                        from_vecs(s.ends), from_vec(s.belt), from_vecs(s.axes));
+                        from_vecs(s.ends), from_vec(s.belt), from_vecs(s.axes), s.surface);
 }
 contact::Solid solid_from(nb::handle value) {
   contact::Solid s;
@@ -50,6 +50,7 @@ contact::Solid solid_from(nb::handle value) {
   s.ends = {ends.at(0), ends.at(1)}, s.belt = vec_from(value[10]);
   const std::vector<Vec3> axes = vecs_from(value[11]);
   s.axes = {axes.at(0), axes.at(1), axes.at(2)};
+  s.surface = nb::cast<unsigned char>(value[12]);
   return s;
 }
 

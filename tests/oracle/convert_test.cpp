@@ -115,14 +115,9 @@ void check_same_events(const io::Scenario& a, const io::Scenario& b) {
 }
 
 void check_same_shapes(const io::Scenario& a, const io::Scenario& b) {
-  using Kind = io::Shape::Kind;
   const auto same = [](const io::Shape& x, const io::Shape& y) {
     CHECK(x.kind == y.kind);
-    if (x.kind == Kind::box)
-      CHECK(norm(x.size - y.size) == 0);
-    else
-      CHECK(x.radius == y.radius);
-    if (x.kind == Kind::cylinder || x.kind == Kind::capsule) CHECK(x.length == y.length);
+    CHECK(x.primitive == y.primitive);
     CHECK(norm(x.scale - y.scale) == 0);
     CHECK(norm(x.at.position - y.at.position) <= 1e-15);
     CHECK(x.colour == y.colour);

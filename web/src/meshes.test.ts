@@ -1,9 +1,10 @@
 import { describe, expect, it } from "vitest";
-import { Vector3 } from "three";
+import { MeshBasicMaterial, Vector3 } from "three";
 import { joined, partsFrom, type Meshes, type PackedPart } from "./meshes";
 import type { MeshPart, Shape, Vec3 } from "./recording";
 import { modelOf, type ModelFile } from "./result_files";
 import { meshGeometry } from "./viewer/mesh_geometry";
+import { meshesOf } from "./viewer/shapes";
 
 const base64 = (numbers: readonly number[]) => Buffer.from(Uint16Array.from(numbers).buffer).toString("base64");
 const at = { xyz: [0, 0, 0], quat: [1, 0, 0, 0] } as const;
@@ -70,6 +71,21 @@ describe("what the ground has besides planes", () => {
     expect([...(mesh.parts?.[0].positions ?? [])]).toEqual([0, 0, 1, 2, 0, 1, 0, 3, 1]);
     expect([...(mesh.parts?.[0].triangles ?? [])]).toEqual([0, 1, 2]);
     expect(modelOf({ ...file, ground: undefined } as unknown as ModelFile).ground).toBeUndefined();
+  });
+});
+
+describe("a shape that pages do not know", () => {
+  it("is drawn by its triangles", () => {
+    const points = [
+      [0, 0, 0],
+      [1, 0, 0],
+      [0, 1, 0],
+    ];
+    const shape = { kind: "egg", radius: 2, points, triangles: [[0, 1, 2]], at };
+    const body = { mass: 1, com: [0, 0, 0], extent: [], shape };
+    const file = { title: "", gravity: [0, 0, 0], mechanisms: [], joints: {}, bodies: { a: body } } as unknown as ModelFile;
+    const [drawn] = meshesOf(modelOf(file).bodies[0].shapes[0], new MeshBasicMaterial());
+    expect(drawn.geometry.getAttribute("position").count).toBeGreaterThanOrEqual(3);
   });
 });
 

@@ -9,9 +9,12 @@ export interface Pose {
   readonly quat: Quat;
 }
 
-/** The shape of a body; cylinders and capsules extend along z of `at`, the lengths of capsules exclude their caps. */
+/**
+ * The shape of a body; cylinders and capsules extend along z of `at`, the lengths of capsules exclude their caps. Shapes of other
+ * kinds have triangles.
+ */
 export interface Shape {
-  readonly kind: "box" | "sphere" | "cylinder" | "capsule" | "ellipsoid" | "mesh";
+  readonly kind: string;
   readonly size?: Vec3;
   readonly radius?: number;
   readonly length?: number;
@@ -20,7 +23,7 @@ export interface Shape {
   readonly mesh?: number;
   /** Of a mesh. */
   readonly scale?: Vec3;
-  /** The triangles of a mesh, by colour; absent or empty: it could not be read. */
+  /** The triangles of other shapes, by colour; absent or empty: a mesh that could not be read. */
   readonly parts?: readonly MeshPart[];
   readonly at: Pose;
   readonly colour?: string;

@@ -35,8 +35,8 @@ export interface ModelFile {
       com: Vec3;
       inertia?: number[];
       extent: [Vec3, Vec3][];
-      shape: Shape | null;
-      more_shapes?: Shape[];
+      shape: ShapeFile | null;
+      more_shapes?: ShapeFile[];
       /** Meshes that the engine could not read, which this page may have: shapes that touch are drawn in their place. */
       missing_shapes?: Shape[];
     }
@@ -44,8 +44,16 @@ export interface ModelFile {
   joints: Record<string, JointFile>;
   springs?: Record<string, SpringFile>;
   planes?: Plane[];
-  /** A mesh has its points and triangles here. */
-  ground?: (Shape & { points?: Vec3[]; triangles?: Vec3[] })[];
+  ground?: ShapeFile[];
+}
+
+/** Meshes of the ground, and shapes of bodies that pages have no other way to draw, have their points and triangles here. */
+type ShapeFile = Shape & { points?: Vec3[]; triangles?: Vec3[] };
+
+function shapeOf({ points, triangles, ...shape }: ShapeFile): Shape {
+  if (!points) return shape;
+  const positions = Float32Array.from(points.flat());
+  return { ...shape, parts: [{ positions, triangles: Uint16Array.from((triangles ?? []).flat()) }] };
 }
 
 export interface EventFile extends RunEvent {
@@ -100,23 +108,15 @@ export function modelOf(file: ModelFile, names: readonly string[] = Object.keys(
     const body = file.bodies[name];
     const missing = body?.missing_shapes?.filter((shape) => partsOf(shape).length > 0) ?? [];
     const given = missing.length > 0 ? missing : [body?.shape, ...(body?.more_shapes ?? [])];
-    const shapes = given.filter((shape): shape is Shape => Boolean(shape));
-    const drawn = shapes.map((shape) => (shape.kind === "mesh" ? { ...shape, parts: partsOf(shape) } : shape));
+    const shapes = given.filter((shape): shape is ShapeFile => Boolean(shape));
+    const drawn = shapes.map((shape) => (shape.kind === "mesh" ? { ...shape, parts: partsOf(shape) } : shapeOf(shape)));
     const { mass, com, inertia, extent } = body ?? {};
     return { name, mass: mass ?? 0, com: com ?? [0, 0, 0], ...(inertia && { inertia }), extent: extent ?? [], shapes: drawn };
   });
   const numbers = numbered(names);
   const [joints, springs] = [jointsOf(file.joints, numbers), springsOf(file.springs ?? {}, numbers)];
   const planes = file.planes && { planes: file.planes };
-  const ground = file.ground && {
-    ground: file.ground.map(({ points, triangles, ...shape }): Shape => {
-      const part = {
-        positions: Float32Array.from((points ?? []).flat()),
-        triangles: Uint16Array.from((triangles ?? []).flat()),
-      };
-      return points ? { ...shape, parts: [part] } : shape;
-    }),
-  };
+  const ground = file.ground && { ground: file.ground.map(shapeOf) };
   return { title: file.title, gravity: file.gravity, bodies, joints, springs, ...planes, ...ground };
 }
 

@@ -167,8 +167,8 @@ bool is_round(const Solid& ball, const Solid& cylinder) { return ball.vertices.s
 }  // namespace
 
 NearestPoints distance(const Solid& one, const Place& place_one, const Solid& other, const Place& place_other) {
-  if (one.is_ellipsoid()) return ellipsoid_distance(one, place_one, other, place_other);
-  if (other.is_ellipsoid()) return swapped(ellipsoid_distance(other, place_other, one, place_one));
+  if (one.is_smooth()) return ellipsoid_distance(one, place_one, other, place_other);
+  if (other.is_smooth()) return swapped(ellipsoid_distance(other, place_other, one, place_one));
   if (is_round(one, other)) return ball_to_cylinder(one, place_one, other, place_other);
   if (is_round(other, one)) return swapped(ball_to_cylinder(other, place_other, one, place_one));
   if (one.rim > 0 && other.rim > 0) return cylinders_distance(one, place_one, other, place_other);
@@ -222,7 +222,7 @@ NearestPoints distance_to_plane(const Solid& solid, const Place& place, const Ve
     const double above = dot(normal, at - point);
     if (above < result.distance) result.distance = above, result.on_one = at;
   };
-  if (solid.is_ellipsoid()) {
+  if (solid.is_smooth()) {
     std::vector<Candidate> one;
     face_plane(solid, place, point, normal, {}, HUGE_VAL, one);
     const Touch t = touch(one.front().features, place, {});

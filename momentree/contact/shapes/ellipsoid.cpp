@@ -13,19 +13,25 @@ namespace {
 constexpr int most_steps = 60, most_retries = 12;
 constexpr double longest_turn = 0.7;  // rad, of a step
 
-// An ellipsoid in the world, about its centre.
+// An ellipsoid, or another smooth solid, in the world, about its centre. Others than ellipsoids are not symmetric: of body a, its
+// mirror image counts, which is farthest along n where the solid is farthest against it.
 struct Extent {
-  std::array<Vec3, 3> axes;
-  Extent(const std::array<Vec3, 3>& own, const Mat3& R) : axes{R * own[0], R * own[1], R * own[2]} {}
+  Axes axes;
+  const SmoothSurface* surface;
+  double side;  // −1: mirrored
+  Extent(const Axes& own, const Mat3& R, unsigned char number = 0, double mirrored = 1)
+      : axes{R * own[0], R * own[1], R * own[2]}, surface(number == 0 ? nullptr : smooth_surface(number)), side(mirrored) {}
   Vec3 M(const Vec3& n) const { return {dot(axes[0], n), dot(axes[1], n), dot(axes[2], n)}; }
   Vec3 transposed_M(const Vec3& u) const { return u.x * axes[0] + u.y * axes[1] + u.z * axes[2]; }
-  double h(const Vec3& n) const { return norm(M(n)); }
+  double h(const Vec3& n) const { return surface != nullptr ? dot(n, x(n)) : norm(M(n)); }
   Vec3 x(const Vec3& n) const {
+    if (surface != nullptr) return side * surface->farthest(axes, side * n);
     const Vec3 u = M(n);
     const double size = norm(u);
     return size > 0 ? (1 / size) * transposed_M(u) : Vec3{};
   }
   Vec3 H(const Vec3& n, const Vec3& turn) const {
+    if (surface != nullptr) return surface->farthest_rate(axes, side * n, turn);
     const Vec3 u = M(n), moved = M(turn);
     const double size = norm(u);
     if (!(size > 0)) return {};
@@ -128,7 +134,7 @@ Vec3 nearest_of_rim(const Extent& a, const Vec3& from, const Vec3& axis, double 
 void ellipsoid_before(const Features& f, const Place& a, const Place& b, Touch& out, Vec3& rate) noexcept {
   const Vec3 centre_a = a.r + a.R * f.point_a, centre_b = b.r + b.R * f.point_b, line = b.R * f.line_b,
              from = centre_a - centre_b;
-  const Extent of_a(f.axes_a, a.R), of_b(f.axes_b, b.R);
+  const Extent of_a(f.axes_a, a.R, f.surface_a, -1), of_b(f.axes_b, b.R, f.surface_b);
   const bool plane = f.pair == FeaturePair::ellipsoid_plane, rim = f.rim > 0;
   const Vec3* const across = f.pair == FeaturePair::ellipsoid_line ? &line : nullptr;
   Vec3 n = line, on_b = centre_b;
@@ -172,7 +178,7 @@ struct EllipsoidSearch {
   Features features(FeaturePair pair, const Vec3& point, const Vec3& line = {}) const {
     Features f;
     f.pair = pair, f.point_a = ellipsoid.centre, f.axes_a = ellipsoid.axes, f.point_b = point, f.line_b = line;
-    f.radius_b = other.radius;
+    f.radius_b = other.radius, f.surface_a = ellipsoid.surface;
     return f;
   }
   // `has`: the feature has that point of its plane or line, in the frame of the other solid; of points no more is asked.
@@ -254,9 +260,9 @@ double smallest_curvature_radius(const Solid& ellipsoid) {
 Candidate nearest_of_ellipsoid(const Solid& ellipsoid, const Place& of_ellipsoid, const Solid& other, const Place& of_other,
                                bool swapped) {
   EllipsoidSearch search{ellipsoid, other, of_ellipsoid, of_other, swapped, smallest_curvature_radius(ellipsoid) + other.radius};
-  if (other.is_ellipsoid() || other.vertices.size() == 1) {
+  if (other.is_smooth() || other.vertices.size() == 1) {
     Features f = search.features(FeaturePair::ellipsoids, other.centre);
-    if (other.is_ellipsoid()) f.axes_b = other.axes, f.radius_b = 0;
+    if (other.is_smooth()) f.axes_b = other.axes, f.surface_b = other.surface, f.radius_b = 0;
     return {f, swapped, id_of(f.pair, swapped, 0, 0), touch(f, of_ellipsoid, of_other).gap};
   }
   if (other.rim > 0)

@@ -5,6 +5,7 @@
 // x(n) = Mᵀ M n/h, which moves by H = (Mᵀ M − x xᵀ)/h as n turns. Two of them are nearest along the n for which the way from the
 // point of b to that of a, g = c_a − x_a(n) − c_b − x_b(n), is parallel to n: there n·g, by which planes separate them, is
 // largest. A point is an ellipsoid without extent, the rim of a cylinder a flat one; before a line n is perpendicular to it.
+// Other smooth solids have h, x and H of their own.
 #include <vector>
 
 #include <momentree/contact/candidates.hpp>

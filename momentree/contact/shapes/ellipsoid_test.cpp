@@ -19,7 +19,7 @@ namespace {
 
 // How far a solid extends along n from the origin of its body, in its frame.
 double extent(const Solid& solid, const Vec3& n) {
-  if (solid.is_ellipsoid())
+  if (solid.is_smooth())
     return dot(n, solid.centre) + norm(Vec3{dot(solid.axes[0], n), dot(solid.axes[1], n), dot(solid.axes[2], n)});
   double most = -HUGE_VAL;
   if (solid.rim > 0) {

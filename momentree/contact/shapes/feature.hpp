@@ -1,10 +1,8 @@
 #pragma once
 // Pairs of features of two bodies that can touch, with their gap, the point and the normal of the contact, and how these move.
 // Everything is smooth as long as the same features are nearest, and in closed form or solved to rounding.
-#include <array>
-
+#include <momentree/contact/shapes/smooth.hpp>
 #include <momentree/math/sine_cosine.hpp>
-#include <momentree/math/vec.hpp>
 
 namespace momentree::contact {
 
@@ -18,7 +16,7 @@ enum class FeaturePair : unsigned char {
   point_circle,     ///< a point of body a, a circle of body b
   cable,            ///< two points that are never farther apart than a length
   circle_line,      ///< a circle of body a, a line of body b; or two circles, if there is a `length`
-  ellipsoid_plane,  ///< an ellipsoid of body a, a plane of body b
+  ellipsoid_plane,  ///< an ellipsoid, or another smooth solid, of body a, a plane of body b
   ellipsoid_line,
   ellipsoids  ///< of body b also a point, which is one without extent; with a `rim`, the circle at the point of b
 };
@@ -32,9 +30,10 @@ struct Features {
   /// Of line_line: the sign with which side·(line_a × line_b) points from b to a. Of circle_line: above zero if the line of b is
   /// before the half of the circle ahead along line_a; of two circles, the sign of the nearest point along line_a × line_b.
   double side = 1;
-  double rim = 0;                          ///< radius of a circle, whose centre is the point and whose axis is the line (m)
-  double length = 0;                       ///< of a cable; of two circles, the radius of that of b (m)
-  std::array<Vec3, 3> axes_a{}, axes_b{};  ///< semi-axes of ellipsoids, whose centres are the points (m)
+  double rim = 0;                              ///< radius of a circle, whose centre is the point and whose axis is the line (m)
+  double length = 0;                           ///< of a cable; of two circles, the radius of that of b (m)
+  Axes axes_a{}, axes_b{};                     ///< of smooth solids, whose centres are the points (m)
+  unsigned char surface_a = 0, surface_b = 0;  ///< of the same: smooth_surface()
 };
 
 /// Pose and velocity of a body's frame, in world axes.

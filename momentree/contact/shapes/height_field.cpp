@@ -132,7 +132,7 @@ struct FieldSearch {
   double near = solid.reach + within;
   std::vector<Candidate> found{};
 
-  bool is_round() const { return solid.rim > 0 || solid.is_ellipsoid(); }
+  bool is_round() const { return solid.rim > 0 || solid.is_smooth(); }
 
   void find() {
     if (middle.z - near > field.highest) return;

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include <momentree/contact/indices.hpp>
+#include <momentree/contact/primitives/declaration.hpp>
+#include <momentree/contact/shapes/feature.hpp>
 #include <momentree/contact/shapes/quick_hull.hpp>
 #include <momentree/math/sine_cosine.hpp>
 
@@ -74,6 +76,15 @@ Solid::Face face_of(const std::vector<Vec3>& vertices, std::vector<int> corners)
   return face;
 }
 
+// `inner`, `outer`: radii of balls in it and around it.
+Solid smooth(const Vec3& sizes, double inner, double outer, const Pose& at_pose) {
+  Solid solid = sphere(inner, at_pose);
+  solid.reach = outer;
+  const Mat3 R = rotation_matrix(at_pose.rotation);
+  solid.axes = {R * Vec3{sizes.x, 0, 0}, R * Vec3{0, sizes.y, 0}, R * Vec3{0, 0, sizes.z}};
+  return solid;
+}
+
 }  // namespace
 
 Solid sphere(double radius, const Pose& at_pose) {
@@ -104,11 +115,30 @@ Solid box(const Vec3& size, const Pose& at_pose) {
 }
 
 Solid ellipsoid(const Vec3& semi_axes, const Pose& at_pose) {
-  Solid solid = sphere(std::min({semi_axes.x, semi_axes.y, semi_axes.z}), at_pose);
-  solid.reach = std::max({semi_axes.x, semi_axes.y, semi_axes.z});
-  const Mat3 R = rotation_matrix(at_pose.rotation);
-  solid.axes = {R * Vec3{semi_axes.x, 0, 0}, R * Vec3{0, semi_axes.y, 0}, R * Vec3{0, 0, semi_axes.z}};
-  return solid;
+  const auto [least, most] = std::minmax({semi_axes.x, semi_axes.y, semi_axes.z});
+  return smooth(semi_axes, least, most, at_pose);
+}
+
+Solid smooth_solid(const SmoothSurface& surface, const Vec3& sizes, const Pose& at_pose) {
+  const Axes axes{Vec3{sizes.x, 0, 0}, {0, sizes.y, 0}, {0, 0, sizes.z}};
+  double inner = HUGE_VAL, outer = 0;
+  for (const Vec3& n : directions(32)) {
+    const Vec3 x = surface.farthest(axes, n);
+    inner = std::min(inner, dot(n, x)), outer = std::max(outer, norm(x));
+  }
+  return smooth(sizes, inner, 1.01 * outer, at_pose);  // it may reach farther between these directions
+}
+
+std::vector<Vec3> directions(int around) {
+  std::vector<Vec3> all;
+  const int down = around / 2;
+  for (int i = 0; i <= down; ++i)
+    for (int k = 0; k < (i == 0 || i == down ? 1 : around); ++k) {
+      const auto [sine, cosine] = sine_cosine(std::numbers::pi * i / down);
+      const auto [y, x] = sine_cosine(2 * std::numbers::pi * k / around);
+      all.push_back({sine * x, sine * y, cosine});
+    }
+  return all;
 }
 
 Solid cylinder(double radius, double length, const Pose& at_pose) {
@@ -165,6 +195,13 @@ double volume(const Solid& solid) {
       six += dot(a - solid.centre, cross(b - solid.centre, solid.vertices[at(face.corners[k])] - solid.centre));
     }
   return six / 6;
+}
+
+Pose placed_along_z(const Vec3& from, const Vec3& to) {
+  const Vec3 z = normalized(to - from);
+  Vec3 across[2];
+  perpendiculars(z, across);
+  return {0.5 * (from + to), rotation_from_axes(across[0], across[1], z)};
 }
 
 }  // namespace momentree::contact

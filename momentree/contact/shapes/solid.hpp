@@ -1,11 +1,12 @@
 #pragma once
 // Convex solids that can touch: a point, a line or a polyhedron, rounded by a radius. A sphere is a rounded point, a capsule a
-// rounded line, a box and a convex mesh are polyhedra. A cylinder has a prism for rough tests, an ellipsoid the ball in it.
+// rounded line, a box and a convex mesh are polyhedra. A cylinder has a prism for rough tests. Ellipsoids and other smooth solids
+// have support functions (smooth.hpp), and a ball in them.
 #include <array>
 #include <span>
 #include <vector>
 
-#include <momentree/math/vec.hpp>
+#include <momentree/contact/shapes/smooth.hpp>
 
 namespace momentree::contact {
 
@@ -30,14 +31,16 @@ struct Solid {
   double thickness = 0;                  ///< nothing that moves less than this passes through (m)
   double rim = 0;                        ///< radius of a cylinder (m); 0: not a cylinder
   std::array<Vec3, 2> ends{};            ///< of a cylinder: the centres of its ends (m)
-  std::array<Vec3, 3> axes{};            ///< the semi-axes of an ellipsoid (m); zero: not an ellipsoid
+  Axes axes{};                           ///< of a smooth solid, whose vertex and radius are those of a ball in it; zero: not one
+  unsigned char surface = 0;             ///< of a smooth solid: its number for smooth_surface(); 0: an ellipsoid
   /// Its surface runs around this axis, as that of a conveyor belt, a roller or a track does: where its outward normal is n, with
   /// belt × n relative to the body (m/s).
   Vec3 belt{};
 
-  bool is_ellipsoid() const { return axes[0] != Vec3{}; }
+  bool is_smooth() const { return axes[0] != Vec3{}; }
   friend bool operator==(const Solid& a, const Solid& b) {
-    return a.vertices == b.vertices && a.radius == b.radius && a.rim == b.rim && a.axes == b.axes && a.belt == b.belt;
+    return a.vertices == b.vertices && a.radius == b.radius && a.rim == b.rim && a.axes == b.axes && a.surface == b.surface &&
+           a.belt == b.belt;
   }
 };
 
@@ -47,6 +50,8 @@ Solid sphere(double radius, const Pose& at = {});
 Solid capsule(double radius, double length, const Pose& at = {});
 Solid box(const Vec3& size, const Pose& at = {});
 Solid ellipsoid(const Vec3& semi_axes, const Pose& at = {});
+/// A smooth solid with these sizes along its axes. contact::solid() adds the number of its surface.
+Solid smooth_solid(const SmoothSurface& surface, const Vec3& sizes, const Pose& at);
 /// Along z. Its polyhedron is a prism of `cylinder_sides` sides, which are as far inside of it as its edges are outside.
 Solid cylinder(double radius, double length, const Pose& at = {});
 inline constexpr int cylinder_sides = 16;

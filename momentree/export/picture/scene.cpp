@@ -68,12 +68,17 @@ void add_ellipsoid(const Vec3& axes, std::vector<Patch>& patches) {
 /// The parts of a shape, in its own axes. Empty for a mesh.
 std::vector<Patch> patches_of(const Shape& shape) {
   std::vector<Patch> patches;
-  const double half = 0.5 * shape.length;
-  if (shape.kind == Shape::Kind::box) add_box(shape.size, patches);
-  if (shape.kind == Shape::Kind::ellipsoid) add_ellipsoid(shape.size, patches);
-  if (shape.kind == Shape::Kind::sphere) patches.push_back({{{0, 0, 0}}, shape.radius});
-  if (shape.kind == Shape::Kind::capsule) patches.push_back({{{0, 0, -half}, {0, 0, half}}, shape.radius});
-  if (shape.kind == Shape::Kind::cylinder) add_cylinder(shape.radius, shape.length, patches);
+  if (shape.kind != Shape::Kind::primitive) return patches;
+  if (const auto* box = shape.as<contact::Box>()) {
+    add_box(box->size, patches);
+  } else if (const auto* ellipsoid = shape.as<contact::Ellipsoid>()) {
+    add_ellipsoid(ellipsoid->semi_axes, patches);
+  } else if (const auto* cylinder = shape.as<contact::Cylinder>()) {
+    add_cylinder(cylinder->radius, cylinder->length, patches);
+  } else {
+    const contact::Solid solid = contact::solid(shape.primitive, {});
+    patches.push_back(solid.is_smooth() ? Patch{surface_of(solid).points} : Patch{solid.vertices, solid.radius});
+  }
   return patches;
 }
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 
 #include <momentree/base/error.hpp>
 #include <momentree/models/mjcf/parts.hpp>
@@ -10,8 +9,6 @@
 namespace momentree::io::mjcf {
 
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 enum class Type { sphere, capsule, ellipsoid, cylinder, box, mesh, plane, hfield, sdf };
 constexpr const char* type_names[] = {"sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "plane", "hfield", "sdf"};
@@ -26,40 +23,6 @@ Type read_type(Attributes& attributes) {
   }
   attributes.error("type", "unknown type of geom " + in_quotes(name), did_you_mean(name, names));
   return Type::plane;  // no further messages about it
-}
-
-/// Volume and moments of inertia of a body of density 1, about its centre; z is the axis of rotational symmetry.
-struct Solid {
-  double volume = 0;
-  Vec3 moments{};
-};
-
-Solid solid_of(Type type, const Vec3& s) {
-  switch (type) {
-    case Type::sphere: {
-      const double v = 4.0 / 3 * pi * s.x * s.x * s.x, i = 0.4 * v * s.x * s.x;
-      return {v, {i, i, i}};
-    }
-    case Type::capsule: {
-      const double r = s.x, h = 2 * s.y, caps = 4.0 / 3 * pi * r * r * r, middle = pi * r * r * h;
-      // Two hemispheres, each with 3/8 r from its base to its centre of mass, on a cylinder.
-      const double across = middle * (3 * r * r + h * h) / 12 + caps * (0.4 * r * r + 0.375 * r * h + 0.25 * h * h);
-      return {caps + middle, {across, across, middle * r * r / 2 + caps * 0.4 * r * r}};
-    }
-    case Type::ellipsoid: {
-      const double v = 4.0 / 3 * pi * s.x * s.y * s.z;
-      return {v, {v * (s.y * s.y + s.z * s.z) / 5, v * (s.x * s.x + s.z * s.z) / 5, v * (s.x * s.x + s.y * s.y) / 5}};
-    }
-    case Type::cylinder: {
-      const double r = s.x, h = 2 * s.y, v = pi * r * r * h, across = v * (3 * r * r + h * h) / 12;
-      return {v, {across, across, v * r * r / 2}};
-    }
-    case Type::box: {
-      const double v = 8 * s.x * s.y * s.z;
-      return {v, {v * (s.y * s.y + s.z * s.z) / 3, v * (s.x * s.x + s.z * s.z) / 3, v * (s.x * s.x + s.y * s.y) / 3}};
-    }
-    default: return {};
-  }
 }
 
 struct Placed {
@@ -111,21 +74,17 @@ Placed read_placement(Attributes& attributes, Type type) {
   return placed;
 }
 
+// None for what is no primitive.
 Shape shape_of(Type type, const Placed& placed) {
-  Shape shape;
-  shape.at = placed.pose;
+  const Vec3& s = placed.size;
   switch (type) {
-    case Type::sphere: shape.kind = Shape::Kind::sphere; break;
-    case Type::capsule: shape.kind = Shape::Kind::capsule; break;
-    case Type::cylinder: shape.kind = Shape::Kind::cylinder; break;
-    case Type::box: shape.kind = Shape::Kind::box; break;
-    case Type::ellipsoid: shape.kind = Shape::Kind::ellipsoid; break;
-    default: return shape;
+    case Type::sphere: return Shape::of(contact::Sphere{s.x}, placed.pose);
+    case Type::capsule: return Shape::of(contact::Capsule{s.x, 2 * s.y}, placed.pose);
+    case Type::cylinder: return Shape::of(contact::Cylinder{s.x, 2 * s.y}, placed.pose);
+    case Type::box: return Shape::of(contact::Box{2 * s}, placed.pose);
+    case Type::ellipsoid: return Shape::of(contact::Ellipsoid{s}, placed.pose);
+    default: return {.at = placed.pose};
   }
-  shape.radius = placed.size.x;
-  shape.length = 2 * placed.size.y;
-  shape.size = (type == Type::box ? 2 : 1) * placed.size;
-  return shape;
 }
 
 // A mask of 32 bits.
@@ -186,7 +145,7 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
     geom.without_inertia = !(mass && *mass == 0) && !(!mass && density && *density == 0);
     return geom;
   }
-  const Solid solid = solid_of(type, placed.size);
+  const contact::UniformBody solid = contact::uniform(geom.shape.primitive);
   if (!(solid.volume > 0)) return geom;  // reported
   const double scale = mass ? *mass / solid.volume : density.value_or(1000);
   geom.mass.mass = scale * solid.volume;

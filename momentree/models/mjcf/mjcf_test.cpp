@@ -67,11 +67,11 @@ TEST_CASE("MJCF: shapes are kept, with the colour of their material") {
       "m.xml");
   REQUIRE(result.scenario);
   const Shape& shape = result.scenario->shapes[0];
-  CHECK(shape.kind == Shape::Kind::capsule);
-  CHECK(shape.length == doctest::Approx(0.4));
+  REQUIRE(shape.as<contact::Capsule>());
+  CHECK(shape.as<contact::Capsule>()->length == doctest::Approx(0.4));
   CHECK(shape.colour == "#ff0000");
   REQUIRE(shape.more.size() == 1);
-  CHECK(shape.more[0].size == Vec3{2, 4, 6});
+  CHECK(shape.more[0].primitive == contact::Primitive(contact::Box{{2, 4, 6}}));
   CHECK(shape.more[0].colour == "#00ff00");
 }
 

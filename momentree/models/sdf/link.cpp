@@ -64,30 +64,25 @@ double positive(Texts& texts, const char* name, XmlElement of, XmlFile& file) {
 // `drawn`: pictures show the planes that are touched, and no others.
 void read_geometry(XmlElement geometry, bool drawn, Shape& shape, Import& import, XmlFile& file) {
   XmlFields fields(geometry, file);
-  const auto sized = [&](const char* tag, const char* sizes, Shape::Kind kind) {
+  const auto read = [&](const char* tag, const auto& sizes_of) {
     const XmlElement element = fields.child(tag);
     if (!element) return;
     Texts texts(element, file);
-    shape.kind = kind;
-    shape.size = texts.vec3(sizes).value_or(Vec3{1, 1, 1});
-    if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0))
-      file.error(texts.location(), std::string(sizes) + ": must be greater than 0"), shape.size = {1, 1, 1};
+    shape.kind = Shape::Kind::primitive, shape.primitive = sizes_of(texts);
     texts.fields.finish();
   };
-  sized("box", "size", Shape::Kind::box);
-  sized("ellipsoid", "radii", Shape::Kind::ellipsoid);
-  const auto round = [&](const char* tag, Shape::Kind kind) {
-    const XmlElement element = fields.child(tag);
-    if (!element) return;
-    Texts texts(element, file);
-    shape.kind = kind;
-    shape.radius = positive(texts, "radius", element, file);
-    if (kind != Shape::Kind::sphere) shape.length = positive(texts, "length", element, file);
-    texts.fields.finish();
+  const auto three = [&](Texts& texts, const char* key) {
+    const Vec3 size = texts.vec3(key).value_or(Vec3{1, 1, 1});
+    if (size.x > 0 && size.y > 0 && size.z > 0) return size;
+    file.error(texts.location(), std::string(key) + ": must be greater than 0");
+    return Vec3{1, 1, 1};
   };
-  round("sphere", Shape::Kind::sphere);
-  round("cylinder", Shape::Kind::cylinder);
-  round("capsule", Shape::Kind::capsule);
+  const auto one = [&](Texts& texts, const char* key) { return positive(texts, key, texts.fields.element(), file); };
+  read("box", [&](Texts& texts) { return contact::Box{three(texts, "size")}; });
+  read("ellipsoid", [&](Texts& texts) { return contact::Ellipsoid{three(texts, "radii")}; });
+  read("sphere", [&](Texts& texts) { return contact::Sphere{one(texts, "radius")}; });
+  read("cylinder", [&](Texts& texts) { return contact::Cylinder{one(texts, "radius"), one(texts, "length")}; });
+  read("capsule", [&](Texts& texts) { return contact::Capsule{one(texts, "radius"), one(texts, "length")}; });
   if (const XmlElement mesh = fields.child("mesh")) {
     Texts texts(mesh, file);
     const auto uri = texts.string("uri");

@@ -265,15 +265,14 @@ TEST_CASE("SDF: visuals are kept, where their poses say") {
   CAPTURE(rendered(result.diagnostics));
   REQUIRE(result.scenario);
   const Shape& first = result.scenario->shapes[0];
-  CHECK(first.kind == Shape::Kind::box);
-  CHECK(first.size == Vec3{1, 2, 3});
+  CHECK(first.primitive == contact::Primitive(contact::Box{{1, 2, 3}}));
   CHECK(first.at.position == Vec3{1, 0, 0});
   CHECK(first.colour == "#ff0000");
   REQUIRE(first.more.size() == 4);
-  CHECK(first.more[0].kind == Shape::Kind::cylinder);
+  CHECK(first.more[0].as<contact::Cylinder>());
   CHECK(first.more[0].at.position == Vec3{0, 0, 7});
-  CHECK(first.more[1].length == 2);
-  CHECK(first.more[2].radius == 2);
+  CHECK(first.more[1].primitive == contact::Primitive(contact::Capsule{0.5, 2}));
+  CHECK(first.more[2].primitive == contact::Primitive(contact::Sphere{2}));
   CHECK(first.more[3].mesh == "m/x.dae");
 }
 

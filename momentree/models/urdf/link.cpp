@@ -118,27 +118,29 @@ void read_geometry(XmlElement geometry, Shape& shape, Import& import, XmlFile& f
   if (const XmlElement box = fields.child("box")) {
     XmlFields of(box, file);
     of.require("size", "its three edges");
-    shape.kind = Shape::Kind::box;
-    shape.size = of.vec3("size").value_or(Vec3{1, 1, 1});
-    if (shape.size.x < 0 || shape.size.y < 0 || shape.size.z < 0) file.error(of.location("size"), "size: must not be negative");
+    const Vec3 size = of.vec3("size").value_or(Vec3{1, 1, 1});
+    if (size.x < 0 || size.y < 0 || size.z < 0) file.error(of.location("size"), "size: must not be negative");
+    shape.kind = Shape::Kind::primitive, shape.primitive = contact::Box{size};
     of.finish();
   }
-  const auto round = [&](const char* tag, Shape::Kind kind, bool has_length) {
+  const auto read = [&](const char* tag, const auto& sizes_of) {
     const XmlElement element = fields.child(tag);
     if (!element) return;
     XmlFields of(element, file);
-    of.require("radius");
-    shape.kind = kind;
-    shape.radius = of.not_negative("radius").value_or(1);
-    if (has_length) {
-      of.require("length");
-      shape.length = of.not_negative("length").value_or(1);
-    }
+    const auto size = [&of](const char* key) {
+      of.require(key);
+      return of.not_negative(key).value_or(1);
+    };
+    shape.kind = Shape::Kind::primitive, shape.primitive = sizes_of(size);
     of.finish();
   };
-  round("sphere", Shape::Kind::sphere, false);
-  round("cylinder", Shape::Kind::cylinder, true);
-  round("capsule", Shape::Kind::capsule, true);
+  read("sphere", [](const auto& size) { return contact::Sphere{size("radius")}; });
+  read("cylinder", [](const auto& size) { return contact::Cylinder{size("radius"), size("length")}; });
+  read("capsule", [](const auto& size) -> contact::Primitive {
+    const contact::Capsule capsule{size("radius"), size("length")};
+    if (!(capsule.length > 0)) return contact::Sphere{capsule.radius};
+    return capsule;
+  });
   if (const XmlElement mesh = fields.child("mesh")) {
     XmlFields of(mesh, file);
     of.require("filename");

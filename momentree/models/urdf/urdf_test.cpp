@@ -253,12 +253,11 @@ TEST_CASE("URDF: visuals are kept, with their colours; meshes may be missing, bu
   const ReadResult result = read_scenario(folder / "r.urdf");
   REQUIRE(result.scenario);
   const Shape& first = result.scenario->shapes[0];
-  CHECK(first.kind == Shape::Kind::box);
-  CHECK(first.size == Vec3{1, 2, 3});
+  CHECK(first.primitive == contact::Primitive(contact::Box{{1, 2, 3}}));
   CHECK(first.at.position == Vec3{1, 0, 0});
   CHECK(first.colour == "#808080");
   REQUIRE(first.more.size() == 3);
-  CHECK(first.more[0].kind == Shape::Kind::cylinder);
+  CHECK(first.more[0].as<contact::Cylinder>());
   CHECK(first.more[0].colour == "#ff0000");
   CHECK(first.more[1].mesh == "r/meshes/a.stl");
   CHECK(first.more[1].scale == Vec3{2, 2, 2});

@@ -1,7 +1,9 @@
 #pragma once
 // What joints and topologies consist of, for archives.
+#include <algorithm>
 #include <cmath>
 
+#include <momentree/contact/primitive.hpp>
 #include <momentree/results/checkpoint/archive.hpp>
 #include <momentree/simulate/world/world.hpp>
 
@@ -136,12 +138,14 @@ void fields(Archive& archive, Part<Archive, Loop>& l) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, contact::Features>& f) {
-  auto pair = static_cast<unsigned>(f.pair);
+  unsigned pair = static_cast<unsigned>(f.pair) | f.surface_a * 0x100u | f.surface_b * 0x10000u;
   archive(pair, f.point_a, f.line_a, f.point_b, f.line_b, f.radius_a, f.radius_b, f.side, f.rim, f.length);
   for (std::size_t k = 0; k < 3; ++k) archive(f.axes_a[k], f.axes_b[k]);
   if constexpr (!Archive::writes) {
-    archive.require(pair <= static_cast<unsigned>(contact::FeaturePair::ellipsoids));
-    f.pair = static_cast<contact::FeaturePair>(pair);
+    archive.require((pair & 0xffu) <= static_cast<unsigned>(contact::FeaturePair::ellipsoids) && pair < 0x1000000u);
+    f.pair = static_cast<contact::FeaturePair>(pair & 0xffu);
+    f.surface_a = static_cast<unsigned char>(pair >> 8), f.surface_b = static_cast<unsigned char>(pair >> 16);
+    archive.require(std::max(f.surface_a, f.surface_b) <= std::variant_size_v<contact::Primitive>);
   }
 }
 template <class Archive>

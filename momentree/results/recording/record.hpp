@@ -2,6 +2,7 @@
 // A table of a result file that is read back: every key that is read must exist, except for find().
 #include <string>
 
+#include <momentree/base/describe.hpp>
 #include <momentree/scenario/keys/fields.hpp>
 
 namespace momentree::io {
@@ -27,6 +28,9 @@ class Record {
     const std::vector<double> x = read_reals(value, 3, what, out_);
     return x.empty() ? Vec3{} : Vec3{x[0], x[1], x[2]};
   }
+  /// Visits the members of a described type.
+  void operator()(const char* key, double& x, const Field&) { x = number(key); }
+  void operator()(const char* key, Vec3& x, const Field&) { x = vec(key); }
   const Value::Array& list(const char* key) { return read_list((*this)[key], key, out_); }
   const Value::Table& table(const char* key) { return read_table((*this)[key], key, out_); }
 

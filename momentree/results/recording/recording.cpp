@@ -24,15 +24,13 @@ Shape read_shape(const Value& value, Diagnostics& out) {
   Record record(value, "shape", out);
   Shape shape;
   const std::string kind = record.text("kind");
-  if (kind == "box") shape.kind = Shape::Kind::box, shape.size = record.vec("size");
-  if (kind == "ellipsoid") shape.kind = Shape::Kind::ellipsoid, shape.size = record.vec("size");
-  if (kind == "sphere") shape.kind = Shape::Kind::sphere;
-  if (kind == "cylinder") shape.kind = Shape::Kind::cylinder;
-  if (kind == "capsule") shape.kind = Shape::Kind::capsule;
+  contact::each_primitive([&](auto primitive) {
+    if (kind != primitive.info.key) return;
+    describe(record, primitive);
+    shape = Shape::of(primitive);
+  });
   if (kind == "mesh") shape.kind = Shape::Kind::mesh, shape.mesh = text_or_none(value, "file");
   if (record.find("scale")) shape.scale = record.vec("scale");
-  if (record.find("radius")) shape.radius = record.number("radius");
-  if (record.find("length")) shape.length = record.number("length");
   shape.colour = text_or_none(value, "colour");
   if (const Value* at = record.find("at")) {
     Record pose(*at, "at", out);

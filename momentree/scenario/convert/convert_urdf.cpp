@@ -207,8 +207,8 @@ class UrdfWriter {
     }
     if (k < scenario_.shapes.size()) {
       const auto add = [&](const Shape& shape) {
-        if (shape.kind == Shape::Kind::ellipsoid)
-          lost_["ellipsoids"].push_back({spec.joint_name, "shape"});
+        if (shape.as<contact::Ellipsoid>() || (shape.kind == Shape::Kind::primitive && !contact::standard(shape.primitive)))
+          lost_[contact::info(shape.primitive).plural].push_back({spec.joint_name, "shape"});
         else
           add_shape(link, shape, back);
       };

@@ -22,11 +22,15 @@ Value inertia_value(const Sym3& i) {
 
 bool any(const Sym3& i) { return i.xx != 0 || i.yy != 0 || i.zz != 0 || i.xy != 0 || i.xz != 0 || i.yz != 0; }
 
-Value round_shape(const Shape& shape) {
-  Value::Table table;
-  add(table, "radius", number(shape.radius));
-  add(table, "length", number(shape.length));
-  return value(std::move(table));
+// The only size of a primitive, or a table of several.
+Value primitive_value(const contact::Primitive& primitive) {
+  struct {
+    Value::Table table{};
+    void operator()(const char* key, double x, const Field&) { add(table, key, number(x)); }
+    void operator()(const char* key, const Vec3& x, const Field&) { add(table, key, list(x)); }
+  } sizes;
+  describe(sizes, primitive);
+  return sizes.table.size() == 1 ? std::move(sizes.table.front().value) : value(std::move(sizes.table));
 }
 
 // The name of a shape's mesh in the text; empty if the text cannot name it.
@@ -41,27 +45,16 @@ std::string mesh_name(const Shape& shape, const MeshFolders& folders) {
 
 Value::Table one_shape(const Shape& shape, const MeshFolders& folders, LeftOut& left_out) {
   Value::Table table;
-  const bool by_size = shape.kind == Shape::Kind::box || shape.kind == Shape::Kind::ellipsoid;
-  const bool flat = (by_size && !(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0)) ||
-                    (shape.kind == Shape::Kind::cylinder && !(shape.radius > 0 && shape.length > 0)) ||
-                    ((shape.kind == Shape::Kind::sphere || shape.kind == Shape::Kind::capsule) && !(shape.radius > 0));
-  if (flat) {
-    ++left_out.flat;
-    return table;
-  }
   switch (shape.kind) {
     case Shape::Kind::none:
     case Shape::Kind::heights: break;  // describe_collision() has its heights
     case Shape::Kind::plane: add(table, "plane", list(shape.size)); break;
-    case Shape::Kind::box: add(table, "box", list(shape.size)); break;
-    case Shape::Kind::ellipsoid: add(table, "ellipsoid", list(shape.size)); break;
-    case Shape::Kind::sphere: add(table, "sphere", number(shape.radius)); break;
-    case Shape::Kind::cylinder: add(table, "cylinder", round_shape(shape)); break;
-    case Shape::Kind::capsule:
-      if (shape.length > 0)
-        add(table, "capsule", round_shape(shape));
-      else
-        add(table, "sphere", number(shape.radius));
+    case Shape::Kind::primitive:
+      if (!contact::has_volume(shape.primitive)) {
+        ++left_out.flat;
+        return table;
+      }
+      add(table, contact::info(shape.primitive).key, primitive_value(shape.primitive));
       break;
     case Shape::Kind::mesh: {
       const std::string mesh = mesh_name(shape, folders);

@@ -47,34 +47,26 @@ void write_visual(std::string& text, const Pose& at, const std::string& geometry
 }
 
 void write_shape(std::string& text, const Shape& shape) {
-  const auto sphere = [&](double along_z) {
-    write_visual(text, shape.at * Pose(0, 0, along_z), "<sphere radius=\"" + number(shape.radius) + "\"/>", shape.colour);
+  const auto sphere = [&](double radius, double along_z) {
+    write_visual(text, shape.at * Pose(0, 0, along_z), "<sphere radius=\"" + number(radius) + "\"/>", shape.colour);
   };
-  const auto cylinder = [&] {
-    write_visual(text, shape.at, "<cylinder radius=\"" + number(shape.radius) + "\" length=\"" + number(shape.length) + "\"/>",
+  const auto cylinder = [&](double radius, double length) {
+    write_visual(text, shape.at, "<cylinder radius=\"" + number(radius) + "\" length=\"" + number(length) + "\"/>", shape.colour);
+  };
+  if (const auto* box = shape.as<contact::Box>())
+    write_visual(text, shape.at, "<box size=\"" + three(box->size) + "\"/>", shape.colour);
+  if (const auto* ball = shape.as<contact::Sphere>()) sphere(ball->radius, 0);
+  if (const auto* round = shape.as<contact::Cylinder>()) cylinder(round->radius, round->length);
+  if (const auto* capsule = shape.as<contact::Capsule>()) {  // few readers support <capsule>
+    cylinder(capsule->radius, capsule->length);
+    for (const double end : {0.5, -0.5}) sphere(capsule->radius, end * capsule->length);
+  }
+  if (shape.kind == Shape::Kind::mesh) {
+    const Vec3& s = shape.scale;
+    const bool scaled = s.x != 1 || s.y != 1 || s.z != 1;
+    write_visual(text, shape.at,
+                 "<mesh filename=\"" + escaped(shape.mesh) + '"' + (scaled ? " scale=\"" + three(s) + '"' : "") + "/>",
                  shape.colour);
-  };
-  switch (shape.kind) {
-    case Shape::Kind::none:
-    case Shape::Kind::heights:
-    case Shape::Kind::plane:             // of the ground
-    case Shape::Kind::ellipsoid: break;  // which convert_urdf leaves out
-    case Shape::Kind::box: write_visual(text, shape.at, "<box size=\"" + three(shape.size) + "\"/>", shape.colour); break;
-    case Shape::Kind::sphere: sphere(0); break;
-    case Shape::Kind::cylinder: cylinder(); break;
-    case Shape::Kind::capsule:  // few readers support <capsule>
-      cylinder();
-      sphere(shape.length / 2);
-      sphere(-shape.length / 2);
-      break;
-    case Shape::Kind::mesh: {
-      const Vec3& s = shape.scale;
-      const bool scaled = s.x != 1 || s.y != 1 || s.z != 1;
-      write_visual(text, shape.at,
-                   "<mesh filename=\"" + escaped(shape.mesh) + '"' + (scaled ? " scale=\"" + three(s) + '"' : "") + "/>",
-                   shape.colour);
-      break;
-    }
   }
 }
 

@@ -44,6 +44,9 @@ class KeyCollector {
   void operator()(const char* key, const std::optional<double>&, const Field& field) {
     add(key, type::number(field.dimension, field.range), field);
   }
+  void operator()(const char* key, const Vec3&, const Field& field) {
+    add(key, type::vector(field.dimension, field.range), field);
+  }
   void operator()(const char* key, const SpringEnd&, const Field& field) { add(key, body_point, field); }
 
   KeyList keys() const { return keys_; }
@@ -68,9 +71,16 @@ KeyList keys_of() {
 class FieldReader {
  public:
   explicit FieldReader(Fields& fields) : fields_(fields) {}
-  void operator()(const char* key, double& x, const Field&) { x = fields_.number(key).value_or(x); }
+  void operator()(const char* key, double& x, const Field& field) {
+    if (field.required != nullptr) fields_.require(key);
+    x = fields_.number(key).value_or(x);
+  }
   void operator()(const char* key, std::optional<double>& x, const Field&) {
     if (const auto given = fields_.number(key)) x = given;
+  }
+  void operator()(const char* key, Vec3& x, const Field& field) {
+    if (field.required != nullptr) fields_.require(key);
+    x = fields_.vec3(key).value_or(x);
   }
   void operator()(const char* key, bool& x, const Field&) { x = fields_.boolean(key).value_or(x); }
 
@@ -131,6 +141,7 @@ class MemberWriter {
  public:
   MemberWriter(JsonWriter& json, const Model& model) : json_(json), model_(model) {}
   void operator()(const char* key, double x, const Field&) { json_.member(key, x); }
+  void operator()(const char* key, const Vec3& x, const Field&) { json_.member(key, x); }
   void operator()(const char* key, bool x, const Field&) { json_.member(key, x); }
   void operator()(const char* key, const SpringEnd& end, const Field&) {
     json_.key(key).begin_object().member("body", model_.body_name(end.body)).member("point", end.point).end_object();

@@ -94,15 +94,20 @@ const Value* Fields::require(std::string_view key, std::string hint) {
 
 std::optional<double> Fields::number(std::string_view key) { return number(key, type_of(key).dimension); }
 
+// Reports a number that is out of the range of its key.
+bool Fields::in_range(std::string_view key, double x) const {
+  const Key* described = keys_ != nullptr ? keys_->find(key) : nullptr;
+  const Range range = described != nullptr ? described->type.range : Range::any;
+  if (range == Range::positive ? x > 0 : range == Range::any || x >= 0) return true;
+  out_.error(place_of(key), std::string(key) + (range == Range::positive ? ": must be greater than 0" : ": must not be negative"),
+             x == 0 ? cure_of_zero(keys_->name, key) : "");
+  return false;
+}
+
 std::optional<double> Fields::number(std::string_view key, const Dimension& expected) {
   const Value* value = find(key);
-  const auto number_read = value ? read_number(*value, expected, key, out_) : std::nullopt;
-  const Key* described = keys_ != nullptr ? keys_->find(key) : nullptr;
-  if (!number_read || described == nullptr) return number_read;
-  const Range range = described->type.range;
-  if (range == Range::positive ? *number_read > 0 : range == Range::any || *number_read >= 0) return number_read;
-  out_.error(value->place, std::string(key) + (range == Range::positive ? ": must be greater than 0" : ": must not be negative"));
-  return {};
+  const auto read = value ? read_number(*value, expected, key, out_) : std::nullopt;
+  return read && in_range(key, *read) ? read : std::nullopt;
 }
 
 std::optional<std::string> Fields::string(std::string_view key) {
@@ -122,7 +127,8 @@ std::optional<Vec3> Fields::vec3(std::string_view key) { return vec3(key, type_o
 
 std::optional<Vec3> Fields::vec3(std::string_view key, const Dimension& expected) {
   const Value* value = find(key);
-  return value ? read_vec3(*value, expected, key, out_) : std::nullopt;
+  const auto read = value ? read_vec3(*value, expected, key, out_) : std::nullopt;
+  return read && in_range(key, std::min({read->x, read->y, read->z})) ? read : std::nullopt;
 }
 
 std::optional<double> Fields::real(std::string_view key) {

@@ -101,6 +101,7 @@ class Fields {
   void report_unknown(const Value::Entry& entry, std::string hint);
   std::string hint_for(const Value::Entry& entry) const;
   const Type& type_of(std::string_view key) const;
+  bool in_range(std::string_view key, double x) const;
 
   const Value& table_;
   std::string where_;

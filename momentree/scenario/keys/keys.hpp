@@ -28,7 +28,7 @@ struct Type {
   };
   Form form = Form::text;
   Dimension dimension{};                             ///< number, vector, signals
-  Range range = Range::any;                          ///< number
+  Range range = Range::any;                          ///< number, each of a vector
   const char* unit = nullptr;                        ///< number: the unit, if it depends on the joint, as in "rad or m"
   const char* words = nullptr;                       ///< choice: separated by '|'
   std::vector<std::string> (*registry)() = nullptr;  ///< choice: the source of the words, if other code defines them
@@ -45,7 +45,9 @@ constexpr Type number(const Dimension& dimension, Range range = Range::any) {
 constexpr Type number(const char* unit, Range range = Range::any) {
   return {.form = Type::Form::number, .range = range, .unit = unit};
 }
-constexpr Type vector(const Dimension& dimension) { return {.form = Type::Form::vector, .dimension = dimension}; }
+constexpr Type vector(const Dimension& dimension, Range range = Range::any) {
+  return {.form = Type::Form::vector, .dimension = dimension, .range = range};
+}
 constexpr Type signals(const Dimension& dimension) { return {.form = Type::Form::signals, .dimension = dimension}; }
 constexpr Type choice(const char* words) { return {.form = Type::Form::choice, .words = words}; }
 constexpr Type choice(std::vector<std::string> (*registry)()) { return {.form = Type::Form::choice, .registry = registry}; }

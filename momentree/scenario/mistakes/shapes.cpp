@@ -249,4 +249,11 @@ std::string cure_of_table(std::string_view where, const Value& value) {
   return "";
 }
 
+std::string cure_of_zero(std::string_view where, std::string_view key) {
+  if (key != "length") return "";
+  return where == "capsule"    ? "without a length it is a sphere"
+         : where == "cylinder" ? "a disc is a thin { ellipsoid = [0.3, 0.3, 1e-3] }"
+                               : "";
+}
+
 }  // namespace momentree::io

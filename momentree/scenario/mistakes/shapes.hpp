@@ -16,5 +16,7 @@ std::string cure_of_vector(std::string_view key, const Value& value);
 std::string cure_of_placement(std::string_view key, const Value& value);
 std::string cure_of_inertia(const Value& value);
 std::string cure_of_table(std::string_view where, const Value& value);
+/// The hint for a zero of the table `where` that must be greater.
+std::string cure_of_zero(std::string_view where, std::string_view key);
 
 }  // namespace momentree::io

@@ -5,35 +5,11 @@
 #include <cstdint>
 #include <utility>
 
-#include <momentree/contact/shapes/feature.hpp>
 #include <momentree/contact/shapes/height_field.hpp>
 
 namespace momentree::io {
 
 namespace {
-
-Quat from_axes(const Vec3& x, const Vec3& y, const Vec3& z) {
-  return quaternion_of({x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z});
-}
-
-/// A placement with z from one point to another, in the middle.
-Pose along_z(const Vec3& from, const Vec3& to) {
-  const Vec3 z = normalized(to - from);
-  Vec3 across[2];
-  contact::perpendiculars(z, across);
-  return {0.5 * (from + to), from_axes(across[0], across[1], z)};
-}
-
-// The faces of a hull.
-MeshPart faces_of(const contact::Solid& solid) {
-  MeshPart part;
-  part.points = solid.vertices;
-  for (const contact::Solid::Face& face : solid.faces)
-    for (std::size_t k = 2; k < face.corners.size(); ++k)
-      part.triangles.push_back({static_cast<std::uint32_t>(face.corners[0]), static_cast<std::uint32_t>(face.corners[k - 1]),
-                                static_cast<std::uint32_t>(face.corners[k])});
-  return part;
-}
 
 // Of a large field, some of its rows and columns.
 MeshPart surface_of(const contact::HeightField& field) {
@@ -60,6 +36,23 @@ MeshPart surface_of(const contact::HeightField& field) {
   return part;
 }
 
+// Points of a rounded polyhedron, or of a smooth solid, that are farthest along some directions.
+std::vector<Vec3> farthest_points(const contact::Solid& solid) {
+  const contact::SmoothSurface* const surface = contact::smooth_surface(solid.surface);
+  std::vector<Vec3> points;
+  for (const Vec3& n : contact::directions(16)) {
+    if (surface != nullptr) {
+      points.push_back(solid.centre + surface->farthest(solid.axes, n));
+      continue;
+    }
+    double farthest = -HUGE_VAL;
+    for (const Vec3& v : solid.vertices) farthest = std::max(farthest, dot(n, v));
+    for (const Vec3& v : solid.vertices)
+      if (dot(n, v) >= farthest - 1e-9 * solid.reach) points.push_back(v + solid.radius * n);
+  }
+  return points;
+}
+
 bool can_be_drawn(const Shape& shape) {
   const auto one = [](const Shape& each) {
     return each.kind != Shape::Kind::none && (each.kind != Shape::Kind::mesh || each.source != nullptr);
@@ -70,32 +63,19 @@ bool can_be_drawn(const Shape& shape) {
 }  // namespace
 
 Shape solid_shape(const contact::Solid& solid) {
-  const std::vector<Vec3>& points = solid.vertices;
-  Shape shape;
-  shape.radius = solid.radius;
-  if (solid.is_ellipsoid()) {
-    const auto& axes = solid.axes;
-    shape.kind = Shape::Kind::ellipsoid, shape.radius = 0;
-    shape.size = {norm(axes[0]), norm(axes[1]), norm(axes[2])};
-    shape.at = {solid.centre, from_axes(normalized(axes[0]), normalized(axes[1]), normalized(axes[2]))};
-  } else if (solid.rim > 0) {
-    shape.kind = Shape::Kind::cylinder;
-    shape.radius = solid.rim, shape.length = norm(solid.ends[1] - solid.ends[0]);
-    shape.at = along_z(solid.ends[0], solid.ends[1]);
-  } else if (points.size() == 1) {
-    shape.kind = Shape::Kind::sphere;
-    shape.at.position = points[0];
-  } else if (points.size() == 2) {
-    shape.kind = Shape::Kind::capsule;
-    shape.length = norm(points[1] - points[0]);
-    shape.at = along_z(points[0], points[1]);
-  } else if (points.size() == 8 && solid.faces.size() == 6) {  // as contact::box makes them; hulls have triangles
-    const Vec3 sides[] = {points[1] - points[0], points[2] - points[0], points[4] - points[0]};
-    shape.kind = Shape::Kind::box;
-    shape.size = {norm(sides[0]), norm(sides[1]), norm(sides[2])};
-    shape.at = {0.5 * (points[0] + points[7]), from_axes(normalized(sides[0]), normalized(sides[1]), normalized(sides[2]))};
-  }
-  return shape;
+  const auto placed = contact::primitive_of(solid);
+  return placed ? Shape::of(placed->shape, placed->at) : Shape{};
+}
+
+MeshPart surface_of(const contact::Solid& solid) {
+  if (solid.radius > 0) return surface_of(contact::hull(farthest_points(solid)));
+  MeshPart part;
+  part.points = solid.vertices;
+  for (const contact::Solid::Face& face : solid.faces)
+    for (std::size_t k = 2; k < face.corners.size(); ++k)
+      part.triangles.push_back({static_cast<std::uint32_t>(face.corners[0]), static_cast<std::uint32_t>(face.corners[k - 1]),
+                                static_cast<std::uint32_t>(face.corners[k])});
+  return part;
 }
 
 std::vector<GroundShape> ground_shapes(const Model& model) {
@@ -108,7 +88,7 @@ std::vector<GroundShape> ground_shapes(const Model& model) {
       continue;
     }
     each.shape = solid_shape(collider.solid);
-    if (each.shape.kind == Shape::Kind::none) each.shape.kind = Shape::Kind::mesh, each.mesh = faces_of(collider.solid);
+    if (each.shape.kind == Shape::Kind::none) each.shape.kind = Shape::Kind::mesh, each.mesh = surface_of(collider.solid);
   }
   return all;
 }

@@ -11,6 +11,8 @@ namespace momentree::io {
 
 /// The shape of a solid; none for a hull.
 Shape solid_shape(const contact::Solid& solid);
+/// Triangles of a polyhedron; of a rounded one those between some of its points.
+MeshPart surface_of(const contact::Solid& solid);
 
 /// A shape in the world, and its triangles if it is a mesh.
 struct GroundShape {

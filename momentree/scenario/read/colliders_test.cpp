@@ -272,8 +272,8 @@ TEST_CASE("colliders: ellipsoids of MJCF, SDF and scenarios are read, drawn, wri
     for (std::size_t k = 0; k < 3; ++k) CHECK(norm(second.scenario->model.colliders()[1].solid.axes[k] - egg.axes[k]) < 1e-12);
     const std::vector<Shape> drawn = drawn_shapes(model, result.scenario->shapes);
     REQUIRE(!drawn.empty());
-    CHECK(drawn[0].kind == Shape::Kind::ellipsoid);
-    CHECK(norm(drawn[0].size - Vec3{0.3, 0.2, 0.1}) < 1e-12);
+    REQUIRE(drawn[0].as<contact::Ellipsoid>());
+    CHECK(norm(drawn[0].as<contact::Ellipsoid>()->semi_axes - Vec3{0.3, 0.2, 0.1}) < 1e-12);
   }
   CHECK(rendered(read_scenario_text(
                      "format = 1\n" + own.substr(0, own.find("collision")) + "collision = { ellipsoid = [1, 1, 0] }\n", "s.toml")

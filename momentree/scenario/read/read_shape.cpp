@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +11,7 @@
 #include <momentree/models/import/height_grid.hpp>
 #include <momentree/models/mesh/source.hpp>
 #include <momentree/models/mesh/split.hpp>
+#include <momentree/scenario/keys/described.hpp>
 #include <momentree/scenario/scenario_parts.hpp>
 #include <momentree/text/files/file_name.hpp>
 
@@ -18,28 +21,52 @@ namespace {
 
 using namespace type;
 
-constexpr Key cylinder_entries[] = {
-    {"radius", number(dimension::length, Range::positive), "Radius", nullptr, ""},
-    {"length", number(dimension::length, Range::positive), "Height", nullptr, ""},
-};
-constexpr KeyTable cylinder_table{"cylinder", "cylinder", "A cylinder along z", cylinder_entries};
-constexpr Key capsule_entries[] = {
-    {"radius", number(dimension::length, Range::positive), "Radius", nullptr, ""},
-    {"length", number(dimension::length, Range::positive), "Distance between the centres of its caps", nullptr, ""},
-};
-constexpr KeyTable capsule_table{"capsule", "capsule", "A capsule along z", capsule_entries};
+// A primitive of one size is its value, one of several is a table.
+template <class P>
+constexpr KeyTable primitive_table{
+    .name = P::info.key, .definition = P::info.key, .about = P::info.about, .described = &keys_of<P>};
 
-constexpr Key shape_entries[] = {
+KeyList primitive_keys() {
+  struct Made {
+    std::list<std::string> texts;
+    std::vector<Key> keys;
+  };
+  static const Made made = [] {
+    Made all;
+    contact::each_primitive([&all]<class P>(const P&) {
+      const KeyList sizes = keys_of<P>();
+      if (sizes.size() > 1) return all.keys.push_back({P::info.key, table(primitive_table<P>), ""});
+      all.texts.push_back(std::string(P::info.about) + ": " + sizes[0].about);
+      all.keys.push_back({P::info.key, sizes[0].type, all.texts.back().c_str()});
+    });
+    return all;
+  }();
+  return made.keys;
+}
+
+// The kinds of shapes, separated by spaces.
+constexpr auto kinds_after(std::string_view first) {
+  std::array<char, 256> text{};
+  std::size_t size = 0;
+  const auto add = [&](std::string_view word) {
+    if (size > 0) text[size++] = ' ';
+    for (const char c : word) text[size++] = c;
+  };
+  if (!first.empty()) add(first);
+  contact::each_primitive([&](const auto& primitive) { add(primitive.info.key); });
+  add("mesh");
+  return text;
+}
+constexpr auto kinds_of_bodies = kinds_after(""), kinds_of_ground = kinds_after("plane heightmap");
+
+constexpr Key ground_entries[] = {
     {"plane", vector(dimension::number), "A plane through the origin of 'at', with the ground below it: its normal"},
     {"heightmap", other(R"({"anyOf": [{"type": "string"},
       {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2}, "minItems": 2}]})"),
      "The ground below a grid of heights: a PNG image, or rows of numbers, that of the largest y first"},
     {"size", vector(dimension::length), "Of a heightmap: its extents along x and y, and the height of white, or of the number 1"},
-    {"box", vector(dimension::length), "A box: its three edges"},
-    {"sphere", number(dimension::length, Range::positive), "A sphere: its radius"},
-    {"cylinder", table(cylinder_table), ""},
-    {"capsule", table(capsule_table), ""},
-    {"ellipsoid", vector(dimension::length), "An ellipsoid: its three semi-axes"},
+};
+constexpr Key shape_entries[] = {
     {"mesh", string, "A mesh: a file in the scenario's folder or below it"},
     {"scale", other(R"({"anyOf": [{"type": ["number", "string"]},
       {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 3, "maxItems": 3}]})"),
@@ -50,6 +77,7 @@ constexpr Key shape_entries[] = {
     {"colour", string, "Colour: \"#rrggbb\" or a name; default: that of the mechanism"},
     {"color", string, "The same as colour"},
 };
+constexpr KeyList shape_keys = shape_entries;
 
 bool is_colour(const std::string& text) {
   const auto hexadecimal = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); };
@@ -172,20 +200,41 @@ void read_scale(const Value& value, Shape& shape, Diagnostics& out) {
   if (shape.scale.x == 0 || shape.scale.y == 0 || shape.scale.z == 0) out.error(value.place, "scale: must not be 0");
 }
 
-// cylinder and capsule
-void read_round(const Value& value, Shape::Kind kind, const KeyTable& keys, Shape& shape, Diagnostics& out) {
-  Fields fields(value, keys, out);
-  shape.kind = kind;
-  fields.require("radius");
-  const Value* const length = fields.require("length");
-  shape.radius = fields.number("radius").value_or(1);
-  if (length != nullptr && length->number() == 0.0)
-    out.error(
-        length->place, "length: must be greater than 0",
-        kind == Shape::Kind::capsule ? "without a length it is a sphere" : "a disc is a thin { ellipsoid = [0.3, 0.3, 1e-3] }");
-  else
-    shape.length = fields.number("length").value_or(1);
+// The only size of a primitive.
+struct SizeReader {
+  const Value& value;
+  const char* key;
+  Diagnostics& out;
+  void operator()(const char*, double& x, const Field& field) const {
+    x = read_number(value, field.dimension, key, out).value_or(x);
+    check(x > 0, field);
+  }
+  void operator()(const char*, Vec3& x, const Field& field) const {
+    x = read_vec3(value, field.dimension, key, out).value_or(x);
+    check(x.x > 0 && x.y > 0 && x.z > 0, field);
+  }
+  void check(bool positive, const Field& field) const {
+    if (!positive) out.error(value.place, std::string(key) + ": " + field.about + " must be greater than 0");
+  }
+};
+
+template <class P>
+void read_primitive(const Value& value, P& primitive, Diagnostics& out) {
+  if (keys_of<P>().size() == 1) {
+    const SizeReader reader{value, P::info.key, out};
+    return describe(reader, primitive);
+  }
+  Fields fields(value, primitive_table<P>, out);
+  FieldReader reader(fields);
+  describe(reader, primitive);
   fields.finish();
+}
+
+// "box, sphere and mesh"
+std::string in_words(std::string_view names) {
+  std::string text;
+  for (const char c : names) text += c == ' ' ? ", " : std::string(1, c);
+  return text.replace(text.rfind(", "), 2, " and ");
 }
 
 Shape read_one(const Value& value, ShapeUse use, Reading& reading) {
@@ -194,16 +243,13 @@ Shape read_one(const Value& value, ShapeUse use, Reading& reading) {
   Fields fields(value, of_ground ? ground_shape_table : shape_table, out);
   Shape shape;
   int kinds = 0;
-  const auto read_size = [&](const char* key, Shape::Kind kind, const char* sizes) {
-    const Value* const value_of = fields.find(key);
-    if (value_of == nullptr) return;
-    ++kinds, shape.kind = kind;
-    shape.size = read_vec3(*value_of, dimension::length, key, out).value_or(Vec3{1, 1, 1});
-    if (!(shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0))
-      out.error(value_of->place, std::string(key) + ": its three " + sizes + " must be greater than 0");
-  };
-  read_size("box", Shape::Kind::box, "edges");
-  read_size("ellipsoid", Shape::Kind::ellipsoid, "semi-axes");
+  contact::each_primitive([&](auto primitive) {
+    const Value* const given = fields.find(primitive.info.key);
+    if (given == nullptr) return;
+    ++kinds;
+    read_primitive(*given, primitive, out);
+    shape = Shape::of(primitive);
+  });
   if (const Value* plane = of_ground ? fields.find("plane") : nullptr; plane && ++kinds) {
     shape.kind = Shape::Kind::plane;
     shape.size = read_vec3(*plane, dimension::number, "plane", out).value_or(z_axis);
@@ -211,15 +257,6 @@ Shape read_one(const Value& value, ShapeUse use, Reading& reading) {
   }
   if (const Value* heightmap = of_ground ? fields.find("heightmap") : nullptr; heightmap && ++kinds)
     read_heightmap(*heightmap, fields, shape, reading);
-  if (const Value* sphere = fields.find("sphere"); sphere && ++kinds) {
-    shape.kind = Shape::Kind::sphere;
-    shape.radius = read_number(*sphere, dimension::length, "sphere", out).value_or(1);
-    if (!(shape.radius > 0)) out.error(sphere->place, "sphere: its radius must be greater than 0");
-  }
-  if (const Value* cylinder = fields.find("cylinder"); cylinder && ++kinds)
-    read_round(*cylinder, Shape::Kind::cylinder, cylinder_table, shape, out);
-  if (const Value* capsule = fields.find("capsule"); capsule && ++kinds)
-    read_round(*capsule, Shape::Kind::capsule, capsule_table, shape, out);
   if (const Value* mesh = fields.find("mesh"); mesh && ++kinds) read_mesh(*mesh, use == ShapeUse::drawn, shape, reading);
   if (const Value* scale = fields.find("scale")) {
     if (shape.kind == Shape::Kind::mesh || fields.has("mesh"))
@@ -234,9 +271,7 @@ Shape read_one(const Value& value, ShapeUse use, Reading& reading) {
       out.error(split->place, "split: only a mesh is split");
   }
   if (kinds != 1 && value.table())
-    out.error(fields.place(),
-              std::string("a shape is one of ") + (of_ground ? "plane, heightmap, " : "") +
-                  "box, sphere, cylinder, capsule, ellipsoid and mesh",
+    out.error(fields.place(), "a shape is one of " + in_words(of_ground ? kinds_of_ground.data() : kinds_of_bodies.data()),
               kinds > 1 ? "make the others further entries of a list" : "for example { sphere = 0.1 }");
   shape.at = fields.pose("at").value_or(Pose{});
   read_colour(fields, "colour", shape.colour, out);
@@ -247,16 +282,19 @@ Shape read_one(const Value& value, ShapeUse use, Reading& reading) {
 
 }  // namespace
 
-constinit const KeyTable shape_table{"shape",
-                                     "shape",
-                                     "A shape, for pictures only",
-                                     KeyList(shape_entries).subspan(3),
-                                     {{KeyRule::How::one, "box sphere cylinder capsule ellipsoid mesh"}}};
-constinit const KeyTable ground_shape_table{"shape",
-                                            "ground_shape",
-                                            "What bodies touch, fixed in the world",
-                                            shape_entries,
-                                            {{KeyRule::How::one, "plane heightmap box sphere cylinder capsule ellipsoid mesh"}}};
+constinit const KeyTable shape_table{.name = "shape",
+                                     .definition = "shape",
+                                     .about = "A shape, for pictures only",
+                                     .rules = {{KeyRule::How::one, kinds_of_bodies.data()}},
+                                     .shared = {&shape_keys},
+                                     .described = &primitive_keys};
+constinit const KeyTable ground_shape_table{.name = "shape",
+                                            .definition = "ground_shape",
+                                            .about = "What bodies touch, fixed in the world",
+                                            .own = ground_entries,
+                                            .rules = {{KeyRule::How::one, kinds_of_ground.data()}},
+                                            .shared = {&shape_keys},
+                                            .described = &primitive_keys};
 
 double read_split(const Value& value, Diagnostics& out) {
   const double split = read_number(value, dimension::number, "split", out).value_or(usual_split);

@@ -156,22 +156,11 @@ std::vector<contact::Solid> solids_of_mesh(const Shape& shape, const ShapeReport
 }  // namespace
 
 std::vector<contact::Solid> solids_of(const Shape& shape, const ShapeReports& report) {
-  const bool by_size = shape.kind == Shape::Kind::box || shape.kind == Shape::Kind::ellipsoid;
-  const bool has_size = by_size ? shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0
-                        : shape.kind == Shape::Kind::mesh || is_of_ground(shape.kind) ? true
-                                                                                      : shape.radius > 0;
-  if (!has_size || (shape.kind == Shape::Kind::cylinder && !(shape.length > 0))) {
-    report.refuse("a shape without volume", "its sizes must be greater than 0");
-    return {};
-  }
   switch (shape.kind) {
-    case Shape::Kind::sphere: return {contact::sphere(shape.radius, shape.at)};
-    case Shape::Kind::capsule:
-      return {shape.length > 0 ? contact::capsule(shape.radius, shape.length, shape.at)
-                               : contact::sphere(shape.radius, shape.at)};
-    case Shape::Kind::cylinder: return {contact::cylinder(shape.radius, shape.length, shape.at)};
-    case Shape::Kind::box: return {contact::box(shape.size, shape.at)};
-    case Shape::Kind::ellipsoid: return {contact::ellipsoid(shape.size, shape.at)};
+    case Shape::Kind::primitive:
+      if (contact::has_volume(shape.primitive)) return {contact::solid(shape.primitive, shape.at)};
+      report.refuse("a shape without volume", "its sizes must be greater than 0");
+      break;
     case Shape::Kind::mesh: return solids_of_mesh(shape, report);
     case Shape::Kind::plane: report.refuse("a plane of a body that moves", "a plane belongs to the ground: use a box"); break;
     case Shape::Kind::heights:

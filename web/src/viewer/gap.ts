@@ -36,7 +36,7 @@ export function nearestOn(lines: readonly Line[], point: Vec3): Vec3 {
 /** How far a shape reaches from its middle (m), or from its long axis. */
 function reachOf({ kind, size = [0, 0, 0], radius = 0, length = 0, scale = [1, 1, 1], parts = [] }: Shape, axis: boolean) {
   if (kind === "box") return axis ? Math.min(...size) / 2 : Math.hypot(...size) / 2;
-  if (kind !== "mesh") return axis ? radius : radius + length / 2;
+  if (kind !== "mesh" && parts.length === 0) return axis ? radius : radius + length / 2;
   const farthest = parts.map(({ positions }) => positions.reduce((most, x) => Math.max(most, Math.abs(x)), 0));
   return Math.max(0, ...farthest) * Math.max(...scale.map(Math.abs));
 }

@@ -21,7 +21,7 @@ function geometriesOf(shape: Shape): { geometry: THREE.BufferGeometry; colour?: 
       return [{ geometry: new THREE.CylinderGeometry(radius, radius, length, 28).rotateX(Math.PI / 2) }];
     case "capsule":
       return [{ geometry: new THREE.CapsuleGeometry(radius, length, 8, 24).rotateX(Math.PI / 2) }];
-    case "mesh":
+    default:
       return (shape.parts ?? []).map((part) => ({
         geometry: meshGeometry(part, shape.scale ?? [1, 1, 1]),
         colour: part.colour,
