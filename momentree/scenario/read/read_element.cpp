@@ -57,7 +57,7 @@ void read(const Value& table, Reading& reading) {
 }
 
 template <class... Kinds>
-std::vector<ElementTable> tables(const std::variant<std::monostate, Kinds...>*) {
+std::vector<ElementTable> list_tables(const std::variant<std::monostate, Kinds...>*) {
   std::vector<ElementTable> all{{&spring_table, read_spring}, {&cable_table, read_cable}};
   const auto add = [&all]<class Kind>(const Kind*) {
     if constexpr (has_table<Kind>) all.push_back({&keys_of_kind<Kind>, read<Kind>});
@@ -70,7 +70,7 @@ std::vector<ElementTable> tables(const std::variant<std::monostate, Kinds...>*) 
 }  // namespace
 
 std::span<const ElementTable> element_tables() {
-  static const std::vector<ElementTable> all = tables(static_cast<const JointElement*>(nullptr));
+  static const std::vector<ElementTable> all = list_tables(static_cast<const JointElement*>(nullptr));
   return all;
 }
 
