@@ -36,7 +36,7 @@ void evaluate(benchmark::State& run, Model (*make)(int)) {
   for (std::size_t i = 0; i < q.size(); ++i) move[i] = 1e-4 * static_cast<double>(i % 7 + 1);
 
   // A free root stays in its plane, if it is in one.
-  for (const int b : tree.quaternion_joints()) std::fill_n(move.begin() + tree.first_q(b), info(tree.kind(b)).nq, 0.0);
+  for (const int b : tree.joints_with().quaternions) std::fill_n(move.begin() + tree.first_q(b), info(tree.kind(b)).nq, 0.0);
 
   for (auto _ : run) {
     for (std::size_t i = 0; i < q.size(); ++i) q[i] += move[i], move[i] = -move[i];

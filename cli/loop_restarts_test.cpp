@@ -105,7 +105,7 @@ at = { xyz = [0.201, 0.266, 0.0734] }
   REQUIRE(first.simulation().run_until(0.2) == Status::ok);
   const io::test::TemporaryFolder folder;
   const std::string file = folder / "state.json";
-  io::write_text_file(file, io::state_json(first.simulation().world(), first.armed(), first.simulation().step_memory()));
+  io::write_text_file(file, io::state_json(first.simulation().world(), first.armed(), step_memory(first.simulation())));
   io::Session second(scenario, cli::documents_of(file, scenario.model));
   for (io::Session* each : {&first, &second}) each->simulation().apply(std::vector<Action>{unlock("thread")});
   const auto place = [](const io::Session& session) {

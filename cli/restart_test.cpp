@@ -472,7 +472,7 @@ until = 1
   Session ended(scenario, {});
   REQUIRE(ended.simulation().run_until(0) == Status::ok);
   const auto document = [](const Session& of) {
-    return io::state_json(of.simulation().world(), of.armed(), of.simulation().step_memory());
+    return io::state_json(of.simulation().world(), of.armed(), step_memory(of.simulation()));
   };
   const io::test::TemporaryFolder folder;
   const std::string file = folder / "state.json";

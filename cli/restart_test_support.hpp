@@ -34,7 +34,7 @@ struct RestartedRun {
                        (event.actions.empty() ? event.contact.one : event.actions.front().text()));
   }
   std::string state() const {
-    StepMemory memory = session.simulation().step_memory();
+    StepMemory memory = step_memory(session.simulation());
     memory.work = 0;
     return io::state_json(session.simulation().world(), session.armed(), memory);
   }
@@ -47,8 +47,8 @@ inline void check_restarts(const io::Scenario& scenario, double until, const std
     CAPTURE(stop);
     const RestartedRun first(scenario, "", stop);
     const std::string file = folder / "state.json";
-    io::write_text_file(file, io::state_json(first.session.simulation().world(), first.session.armed(),
-                                             first.session.simulation().step_memory()));
+    io::write_text_file(
+        file, io::state_json(first.session.simulation().world(), first.session.armed(), step_memory(first.session.simulation())));
     CHECK(RestartedRun(scenario, file, stop).state() == first.state());  // nothing happens again
     const RestartedRun second(scenario, file, until);
     std::vector<std::string> events = first.events;
@@ -57,8 +57,8 @@ inline void check_restarts(const io::Scenario& scenario, double until, const std
     CHECK(second.state() == whole.state());
     // Sums of work may differ by rounding: steps are evaluated again to find peaks of the load that breaks a joint.
     if (whole.adaptive)
-      CHECK(second.session.simulation().step_memory().work ==
-            doctest::Approx(whole.session.simulation().step_memory().work).epsilon(1e-12));
+      CHECK(step_memory(second.session.simulation()).work ==
+            doctest::Approx(step_memory(whole.session.simulation()).work).epsilon(1e-12));
   }
 }
 

@@ -12,3 +12,4 @@
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/snapshot.hpp>
+#include <momentree/tree/edit.hpp>

@@ -46,7 +46,7 @@ void MtWorld::apply_grip(int body) {
 
 void MtWorld::after_restore() {
   std::vector<std::string> pulled;
-  for (const Topology::Loaded& load : simulation->world().tree().body_functions())
+  for (const Topology::Loaded& load : simulation->world().tree().loads().functions)
     pulled.push_back(simulation->world().model()[{load.body}].name);
   for (const std::string& body : pulled) simulation->force(body, {});
   grip = {};

@@ -8,7 +8,7 @@ namespace momentree::bench {
 class Rkmk4 {
  public:
   explicit Rkmk4(const Tree& tree) {
-    for (const int b : tree.quaternion_joints()) {
+    for (const int b : tree.joints_with().quaternions) {
       const bool free = tree.joint(b).kind == Kind::free;
       turns_.push_back({tree.first_q(b) + (free ? 3 : 0), tree.first_p(b) + (free ? 3 : 0), {}, {}});
     }

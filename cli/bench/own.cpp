@@ -95,13 +95,13 @@ class Own {
 
  private:
   /// The armature of a broken joint no longer rotates, and its energy is lost.
-  bool has_armature(int b) const { return tree_.armature()[tree_.first_p(b)] != 0; }
-  bool driven(int b) const { return std::ranges::find(tree_.driven_joints(), b) != tree_.driven_joints().end(); }
+  bool has_armature(int b) const { return tree_.tables().armature[tree_.first_p(b)] != 0; }
+  bool driven(int b) const { return std::ranges::find(tree_.joints_with().motions, b) != tree_.joints_with().motions.end(); }
   [[noreturn]] void wrong(const char* what) const { throw Error{row.model + ": " + what, "", ""}; }
 
   template <class Change>
   double change(const Change& what, bool keeps_energy, double budget) {
-    const bool powered = !tree_.driven_joints().empty();  // prescribed motions do work
+    const bool powered = !tree_.joints_with().motions.empty();  // prescribed motions do work
     double energy = 0;
     const double best = shortest_change(budget, what, tree_, states_[0], workspace_, energy);
     if (!powered && !(energy < 1 + 1e-9 && (!keeps_energy || energy > 1 - 1e-8)))

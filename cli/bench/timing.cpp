@@ -18,7 +18,7 @@ double momentum_error(const Tree& tree, const double* q, const double* p, const 
 
 std::vector<double> moved(const Tree& tree, std::vector<double> q) {
   for (std::size_t i = 0; i < q.size(); ++i) q[i] += 1e-4 * static_cast<double>(i % 7 + 1);
-  for (const int b : tree.quaternion_joints()) {
+  for (const int b : tree.joints_with().quaternions) {
     double* u = q.data() + tree.first_q(b) + info(tree.joint(b).kind).nq - 4;
     const double n = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]);
     for (int i = 0; i < 4; ++i) u[i] /= n;

@@ -133,13 +133,13 @@ int compile(const CompileOptions& options) {
                (forces ? format("Dampers, springs and constant efforts of its joints are in %s.\n", momenta ? "pdot" : "udot")
                        : format("Without joint forces: add those of dampers, springs and drives to %s yourself.\n",
                                 momenta ? "pdot" : "tau")) +
-               (tree.driven_joints().empty() ? ""
-                : momenta                    ? "For a joint whose motion is prescribed, p is the rate and pdot is zero.\n"
-                                             : "For a joint whose motion is prescribed, tau and udot are the acceleration.\n") +
+               (tree.joints_with().motions.empty() ? ""
+                : momenta                          ? "For a joint whose motion is prescribed, p is the rate and pdot is zero.\n"
+                          : "For a joint whose motion is prescribed, tau and udot are the acceleration.\n") +
                packing(world, options.variables) + loop_motions(world) +
                (tree.has_loops() ? format("Closed loops: %zu independent equations of %d, as at the start of the scenario.\n"
                                           "q and u must close the loops: correct them after each step.\n",
-                                          chosen.rows.size(), tree.loop_rows())
+                                          chosen.rows.size(), tree.loops().rows)
                                  : "");
   const std::string source = kernel_source(kernel, text);
   const bool to_output = options.out == "-";

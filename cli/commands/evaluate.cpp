@@ -66,7 +66,7 @@ std::string evaluation_text(const World& world, const Style& style) {
     table.row({"joint", "follows", "effort"});
     for (int c = 0; c < world.couplings(); ++c) {
       const CouplingView view = world.coupling({c});
-      const auto [joint, follows] = world.coupling_names({c});
+      const auto [joint, follows] = coupling_names(world, {c});
       table.row({joint, follows, view.ended ? "ended" : format("%.9g", view.effort), view.determined ? "" : "not determined"});
     }
     couplings = '\n' + style.heading("Exact couplings") + " (N, N m; on the joint)\n" + table.text("  ");
@@ -92,11 +92,11 @@ int evaluate(const EvaluateOptions& options) {
   const std::shared_ptr<const io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
   const io::Session session(scenario, documents_of(options.state, scenario->model));
-  if (const std::optional<Overlap> worst = session.simulation().overlap(); worst && worst->depth > left_by_steps)
+  if (const std::optional<Overlap> worst = overlap(session.simulation()); worst && worst->depth > left_by_steps)
     throw_error({worst->text() + " in this state", options.state.empty() ? options.scenario : options.state,
                  "move one of them, or use the scenario for which the state was written"});
   const World& world = session.simulation().world();
-  StepMemory memory = session.simulation().step_memory();
+  StepMemory memory = step_memory(session.simulation());
   if (options.state.empty() && scenario->state_files.empty()) memory.next_step = memory.work = 0;  // no step was made
   if (options.json)
     std::fputs(io::state_json(world, session.armed(), memory).c_str(), stdout);

@@ -131,7 +131,7 @@ std::string joints_by_kind(const World& world) {
 /// Bodies of mechanisms that move in a plane, which have separate kernels.
 int bodies_in_planes(const Tree& tree) {
   int bodies = 0;
-  for (const KernelRun& run : tree.kernel_runs())
+  for (const KernelRun& run : tree.tables().runs)
     if (run.planar) bodies += run.end - run.begin;
   return bodies;
 }
@@ -164,7 +164,7 @@ std::string couplings_text(const World& world) {
   for (int c = 0; c < world.couplings(); ++c) {
     const CouplingView view = world.coupling({c});
     const Coupling& law = view.coupling;
-    const auto [joint, follows] = world.coupling_names({c});
+    const auto [joint, follows] = coupling_names(world, {c});
     text += "  '" + joint + "' = " + format("%g", law.offset);
     if (law.leads()) text += format(" %+g", law.multiplier) + "·'" + follows + "'";
     for (std::size_t i = 0; i < law.higher.size(); ++i)

@@ -11,7 +11,7 @@ namespace {
 std::vector<int> made_free(const Tree& tree) {
   std::vector<int> all;
   for (int b = tree.first_root(); b >= 0; b = tree.next_sibling(b))
-    if (tree.detached(b) && tree.kind(b) == Kind::free) all.push_back(tree.joint_of(b));
+    if (is_detached(tree, b) && tree.kind(b) == Kind::free) all.push_back(tree.joint_of(b));
   return all;
 }
 
@@ -19,7 +19,7 @@ std::vector<int> made_free(const Tree& tree) {
 
 // Changes by edits know no names: where they left a world without them, it gets those that actions would have given.
 Names Batch::Impl::names_of(int world, const Tree& tree) const {
-  Names names(model);
+  Names names(basis.model);
   std::span<const int> named_free;
   if (const auto known = named.find(world); known != named.end()) {
     named_free = known->second.free;
@@ -27,16 +27,16 @@ Names Batch::Impl::names_of(int world, const Tree& tree) const {
       joint >= first_loop ? names.add_loop(joint, name) : names.name_joint(joint, name);
     for (const auto& [root, name] : known->second.mechanisms) names.name_mechanism(root, name);
   }
-  for (int k = 0; k < model.size(); ++k) {
+  for (int k = 0; k < basis.model.size(); ++k) {
     if (tree.carrier(k) < 0 && !names.joint(k).empty()) names.remove_joint(k);
     const bool root = tree.alive(k) && tree.parent(k) < 0;
     if (!root && !names.mechanism(k).empty())
       names.name_mechanism(k, {});
     else if (root && names.mechanism(k).empty())
-      names.name_mechanism(k, model[BodyId{k}].name);
+      names.name_mechanism(k, basis.model[BodyId{k}].name);
   }
   for (int k = first_loop; k < names.loops_end(); ++k)
-    if (tree.find_loop({k}) == nullptr && !names.joint(k).empty()) names.remove_joint(k);
+    if (tree.loops().find({k}) == nullptr && !names.joint(k).empty()) names.remove_joint(k);
   for (const Loop& loop : tree.loops()) {
     const int k = loop.id().index;
     if (k < names.loops_end() && !names.joint(k).empty()) continue;
@@ -46,16 +46,16 @@ Names Batch::Impl::names_of(int world, const Tree& tree) const {
   }
   for (const int joint : made_free(tree))
     if (std::find(named_free.begin(), named_free.end(), joint) == named_free.end())
-      names.name_joint(joint, names.free_joint(model[BodyId{tree.carrier(joint)}].name, joint));
+      names.name_joint(joint, names.free_joint(basis.model[BodyId{tree.carrier(joint)}].name, joint));
   return names;
 }
 
 Batch::Impl::Named Batch::Impl::names_now(int world) const {
-  const Names declared_names(model), names = names_of(world, seat(world).group->tree());
+  const Names declared_names(basis.model), names = names_of(world, seat(world).group->tree());
   Named now;
   if (const auto known = named.find(world); known != named.end()) now = known->second;
   now.joints.clear(), now.mechanisms.clear();
-  for (int k = 0; k < model.size(); ++k) {
+  for (int k = 0; k < basis.model.size(); ++k) {
     if (names.joint(k) != declared_names.joint(k)) now.joints.emplace_back(k, names.joint(k));
     if (names.mechanism(k) != declared_names.mechanism(k)) now.mechanisms.emplace_back(k, names.mechanism(k));
   }
@@ -68,7 +68,7 @@ Batch::Impl::Named Batch::Impl::names_now(int world) const {
 Batch::Impl::Named Batch::Impl::names_in(const World& world, Named before, bool& made_loops) const {
   WorldSnapshot now = world.snapshot();
   before.joints = std::move(now.joint_names), before.mechanisms = std::move(now.mechanism_names);
-  const int later = first_loop + static_cast<int>(model.loops().size());
+  const int later = first_loop + static_cast<int>(basis.model.loops().size());
   const auto is_later = [later](const auto& each) { return each.first >= later; };
   made_loops = made_loops || std::any_of(before.joints.begin(), before.joints.end(), is_later);
   std::erase_if(before.joints, [&](const auto& each) { return is_later(each) && each.second.empty(); });
@@ -87,7 +87,7 @@ WorldSnapshot Batch::Impl::snapshot_of(int world) const {
   engine.turns.assign(group.turns(at.slot).begin(), group.turns(at.slot).end());
   engine.q.resize(static_cast<std::size_t>(group.tree().nq())), engine.y.resize(static_cast<std::size_t>(group.tree().nv()));
   group.get_values(at.slot, engine.q.data(), engine.y.data());
-  if (named.contains(world) || group.tree().revision() != declared.revision()) {
+  if (named.contains(world) || group.tree().revision() != basis.declared.revision()) {
     Named names = names_now(world);
     start.joint_names = std::move(names.joints), start.mechanism_names = std::move(names.mechanisms);
   }
@@ -97,9 +97,9 @@ WorldSnapshot Batch::Impl::snapshot_of(int world) const {
 Event Batch::apply(int world, std::span<const Action> actions, std::string name) {
   Impl& impl = changing();
   const Impl::Seat& seat = impl.seat(world);
-  if (impl.one_by_one) return impl.apply_in_simulation(world, actions, std::move(name));
+  if (impl.basis.one_by_one) return impl.apply_in_simulation(world, actions, std::move(name));
   const Group& group = *seat.group;
-  if (group.tree().bodies() != impl.model.size())
+  if (group.tree().bodies() != impl.basis.model.size())
     throw_error({"bodies were added to world " + std::to_string(world) + ", which have no names that actions could refer to", "",
                  "use the changes of topology/change.hpp"});
   Impl::Named names = impl.names_now(world);
@@ -107,9 +107,10 @@ Event Batch::apply(int world, std::span<const Action> actions, std::string name)
   start.world = impl.snapshot_of(world);
 
   // Numbers of loop joints must not depend on what happened in other worlds.
-  if (std::exchange(impl.scratch_is_used, true)) impl.scratch.reset();
-  if (impl.scratch == nullptr) impl.scratch = std::make_unique<Simulation>(impl.model, impl.integration);
-  Simulation& scratch = *impl.scratch;
+  if (std::exchange(impl.trial.is_used, true)) impl.trial.simulation.reset();
+  if (impl.trial.simulation == nullptr)
+    impl.trial.simulation = std::make_unique<Simulation>(impl.basis.model, impl.basis.integration);
+  Simulation& scratch = *impl.trial.simulation;
   scratch.restore(start);
   const bool unnamed = name.empty();
   Event event = scratch.apply(actions, std::move(name));
@@ -118,8 +119,8 @@ Event Batch::apply(int world, std::span<const Action> actions, std::string name)
   impl.out.state = after.state();
   put_back(world);  // may throw
 
-  impl.scratch_is_used = false;
-  names = impl.names_in(after, std::move(names), impl.scratch_is_used);
+  impl.trial.is_used = false;
+  names = impl.names_in(after, std::move(names), impl.trial.is_used);
   ++names.events;
   if (unnamed) event.name = "#" + std::to_string(names.events);
   impl.named[world] = std::move(names);
@@ -129,20 +130,22 @@ Event Batch::apply(int world, std::span<const Action> actions, std::string name)
 std::optional<JointId> Batch::find_joint(int world, const std::string& name) const {
   const Impl& impl = this->impl();
   const Tree& tree = impl.seat(world).group->tree();
-  if (!impl.had_loops && !impl.named.contains(world) && tree.revision() == impl.declared.revision() && impl.model.has_joint(name))
-    return impl.model.joint(name);
+  if (!impl.had_loops && !impl.named.contains(world) && tree.revision() == impl.basis.declared.revision() &&
+      impl.basis.model.has_joint(name))
+    return impl.basis.model.joint(name);
   const int number = impl.names_of(world, tree).find_joint(name);
   return number < 0 ? std::nullopt : std::optional(JointId{number});
 }
 
 std::string Batch::joint_name(int world, JointId joint) const {
   const Tree& tree = impl().seat(world).group->tree();
-  if (is_loop(joint)) return tree.find_loop(joint) != nullptr ? impl_->names_of(world, tree).joint(joint.index) : std::string();
+  if (is_loop(joint))
+    return tree.loops().find(joint) != nullptr ? impl_->names_of(world, tree).joint(joint.index) : std::string();
   MT_REQUIRE(joint.index >= 0 && joint.index < tree.bodies(), "the world has or had a joint of that number");
-  if (joint.index >= impl_->model.size() || tree.carrier(joint.index) < 0) return {};
+  if (joint.index >= impl_->basis.model.size() || tree.carrier(joint.index) < 0) return {};
   for (const auto& [number, name] : impl_->names_now(world).joints)
     if (number == joint.index) return name;
-  return impl_->model[joint].joint_name;
+  return impl_->basis.model[joint].joint_name;
 }
 
 }  // namespace momentree

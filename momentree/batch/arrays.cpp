@@ -38,17 +38,17 @@ Group& Batch::Impl::common(std::span<const int> worlds) const {
 
 Group& Batch::Impl::common_rows(std::span<const int> worlds) {
   Group& group = common(worlds);
-  rows.resize(worlds.size());
-  std::iota(rows.begin(), rows.end(), 0);
+  call.rows.resize(worlds.size());
+  std::iota(call.rows.begin(), call.rows.end(), 0);
   const auto slot_of = [&](int row) { return seats[static_cast<std::size_t>(worlds[static_cast<std::size_t>(row)])].slot; };
   const auto before = [&](int a, int b) { return slot_of(a) < slot_of(b); };
-  if (!std::is_sorted(rows.begin(), rows.end(), before)) std::sort(rows.begin(), rows.end(), before);
+  if (!std::is_sorted(call.rows.begin(), call.rows.end(), before)) std::sort(call.rows.begin(), call.rows.end(), before);
   return group;
 }
 
 JointNamer Batch::Impl::namer(int world) const {
   return [this, world](int joint) {
-    return (joint < model.size() ? model[JointId{joint}].joint_name : "#" + std::to_string(joint)) + "' of world '" +
+    return (joint < basis.model.size() ? basis.model[JointId{joint}].joint_name : "#" + std::to_string(joint)) + "' of world '" +
            std::to_string(world);
   };
 }
@@ -93,11 +93,11 @@ void Batch::read(std::span<const int> worlds, double* time, double* q, double* p
   }
   double* const other = momenta ? v : p;
   if (other == nullptr) return;
-  if (momenta && !group.tree().has_loops() && !impl.one_by_one) return impl.read_velocities(group, worlds, v);
-  for (Impl::Scratch& each : impl.scratches) each.fit(group.tree());
+  if (momenta && !group.tree().has_loops() && !impl.basis.one_by_one) return impl.read_velocities(group, worlds, v);
+  for (Impl::Scratch& each : impl.call.scratches) each.fit(group.tree());
   impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
     const auto row = static_cast<std::size_t>(i);
-    Impl::Scratch& own = impl.scratches[static_cast<std::size_t>(thread)];
+    Impl::Scratch& own = impl.call.scratches[static_cast<std::size_t>(thread)];
     group.get_values(slot_of(row), own.q.data(), own.v.data());
     Impl::convert(group.tree(), group.variables(), own.q.data(), own.v.data(), other + place(row, nv), own);
   });
@@ -108,13 +108,13 @@ void Batch::read_loop(std::span<const int> worlds, JointId joint, double* q, dou
   if (worlds.empty()) return;
   const Group& group = impl.common(worlds);
   const Tree& tree = group.tree();
-  const int at = is_loop(joint) ? tree.loop_place(joint) : -1;
+  const int at = is_loop(joint) ? tree.loops().place(joint) : -1;
   MT_REQUIRE(at >= 0, "a joint that closes a loop in these worlds");
   const KindInfo& kind = info(tree.loops()[static_cast<std::size_t>(at)].joint.kind);
-  for (Impl::Scratch& each : impl.scratches) each.fit(tree);
+  for (Impl::Scratch& each : impl.call.scratches) each.fit(tree);
   impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
     const auto row = static_cast<std::size_t>(i);
-    Impl::Scratch& own = impl.scratches[static_cast<std::size_t>(thread)];
+    Impl::Scratch& own = impl.call.scratches[static_cast<std::size_t>(thread)];
     const int slot = impl.seat(worlds[row]).slot;
     group.get_values(slot, own.q.data(), own.v.data());
     if (group.variables() == Variables::momenta)
@@ -133,23 +133,23 @@ void Batch::Impl::read_velocities(Group& group, std::span<const int> worlds, dou
   const auto slot_of = [&](std::size_t row) { return seats[static_cast<std::size_t>(worlds[row])].slot; };
   // Blocks that contain one of the worlds, by their first place in `rows`.
   tasks.clear();
-  std::vector<std::size_t>& first = firsts;
+  std::vector<std::size_t>& first = call.firsts;
   first.clear();
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const int block = slot_of(static_cast<std::size_t>(rows[k])) / lanes_of_group;
+  for (std::size_t k = 0; k < call.rows.size(); ++k) {
+    const int block = slot_of(static_cast<std::size_t>(call.rows[k])) / lanes_of_group;
     if (tasks.empty() || tasks.back().block != block) tasks.push_back({&group, block}), first.push_back(k);
   }
-  first.push_back(rows.size());
+  first.push_back(call.rows.size());
   const auto width = static_cast<std::size_t>(lanes_of_group);
-  for (Scratch& each : scratches) each.lanes.resize(width * static_cast<std::size_t>(nq + 2 * nv));
+  for (Scratch& each : call.scratches) each.lanes.resize(width * static_cast<std::size_t>(nq + 2 * nv));
   pool.run(static_cast<int>(tasks.size()), [&](int thread, int i) {
-    double* const rates = scratches[static_cast<std::size_t>(thread)].lanes.data();
+    double* const rates = call.scratches[static_cast<std::size_t>(thread)].lanes.data();
     double* const velocities = rates + width * static_cast<std::size_t>(nq + nv);
     const batch::Block block = group.block(tasks[static_cast<std::size_t>(i)].block);
-    steppers[static_cast<std::size_t>(thread)]->rates(group.tree(), group.plan(), block.q, block.y, rates,
-                                                      rates + width * static_cast<std::size_t>(nq), velocities);
+    steppers.trees[static_cast<std::size_t>(thread)]->rates(group.tree(), group.plan(), block.q, block.y, rates,
+                                                            rates + width * static_cast<std::size_t>(nq), velocities);
     for (std::size_t k = first[static_cast<std::size_t>(i)]; k < first[static_cast<std::size_t>(i) + 1]; ++k) {
-      const auto row = static_cast<std::size_t>(rows[k]);
+      const auto row = static_cast<std::size_t>(call.rows[k]);
       const auto lane = static_cast<std::size_t>(slot_of(row) % lanes_of_group);
       for (int f = 0; f < nv; ++f) v[place(row, nv) + static_cast<std::size_t>(f)] = velocities[place(width, f) + lane];
     }
@@ -162,7 +162,7 @@ void Batch::write(std::span<const int> worlds, const double* time, const double*
   Group& group = impl.common(worlds);
   const Tree& tree = group.tree();
   const int nq = tree.nq(), nv = tree.nv();
-  Impl::Scratch& scratch = impl.scratches[0];
+  Impl::Scratch& scratch = impl.call.scratches[0];
   scratch.fit(tree);
   // First all checks, then all changes.
   for (std::size_t row = 0; row < worlds.size(); ++row) {
@@ -173,7 +173,7 @@ void Batch::write(std::span<const int> worlds, const double* time, const double*
     check_packed(tree, "coordinates", true, row_of(q, row, nq), name);
     std::copy_n(q + place(row, nq), nq, scratch.q.data());
     normalise_quaternions(tree, scratch.q, name);
-    if (impl.one_by_one) check_limits(tree, row_of(q, row, nq), name);
+    if (impl.basis.one_by_one) check_limits(tree, row_of(q, row, nq), name);
   }
   // The new numbers of a world, with y as given.
   const auto take = [&](std::size_t row, Impl::Scratch& own) {
@@ -190,19 +190,19 @@ void Batch::write(std::span<const int> worlds, const double* time, const double*
   if (tree.has_loops()) return impl.write_closed(worlds, y != nullptr ? given : group.variables(), take);
   const bool converts = y != nullptr && given != group.variables();
   if (converts) {
-    for (Impl::Scratch& each : impl.scratches) each.fit(tree);
-    impl.converted.resize(worlds.size() * static_cast<std::size_t>(nv));
+    for (Impl::Scratch& each : impl.call.scratches) each.fit(tree);
+    impl.call.converted.resize(worlds.size() * static_cast<std::size_t>(nv));
     impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
       const auto row = static_cast<std::size_t>(i);
-      Impl::Scratch& own = impl.scratches[static_cast<std::size_t>(thread)];
+      Impl::Scratch& own = impl.call.scratches[static_cast<std::size_t>(thread)];
       take(row, own);
-      Impl::convert(tree, given, own.q.data(), own.v.data(), impl.converted.data() + place(row, nv), own);
+      Impl::convert(tree, given, own.q.data(), own.v.data(), impl.call.converted.data() + place(row, nv), own);
     });
   }
   for (std::size_t row = 0; row < worlds.size(); ++row) {
     const double now = take(row, scratch);
     const int slot = impl.seat(worlds[row]).slot;
-    group.set_values(slot, now, scratch.q.data(), converts ? impl.converted.data() + place(row, nv) : scratch.v.data());
+    group.set_values(slot, now, scratch.q.data(), converts ? impl.call.converted.data() + place(row, nv) : scratch.v.data());
     group.set_ran_away(slot, false);
     impl.changed(worlds[row]);
   }
@@ -216,16 +216,16 @@ void Batch::Impl::write_closed(std::span<const int> worlds, Variables given,
   const Names names = names_of(worlds[0], tree);
   std::vector<State> states(worlds.size());
   std::vector<char> closed(worlds.size());
-  for (Scratch& each : scratches) each.fit(tree);
+  for (Scratch& each : call.scratches) each.fit(tree);
   pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
     const auto row = static_cast<std::size_t>(i);
-    Scratch& own = scratches[static_cast<std::size_t>(thread)];
+    Scratch& own = call.scratches[static_cast<std::size_t>(thread)];
     const double now = take(row, own);
     if (given != group.variables()) convert(tree, given, own.q.data(), own.v.data(), own.v.data(), own);
     State& state = states[row] = State(tree, group.variables());
     state.assign(now, own.q, own.v, tree);
     state.set_turns(group.turns(seat(worlds[row]).slot));
-    closed[row] = assemble(tree, model, names, state) ? 0 : 1;
+    closed[row] = assemble(tree, basis.model, names, state) ? 0 : 1;
   });
   for (std::size_t row = 0; row < worlds.size(); ++row)
     if (closed[row] == 0) close(worlds[row], tree, states[row]);  // throws
@@ -243,18 +243,18 @@ void Batch::momenta_of(std::span<const int> worlds, const double* q, const doubl
   const Group& group = impl.common(worlds);
   const Tree& tree = group.tree();
   const int nq = tree.nq(), nv = tree.nv();
-  for (Impl::Scratch& each : impl.scratches) each.fit(tree);
+  for (Impl::Scratch& each : impl.call.scratches) each.fit(tree);
   for (std::size_t row = 0; row < worlds.size(); ++row) {
     const JointNamer name = impl.namer(worlds[row]);
     if (time != nullptr) check_time(time[row]);
     check_packed(tree, "coordinates", true, row_of(q, row, nq), name);
     check_packed(tree, "velocities", false, row_of(v, row, nv), name);
-    std::copy_n(q + place(row, nq), nq, impl.scratches[0].q.data());
-    normalise_quaternions(tree, impl.scratches[0].q, name);
+    std::copy_n(q + place(row, nq), nq, impl.call.scratches[0].q.data());
+    normalise_quaternions(tree, impl.call.scratches[0].q, name);
   }
   impl.pool.run(static_cast<int>(worlds.size()), [&](int thread, int i) {
     const auto row = static_cast<std::size_t>(i);
-    Impl::Scratch& own = impl.scratches[static_cast<std::size_t>(thread)];
+    Impl::Scratch& own = impl.call.scratches[static_cast<std::size_t>(thread)];
     std::copy_n(q + place(row, nq), nq, own.q.data());
     std::copy_n(v + place(row, nv), nv, own.v.data());
     normalise_quaternions(tree, own.q, {});  // which cannot fail any more
@@ -294,7 +294,7 @@ void Batch::motions(std::span<const int> worlds, BodyId body, double* thirteen) 
     if (impl.seat(world).group == last) continue;
     last = impl.seat(world).group;
     const Tree& tree = last->tree();
-    for (Impl::Scratch& each : impl.scratches) {
+    for (Impl::Scratch& each : impl.call.scratches) {
       if (each.workspace.capacity() < tree.bodies()) each.workspace = Workspace<double>(tree);
       if (each.q.size() < static_cast<std::size_t>(tree.nq())) each.q.resize(static_cast<std::size_t>(tree.nq()));
       if (each.v.size() < static_cast<std::size_t>(tree.nv())) each.v.resize(static_cast<std::size_t>(tree.nv()));
@@ -309,7 +309,7 @@ void Batch::motions(std::span<const int> worlds, BodyId body, double* thirteen) 
       std::fill_n(to, 13, std::numeric_limits<double>::quiet_NaN());
       return;
     }
-    auto& [workspace, projection, q, y, lanes] = impl.scratches[static_cast<std::size_t>(thread)];
+    auto& [workspace, projection, q, y, lanes] = impl.call.scratches[static_cast<std::size_t>(thread)];
     seat.group->get_values(seat.slot, q.data(), y.data());
     if (seat.group->variables() == Variables::momenta)
       evaluate_motions<double>(tree, q.data(), y.data(), workspace);

@@ -139,7 +139,7 @@ TEST_CASE("momenta of velocities give these velocities back; motions are followe
     batch.read(worlds, now_time.data(), now_q.data(), nullptr, now_v.data());
     CHECK(now_time == time);
     const auto motion = Signal::sine(0.3, 1, 0.4);
-    const Curve::Point at = batch.tree(0).motion(2).at(0.75);
+    const Curve::Point at = prescribed_motion(batch.tree(0), 2).at(0.75);
     for (std::size_t row = 0; row < 11; ++row)
       for (std::size_t i = 0; i < nv; ++i) {
         const double expected = i == 9 ? at.rate : i == 10 ? 0 : v[row * nv + i];

@@ -28,19 +28,19 @@ const Model& with_bodies(const Model& model) {
 Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
     : impl_(std::make_unique<Impl>(with_bodies(model), options, threads_of(options))) {
   if (worlds < 1) throw_error({"a batch has at least one world", "", "give the number of worlds"});
-  const Tree& tree = impl_->declared;
+  const Tree& tree = impl_->basis.declared;
   impl_->check(tree);
   impl_->seats.resize(static_cast<std::size_t>(worlds));
   impl_->tasks.reserve(impl_->seats.size());  // at most a block for each world
   impl_->efforts.resize(static_cast<std::size_t>(worlds));
   Group& group = impl_->group_of(tree);
-  if (impl_->one_by_one)
+  if (impl_->basis.one_by_one)
     impl_->make_simulations(worlds);
   else if (tree.has_loops())
-    impl_->scratch = std::make_unique<Simulation>(impl_->model, impl_->integration);  // closes them
-  const State start = impl_->one_by_one  ? impl_->simulated[0]->simulation().world().state()
-                      : tree.has_loops() ? impl_->scratch->world().state()
-                                         : start_state(model, tree, impl_->variables);
+    impl_->trial.simulation = std::make_unique<Simulation>(impl_->basis.model, impl_->basis.integration);  // closes them
+  const State start = impl_->basis.one_by_one ? impl_->simulated[0]->simulation().world().state()
+                      : tree.has_loops()      ? impl_->trial.simulation->world().state()
+                                              : start_state(model, tree, impl_->basis.variables);
   for (int world = 0; world < worlds; ++world) {
     impl_->sit(world, group);
     group.set_state(impl_->seat(world).slot, start);
@@ -77,10 +77,10 @@ Batch::Editing::Editing(Batch& batch) : impl_(*batch.impl_) { impl_.editing = tr
 Batch::Editing::~Editing() { impl_.editing = false; }
 
 int Batch::worlds() const { return static_cast<int>(impl().seats.size()); }
-Isa Batch::isa() const { return impl().isa; }
-Variables Batch::variables() const { return impl().variables; }
+Isa Batch::isa() const { return impl().steppers.isa; }
+Variables Batch::variables() const { return impl().basis.variables; }
 Variables Batch::variables(int world) const { return impl().seat(world).group->variables(); }
-int Batch::lanes() const { return impl().lanes; }
+int Batch::lanes() const { return impl().steppers.lanes; }
 int Batch::threads() const { return impl().pool.threads(); }
 int Batch::groups() const { return static_cast<int>(impl().groups.size()); }
 
@@ -91,7 +91,7 @@ constexpr const char* a_step = "a step that is finite and not negative";
 
 void Batch::step(double h) noexcept {
   MT_REQUIRE(is_step(h), a_step);
-  if (changing().one_by_one) return impl_->step_simulations([h](int) { return h; });
+  if (changing().basis.one_by_one) return impl_->step_simulations([h](int) { return h; });
   for (const Impl::Seat& seat : changing().seats) seat.group->set_step(seat.slot, h);
   impl_->run();
 }
@@ -99,7 +99,7 @@ void Batch::step(double h) noexcept {
 void Batch::step(std::span<const double> h) noexcept {
   MT_REQUIRE(h.size() == changing().seats.size(), "one step for every world");
   for (const double each : h) MT_REQUIRE(is_step(each), a_step);
-  if (impl_->one_by_one) return impl_->step_simulations([h](int world) { return h[static_cast<std::size_t>(world)]; });
+  if (impl_->basis.one_by_one) return impl_->step_simulations([h](int world) { return h[static_cast<std::size_t>(world)]; });
   for (std::size_t world = 0; world < h.size(); ++world) impl_->seats[world].group->set_step(impl_->seats[world].slot, h[world]);
   impl_->run();
 }
@@ -127,7 +127,7 @@ void Batch::set_state(int world, const State& state) {
   const Impl::Seat& seat = changing().seat(world);
   MT_REQUIRE(state.topology() == seat.group->tree().revision(), "the state belongs to tree(world)");
   MT_REQUIRE(!state.being_edited(), edited_state);
-  if (impl_->one_by_one) check_limits(seat.group->tree(), state.q(), impl_->namer(world));
+  if (impl_->basis.one_by_one) check_limits(seat.group->tree(), state.q(), impl_->namer(world));
   if (seat.group->tree().has_loops()) {
     State closed = state;
     impl_->close(world, seat.group->tree(), closed);
@@ -140,16 +140,16 @@ void Batch::set_state(int world, const State& state) {
 }
 
 void Batch::Impl::check(const Tree& tree) const {
-  if (!one_by_one) return batch::check(tree);
+  if (!basis.one_by_one) return batch::check(tree);
   batch::check_functions(tree);
-  if (tree.bodies() != model.size())
+  if (tree.bodies() != basis.model.size())
     throw_error({"bodies can't be added to a world that is stepped by a simulation of its own", "", "add them to the model"});
 }
 
 void Batch::Impl::set_state(const Seat& seat, const State& state) {
   if (state.variables() == seat.group->variables()) return seat.group->set_state(seat.slot, state);
   const Tree& tree = seat.group->tree();
-  Scratch& own = scratches[0];
+  Scratch& own = call.scratches[0];
   own.fit(tree);
   convert(tree, state.variables(), state.q().data(), state.y().data(), own.v.data(), own);
   seat.group->set_values(seat.slot, state.time(), state.q().data(), own.v.data(), state.turns());
@@ -157,7 +157,7 @@ void Batch::Impl::set_state(const Seat& seat, const State& state) {
 
 void Batch::Impl::close(int world, const Tree& tree, State& state) const {
   if (!tree.has_loops()) return;
-  std::optional<Error> error = assemble(tree, model, names_of(world, tree), state);
+  std::optional<Error> error = assemble(tree, basis.model, names_of(world, tree), state);
   if (!error) return;
   error->where += " of world " + std::to_string(world);
   throw_error(std::move(*error));
@@ -182,7 +182,7 @@ namespace {
 // Whether a loop joint has taken the place, and the number, of that joint, which broke.
 bool took_place(const Tree& before, const Tree& after, int joint) {
   const auto loops = before.loops();
-  if (std::all_of(loops.begin(), loops.end(), [&](const Loop& loop) { return after.find_loop(loop.id()) != nullptr; }))
+  if (std::all_of(loops.begin(), loops.end(), [&](const Loop& loop) { return after.loops().find(loop.id()) != nullptr; }))
     return false;
   const Joint &then = before.joint(before.carrier(joint)), &now = after.joint(after.carrier(joint));
   return !batch::same_pose(then.at, now.at) || !batch::same_pose(then.child_at, now.child_at);

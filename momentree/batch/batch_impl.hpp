@@ -13,15 +13,16 @@
 #include <vector>
 
 #include <momentree/batch/group.hpp>
-#include <momentree/batch/loop_stepper.hpp>
 #include <momentree/batch/pool.hpp>
 #include <momentree/batch/simulated_world.hpp>
+#include <momentree/batch/steppers.hpp>
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
 #include <momentree/simulate/names.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <momentree/tree/edit.hpp>
 #include <momentree/tree/packed.hpp>
 
 namespace momentree {
@@ -37,25 +38,30 @@ struct Batch::Impl {
     Group* group;
     int block;
   };
-  const Model model;
-  const Tree declared;
-  const Topology declared_topology = declared.topology();
-  const std::uint64_t fingerprint = declared_topology.model;
-  Isa isa;
-  Precision precision;
-  Integration integration;                                              // of a simulation of one world
-  Variables variables, loop_variables;                                  // of worlds without and with closed loops
+  // What the batch was made of.
+  struct Basis {
+    Basis(const Model& the_model, const BatchOptions& options)
+        : model(the_model),
+          declared(model),
+          integration(batch::integration_of(the_model, options)),
+          variables(integration.state_variables(model)),
+          loop_variables(model.has_contact() ? Variables::velocities : integration.loop_variables()),
+          one_by_one(model.has_contact() || batch::unsupported(declared)) {}
+    const Model model;
+    const Tree declared;
+    const Topology topology = declared.topology();
+    Integration integration;              // of a simulation of one world
+    Variables variables, loop_variables;  // of worlds without and with closed loops
+    const bool one_by_one;                // each world is stepped by a simulation of its own
+  };
+  const Basis basis;
+  batch::Steppers steppers;
   std::unordered_multimap<std::size_t, std::unique_ptr<Group>> groups;  // by the topology's key
   std::vector<Seat> seats;                                              // by world
   std::vector<std::unique_ptr<batch::SimulatedWorld>> simulated;        // by world; empty: worlds are stepped in lanes
   std::vector<std::vector<batch::ExtraEffort>> efforts;                 // by world
-  std::vector<std::unique_ptr<batch::TreeStepper>> steppers;            // by thread
-  std::vector<batch::LoopStepper> loop_steppers;                        // by thread, of worlds with loops in momenta
-  std::vector<std::unique_ptr<batch::LoopLanes>> loop_lanes;            // by thread, of worlds with loops in velocities
   std::vector<Task> tasks;                                              // of the current step
-  int capacity = 0, lanes = 0, loop_capacity = 0;
-  const bool one_by_one;   // each world is stepped by a simulation of its own
-  bool had_loops = false;  // a world had a loop joint
+  bool had_loops = false;                                               // a world had a loop joint
   batch::Pool pool;
   Out out;
   bool editing = false;
@@ -66,9 +72,12 @@ struct Batch::Impl {
     std::size_t events = 0;
   };
   std::unordered_map<int, Named> named;  // only worlds in which actions happened
-  std::unique_ptr<Simulation> scratch;   // for actions
-  bool scratch_is_used = false;          // its next loop joint may get a number that depends on earlier ones
-  bool numbered = false;                 // the groups' numbers are valid
+  struct Trial {                         // the simulation in which actions are carried out
+    std::unique_ptr<Simulation> simulation;
+    bool is_used = false;  // its next loop joint may get a number that depends on earlier ones
+  };
+  Trial trial;
+  bool numbered = false;  // the groups' numbers are valid
   // Scratch memory of arrays.cpp, by thread.
   struct Scratch {
     Workspace<double> workspace;
@@ -80,95 +89,35 @@ struct Batch::Impl {
       q.resize(static_cast<std::size_t>(tree.nq())), v.resize(static_cast<std::size_t>(tree.nv()));
     }
   };
-  std::vector<Scratch> scratches;
-  std::vector<double> converted;    // rows of the current call, in the batch's variables
-  std::vector<int> rows;            // of the current call, in the order of slots
-  std::vector<std::size_t> firsts;  // by task, its first place in `rows`
+  struct Call {
+    std::vector<Scratch> scratches;
+    std::vector<double> converted;    // rows of the current call, in the batch's variables
+    std::vector<int> rows;            // of the current call, in the order of slots
+    std::vector<std::size_t> firsts;  // by task, its first place in `rows`
+  };
+  Call call;
 
   Impl(const Model& the_model, const BatchOptions& options, int threads)
-      : model(the_model),
-        declared(model),
-        isa(batch::best_isa(options.widest)),
-        precision(options.precision),
-        integration(batch::integration_of(the_model, options)),
-        variables(integration.state_variables(model)),
-        loop_variables(model.has_contact() ? Variables::velocities : integration.loop_variables()),
-        one_by_one(model.has_contact() || batch::unsupported(declared)),
-        pool(threads) {
-    out.state = State(declared, variables);
+      : basis(the_model, options), steppers{batch::best_isa(options.widest), options.precision, {}, {}, {}}, pool(threads) {
+    out.state = State(basis.declared, basis.variables);
   }
 
-  Variables variables_of(const Tree& tree) const { return tree.has_loops() ? loop_variables : variables; }
   // Throws Error for features that the batch's worlds can't have.
   void check(const Tree& tree) const;
-
-  // Ensures scratch memory for trees of that size.
-  void make_room(const Tree& tree) {
-    if (tree.bodies() <= capacity) return;
-    steppers.clear();
-    scratches.clear();
-    scratches.resize(static_cast<std::size_t>(pool.threads()));
-    capacity = tree.bodies(), lanes = 1;
-    if (one_by_one) return;
-    for (int i = 0; i < pool.threads(); ++i) steppers.push_back(batch::make_stepper(isa, precision, tree, variables));
-    lanes = steppers[0]->lanes();
-  }
 
   Group& group_of(const Tree& tree) { return group_of(tree.topology(), tree); }
   // `tree` has this topology, or that and contacts, which groups do not have.
   Group& group_of(Topology topology, const Tree& tree) {
-    MT_REQUIRE(topology.model == fingerprint, "after the edit, the tree still belongs to the batch's model");
-    batch::simplify(topology, declared);
+    MT_REQUIRE(topology.model == basis.topology.model, "after the edit, the tree still belongs to the batch's model");
+    batch::simplify(topology, basis.declared);
     const std::size_t key = batch::key_of(topology);
     const auto [begin, end] = groups.equal_range(key);
     for (auto i = begin; i != end; ++i)
       if (batch::same(i->second->topology(), topology)) return *i->second;
     make_room(tree);
     Group& group = *groups.emplace(key, new_group(std::move(topology), tree))->second;
-    if (tree.has_loops() && !one_by_one) prepare_loops(group.tree());
+    if (tree.has_loops() && !basis.one_by_one) prepare_loops(group.tree());
     return group;
-  }
-  std::unique_ptr<Group> new_group(Topology topology, const Tree& tree) {
-    had_loops |= !tree.loops().empty();
-    if (!had_loops && !one_by_one) return new_group_of(std::move(topology), tree);
-    Tree bare = declared;  // later loop joints get numbers that do not depend on earlier ones
-    if (had_loops || !batch::same(topology, declared_topology)) bare.restore(topology);
-    return new_group_of(std::move(topology), bare);
-  }
-  std::unique_ptr<Group> new_group_of(Topology topology, const Tree& tree) {
-    const int worlds_at_once = lanes_of_group(tree);
-    batch::PlanScalars scalars;
-    if (!one_by_one && !tree.has_loops())
-      scalars = steppers[0]->scalars();
-    else if (!one_by_one && variables_of(tree) == Variables::velocities)
-      scalars = loop_lanes[0]->scalars();
-    return std::make_unique<Group>(std::move(topology), tree, worlds_at_once, variables_of(tree), scalars);
-  }
-  // Worlds with loops in momenta are stepped one by one.
-  static bool in_loop_lanes(const Group& group) { return group.tree().has_loops() && group.variables() == Variables::velocities; }
-  int lanes_of_group(const Tree& tree) {
-    if (!tree.has_loops() || one_by_one) return lanes;
-    if (variables_of(tree) == Variables::momenta) return 1;
-    if (loop_lanes.empty() || loop_capacity < tree.bodies()) {
-      loop_lanes.clear();
-      for (int i = 0; i < pool.threads(); ++i) loop_lanes.push_back(batch::make_loop_lanes(isa, tree));
-    }
-    return loop_lanes[0]->lanes();
-  }
-  // Memory of all threads, so that steps allocate nothing.
-  void prepare_loops(const Tree& tree) {
-    const bool grows = tree.bodies() > loop_capacity;
-    loop_capacity = std::max(loop_capacity, tree.bodies());
-    loop_steppers.resize(static_cast<std::size_t>(pool.threads()));
-    const auto fit = [&](const Tree& each, Variables in) {
-      for (batch::LoopStepper& stepper : loop_steppers)
-        if (in == Variables::momenta) stepper.fit(each);
-      for (const auto& stepper : loop_lanes)
-        if (in == Variables::velocities) stepper->fit(each);
-    };
-    fit(tree, variables_of(tree));
-    for (auto group = groups.begin(); grows && group != groups.end(); ++group)
-      if (group->second->tree().has_loops()) fit(group->second->tree(), group->second->variables());
   }
 
   void sit(int world, Group& group) {
@@ -192,12 +141,7 @@ struct Batch::Impl {
     pool.run(static_cast<int>(tasks.size()), [this](int thread, int i) {
       Group& group = *tasks[static_cast<std::size_t>(i)].group;
       const batch::Block block = group.block(tasks[static_cast<std::size_t>(i)].block);
-      if (in_loop_lanes(group))
-        loop_lanes[static_cast<std::size_t>(thread)]->step(group.tree(), group.plan(), block);
-      else if (group.tree().has_loops())
-        loop_steppers[static_cast<std::size_t>(thread)].step(group.tree(), block);
-      else
-        steppers[static_cast<std::size_t>(thread)]->step(group.tree(), group.plan(), block);
+      steppers.step(thread, group, block);
     });
   }
   const Seat& seat(int world) const {
@@ -234,20 +178,57 @@ struct Batch::Impl {
   // Of worlds that are stepped one by one: simulated_worlds.cpp.
   void make_simulations(int worlds);
   void step_simulations(const std::function<double(int)>& step_of) noexcept;
-  void step_simulation(int world, double h) noexcept;
   /// Makes the simulation of a world ready to go on from the state of the batch.
   void prepare_simulation(int world, batch::SimulatedWorld::Use use);
-  /// Copies what its simulation did to the group; notes whether it belongs to another one now, and if so, moves it there.
-  void copy_to_group(int world);
-  void change_group(int world);
   Event apply_in_simulation(int world, std::span<const Action> actions, std::string name);
   /// The batch changed the state or topology of a world, or its extra efforts.
   void changed(int world) {
-    if (one_by_one) simulated[static_cast<std::size_t>(world)]->changed();
+    if (basis.one_by_one) simulated[static_cast<std::size_t>(world)]->changed();
   }
   void efforts_changed(int world) {
-    if (one_by_one) simulated[static_cast<std::size_t>(world)]->set_efforts(efforts[static_cast<std::size_t>(world)]);
+    if (basis.one_by_one) simulated[static_cast<std::size_t>(world)]->set_efforts(efforts[static_cast<std::size_t>(world)]);
   }
+
+ private:
+  Variables variables_of(const Tree& tree) const { return tree.has_loops() ? basis.loop_variables : basis.variables; }
+  // Ensures scratch memory for trees of that size.
+  void make_room(const Tree& tree) {
+    if (tree.bodies() <= steppers.capacity) return;
+    call.scratches.clear();
+    call.scratches.resize(static_cast<std::size_t>(pool.threads()));
+    steppers.make(tree, basis.variables, basis.one_by_one ? 0 : pool.threads());
+  }
+  std::unique_ptr<Group> new_group(Topology topology, const Tree& tree) {
+    had_loops |= !tree.loops().empty();
+    if (!had_loops && !basis.one_by_one) return new_group_of(std::move(topology), tree);
+    Tree bare = basis.declared;  // later loop joints get numbers that do not depend on earlier ones
+    if (had_loops || !batch::same(topology, basis.topology)) bare.edit().restore(topology);
+    return new_group_of(std::move(topology), bare);
+  }
+  std::unique_ptr<Group> new_group_of(Topology topology, const Tree& tree) {
+    const int worlds_at_once = lanes_of_group(tree);
+    batch::PlanScalars scalars;
+    if (!basis.one_by_one && !tree.has_loops())
+      scalars = steppers.trees[0]->scalars();
+    else if (!basis.one_by_one && variables_of(tree) == Variables::velocities)
+      scalars = steppers.loop_lanes[0]->scalars();
+    return std::make_unique<Group>(std::move(topology), tree, worlds_at_once, variables_of(tree), scalars);
+  }
+  // Worlds with loops in momenta are stepped one by one.
+  int lanes_of_group(const Tree& tree) {
+    if (!tree.has_loops() || basis.one_by_one) return steppers.lanes;
+    return variables_of(tree) == Variables::momenta ? 1 : steppers.lanes_with_loops(tree, pool.threads());
+  }
+  // Memory of all threads, so that steps allocate nothing.
+  void prepare_loops(const Tree& tree) {
+    const bool grows = steppers.prepare_loops(tree, variables_of(tree), pool.threads());
+    for (auto group = groups.begin(); grows && group != groups.end(); ++group)
+      if (group->second->tree().has_loops()) steppers.fit_loops(group->second->tree(), group->second->variables());
+  }
+  void step_simulation(int world, double h) noexcept;
+  /// Copies what its simulation did to the group; notes whether it belongs to another one now, and if so, moves it there.
+  void copy_to_group(int world);
+  void change_group(int world);
 };
 
 }  // namespace momentree

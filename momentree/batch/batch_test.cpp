@@ -11,6 +11,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/joint/kinds.hpp>
+#include <momentree/tree/edit.hpp>
 
 using namespace momentree;
 
@@ -354,7 +355,7 @@ TEST_CASE("an edit that gives worlds in lanes what these do not have is refused,
   batch.step(h);
   const State before = batch.state(1);
   const auto function = std::make_shared<const JointFunction>([](const EvaluationContext&, std::span<double>) {});
-  CHECK_THROWS_AS(batch.edit(1, [&](Tree& tree, State&, Workspace<double>&) { tree.set_function(1, function); }), Error);
+  CHECK_THROWS_AS(batch.edit(1, [&](Tree& tree, State&, Workspace<double>&) { tree.edit().set_function(1, function); }), Error);
   const auto refuses = [&](const JointParameters& parameters, const char* what) {
     std::string said;
     try {

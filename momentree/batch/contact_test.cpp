@@ -11,6 +11,7 @@
 #include <momentree/batch/batch.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <momentree/tree/edit.hpp>
 #include <tests/error_of.hpp>
 #include <tests/oracle/prng.hpp>
 
@@ -345,7 +346,7 @@ TEST_CASE("batches with contact: errors, and worlds that can't go on") {
     CHECK(error_of([&] {
             batch.edit(0, [](Tree& tree, State& state, Workspace<double>& workspace) {
               static_cast<void>(workspace);
-              tree.add({.name = "more", .mass = 1, .inertia = diagonal(1), .joint = Free{}});
+              tree.edit().add({.name = "more", .mass = 1, .inertia = diagonal(1), .joint = Free{}});
               state = State(tree, Variables::velocities);
             });
           }).find("can't be added") != std::string::npos);

@@ -75,15 +75,15 @@ std::size_t key_of(const Topology& topology) noexcept {
 }
 
 std::optional<Unsupported> unsupported(const Tree& tree) noexcept {
-  if (!tree.body_functions().empty() || tree.has_functions()) return functions_unsupported;
-  if (!tree.body_forces().empty())
+  if (!tree.loads().functions.empty() || has_functions(tree)) return functions_unsupported;
+  if (!tree.loads().forces.empty())
     return Unsupported{"worlds in lanes have no forces on bodies", "give one to the model: its worlds are stepped one by one"};
-  if (tree.spring_count() > 0)
+  if (tree.springs().count() > 0)
     return Unsupported{"worlds in lanes have no springs between two points",
                        "give one to the model: its worlds are stepped one by one"};
-  const auto loops = tree.loops();
+  const TreeLoops& loops = tree.loops();
   const auto any_loop = [&](const auto& has) { return std::any_of(loops.begin(), loops.end(), has); };
-  if (!tree.strength_joints().empty() || any_loop([](const Loop& loop) { return loop.parameters.strength.any(); }))
+  if (!tree.joints_with().strengths.empty() || any_loop([](const Loop& loop) { return loop.parameters.strength.any(); }))
     return Unsupported{"worlds in lanes have no joint strengths",
                        "give a joint of the model one: its worlds are stepped one by one; or apply Break"};
   const auto order = tree.order();
@@ -96,7 +96,7 @@ std::optional<Unsupported> unsupported(const Tree& tree) noexcept {
 }
 
 void check_functions(const Tree& tree) {
-  if (!tree.body_functions().empty() || tree.has_functions())
+  if (!tree.loads().functions.empty() || has_functions(tree))
     throw_error({functions_unsupported.problem, "", functions_unsupported.hint});
 }
 

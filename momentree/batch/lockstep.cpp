@@ -20,7 +20,7 @@ struct Lockstep::Member {
   int slot = 0;
   Group* home = nullptr;  ///< the group of the tree's revision `home_of`
   std::uint64_t home_of = 0;
-  Simulation::Impl::Leg leg{};
+  Leg leg{};
   double h = 0;       ///< s, of the present step
   bool last = false;  ///< the present step ends the leg
   int unseen = 0;     ///< steps since the callbacks were called
@@ -44,15 +44,15 @@ Lockstep::Lockstep(Isa widest) : isa_(batch::best_isa(widest)) {}
 Lockstep::~Lockstep() = default;
 
 bool Lockstep::fits(const Simulation& simulation) {
-  Simulation::Impl& impl = simulation.impl();
-  return impl.method->is_that_of_lanes() && !impl.generated && !impl.stops.any() && !impl.queue.watching(impl.world) &&
+  Simulation::Impl& impl = implementation(simulation, false);
+  return impl.method->is_that_of_lanes() && !impl.generated.provider && !impl.stops.any() && !impl.queue.watching(impl.world) &&
          !impl.world.model().has_contact() &&
          (!impl.world.tree().has_loops() || impl.world.state().variables() == Variables::velocities) &&
          !batch::unsupported(impl.world.tree());
 }
 
 bool Lockstep::share(const Simulation& a, const Simulation& b) {
-  const World &one = a.impl().world, &other = b.impl().world;
+  const World &one = implementation(a, false).world, &other = implementation(b, false).world;
   return one.state().variables() == other.state().variables() && batch::same(one.tree().topology(), other.tree().topology()) &&
          same_constants(one.tree(), other.tree());
 }
@@ -85,7 +85,7 @@ bool Lockstep::board(Member& member) {
       member.status = impl.advance(until, Status::ok);
       break;
     }
-    member.leg = impl.leg_to(impl.next_end(until));
+    member.leg = leg_to(impl.world, impl.next_end(until));
     if (member.leg.target <= impl.world.time()) {
       impl.set_time(member.leg.end);
       member.status = impl.finish_step(until);
@@ -114,7 +114,7 @@ void Lockstep::leave(Member& member) {
 
 void Lockstep::set_step(Member& member) {
   const double time = member.group->time(member.slot);
-  const auto [h, last] = member.impl->step_from(time, member.leg.target);
+  const auto [h, last] = step_from(*member.impl->method, time, member.leg.target);
   member.h = h, member.last = last;
   if (h > 0) return member.group->set_step(member.slot, h);
   take_state(member);
@@ -126,10 +126,10 @@ void Lockstep::set_step(Member& member) {
 
 void Lockstep::take_state(Member& member) {
   const Group& group = *member.group;
-  const State::Edit edit = member.impl->edit_state();
+  const State::Edit edit = member.impl->world.edit().state().edit();
   group.get_values(member.slot, edit.q.data(), edit.y.data());
   edit.time = group.time(member.slot);
-  if (group.tree().has_loops()) member.impl->set_turns(group.turns(member.slot));
+  if (group.tree().has_loops()) member.impl->world.edit().state().set_turns(group.turns(member.slot));
 }
 
 void Lockstep::after_step(Member& member) {
@@ -143,7 +143,7 @@ void Lockstep::after_step(Member& member) {
   }
   ++impl.statistics.steps;
   impl.evaluate.count += 4;
-  const bool observed = impl.sampler || (impl.observer && impl.every == 0);
+  const bool observed = impl.observers.sampler || (impl.observers.observer && impl.observers.every == 0);
   if (!member.last && !observed && ++member.unseen < steps_between_calls) return set_step(member);
   member.unseen = 0;
   take_state(member);
@@ -161,15 +161,15 @@ void Lockstep::run(std::span<LockstepRun> runs) {
   if (in_use || groups_.size() > 64) groups_.clear();  // in use only if the last call ended by an exception
   members_.clear();
   members_.reserve(runs.size());
-  std::deque<Simulation::Impl::During> working;
+  std::deque<Activity::During> working;
   for (LockstepRun& run : runs) {
-    Simulation::Impl& impl = run.simulation->changing();
-    impl.settle();
-    if (impl.diverged) {
+    Simulation::Impl& impl = implementation(*run.simulation, true);
+    impl.energy.settle(impl.world);
+    if (impl.outcome.diverged) {
       run.result = impl.run(run.until);
       continue;
     }
-    working.emplace_back(impl.doing, Simulation::Impl::Doing::working);
+    working.emplace_back(impl.activity.doing, Activity::Doing::working);
     members_.push_back({&run, &impl, impl.start_run(run.until)});
   }
   for (Member& member : members_) board(member);

@@ -11,6 +11,7 @@
 #include <momentree/batch/group.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 namespace {
@@ -90,12 +91,12 @@ TEST_CASE("in momenta, motions and armatures of loop joints, and couplings, have
 TEST_CASE("batches refuse functions of loop joints") {
   Tree tree(guided({}));
   CHECK_FALSE(batch::unsupported(tree));
-  tree.set_loop_function(0, std::make_shared<const JointFunction>([](const EvaluationContext&, std::span<double>) {}));
-  CHECK(tree.has_functions());
+  tree.edit().set_loop_function(0, std::make_shared<const JointFunction>([](const EvaluationContext&, std::span<double>) {}));
+  CHECK(has_functions(tree));
   REQUIRE(batch::unsupported(tree));
   CHECK(std::string(batch::unsupported(tree)->problem).find("functions") != std::string::npos);
-  tree.set_loop_function(0, nullptr);
-  CHECK_FALSE(tree.has_functions());
+  tree.edit().set_loop_function(0, nullptr);
+  CHECK_FALSE(has_functions(tree));
   CHECK_FALSE(batch::unsupported(tree));
 }
 

@@ -26,7 +26,7 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
 
   void begin(const Tree& tree, const TopologyPlan& plan, const Block& block) noexcept override {
     this->workspace_.kept_steps = plan.kept_steps.get();
-    if (loops_.topology != tree.loop_revision()) fit(tree);
+    if (loops_.topology != tree.loops().revision()) fit(tree);
     const std::size_t count = tree.loops().size();
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t l = 0; l < N; ++l) loops_.turns[i * N + l] = block.turns[l * count + i];
@@ -42,7 +42,7 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
     T* const tau = workspace.a.get();
     for (int i = 0; i < tree.nv(); ++i) tau[i] = T(0);
     this->add_forces(tree, plan, effort, t, q, tau);
-    if (tree.loop_motions() > 0) detail::set_loop_motions(tree, t, N, loops_);
+    if (tree.loops().motions > 0) detail::set_loop_motions(tree, t, N, loops_);
     place(tree, q, choosing_ ? LoopRows::choose : LoopRows::kept);
     Power unused[N];
     detail::add_loop_forces<T>(tree, t, workspace, loops_, unused);
@@ -60,7 +60,7 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
   void close(const Tree& tree, const Block& block, const double* t, Mask& plausible) noexcept override {
     Workspace<T>& workspace = this->workspace_;
     T *const q = this->q_.get(), *const u = this->y_.get();
-    if (tree.loop_motions() > 0) detail::set_loop_motions(tree, t, N, loops_);
+    if (tree.loops().motions > 0) detail::set_loop_motions(tree, t, N, loops_);
     double before[N];
     bool working[N];
     for (int l = 0; l < N; ++l) before[l] = HUGE_VAL, working[l] = plausible[l] != 0 && block.h[l] != 0;
@@ -102,7 +102,7 @@ class PackLoopLanes final : public PackStepper<T, LoopLanes> {
   void gather(const Tree& tree, const T* q, const Motion<T>& base, bool choose) noexcept {
     reduce_accelerations<T, true>(tree, q, this->workspace_);
     detail::gather_loops<T>(tree, q, this->workspace_, loops_, base, choose);
-    if (tree.loop_armatures() > 0) detail::soften<T>(loops_);
+    if (tree.loops().armatures > 0) detail::soften<T>(loops_);
     if (choose) {
       detail::scale_rows<T>(tree, this->workspace_, loops_);
       choice_.choose<T>(tree, loops_);

@@ -124,7 +124,7 @@ void check_equal(const Batch& batch, int world, const Simulation& sim, double to
   CHECK(difference(state.y(), other.y()) <= tolerance);
   REQUIRE(batch.tree(world).loops().size() == sim.world().loops().size());
   for (const Loop& loop : batch.tree(world).loops()) {  // the angles of a state that no step has reached yet are not kept
-    const JointId id{sim.world().loops()[static_cast<std::size_t>(batch.tree(world).loop_place(loop.id()))]};
+    const JointId id{sim.world().loops()[static_cast<std::size_t>(batch.tree(world).loops().place(loop.id()))]};
     const JointView view = sim.world().joint(id);
     CHECK(batch.joint_name(world, loop.id()) == view.name);
     std::vector<double> q(view.q.size()), v(view.v.size());
@@ -267,7 +267,8 @@ TEST_CASE("worlds with couplings equal simulations, and extra efforts act as tho
         if (step != 10 + 3 * world) continue;
         static_cast<void>(sim.apply(actions[world % 5], "change"));
         batch.apply(world, actions[world % 5], "change");
-        if (batch.tree(world).has_loops()) CHECK(batch.tree(world).loop_links().size() == sim.world().tree().loop_links().size());
+        if (batch.tree(world).has_loops())
+          CHECK(batch.tree(world).loops().links.size() == sim.world().tree().loops().links.size());
       }
     }
     CHECK(batch.groups() >= 5);

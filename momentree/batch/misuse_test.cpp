@@ -10,6 +10,7 @@
 #include <momentree/batch/batch.hpp>
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
+#include <momentree/tree/edit.hpp>
 #include <tests/error_of.hpp>
 #include <tests/misuse.hpp>
 
@@ -151,7 +152,7 @@ TEST_CASE("misuse: edits") {
       {"move", only, in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { const Batch other = std::move(b); })},
       {"replace", only, in_edit([](Batch& b, Tree&, State&, Workspace<double>&) { b = Batch(chain(), 1); })},
       {"a tree changed, its state not", "after the edit, the state still belongs to the tree",
-       in_edit([](Batch&, Tree& tree, State&, Workspace<double>&) { tree.detach(1); })},
+       in_edit([](Batch&, Tree& tree, State&, Workspace<double>&) { tree.edit().detach(1); })},
       {"a tree of another model", "after the edit, the tree still belongs to the batch's model",
        in_edit([](Batch&, Tree& tree, State& state, Workspace<double>&) {
          tree = Tree(chain(2));

@@ -38,7 +38,7 @@ Topology bare_topology(const World& world) {
   bare.contacts.clear(), bare.functions.clear();
   for (Topology::Changed& changed : bare.changed) changed.as.function = -1;
   for (Loop& loop : bare.loops) loop.joint.function = -1;
-  for (const ActiveLimit& rests : world.active_limits()) {
+  for (const ActiveLimit& rests : world.constraints().active_limits) {
     const unsigned others = ~(1u << rests.dof);
     for (Topology::Changed& changed : bare.changed)
       if (changed.joint == rests.joint) changed.as.locked &= others;
@@ -59,7 +59,7 @@ SimulatedWorld::SimulatedWorld(const Model& model, const Integration& integratio
 void SimulatedWorld::restart(const WorldSnapshot& start, const Model& model) {
   if (made_loops) simulation_ = Simulation(model, simulation_.integration());
   made_loops = false;
-  simulation_.restart(start);
+  momentree::restart(simulation_, start);
   first_event_ = 0;
   compared_ = simulation_.world().tree().revision();
   changed_ = false;
@@ -90,11 +90,11 @@ void SimulatedWorld::prepare(Use use) {
     joints.push_back(e.joint);
     missing.push_back({std::string(world.joint_name({e.joint})), function_of(e.joint)});
   }
-  const bool renew = std::exchange(efforts_changed_, false) && tree.has_functions();
+  const bool renew = std::exchange(efforts_changed_, false) && has_functions(tree);
   if (!missing.empty())
     simulation_.drive_all(std::move(missing));
   else if (renew)
-    simulation_.functions_changed(use == Use::read);
+    functions_changed(simulation_, use == Use::read);
 }
 
 std::string SimulatedWorld::step(double h) {

@@ -13,15 +13,15 @@ using batch::SimulatedWorld;
 
 // Those of later worlds cannot fail for another reason than that there is no more memory.
 void Batch::Impl::make_simulations(int worlds) {
-  if (const std::optional<Overlap> worst = deepest_overlap(model))
+  if (const std::optional<Overlap> worst = deepest_overlap(basis.model))
     throw_error({worst->text() + " at the start", "", "move one of them, or let them pass through each other by a contact rule"});
   simulated.resize(static_cast<std::size_t>(worlds));
-  simulated[0] = std::make_unique<SimulatedWorld>(model, integration);
+  simulated[0] = std::make_unique<SimulatedWorld>(basis.model, basis.integration);
   std::exception_ptr failed;
   std::mutex mutex;
   pool.run(worlds - 1, [&](int, int i) {
     try {
-      simulated[static_cast<std::size_t>(i) + 1] = std::make_unique<SimulatedWorld>(model, integration);
+      simulated[static_cast<std::size_t>(i) + 1] = std::make_unique<SimulatedWorld>(basis.model, basis.integration);
     } catch (...) {
       const std::lock_guard lock(mutex);
       failed = std::current_exception();
@@ -32,7 +32,7 @@ void Batch::Impl::make_simulations(int worlds) {
 
 void Batch::Impl::prepare_simulation(int world, SimulatedWorld::Use use) {
   SimulatedWorld& run = *simulated[static_cast<std::size_t>(world)];
-  if (run.is_changed()) run.restart(snapshot_of(world), model);
+  if (run.is_changed()) run.restart(snapshot_of(world), basis.model);
   run.prepare(use);
 }
 
@@ -61,7 +61,7 @@ void Batch::Impl::step_simulation(int world, double h) noexcept {
 void Batch::Impl::copy_to_group(int world) {
   SimulatedWorld& run = *simulated[static_cast<std::size_t>(world)];
   const Seat at = seat(world);
-  run.moves = run.left(at.group->topology(), declared);
+  run.moves = run.left(at.group->topology(), basis.declared);
   if (!run.moves) at.group->set_state(at.slot, run.simulation().world().state());
 }
 
@@ -99,19 +99,19 @@ Event Batch::Impl::apply_in_simulation(int world, std::span<const Action> action
 
 std::vector<ContactPoint> Batch::contacts(int world) const {
   impl().seat(world);
-  if (!impl_->one_by_one) return {};
+  if (!impl_->basis.one_by_one) return {};
   impl_->prepare_simulation(world, SimulatedWorld::Use::read);
   return impl_->simulated[static_cast<std::size_t>(world)]->simulation().world().contacts();
 }
 
 void Batch::contact_forces(std::span<const int> worlds, BodyId body, double* forces) const {
   Impl& impl = this->impl();
-  MT_REQUIRE(body == ground || (body.index >= 0 && body.index < impl.model.size()), "the ground or a body of the model");
+  MT_REQUIRE(body == ground || (body.index >= 0 && body.index < impl.basis.model.size()), "the ground or a body of the model");
   std::vector<int> once(worlds.begin(), worlds.end());  // no world is prepared by two threads
   std::sort(once.begin(), once.end());
   once.erase(std::unique(once.begin(), once.end()), once.end());
   for (const int world : once) impl.seat(world);
-  if (impl.one_by_one)
+  if (impl.basis.one_by_one)
     impl.pool.run(static_cast<int>(once.size()),
                   [&](int, int i) { impl.prepare_simulation(once[static_cast<std::size_t>(i)], SimulatedWorld::Use::read); });
   impl.pool.run(static_cast<int>(worlds.size()), [&](int, int i) {
@@ -133,13 +133,13 @@ void Batch::contact_forces(std::span<const int> worlds, BodyId body, double* for
 
 std::span<const Event> Batch::events(int world) const {
   impl().seat(world);
-  if (!impl_->one_by_one) return {};
+  if (!impl_->basis.one_by_one) return {};
   return impl_->simulated[static_cast<std::size_t>(world)]->events();
 }
 
 std::string Batch::message(int world) const {
   if (!ran_away(world)) return {};
-  if (!impl_->one_by_one) return "the step diverged, or ended where loops can't be closed; use a shorter one";
+  if (!impl_->basis.one_by_one) return "the step diverged, or ended where loops can't be closed; use a shorter one";
   return impl_->simulated[static_cast<std::size_t>(world)]->message;
 }
 

@@ -10,6 +10,7 @@
 #include <momentree/batch/batch.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <momentree/tree/edit.hpp>
 #include <tests/error_of.hpp>
 
 using namespace momentree;
@@ -146,7 +147,7 @@ TEST_CASE("functions are refused in worlds that are stepped one by one, too") {
   Batch batch(models()[0], 2);
   const auto function = std::make_shared<const JointFunction>([](const EvaluationContext&, std::span<double>) {});
   const auto edit = [&](Tree& tree, State& state, Workspace<double>&) {
-    tree.set_function(1, function);
+    tree.edit().set_function(1, function);
     state = State(tree, batch.variables(1));
   };
   CHECK(error_of([&] { batch.edit(1, edit); }).find("functions") != std::string::npos);

@@ -13,8 +13,8 @@
 namespace momentree::batch {
 
 TopologyPlan::TopologyPlan(const Tree& tree, const PlanScalars& scalars)
-    : springs(forces::linear_springs(tree)), elements(tree.forced_joints().begin(), tree.forced_joints().end()) {
-  for (const int b : tree.spring_joints())
+    : springs(forces::linear_springs(tree)), elements(tree.joints_with().forces.begin(), tree.joints_with().forces.end()) {
+  for (const int b : tree.joints_with().springs)
     if (!forces::has_linear_springs(tree.kind(b)) && std::find(elements.begin(), elements.end(), b) == elements.end())
       elements.push_back(b);
   const auto make = [&tree](const StepScalar& scalar, OwnStepTable& table) {
@@ -122,7 +122,7 @@ void add_element_forces(const Tree& tree, int b, double t, const double* q, cons
 }
 
 void motion_at(const Tree& tree, int b, double t, double* point) noexcept {
-  const Curve::Point s = tree.motion(b).at(t);
+  const Curve::Point s = prescribed_motion(tree, b).at(t);
   point[0] = s.value, point[1] = s.rate, point[2] = s.acceleration;
 }
 

@@ -83,13 +83,13 @@ void PackStepper<T, Base>::add_forces(const Tree& tree, const TopologyPlan& plan
                                       const T* q, T* force) noexcept {
   const int nv = tree.nv();
   const T* const v = workspace_.v.get();
-  if (tree.has_forces())
-    for (int i = 0; i < nv; ++i) force[i] += tree.effort()[i] - tree.damping()[i] * v[i];
+  if (tree.tables().has_forces)
+    for (int i = 0; i < nv; ++i) force[i] += tree.tables().effort[i] - tree.tables().damping[i] * v[i];
   if (effort != nullptr)
     for (int i = 0; i < nv; ++i) force[i] += T::load(effort + i * N);
   for (const forces::LinearSpring& s : plan.springs) force[s.p] -= s.stiffness * (q[s.q] - s.rest);
   for (const int b : plan.elements) add_elements(tree, b, t, q, force);
-  for (const int b : tree.driven_joints())
+  for (const int b : tree.joints_with().motions)
     for (int lane = 0; lane < N; ++lane) {
       double point[3];
       motion_at(tree, b, t[lane], point);
@@ -99,7 +99,7 @@ void PackStepper<T, Base>::add_forces(const Tree& tree, const TopologyPlan& plan
 
 template <class T, class Base>
 void PackStepper<T, Base>::normalise(const Tree& tree, T* q, const bool* lanes) noexcept {
-  for (const int b : tree.quaternion_joints()) {
+  for (const int b : tree.joints_with().quaternions) {
     const int nq = coordinates_of(tree, b), at = tree.first_q(b);
     for (int lane = 0; lane < N; ++lane) {
       if (!lanes[lane]) continue;
@@ -116,7 +116,7 @@ void PackStepper<T, Base>::end_step(const Tree& tree, const double* t) noexcept 
   bool all[N];
   for (bool& lane : all) lane = true;
   normalise(tree, q_.get(), all);
-  for (const int b : tree.driven_joints())
+  for (const int b : tree.joints_with().motions)
     for (int lane = 0; lane < N; ++lane) {
       double point[3];
       motion_at(tree, b, t[lane], point);

@@ -36,7 +36,7 @@ static_assert(offsetof(Inboard<double>, M.A.yz) == 5 * 8 && offsetof(Inboard<dou
 
 }  // namespace
 
-class Lowering : GraphLowering {
+class Step::Lowering : GraphLowering {
  public:
   Lowering(const Step& step, std::size_t pass, const Handing& how, const machine::Target& target)
       : GraphLowering(step.in_->expressions.nodes(), target), step_(step), pass_(pass), how_(how) {}

@@ -74,7 +74,7 @@ class Step {
   [[nodiscard]] std::string listing() const;
 
  private:
-  friend class Lowering;
+  class Lowering;  // to instructions
   /// Of an expression: a number, a constant of the link, or a number of the state.
   enum class Level : std::uint8_t { number, link, state };
   struct Constant {

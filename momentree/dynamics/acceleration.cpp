@@ -87,7 +87,7 @@ void joint_effort(const Tree& tree, const State& state, const Workspace<double>&
   project(tree, b, joint_state(tree, state, workspace, b), transmitted_wrench(tree, workspace, b), effort);
   const int at = tree.first_p(b);
   for (int i = 0; i < info(tree.kind(b)).nv; ++i)
-    effort[i] += tree.armature()[at + i] * workspace.a[static_cast<std::size_t>(at + i)];
+    effort[i] += tree.tables().armature[at + i] * workspace.a[static_cast<std::size_t>(at + i)];
 }
 
 BodyAcceleration body_acceleration(const Tree& tree, const State& state, const Workspace<double>& workspace,

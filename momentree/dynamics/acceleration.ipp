@@ -9,7 +9,7 @@ namespace momentree {
 
 template <class T>
 void evaluate_accelerations(const Tree& tree, const T* q, Workspace<T>& workspace) noexcept {
-  if (tree.loaded_bodies().empty()) std::fill_n(workspace.loads.get(), tree.bodies(), Force<T>{});
+  if (tree.loads().bodies.empty()) std::fill_n(workspace.loads.get(), tree.bodies(), Force<T>{});
   const StepArrays arrays = step_arrays(tree, Passes::rates, q, workspace);
   const StepTable& steps = keeping_steps(tree, Passes::rates, workspace);
   steps.inboard(arrays);

@@ -31,17 +31,18 @@ Totals totals(const Tree& tree, const State& state, Workspace<double>& workspace
     sum.angular += body.R * P.h + cross(body.r, l);
   }
   for (int i = 0; i < tree.nv(); ++i)
-    sum.kinetic += 0.5 * tree.armature()[i] * workspace.v[static_cast<std::size_t>(i)] * workspace.v[static_cast<std::size_t>(i)];
+    sum.kinetic +=
+        0.5 * tree.tables().armature[i] * workspace.v[static_cast<std::size_t>(i)] * workspace.v[static_cast<std::size_t>(i)];
   double force[6];
-  for (int b : tree.spring_joints()) sum.potential += joint_spring(tree, state.q().data(), b, force);
-  for (int b : tree.forced_joints()) sum.potential += stop_energy(tree, state, b);
+  for (int b : tree.joints_with().springs) sum.potential += joint_spring(tree, state.q().data(), b, force);
+  for (int b : tree.joints_with().forces) sum.potential += stop_energy(tree, state, b);
   if (tree.has_loops()) sum.loops = loop_status(tree, state, workspace);
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     sum.potential += loop_energy(tree, workspace, static_cast<int>(i));
     sum.kinetic += loop_armature_energy(tree, workspace, static_cast<int>(i));
   }
-  for (int s = 0; s < tree.spring_count(); ++s)
-    if (tree.spring_acts(s)) sum.potential += tree.spring_law(s).energy(spring_motion(tree, workspace, s).length);
+  for (int s = 0; s < tree.springs().count(); ++s)
+    if (spring_acts(tree, s)) sum.potential += tree.springs().law(s).energy(spring_motion(tree, workspace, s).length);
   return sum;
 }
 
@@ -53,7 +54,8 @@ double joint_energy(const Tree& tree, const State& state, const Workspace<double
   energy += stop_energy(tree, state, b);
   const int at = tree.first_p(b);
   for (int i = at; i < at + info(tree.kind(b)).nv; ++i)
-    energy += 0.5 * tree.armature()[i] * workspace.v[static_cast<std::size_t>(i)] * workspace.v[static_cast<std::size_t>(i)];
+    energy +=
+        0.5 * tree.tables().armature[i] * workspace.v[static_cast<std::size_t>(i)] * workspace.v[static_cast<std::size_t>(i)];
   return energy;
 }
 

@@ -65,7 +65,7 @@ void newton_euler(const Tree& tree, const State& state, Workspace<double>& works
     wrenches[i] =
         momentum(all.link(b).body, accelerations[i]) + gyroscopic_wrench(all.link(b).body, workspace.motions[i].velocity);
   }
-  for (const int b : all.loaded_bodies()) wrenches[b] = wrenches[b] - workspace.loads[static_cast<std::size_t>(b)];
+  for (const int b : all.loads().bodies) wrenches[b] = wrenches[b] - workspace.loads[static_cast<std::size_t>(b)];
   for_held_forces(tree, workspace, [&](int b, const Force<double>& force) { wrenches[b] = wrenches[b] - force; });
   std::fill_n(workspace.impulse.get(), tree.nv(), 0.0);  // the result, because `a` and `effort` may be the same
   const auto order = all.order();
@@ -73,7 +73,7 @@ void newton_euler(const Tree& tree, const State& state, Workspace<double>& works
     const int b = order[k], outer = all.parent(b);
     Force<double> W = wrenches[b];
     each_column(all, q, workspace, b, [&](std::size_t i, const Motion<double>& E) {
-      workspace.impulse[i] = dot(E, W) + (a != nullptr ? all.armature()[i] * a[i] : 0.0);
+      workspace.impulse[i] = dot(E, W) + (a != nullptr ? all.tables().armature[i] * a[i] : 0.0);
     });
     if (outer < 0) continue;
     if (moves(all, b)) joint_transform_of(tree, q, workspace, b).inboard(W);  // (45)
@@ -124,7 +124,7 @@ void mass_matrix(const Tree& tree, const State& state, Workspace<double>& worksp
       if ((frozen >> i & 1u) != 0)
         M[(at + i) * (n + 1)] = 1;
       else
-        M[(at + i) * (n + 1)] += all.armature()[at + i];
+        M[(at + i) * (n + 1)] += all.tables().armature[at + i];
   }
 }
 
@@ -160,7 +160,7 @@ void efforts(const Tree& tree, const State& state, Workspace<double>& workspace,
   forward_dynamics(tree, state, workspace);
   const double* const q = state.q().data();
   joint_forces(tree, state.time(), q, workspace, tau);
-  for (const int b : tree.driven_joints())  // whose accelerations were part of the evaluation
+  for (const int b : tree.joints_with().motions)  // whose accelerations were part of the evaluation
     tau[tree.first_p(b)] = workspace.passive[static_cast<std::size_t>(b)] + motion_effort(tree, q, workspace, b);
 }
 

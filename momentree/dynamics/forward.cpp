@@ -17,7 +17,7 @@ namespace momentree {
 namespace {
 
 void add_springs(const Tree& tree, const double* q, double* force) noexcept {
-  for (int b : tree.spring_joints()) {
+  for (int b : tree.joints_with().springs) {
     double spring[6];
     joint_spring(tree, q, b, spring);
     const unsigned locked = tree.joint(b).locked;
@@ -41,8 +41,8 @@ void add_elements(const EvaluationContext& context, const forces::Site& site, co
 Power add_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace, double* force,
                  bool resisting = true) noexcept {
   Power power;
-  if (tree.has_forces()) {
-    const double *damping = tree.damping(), *effort = tree.effort(), *v = workspace.v.get();
+  if (tree.tables().has_forces) {
+    const double *damping = tree.tables().damping.data(), *effort = tree.tables().effort.data(), *v = workspace.v.get();
     double dissipated = 0, given = 0;
     for (int i = 0; i < tree.nv(); ++i) {
       const double friction = resisting ? damping[i] * v[i] : 0.0;
@@ -51,13 +51,14 @@ Power add_forces(const Tree& tree, double t, const double* q, Workspace<double>&
       given += effort[i] * v[i];
     }
     if (!resisting)
-      for (const int b : tree.driven_joints()) dissipated += damping[tree.first_p(b)] * v[tree.first_p(b)] * v[tree.first_p(b)];
+      for (const int b : tree.joints_with().motions)
+        dissipated += damping[tree.first_p(b)] * v[tree.first_p(b)] * v[tree.first_p(b)];
     power = {dissipated, given};
   }
   add_springs(tree, q, force);
-  if (tree.forced_joints().empty()) return power;
+  if (tree.joints_with().forces.empty()) return power;
   const EvaluationContext context(tree, t, q, workspace);
-  for (const int b : tree.forced_joints())
+  for (const int b : tree.joints_with().forces)
     add_elements(context, forces::site_of(tree, t, q, workspace.v.get(), b, force, power), tree.function(b),
                  resisting || tree.link(b).driven != 0);
   return power;
@@ -71,22 +72,22 @@ void add_forces_and_motions(const Tree& tree, double t, const double* q, Workspa
   clear_other_loads(tree, workspace);
   put_accelerations(tree, t, workspace.pdot.get());
   evaluate_accelerations<double>(tree, q, workspace);
-  for (const int b : tree.driven_joints())
+  for (const int b : tree.joints_with().motions)
     workspace.power.work += motion_effort(tree, q, workspace, b) * workspace.v[static_cast<std::size_t>(tree.first_p(b))];
 }
 
 }  // namespace
 
 bool stages_take_rates(const Tree& tree) noexcept {
-  return tree.loaded_bodies().empty() && !tree.has_functions() && !tree.has_constraints();
+  return tree.loads().bodies.empty() && !has_functions(tree) && !tree.has_constraints();
 }
 
 bool stages_take_loop_rates(const Tree& tree, Variables variables) noexcept {
-  return tree.has_loops() && variables == Variables::velocities && tree.loaded_bodies().empty() && !tree.has_functions();
+  return tree.has_loops() && variables == Variables::velocities && tree.loads().bodies.empty() && !has_functions(tree);
 }
 
 void evaluate_for_forces(const Tree& tree, const double* q, const double* p, Workspace<double>& workspace) noexcept {
-  if (tree.loaded_bodies().empty() && !tree.has_functions())
+  if (tree.loads().bodies.empty() && !has_functions(tree))
     evaluate_rates<double>(tree, q, p, workspace);
   else
     evaluate_motions<double>(tree, q, p, workspace);
@@ -125,7 +126,7 @@ Power joint_forces(const Tree& tree, double t, const double* q, Workspace<double
                    double* passive) noexcept {
   std::fill_n(tau, tree.nv(), 0.0);
   const Power power = add_forces(tree, t, q, workspace, tau);
-  for (const int b : tree.driven_joints()) passive[b] = tau[tree.first_p(b)];
+  for (const int b : tree.joints_with().motions) passive[b] = tau[tree.first_p(b)];
   put_accelerations(tree, t, tau);
   return power;
 }
@@ -150,12 +151,12 @@ double motion_effort(const Tree& tree, const double* q, const Workspace<double>&
     return 0.0;
   });
   const double coupled = tree.has_loops() ? coupling_effort(tree, workspace, b) : 0.0;
-  return through + tree.armature()[at] * workspace.a[at] - workspace.passive[static_cast<std::size_t>(b)] - coupled;
+  return through + tree.tables().armature[at] * workspace.a[at] - workspace.passive[static_cast<std::size_t>(b)] - coupled;
 }
 
 std::vector<forces::LinearSpring> forces::linear_springs(const Tree& tree) {
   std::vector<LinearSpring> springs;
-  for (const int b : tree.spring_joints()) {
+  for (const int b : tree.joints_with().springs) {
     const JointParameters& p = *tree.parameters(b);
     for (int i = 0; has_linear_springs(tree.kind(b)) && i < info(tree.kind(b)).nv; ++i)
       if ((tree.joint(b).locked >> i & 1u) == 0 && p.stiffness.of(i) != 0)

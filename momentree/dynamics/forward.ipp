@@ -30,14 +30,14 @@ MOMENTREE_INLINE void sincos_in_blocks(int n, const Angle& angle, T* s, T* c) {
 /// angles instead.
 template <class T, class InPlane>
 MOMENTREE_INLINE void find_sines(const Tree& tree, const T* q, Workspace<T>& workspace, bool any_plane, const InPlane& in_plane) {
-  const int* const coordinates = tree.angle_coordinates().data();
-  const double* const offsets = tree.angle_offsets().data();
-  const int n = static_cast<int>(tree.angle_coordinates().size());
+  const int* const coordinates = tree.tables().angle_q.data();
+  const double* const offsets = tree.tables().angle_offset.data();
+  const int n = static_cast<int>(tree.tables().angle_q.size());
   T *const s = workspace.sin.get(), *const c = workspace.cos.get();
   const auto angle = [&](int i) MOMENTREE_INLINE_LAMBDA { return q[coordinates[i]] + offsets[i]; };
   if (!any_plane) return sincos_in_blocks(n, angle, s, c);
   for (int i = 0; i < n; ++i) s[i] = angle(i);
-  for (const KernelRun& run : tree.kernel_runs())
+  for (const KernelRun& run : tree.tables().runs)
     if (in_plane(run)) add_up_angles(tree, run, s);
   sincos_in_blocks(
       n, [s](int i) MOMENTREE_INLINE_LAMBDA { return s[i]; }, s, c);
@@ -79,7 +79,7 @@ void evaluate_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& work
   workspace.accelerated = {};
   const auto in_plane = [](const KernelRun& run) { return run.planar; };
   bool any_plane = false;
-  for (const KernelRun& run : tree.kernel_runs()) any_plane = any_plane || run.planar;
+  for (const KernelRun& run : tree.tables().runs) any_plane = any_plane || run.planar;
   find_sines(tree, q, workspace, any_plane, in_plane);
   const Vec3& g = tree.gravity();
   const bool has_gravity = g.x != 0 || g.y != 0 || g.z != 0;
@@ -87,11 +87,11 @@ void evaluate_rates(const Tree& tree, const T* q, const T* p, Workspace<T>& work
   StepArrays arrays = step_arrays(tree, Passes::stage_momenta, q, workspace);
   arrays.p = p;
   workspace.steps->inboard(arrays);
-  for (const KernelRun& run : tree.kernel_runs())
+  for (const KernelRun& run : tree.tables().runs)
     if (run.planar) has_gravity ? planar.template inboard<true>(run) : planar.template inboard<false>(run);
   const Vector3<T> gravity{T(g.x), T(g.y), T(g.z)};
   workspace.steps->outboard(arrays, &gravity);
-  for (const KernelRun& run : tree.kernel_runs())
+  for (const KernelRun& run : tree.tables().runs)
     if (run.planar) has_gravity ? planar.template outboard<true>(run) : planar.template outboard<false>(run);
 }
 

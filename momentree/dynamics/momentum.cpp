@@ -77,7 +77,7 @@ void project_momentum(const Tree& tree, const double* q, const double* v, double
         if ((link.driven >> c & 1u) != 0)
           p[f] = v[f];  // the prescribed rate
         else
-          p[f] = dot(E[c], momenta[i]) + tree.armature()[f] * v[f];
+          p[f] = dot(E[c], momenta[i]) + tree.tables().armature[f] * v[f];
       }
     });
     if (tree.parent(b) >= 0) {
@@ -98,7 +98,7 @@ void add_momentum(const Tree& tree, const double* q, int b, const Motion<double>
         Motion<double> m = parent;
         transform.outboard(m);
         P = momentum(tree.link(a).body, K::template spatial_velocity<double>(tree.link(a), joint, m, v));  // (4), (17)
-        for (int i = 0; i < info(tree.kind(a)).nv; ++i) p[first + i] = tree.armature()[first + i] * v[i];
+        for (int i = 0; i < info(tree.kind(a)).nv; ++i) p[first + i] = tree.tables().armature[first + i] * v[i];
       }
       absorb(tree, a, joint, P, +1, p);
       for (int i = 0; a == b && i < info(tree.kind(a)).nv; ++i)

@@ -13,6 +13,7 @@
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/counted.hpp>
 #include <momentree/topology/test_support.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -72,13 +73,13 @@ struct Seen {
   double worst = 0;
 
   void note(const Tree& tree) {
-    for (const KernelRun& s : tree.kernel_runs())
+    for (const KernelRun& s : tree.tables().runs)
       for (int i = s.begin; i < s.end; ++i) {
         const int b = tree.order()[static_cast<std::size_t>(i)];
-        forks += (tree.node_flags()[static_cast<std::size_t>(i)] & node::branching) != 0;
+        forks += (tree.tables().node_flags[static_cast<std::size_t>(i)] & node::branching) != 0;
         reversed += tree.reversed(b);
         const auto kind = static_cast<std::size_t>(s.kind);
-        const unsigned flags = tree.node_flags()[static_cast<std::size_t>(i)];
+        const unsigned flags = tree.tables().node_flags[static_cast<std::size_t>(i)];
         if (s.variant == Variant::plain)
           ++places[kind][((flags & node::leaf) != 0 ? 1u : 0u) + ((flags & node::root) != 0 ? 2u : 0u)];
         if (s.planar)
@@ -111,7 +112,7 @@ void compare(const Tree& tree, const State& state, Seen& seen) {
   const std::vector<Counted> cq(q.begin(), q.end()), cp(p.begin(), p.end());
   evaluate_rates(tree, cq.data(), cp.data(), early);
   Tree with_rotors, in_pieces = tree;
-  with_rotors.copy_with_armatures(tree), TestAccess::use_generic_kernels(in_pieces);
+  with_rotors.edit().copy_with_armatures(tree), in_pieces.edit().use_generic_kernels();
   Workspace<double> rotors(with_rotors), pieces(in_pieces);
   poison(with_rotors, rotors), poison(in_pieces, pieces);
   evaluate_rates(with_rotors, q.data(), p.data(), rotors);

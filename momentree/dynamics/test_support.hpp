@@ -10,24 +10,6 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/model/model.hpp>
 
-namespace momentree {
-
-struct TestAccess {
-  /// Joints with specialised kernels use the generic functions, as locked joints do, although nothing is locked: the reference
-  /// for those kernels.
-  static void use_generic_kernels(Tree& tree) {
-    tree.revision_.renew();
-    for (const int b : tree.order_) {
-      Variant& variant = tree.class_[Tree::at(b)].variant;
-      if (variant == Variant::plain || variant == Variant::armature) variant = Variant::locked;
-      if (tree.kind(b) == Kind::free) tree.update_frames(b);  // it depends on the variant
-    }
-    tree.build_runs();
-  }
-};
-
-}  // namespace momentree
-
 namespace momentree::test {
 
 class Random {
@@ -82,12 +64,12 @@ inline void use_generic_functions(const Tree& tree, Workspace<double>& workspace
 inline void poison(const Tree& tree, Workspace<double>& workspace) {
   const auto bodies = static_cast<std::size_t>(tree.bodies());
   const auto fill = [](auto* first, std::size_t count) { std::memset(static_cast<void*>(first), 0xff, count * sizeof(*first)); };
-  fill(workspace.records.get(), tree.record_capacity());
+  fill(workspace.records.get(), tree.tables().record_capacity);
   fill(workspace.child_sums.get(), bodies), fill(workspace.parent_states.get(), bodies), fill(workspace.motions.get(), bodies);
   fill(workspace.child_wrenches.get(), bodies), fill(workspace.parent_accelerations.get(), bodies);
   fill(workspace.biases.get(), bodies), fill(workspace.inboard_accelerations.get(), bodies);
   fill(workspace.reduced_bias_wrenches.get(), bodies);
-  fill(workspace.step_records.get(), tree.record_capacity()), workspace.step_records_of = 0;
+  fill(workspace.step_records.get(), tree.tables().record_capacity), workspace.step_records_of = 0;
 }
 
 /// Largest difference relative to the largest number; infinite if any number is not finite.

@@ -15,7 +15,7 @@ namespace {
 Motion<double> accelerating_ground(const Tree& tree) { return {-tree.gravity(), {}}; }
 
 // Forces that read poses or motions, and the power of prescribed motions, need what a stage does not store.
-bool stage_keeps(const Tree& tree) { return tree.has_constraints() || tree.has_functions() || !tree.loaded_bodies().empty(); }
+bool stage_keeps(const Tree& tree) { return tree.has_constraints() || has_functions(tree) || !tree.loads().bodies.empty(); }
 
 [[gnu::noinline]] void take_held_forces(const Tree& tree, Workspace<double>& workspace) noexcept {
   for_held_forces(tree, workspace, [&](int b, const Force<double>& force) {
@@ -40,7 +40,7 @@ void apply_forces(const Tree& tree, double t, const double* q, Workspace<double>
   if constexpr (Keep) {
     find_loads(tree, t, q, workspace);
     if (contacts && !tree.contacts().empty()) add_contact_loads(tree, workspace);
-    for (const int b : tree.loaded_bodies()) {
+    for (const int b : tree.loads().bodies) {
       Force<double>& wrench = workspace.biases[static_cast<std::size_t>(b)].wrench;
       wrench = wrench - workspace.loads[static_cast<std::size_t>(b)];
     }
@@ -58,7 +58,7 @@ void inward(const Tree& tree, F&& f) {
   const auto order = tree.order();
   for (std::size_t k = order.size(); k-- > 0;) {
     const int b = order[k];
-    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) { f(b, tree.node_flags()[k], tag); });
+    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) { f(b, tree.tables().node_flags[k], tag); });
   }
 }
 
@@ -77,9 +77,9 @@ void evaluate_keeping(const Tree& tree, double t, const double* q, const double*
   } else {
     solve_accelerations<double, true>(tree, q, workspace, accelerating_ground(tree));
   }
-  for (const int b : tree.driven_joints())
+  for (const int b : tree.joints_with().motions)
     workspace.power.work += motion_effort(tree, q, workspace, b) * workspace.v[static_cast<std::size_t>(tree.first_p(b))];
-  for (std::size_t i = 0; tree.loop_motions() > 0 && i < tree.loops().size(); ++i) {
+  for (std::size_t i = 0; tree.loops().motions > 0 && i < tree.loops().size(); ++i) {
     const LoopMotion motion = loop_motion(tree, workspace, static_cast<int>(i));
     workspace.power.work += (motion.effort + motion.inertial) * motion.rate;
   }
@@ -135,7 +135,7 @@ void sum_momenta(const Tree& tree, const double* q, Workspace<double>& workspace
     const int at = all.first_p(b);
     for (std::size_t i = 0; i < E.size(); ++i) {  // (19)
       const auto f = static_cast<std::size_t>(at) + i;
-      p[f] = (link.locked >> i & 1u) == 0 ? dot(E[i], P) + all.armature()[f] * workspace.v[f] : workspace.v[f];
+      p[f] = (link.locked >> i & 1u) == 0 ? dot(E[i], P) + all.tables().armature[f] * workspace.v[f] : workspace.v[f];
     }
     const int outer = all.parent(b);
     if (outer < 0) return;
@@ -167,7 +167,7 @@ void find_momentum_rates(const Tree& tree, const State& state, Workspace<double>
     const Vec3 g = transpose_times(workspace.bodies[static_cast<std::size_t>(b)].R, tree.gravity());
     Tb[b] = {all.link(b).body.m * g, cross(all.link(b).body.mc, g)};
   }
-  for (const int b : tree.loaded_bodies()) Tb[b] += workspace.loads[static_cast<std::size_t>(b)];
+  for (const int b : tree.loads().bodies) Tb[b] += workspace.loads[static_cast<std::size_t>(b)];
   for_held_forces(tree, workspace, [&](int b, const Force<double>& force) { Tb[b] += force; });
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
@@ -210,7 +210,7 @@ void project_velocities(const Tree& tree, const double* q, double* u, Workspace<
     for (int k = 0; k < info(tree.kind(b)).nv; ++k) {
       const auto f = static_cast<std::size_t>(tree.first_p(b) + k);
       if ((link.locked >> k & 1u) == 0)
-        workspace.a[f] = tree.armature()[f] * u[f];
+        workspace.a[f] = tree.tables().armature[f] * u[f];
       else
         workspace.a[f] = (link.driven >> k & 1u) != 0 ? u[f] : 0.0;
     }

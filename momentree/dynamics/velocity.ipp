@@ -11,7 +11,7 @@ namespace momentree {
 /// Calls f for the kernel runs of plane mechanisms.
 template <class F>
 MOMENTREE_INLINE void each_in_plane(const Tree& tree, F&& f) {
-  for (const KernelRun& run : tree.kernel_runs())
+  for (const KernelRun& run : tree.tables().runs)
     if (run.planar) f(run);
 }
 
@@ -27,7 +27,7 @@ void sweep_velocities(const Tree& tree, const T* q, const T* u, Workspace<T>& wo
   workspace.accelerated = {};
   const auto in_plane = [](const KernelRun& run) { return !Keep && run.planar; };
   bool any_plane = false;
-  for (const KernelRun& run : tree.kernel_runs()) any_plane = any_plane || in_plane(run);
+  for (const KernelRun& run : tree.tables().runs) any_plane = any_plane || in_plane(run);
   find_sines(tree, q, workspace, any_plane, in_plane);
   for (int i = 0; i < tree.nv(); ++i) workspace.v[i] = u[i];
   if constexpr (Keep) {

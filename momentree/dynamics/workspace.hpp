@@ -118,8 +118,11 @@ class Workspace : public WorkspaceStamps {
   detail::Untouched<Outboard<T>> parent_states;  ///< by body, outward: its output for children except the first
   detail::Untouched<Force<T>> child_wrenches;    ///< the same for the second recursion
   detail::Untouched<Motion<T>> parent_accelerations;
-  detail::Untouched<InPlaneInboard<T>> in_plane_child_sums;  ///< and for plane mechanisms
-  detail::Untouched<InPlaneOutboard<T>> in_plane_parent_states;
+  struct InPlane {  ///< the first two for plane mechanisms
+    detail::Untouched<InPlaneInboard<T>> child_sums;
+    detail::Untouched<InPlaneOutboard<T>> parent_states;
+  };
+  InPlane in_plane;
   detail::Untouched<BodySweep<T>> motions;             ///< of the state in `evaluated`
   detail::Untouched<Motion<T>> inboard_accelerations;  ///< a′ = Ω̇ − E u̇ of each body, less gravity; in its kernel frame
   detail::Untouched<Force<T>>

@@ -42,7 +42,7 @@ MOMENTREE_INLINE Untouched<T> untouched(std::size_t count) {
 
 template <class T>
 Workspace<T>::Workspace(const Tree& tree)
-    : WorkspaceStamps(tree.bodies()), records(detail::untouched<T>(tree.record_capacity())) {
+    : WorkspaceStamps(tree.bodies()), records(detail::untouched<T>(tree.tables().record_capacity)) {
   const auto bodies_count = static_cast<std::size_t>(tree.bodies());
   const auto numbers = [&](std::size_t each, std::size_t more = 0) { return detail::untouched<T>(each * bodies_count + more); };
   const auto by_body = [&]<class U>(detail::Untouched<U>& list) { list = detail::untouched<U>(bodies_count); };
@@ -50,10 +50,10 @@ Workspace<T>::Workspace(const Tree& tree)
   v = numbers(6), qdot = numbers(7), pdot = numbers(6), a = numbers(6);
   p = numbers(6), impulse = numbers(6), passive = numbers(1);
   by_body(child_sums), by_body(parent_states), by_body(child_wrenches), by_body(parent_accelerations);
-  by_body(in_plane_child_sums), by_body(in_plane_parent_states);
+  by_body(in_plane.child_sums), by_body(in_plane.parent_states);
   by_body(motions), by_body(inboard_accelerations), by_body(reduced_bias_wrenches), by_body(loads), by_body(path);
   by_body(biases), by_body(carried), by_body(bodies);
-  step_records = detail::untouched<T>(tree.record_capacity());
+  step_records = detail::untouched<T>(tree.tables().record_capacity);
   if constexpr (std::is_same_v<T, double>) {
     for (std::size_t i = 0; i < tables.size(); ++i) {
       const auto passes = static_cast<Passes>(i);
@@ -67,7 +67,7 @@ template <class K, class AnyTree>
 typename K::template Record<T>& Workspace<T>::record(const AnyTree& tree, int b) const {
   using Record = typename K::template Record<T>;
   static_assert(sizeof(Record) % sizeof(T) == 0 && alignof(Record) <= alignof(T) && std::is_trivially_copyable_v<Record>);
-  return *reinterpret_cast<Record*>(records.get() + tree.record(b));
+  return *reinterpret_cast<Record*>(records.get() + tree.tables().offsets[static_cast<std::size_t>(b)].record);
 }
 
 template <class T>

@@ -3,7 +3,7 @@
 #include <type_traits>
 
 #include <momentree/dynamics/loops/loop_kernels.hpp>
-#include <momentree/tree/kernel_run.hpp>
+#include <momentree/tree/unchecked_tree.hpp>
 
 namespace momentree {
 
@@ -51,7 +51,7 @@ void add_loops(const Tree& tree, std::span<const int> rows, Bytes& bytes) {
     bytes.add(loop.body), bytes.add(loop.to), bytes.add(detail::has_forces(loop));
     bytes.add(static_cast<unsigned char>(spec.kind)), bytes.add(spec.axis), bytes.add(spec.axis2), bytes.add(spec.pitch);
   }
-  for (const LoopLink& link : tree.loop_links()) {
+  for (const LoopLink& link : tree.loops().links) {
     bytes.add(link.closure), bytes.add(link.child), bytes.add(link.parent);
     bytes.add(rotation_matrix(link.child_offset.rotation));
     bytes.add(link.first_row), bytes.add(link.rows), bytes.add(link.dof_row_count);
@@ -65,7 +65,7 @@ void add_loops(const Tree& tree, std::span<const int> rows, Bytes& bytes) {
     bytes.add(coupling.multiplier);
     for (const double x : coupling.higher) bytes.add(x);
   }
-  for (const int b : tree.driven_joints()) bytes.add(b);
+  for (const int b : tree.joints_with().motions) bytes.add(b);
   for (const int row : rows) bytes.add(row);
 }
 
@@ -78,15 +78,15 @@ std::string fingerprint(const Tree& tree, Variables variables, std::span<const i
   bytes.add(tree.nq()), bytes.add(tree.nv());
   for (std::size_t i = 0; i < tree.order().size(); ++i) {
     const int b = tree.order()[i];
-    bytes.add(b), bytes.add(tree.parent(b)), bytes.add(tree.node_flags()[i]);
+    bytes.add(b), bytes.add(tree.parent(b)), bytes.add(tree.tables().node_flags[i]);
     bytes.add(static_cast<unsigned char>(tree.joint(b).kind)), bytes.add(static_cast<unsigned char>(tree.variant(b)));
-    bytes.add(tree.first_q(b)), bytes.add(tree.first_p(b)), bytes.add(tree.first_angle(b));
+    bytes.add(tree.first_q(b)), bytes.add(tree.first_p(b)), bytes.add(UncheckedTree(tree).first_angle(b));
     bytes.add(tree.link(b)), bytes.add(tree.subtree_mass(b));
   }
-  for (const KernelRun& s : tree.kernel_runs()) bytes.add(s.begin), bytes.add(s.end), bytes.add(s.planar);
-  for (const int q : tree.angle_coordinates()) bytes.add(q);
-  for (const double offset : tree.angle_offsets()) bytes.add(offset);
-  for (int i = 0; i < tree.nv(); ++i) bytes.add(tree.armature()[i]);
+  for (const KernelRun& s : tree.tables().runs) bytes.add(s.begin), bytes.add(s.end), bytes.add(s.planar);
+  for (const int q : tree.tables().angle_q) bytes.add(q);
+  for (const double offset : tree.tables().angle_offset) bytes.add(offset);
+  for (int i = 0; i < tree.nv(); ++i) bytes.add(tree.tables().armature[i]);
   if (tree.has_loops()) add_loops(tree, rows, bytes);
   return bytes.take();
 }

@@ -77,7 +77,7 @@ KernelExpressions velocity_expressions(const Tree& tree, bool plain_forces) {
     const auto k = static_cast<std::size_t>(i);
     T& tau = workspace.a[k];
     tau = rests[k] ? T(0) : T::of_node(all.input(Operation::tau, i));
-    if (plain_forces && !rests[k]) tau += tree.effort()[k] - tree.damping()[k] * u[k];
+    if (plain_forces && !rests[k]) tau += tree.tables().effort[k] - tree.tables().damping[k] * u[k];
   }
   if (plain_forces)
     for (const forces::LinearSpring& spring : forces::linear_springs(tree))
@@ -95,8 +95,8 @@ void add_plain_forces(const Tree& tree, KernelExpressions& kernel) {
   MT_REQUIRE(kernel.variables == Variables::momenta, "expressions in momenta: velocity_expressions() adds its forces itself");
   Expressions& all = kernel.expressions;
   for (std::size_t i = 0; i < kernel.pdot.size(); ++i) {
-    const int damper = all.product(all.constant(tree.damping()[i]), kernel.v[i]);
-    kernel.pdot[i] = all.difference(all.sum(kernel.pdot[i], all.constant(tree.effort()[i])), damper);
+    const int damper = all.product(all.constant(tree.tables().damping[i]), kernel.v[i]);
+    kernel.pdot[i] = all.difference(all.sum(kernel.pdot[i], all.constant(tree.tables().effort[i])), damper);
   }
   for (const forces::LinearSpring& spring : forces::linear_springs(tree)) {
     const int stretch = all.difference(all.input(Operation::q, spring.q), all.constant(spring.rest));
@@ -125,12 +125,12 @@ std::vector<OtherForce> other_forces(const Tree& tree) {
   const auto on_body = [&](int body, const char* what) {
     if (tree.alive(body)) found.push_back({body, what, true});
   };
-  for (const BodyForce& force : tree.body_forces()) on_body(force.body.index, "a force that acts on it");
-  for (int s = 0; s < tree.spring_count(); ++s)
+  for (const BodyForce& force : tree.loads().forces) on_body(force.body.index, "a force that acts on it");
+  for (int s = 0; s < tree.springs().count(); ++s)
     for (const SpringEnd* end :
          {&tree.springs()[static_cast<std::size_t>(s)].from, &tree.springs()[static_cast<std::size_t>(s)].to})
-      if (tree.spring_acts(s) && end->body != ground) on_body(end->body.index, "a spring that pulls it");
-  for (const Topology::Loaded& load : tree.body_functions()) on_body(load.body, "a function that acts on it");
+      if (spring_acts(tree, s) && end->body != ground) on_body(end->body.index, "a spring that pulls it");
+  for (const Topology::Loaded& load : tree.loads().functions) on_body(load.body, "a function that acts on it");
   return found;
 }
 

@@ -70,12 +70,12 @@ class LoopRecording {
     put_joint_forces(rests, plain_forces);
     detail::place_closures<T>(tree_, q_.data(), workspace_, loops_, true, LoopRows::kept);
     for (std::size_t i = 0; i < tree_.loops().size(); ++i) complete_loop(i);
-    for (std::size_t i = tree_.loops().size(); i < tree_.loop_links().size(); ++i) place_coupling(tree_.loop_links()[i]);
+    for (std::size_t i = tree_.loops().size(); i < tree_.loops().links.size(); ++i) place_coupling(tree_.loops().links[i]);
     const Vec3& g = tree_.gravity();
     const Motion<T> base{{T(-g.x), T(-g.y), T(-g.z)}, {T(0), T(0), T(0)}};
     reduce_accelerations<T, true>(tree_, q_.data(), workspace_);
     detail::gather_loops<T>(tree_, q_.data(), workspace_, loops_, base, false);
-    if (tree_.loop_armatures() > 0) detail::soften<T>(loops_);
+    if (tree_.loops().armatures > 0) detail::soften<T>(loops_);
     solve();
     detail::apply_multipliers<T>(tree_, q_.data(), workspace_, loops_);
     resolve_accelerations<T, true>(tree_, q_.data(), workspace_, base);
@@ -83,7 +83,7 @@ class LoopRecording {
     take(workspace_.a, tree_.nv(), kernel.udot);
     if (code_ == LoopCode::file) return;
     for (const int row : loops_.kept.rows) kernel.lambda.push_back(loops_.lambda[at(row)].node());
-    for (const int b : tree_.driven_joints()) kernel.effort.push_back(motion_effort(b).node());
+    for (const int b : tree_.joints_with().motions) kernel.effort.push_back(motion_effort(b).node());
   }
 
   const std::vector<int>& begin() const { return loops_.kept.begin; }
@@ -93,7 +93,7 @@ class LoopRecording {
     for (int i = 0; i < tree_.nv(); ++i) {
       T& tau = workspace_.a[at(i)];
       tau = rests[at(i)] ? T(0) : T::of_node(all_.input(Operation::tau, i));
-      if (plain_forces && !rests[at(i)]) tau += tree_.effort()[at(i)] - tree_.damping()[at(i)] * u_[at(i)];
+      if (plain_forces && !rests[at(i)]) tau += tree_.tables().effort[at(i)] - tree_.tables().damping[at(i)] * u_[at(i)];
     }
     if (!plain_forces) return;
     for (const forces::LinearSpring& spring : forces::linear_springs(tree_))
@@ -102,7 +102,7 @@ class LoopRecording {
 
   // The rows of single DoFs, and the forces in the joint.
   void complete_loop(std::size_t place) {
-    const LoopLink& link = tree_.loop_links()[place];
+    const LoopLink& link = tree_.loops().links[place];
     const bool forces = code_ == LoopCode::stages && detail::has_forces(tree_.loops()[place]);
     const bool known = has_constant_columns(spec_of(tree_.loops()[place].joint));
     if (known)
@@ -137,7 +137,7 @@ class LoopRecording {
   }
   // As detail::dof_row, where the row is constant in the child's frame.
   void place_constant_row(std::size_t place, int k) {
-    const LoopLink& link = tree_.loop_links()[place];
+    const LoopLink& link = tree_.loops().links[place];
     const DofRow& of = link.dof_rows[at(k)];
     const LoopPlaceOf<T>& p = loops_.places[place];
     const JointSpec spec = spec_of(tree_.loops()[place].joint);
@@ -222,15 +222,15 @@ class LoopRecording {
   T motion_effort(int b) {
     const UncheckedTree all(tree_);
     Force<T> Tr = workspace_.reduced_bias_wrenches[at(b)];
-    T effort = tree_.armature()[at(tree_.first_p(b))] * workspace_.a[at(tree_.first_p(b))];
+    T effort = tree_.tables().armature[at(tree_.first_p(b))] * workspace_.a[at(tree_.first_p(b))];
     dispatch_kernels(tree_.kind(b), tree_.variant(b), [&](auto tag) {
       using K = typename decltype(tag)::type;
       K::add_reduced(workspace_.template record<K>(all, b), workspace_.inboard_accelerations[at(b)], Tr);
       const auto E = K::template columns<T>(all.link(b), joint_state(all, q_.data(), workspace_, b));
       if constexpr (std::tuple_size_v<std::remove_cv_t<decltype(E)>> != 0) effort += dot(E[0], Tr);
     });
-    for (std::size_t i = tree_.loops().size(); i < tree_.loop_links().size(); ++i) {
-      const LoopLink& link = tree_.loop_links()[i];
+    for (std::size_t i = tree_.loops().size(); i < tree_.loops().links.size(); ++i) {
+      const LoopLink& link = tree_.loops().links[i];
       const T lambda = loops_.lambda[at(link.first_row)];
       if (link.ends.joint == b) effort -= lambda;
       if (link.ends.follows == b) effort += loops_.rows[at(link.first_row)].slope * lambda;
@@ -258,7 +258,7 @@ KernelExpressions loop_expressions(const Tree& tree, std::span<const int> rows, 
   Symbolic::graph() = &kernel.expressions;
   LoopRecording recording(tree, rows, code, kernel.expressions);
   recording.record(plain_forces, kernel);
-  kernel.begin = recording.begin(), kernel.motions = tree.loop_motions();
+  kernel.begin = recording.begin(), kernel.motions = tree.loops().motions;
   Symbolic::graph() = nullptr;
   if (kernel.expressions.exhausted()) throw std::bad_alloc();
   return kernel;
@@ -276,7 +276,7 @@ std::vector<LoopObstacle> loop_obstacles(const Tree& tree, bool without_joint_fo
   std::vector<LoopObstacle> found;
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
-    if (tree.loop_links()[i].dof_row_count > 0 && !has_constant_columns(spec_of(loop.joint)))
+    if (tree.loops().links[i].dof_row_count > 0 && !has_constant_columns(spec_of(loop.joint)))
       found.push_back({static_cast<int>(i),
                        std::string("an armature or a lock of single DoFs of a ") + info(loop.joint.kind).name + " joint", false});
     if (!without_joint_forces && detail::has_forces(loop)) found.push_back({static_cast<int>(i), "a force along its DoFs", true});

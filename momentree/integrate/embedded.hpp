@@ -320,7 +320,7 @@ class Embedded : public Integrator {
         const auto k = static_cast<std::size_t>(i);
         measure(error_q_[k], q0_[k], q_[k], momenta ? h * noise_q_[k] : 0);
       }
-      if (!evaluate.tree().driven_joints().empty() || evaluate.tree().loop_motions() > 0) {
+      if (!evaluate.tree().joints_with().motions.empty() || evaluate.tree().loops().motions > 0) {
         double off = 0, most = 0;
         for (int j = 0; j < Tableau::stages; ++j) {
           off += weights[j] * power_[j].work;

@@ -17,7 +17,7 @@ void FloatingCentres::begin(const Tree& tree, const double* q) noexcept {
     revision_ = tree.revision();
     all_.clear();
     for (const int b : tree.order()) {
-      if (!tree.at_centre_of_mass(b)) continue;
+      if (!at_centre_of_mass(tree, b)) continue;
       const Vec3 c = FreeKernels::offset<double>(tree.link(b));
       if (dot(c, c) > 0) all_.push_back({tree.first_q(b), tree.first_p(b), c, {}});
     }

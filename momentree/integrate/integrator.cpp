@@ -188,7 +188,7 @@ std::vector<std::string> integration_methods() {
 }
 
 void take_stored(const Tree& tree, const double* q0, const double* q1, EnergyLedger& ledger) noexcept {
-  if (!tree.forced_joints().empty()) ledger.dissipated -= forces::stored(tree, q1) - forces::stored(tree, q0);
+  if (!tree.joints_with().forces.empty()) ledger.dissipated -= forces::stored(tree, q1) - forces::stored(tree, q0);
 }
 
 void end_step(const Tree& tree, double t, double* q, double* y) noexcept {
@@ -197,7 +197,7 @@ void end_step(const Tree& tree, double t, double* q, double* y) noexcept {
 }
 
 void normalise(const Tree& tree, double* q) noexcept {
-  for (int b : tree.quaternion_joints())
+  for (int b : tree.joints_with().quaternions)
     dispatch(tree.kind(b), [&](auto tag) { decltype(tag)::type::Kernels::normalise(q + tree.first_q(b)); });
 }
 

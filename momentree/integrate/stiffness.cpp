@@ -202,7 +202,7 @@ std::string StiffSpring::cure() const { return "use a step below " + text(longes
 
 std::optional<StiffSpring> too_stiff_spring(const Tree& tree, std::span<const double> q, std::string_view method, double step) {
   const Limits limits = limits_of(method);
-  if (tree.spring_count() == 0 || tree.nv() == 0 || !std::isfinite(limits.spring)) return {};
+  if (tree.springs().count() == 0 || tree.nv() == 0 || !std::isfinite(limits.spring)) return {};
   const auto n = static_cast<std::size_t>(tree.nv());
   Mobility mobilities(tree, q);
   const State& state = mobilities.state();
@@ -212,11 +212,11 @@ std::optional<StiffSpring> too_stiff_spring(const Tree& tree, std::span<const do
   int left = static_cast<int>(std::min<std::size_t>(1 + most_numbers / (6 * n), 100'000));
   std::optional<StiffSpring> worst;
   double worst_excess = 1;
-  for (int s = 0; s < tree.spring_count() && left > 0; ++s) {
-    if (!tree.spring_acts(s)) continue;
+  for (int s = 0; s < tree.springs().count() && left > 0; ++s) {
+    if (!spring_acts(tree, s)) continue;
     locate_bodies(tree, state, workspace);
     const SpringMotion motion = spring_motion(tree, workspace, s);
-    const SpringLaw& law = tree.spring_law(s);
+    const SpringLaw& law = tree.springs().law(s);
     if (!(motion.length > 0) || law.slack(motion.length)) continue;
     --left;
     std::fill(p.begin(), p.end(), 0.0);  // momenta of unit impulses at both ends

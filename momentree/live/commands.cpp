@@ -89,7 +89,7 @@ void View::Impl::set_joint(const Value& message) {
 
 bool View::Impl::has_grip() const {
   if (grip.body < 0 || !simulation.world().alive({grip.body})) return false;
-  const auto loaded = simulation.world().tree().body_functions();
+  const auto& loaded = simulation.world().tree().loads().functions;
   return std::ranges::any_of(
       loaded, [this](const Topology::Loaded& each) { return each.body == grip.body && each.function == grip_function; });
 }
@@ -97,7 +97,7 @@ bool View::Impl::has_grip() const {
 void View::Impl::apply_grip() {
   simulation.force(simulation.world().model()[{grip.body}].name,
                    [grip = grip](const EvaluationContext& context) { return io::pull(grip, context); });
-  for (const Topology::Loaded& each : simulation.world().tree().body_functions())
+  for (const Topology::Loaded& each : simulation.world().tree().loads().functions)
     if (each.body == grip.body) grip_function = each.function;
 }
 
@@ -107,7 +107,7 @@ void View::Impl::grab(const Value& message) {
   const int body = index_of(message, "body");
   const std::optional<Vec3> point = vector_of(message, "point"), target = vector_of(message, "target");
   if (!io::body_name(world, body) || !point || !target) return refuse("the body is no longer there");
-  const auto loaded = world.tree().body_functions();
+  const auto& loaded = world.tree().loads().functions;
   if (std::ranges::any_of(loaded, [body](const Topology::Loaded& each) { return each.body == body; }))
     return refuse("the program applies a force to this body, which a grip would replace");
   grip = io::grip_on(world, body, *point, 1);
@@ -136,7 +136,7 @@ void View::Impl::move_slider(const Value& message) {
   const std::optional<double> value = number_of(message, "value");
   if (found == sliders.end() || !value) return;
   const double now = found->value = std::clamp(*value, found->least, found->most);
-  sliders_moved = true;
+  known.sliders_moved = true;
   if (const std::function<void(double)> function = found->changed) function(now);  // which may add sliders
 }
 
@@ -155,9 +155,9 @@ void View::Impl::carry_out(const Value& message) {
   const Value* const on = member(message, "on");
   if (type == "play" && on != nullptr && on->boolean() != nullptr) {
     playing = *on->boolean();
-    due = 0;
+    pace.due = 0;
   } else if (type == "speed") {
-    if (const auto factor = number_of(message, "factor"); factor && *factor > 0 && *factor <= 1000) speed = *factor;
+    if (const auto factor = number_of(message, "factor"); factor && *factor > 0 && *factor <= 1000) pace.speed = *factor;
   } else if (type == "act") {
     if (const Value* const action = member(message, "action")) act(*action);
   } else if (type == "set") {

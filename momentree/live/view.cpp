@@ -37,8 +37,9 @@ std::string gravity_json(const Vec3& gravity) {
 }  // namespace
 
 View::Impl::Impl(Simulation& simulation_, ViewOptions options_, const io::Scenario* given)
-    : simulation(simulation_), options(std::move(options_)), playing(!options.paused), speed(options.speed) {
-  if (!(speed > 0) || !std::isfinite(speed))
+    : simulation(simulation_), options(std::move(options_)), playing(!options.paused) {
+  pace.speed = options.speed;
+  if (!(pace.speed > 0) || !std::isfinite(pace.speed))
     throw_error({"the speed of a view must be positive and finite", "speed", "1 is real time"});
   scenario.title = options.title, scenario.until = HUGE_VAL, scenario.integration = simulation.integration();
   if (given != nullptr) {
@@ -121,83 +122,84 @@ std::vector<std::string> View::Impl::greeting() const {
   std::string loaded;
   io::JsonWriter json(loaded);
   json.begin_object().member("type", "loaded").key("diagnostics").begin_array().end_array().key("world").begin_object();
-  json.key("scenario").raw(io::scenario_json(scenario, gravity)).key("model").raw(model_text);
-  json.key("topology").raw(topology_text).key("frame").raw(frame_text).end_object().end_object();
-  return {std::move(loaded), message("events", "events", "[" + events_text + "]"), sliders_json(), playing_json(playing)};
+  json.key("scenario").raw(io::scenario_json(scenario, known.gravity)).key("model").raw(known.model_text);
+  json.key("topology").raw(known.topology_text).key("frame").raw(known.frame_text).end_object().end_object();
+  return {std::move(loaded), message("events", "events", "[" + known.events_text + "]"), sliders_json(), playing_json(playing)};
 }
 
 void View::Impl::reload() {
   const World& world = simulation.world();
-  model_text = io::model_json(world, options.title, options.shapes);
-  topology_text = io::topology_json(world);
-  events_text = io::event_list(simulation.events(), 0);
-  frame_text = frame();
-  revision = world.tree().revision();
-  events = simulation.events().size();
-  bodies = world.model().size();
-  time = simulation.time();
-  gravity = world.model().gravity();
-  told_playing = playing, sliders_moved = false;
+  known.model_text = io::model_json(world, options.title, options.shapes);
+  known.topology_text = io::topology_json(world);
+  known.events_text = io::event_list(simulation.events(), 0);
+  known.frame_text = frame();
+  known.revision = world.tree().revision();
+  known.events = simulation.events().size();
+  known.bodies = world.model().size();
+  known.time = simulation.time();
+  known.gravity = world.model().gravity();
+  known.playing = playing, known.sliders_moved = false;
   feed.greet(greeting(), true);
 }
 
 bool View::Impl::tell_topology() {
   const World& world = simulation.world();
-  if (world.tree().revision() == revision) return false;
-  revision = world.tree().revision();
+  if (world.tree().revision() == known.revision) return false;
+  known.revision = world.tree().revision();
   std::string now = io::topology_json(world);
-  if (now == topology_text) return false;  // other parameters, such as the target of a grip
-  topology_text = std::move(now);
+  if (now == known.topology_text) return false;  // other parameters, such as the target of a grip
+  known.topology_text = std::move(now);
   std::string text;
   io::JsonWriter(text)
       .begin_object()
       .member("type", "topology")
       .member("time", simulation.time())
       .key("topology")
-      .raw(topology_text)
+      .raw(known.topology_text)
       .end_object();
   feed.post(std::move(text));
   return true;
 }
 
 void View::Impl::tell_frame(bool now) {
-  if (!now && simulation.time() == time && Clock::now() - framed < frame_time) return;
-  framed = Clock::now();
-  time = simulation.time();
+  if (!now && simulation.time() == known.time && Clock::now() - pace.framed < frame_time) return;
+  pace.framed = Clock::now();
+  known.time = simulation.time();
   std::string text = frame();
-  if (text == frame_text) return;
-  frame_text = std::move(text);
+  if (text == known.frame_text) return;
+  known.frame_text = std::move(text);
   std::string shown;
   io::JsonWriter(shown)
       .begin_object()
       .member("type", "frame")
-      .member("seconds", std::exchange(spent, 0))
+      .member("seconds", std::exchange(pace.spent, 0))
       .key("frame")
-      .raw(frame_text)
+      .raw(known.frame_text)
       .end_object();
   feed.show(std::move(shown));
 }
 
 void View::Impl::tell() {
   const World& world = simulation.world();
-  told = Clock::now();
+  pace.told = Clock::now();
   // Bodies that were added, and a run that went back, are a new world for the pages.
-  if (world.model().size() != bodies || simulation.events().size() < events || simulation.time() < time) return reload();
+  if (world.model().size() != known.bodies || simulation.events().size() < known.events || simulation.time() < known.time)
+    return reload();
   bool news = tell_topology();
-  if (simulation.events().size() > events) {
-    const std::string more = io::event_list(simulation.events(), events);
-    events = simulation.events().size();
-    events_text += (events_text.empty() ? "" : ",") + more;
+  if (simulation.events().size() > known.events) {
+    const std::string more = io::event_list(simulation.events(), known.events);
+    known.events = simulation.events().size();
+    known.events_text += (known.events_text.empty() ? "" : ",") + more;
     feed.post(message("events", "events", "[" + more + "]"));
     news = true;
   }
-  if (!(world.model().gravity() == gravity)) {
-    gravity = world.model().gravity();
-    feed.post(gravity_json(gravity));
+  if (!(world.model().gravity() == known.gravity)) {
+    known.gravity = world.model().gravity();
+    feed.post(gravity_json(known.gravity));
     news = true;
   }
-  if (std::exchange(sliders_moved, false)) feed.post(sliders_json()), news = true;
-  if (playing != told_playing) feed.post(playing_json(told_playing = playing)), news = true;
+  if (std::exchange(known.sliders_moved, false)) feed.post(sliders_json()), news = true;
+  if (playing != known.playing) feed.post(playing_json(known.playing = playing)), news = true;
   tell_frame(news);
   if (news) feed.greet(greeting(), false);
 }
@@ -229,7 +231,7 @@ void View::slider(Slider slider) {
     throw_error(
         {"the numbers of the slider '" + slider.name + "' are not in order", "slider", "least <= value <= most, all finite"});
   impl_->sliders.push_back(std::move(slider));
-  impl_->sliders_moved = true;
+  impl_->known.sliders_moved = true;
   impl_->tell();
 }
 
@@ -247,11 +249,11 @@ void View::exchange() {
 bool View::update() {
   Impl& view = *impl_;
   for (;;) {
-    if (!view.playing || view.feed.has_texts() || Impl::Clock::now() - view.told >= Impl::frame_time) exchange();
+    if (!view.playing || view.feed.has_texts() || Impl::Clock::now() - view.pace.told >= Impl::frame_time) exchange();
     if (view.playing || view.stopped) break;
     wait(std::chrono::milliseconds(100));
   }
-  view.paced = Impl::Clock::now();
+  view.pace.paced = Impl::Clock::now();
   return !view.stopped;
 }
 
@@ -259,19 +261,19 @@ double View::next(double until) {
   Impl& view = *impl_;
   const double now = view.simulation.time();
   const Impl::Clock::time_point clock = Impl::Clock::now();
-  const double passed = std::chrono::duration<double>(clock - std::exchange(view.paced, clock)).count();
+  const double passed = std::chrono::duration<double>(clock - std::exchange(view.pace.paced, clock)).count();
   // Steps that took longer than they should are not caught up on: the simulation is slower then.
-  view.due = std::min(view.due + passed * view.speed, 2 * view.speed * Impl::frame_time.count());
-  if (view.due < 0.999 * std::min(1.0, view.speed) * Impl::frame_time.count()) return now;
-  const double least = view.step > 0 ? view.step * std::max(1.0, std::floor(view.due / view.step + 1e-6)) : view.due;
+  view.pace.due = std::min(view.pace.due + passed * view.pace.speed, 2 * view.pace.speed * Impl::frame_time.count());
+  if (view.pace.due < 0.999 * std::min(1.0, view.pace.speed) * Impl::frame_time.count()) return now;
+  const double least = view.step > 0 ? view.step * std::max(1.0, std::floor(view.pace.due / view.step + 1e-6)) : view.pace.due;
   const double target = std::min(now + least, until);
-  view.due -= target - now;  // negative after a step that is longer than a frame: the next one waits
+  view.pace.due -= target - now;  // negative after a step that is longer than a frame: the next one waits
   return target;
 }
 
 void View::report(const RunResult& result) {
   Impl& view = *impl_;
-  view.spent += std::chrono::duration<double>(Impl::Clock::now() - view.paced).count();  // next() has set it
+  view.pace.spent += std::chrono::duration<double>(Impl::Clock::now() - view.pace.paced).count();  // next() has set it
   if (result || result == Status::interrupted) return;
   view.playing = false;
   view.tell();
@@ -282,14 +284,14 @@ void View::report(const RunResult& result) {
 
 RunResult View::run_until(double time, const std::function<bool()>& goes_on) {
   Impl& view = *impl_;
-  view.paced = Impl::Clock::now();
-  view.due = 0;
+  view.pace.paced = Impl::Clock::now();
+  view.pace.due = 0;
   while (view.simulation.time() < time) {
     exchange();
     if (view.stopped || (goes_on && !goes_on())) return {Status::interrupted, ""};
     if (!view.playing) {
       wait(std::chrono::milliseconds(100));
-      view.paced = Impl::Clock::now();
+      view.pace.paced = Impl::Clock::now();
       continue;
     }
     const double target = next(time);

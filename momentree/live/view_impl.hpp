@@ -65,20 +65,27 @@ struct View::Impl {
   std::string address;
 
   bool playing = true, stopped = false;
-  double speed = 1, due = 0;  ///< simulated time that is due (s)
-  double spent = 0;           ///< on the steps since the last frame (s)
-  Clock::time_point paced = Clock::now(), told = Clock::now(), framed = Clock::now();
+  /// How fast simulated time passes.
+  struct Pace {
+    double speed = 1, due = 0;  ///< simulated time that is due (s)
+    double spent = 0;           ///< on the steps since the last frame (s)
+    Clock::time_point paced = Clock::now(), told = Clock::now(), framed = Clock::now();
+  };
+  Pace pace;
   io::Grip grip;
   std::shared_ptr<const BodyFunction> grip_function;  ///< as the simulation has it
 
-  // What the pages know, as JSON where it is text.
-  std::string model_text, topology_text, events_text, frame_text;
-  std::uint64_t revision = 0;
-  std::size_t events = 0;
-  int bodies = 0;
-  double time = 0;
-  Vec3 gravity{};
-  bool told_playing = true, sliders_moved = false;
+  /// What the pages know, as JSON where it is text.
+  struct Known {
+    std::string model_text, topology_text, events_text, frame_text;
+    std::uint64_t revision = 0;
+    std::size_t events = 0;
+    int bodies = 0;
+    double time = 0;
+    Vec3 gravity{};
+    bool playing = true, sliders_moved = false;
+  };
+  Known known;
 
   std::atomic<bool> ending = false;
   std::thread server;

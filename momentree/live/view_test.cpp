@@ -178,11 +178,11 @@ TEST_CASE("live: a body that is grabbed follows the pointer, and its work is acc
   CHECK(std::fabs(sim.energy().error) < 1e-4 * std::fabs(sim.energy().work));
   page.act(R"({"type": "release"})");
   view.exchange();
-  CHECK(sim.world().tree().body_functions().empty());
+  CHECK(sim.world().tree().loads().functions.empty());
   sim.force("lower", [](const EvaluationContext&) { return Wrench{}; });
   page.act(R"({"type": "grab", "body": 1, "point": [0, 0, -1], "target": [1.5, 0, -1]})");
   view.exchange();
-  CHECK(sim.world().tree().body_functions().size() == 1);  // that of the program
+  CHECK(sim.world().tree().loads().functions.size() == 1);  // that of the program
 }
 
 TEST_CASE("live: a run at the page's speed takes the steps of a run without a page") {
@@ -247,7 +247,7 @@ TEST_CASE("live: a grip that the program replaces ends, and does not take the pr
   CHECK(page.next("refused")["message"].get<std::string>().find("replaced the grip") != std::string::npos);
   page.act(R"({"type": "release"})");
   view.exchange();
-  CHECK(sim.world().tree().body_functions().size() == 1);
+  CHECK(sim.world().tree().loads().functions.size() == 1);
 }
 
 TEST_CASE("live: a feed keeps a bounded number of bytes") {

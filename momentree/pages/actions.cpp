@@ -8,7 +8,7 @@
 namespace momentree::io {
 
 std::optional<std::string> joint_name(const World& world, int joint) {
-  const bool exists = is_loop({joint}) ? world.tree().find_loop({joint}) != nullptr
+  const bool exists = is_loop({joint}) ? world.tree().loops().find({joint}) != nullptr
                                        : joint >= 0 && joint < world.model().size() && world.tree().carrier(joint) >= 0;
   if (!exists) return std::nullopt;
   return std::string(world.joint_name({joint}));

@@ -82,7 +82,7 @@ std::string topology_json(const World& world) {
   if (world.couplings() > 0) {
     json.key("couplings").begin_array();
     for (int c = 0; c < world.couplings(); ++c) {
-      const auto [joint, follows] = world.coupling_names({c});
+      const auto [joint, follows] = coupling_names(world, {c});
       json.begin_object().member("joint", joint).member("follows", follows);
       json.member("ended", world.coupling({c}).ended).end_object();
     }

@@ -285,7 +285,7 @@ void Recorder::finish(const std::string& status, const Armed& armed, const Repor
   const std::string outcome = failed_ ? "done" : status;  // the run was stopped by the failure to write
   if (!failed_) attempt([&] { write_row(simulation_.world()); });
   close_tables();
-  attempt([&] { directory_->write("final.json", state_json(simulation_.world(), armed, simulation_.step_memory())); });
+  attempt([&] { directory_->write("final.json", state_json(simulation_.world(), armed, step_memory(simulation_))); });
   if (options_.hdf5 && !failed_ && status == "done")
     attempt([&] {
       for (const char* name : {"results.h5", "results.h5.partial"}) directory_->file(name);

@@ -170,7 +170,7 @@ void RunRecord::finish(const Simulation& simulation, std::string status, const A
   const std::vector<Event>& all = simulation.events();
   events_.assign(all.begin() + static_cast<std::ptrdiff_t>(std::min(events_before_, all.size())), all.end());
   summary_ = summary_json(origin_, status_, simulation);
-  final_ = state_json(simulation.world(), armed, simulation.step_memory());
+  final_ = state_json(simulation.world(), armed, step_memory(simulation));
 }
 
 std::vector<std::string> RunRecord::joints() const {

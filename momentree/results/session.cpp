@@ -51,7 +51,7 @@ Session::Session(std::shared_ptr<const Scenario> scenario, std::vector<RestoredS
     if (document.memory != StepMemory{}) memory_ = document.memory;
     for (const ArmedEvent& event : document.armed) take_armed(event, document.file);
   }
-  if (from_document_) simulation_.resume({}, memory_);
+  if (from_document_) momentree::resume(simulation_, {}, memory_);
 }
 
 void Session::take_armed(const ArmedEvent& event, const std::string& file) {
@@ -116,7 +116,7 @@ std::vector<Diagnostic> Session::schedule() {
     found.push_back({Severity::warning, scenario().path, place.line, place.column, std::move(what), "", ""});
   };
   const double start = simulation_.time();
-  if (const Vec3 g = simulation_.world().model().gravity(); !(g == simulation_.world().first_gravity()))
+  if (const Vec3 g = simulation_.world().model().gravity(); !(g == simulation_.world().start().gravity))
     warn({}, "gravity is that of the state document: [" + number_text(g.x) + ", " + number_text(g.y) + ", " + number_text(g.z) +
                  "] m/s²");
   std::vector<const ScenarioEvent*> events;
@@ -164,7 +164,7 @@ void Session::resume() {
   std::vector<EventStatus> armed = simulation_.snapshot().armed;
   for (std::size_t k = 0; k < scheduled_.events.size(); ++k)
     if (const EventStatus* past = past_of(*scheduled_.events[k])) armed[k] = *past;
-  simulation_.resume(armed, memory_);
+  momentree::resume(simulation_, armed, memory_);
 }
 
 void Session::count_before(const Armed& armed) {

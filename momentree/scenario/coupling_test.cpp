@@ -167,12 +167,12 @@ TEST_CASE("an exact coupling holds at the start, in the run and in its documents
   REQUIRE(sim.run_until(0.3) == Status::ok);
   check();
   const auto reread = [&] {
-    const std::string document = state_json(sim.world(), {}, sim.step_memory());
+    const std::string document = state_json(sim.world(), {}, step_memory(sim));
     Simulation again(read.scenario->model, read.scenario->integration);
-    const RestoredState state = read_state(document, "s.json", again.world().first_model());
+    const RestoredState state = read_state(document, "s.json", first_model(again.world()));
     restore(again, {state});
-    again.resume({}, state.memory);
-    CHECK(state_json(again.world(), {}, again.step_memory()) == document);
+    resume(again, {}, state.memory);
+    CHECK(state_json(again.world(), {}, step_memory(again)) == document);
     return document;
   };
   CHECK(reread().find("\"ended\": false") != std::string::npos);

@@ -11,6 +11,7 @@
 #include <momentree/dynamics/loops/loop_workspace.hpp>
 #include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -34,7 +35,7 @@ std::string short_text(double x) {
 
 // Joints that follow others move to where they belong, leaders before followers; the assembly closes what cannot be closed so.
 void follow_leaders(const Tree& tree, std::size_t first, double* q, double* u) {
-  const auto links = tree.loop_links();
+  const std::span<const LoopLink> links = tree.loops().links;
   std::vector<int> waiting(static_cast<std::size_t>(tree.bodies()), 0);  // by body: couplings that are to move its joint
   std::vector<char> moved(waiting.size(), 0), done(links.size(), 0);
   const auto at = [](int b) { return static_cast<std::size_t>(b); };
@@ -59,7 +60,7 @@ void follow_leaders(const Tree& tree, std::size_t first, double* q, double* u) {
 
 // A body of the island that a loop or coupling belongs to.
 int end_of_link(const Tree& tree, std::size_t link) {
-  if (link >= tree.loops().size()) return tree.loop_links()[link].ends.joint;
+  if (link >= tree.loops().size()) return tree.loops().links[link].ends.joint;
   const Loop& loop = tree.loops()[link];
   return loop.body >= 0 ? loop.body : loop.to;
 }
@@ -91,7 +92,7 @@ class HeldStart {
       Joint joint = tree_.joint(b);
       for (int i = 0; i < info(joint.kind).nv; ++i)
         if (held_[at(tree_.first_p(b) + i)] != 0) joint.locked |= 1u << i;
-      if (joint.locked != tree_.joint(b).locked) locked.set_joint(b, joint);
+      if (joint.locked != tree_.joint(b).locked) locked.edit().set_joint(b, joint);
     }
     return locked;
   }
@@ -136,7 +137,7 @@ class HeldStart {
 // The velocities at coordinates q, at which the loops are closed.
 std::vector<double> assemble_velocities(const Tree& tree, const Islands& islands, std::span<const char> given, const State& state,
                                         const std::vector<double>& q) {
-  std::vector<double> u(state.u().begin(), state.u().end()), open(tree.loop_links().size());
+  std::vector<double> u(state.u().begin(), state.u().end()), open(tree.loops().links.size());
   HeldStart held(tree, islands, given);
   for (bool again = true; again;) {
     const bool holds = held.any();
@@ -221,13 +222,13 @@ GivenStart given_start(const Model& model, const Tree& tree) {
 std::optional<Error> assemble(const Tree& tree, const Model& model, const Names& names, State& state, const GivenStart& given) {
   if (state.variables() == Variables::momenta) return assemble_momenta(tree, model, names, state, given);
   Workspace<double> workspace(tree);
-  std::vector<double> residuals(tree.loop_links().size());
+  std::vector<double> residuals(tree.loops().links.size());
   load_turns(tree, state, workspace);
   loop_residuals(tree, state.time(), state.q().data(), state.u().data(), workspace, residuals.data());
   const std::size_t loops = tree.loops().size();
   const auto where = [&](std::size_t i) {
     if (i < loops) return "loop '" + names.joint(tree.loops()[i].id().index) + "'";
-    const Coupling& coupling = tree.couplings()[static_cast<std::size_t>(tree.loop_links()[i].ends.coupling)];
+    const Coupling& coupling = tree.couplings()[static_cast<std::size_t>(tree.loops().links[i].ends.coupling)];
     return "coupling of " + coupling_text(coupling, names.joint(coupling.joint.index),
                                           coupling.leads() ? names.joint(coupling.follows.index) : std::string());
   };

@@ -5,14 +5,14 @@
 namespace momentree {
 
 DryRun Simulation::Impl::dry_run() {
-  const During working(doing, Doing::working);
+  const During working(activity.doing, Doing::working);
   DryRun found;
   const WorldSnapshot start = world.snapshot();
-  between_runs.open_pending();
+  contact.between_runs.open_pending();
   std::set<std::pair<std::string, Kind>> joints;
-  const auto look_at_joints = [&, &tree = world.tree_] {
-    for (const int b : tree.order()) joints.emplace(world.names_.joint(tree.joint_of(b)), tree.joint(b).kind);
-    for (const Loop& loop : tree.loops()) joints.emplace(world.names_.joint(loop.id().index), loop.joint.kind);
+  const auto look_at_joints = [&, &tree = world.tree()] {
+    for (const int b : tree.order()) joints.emplace(world.joint_name({tree.joint_of(b)}), tree.joint(b).kind);
+    for (const Loop& loop : tree.loops()) joints.emplace(world.joint_name(loop.id()), loop.joint.kind);
   };
   look_at_joints();
   // Events with known instants come first, in their order; the others follow one by one, and their order is not known.
@@ -45,7 +45,7 @@ DryRun Simulation::Impl::dry_run() {
   add_breaks();
   const std::size_t n = queue.entries.size();
   const auto event_at = [&](std::size_t k) { return k < n ? queue.entries[k].event : breaks[k - n]; };
-  found.complete = order.size() * static_cast<std::size_t>(world.tree_.bodies()) <= detail::most_dry_run;
+  found.complete = order.size() * static_cast<std::size_t>(world.tree().bodies()) <= detail::most_dry_run;
   for (std::size_t i = 0; found.complete && i < order.size();) {
     std::vector<DueEvent> due;
     const std::size_t begin = i;
@@ -53,8 +53,8 @@ DryRun Simulation::Impl::dry_run() {
     do {
       due.push_back(event_at(order[i].entry));
     } while (++i < order.size() && order[i].time == time && order[i].follows == order[begin].follows && std::isfinite(time));
-    if (std::isfinite(time)) world.set_time(time);
-    const std::optional<Overlap> deepest = geometry.pairs.any() ? geometry.overlaps.of_bodies() : std::nullopt;
+    if (std::isfinite(time)) world.edit().set_time(time);
+    const std::optional<Overlap> deepest = contact.geometry.pairs.any() ? contact.geometry.overlaps.of_bodies() : std::nullopt;
     const double overlapping = deepest ? deepest->depth : 0;
     const WorldSnapshot before = world.snapshot();
     const InstantReport report = carry_out_with_passes(due, true);
@@ -64,8 +64,8 @@ DryRun Simulation::Impl::dry_run() {
                                 action.result.outcome == ActionResult::Outcome::refused ? report.message : "", time});
     // Bodies that were welded together may overlap, wherever they have moved until then. Where the ends of cables are is not
     // known.
-    if (certain && !report.refused && !report.lost && geometry.pairs.any())
-      if (const std::optional<Overlap> worst = geometry.overlaps.of_bodies();
+    if (certain && !report.refused && !report.lost && contact.geometry.pairs.any())
+      if (const std::optional<Overlap> worst = contact.geometry.overlaps.of_bodies();
           worst && worst->depth > std::max(left_by_steps, overlapping)) {
         world.restore(before);
         const auto [event, action] = overlapping_action(due);

@@ -78,7 +78,7 @@ std::string EnergyBalance::advice(const Integration& how) const {
 
 std::vector<std::string> Simulation::warnings() const {
   std::vector<std::string> all = impl().stops.passed();
-  const bool forced = !all.empty() && impl_->has_motions();
+  const bool forced = !all.empty() && has_motions(impl_->world.tree());
   for (std::string& joint : all)
     joint = "at the end joint " + joint +
             ": a prescribed motion has forced this, or steps are too long; results since it began are not valid";
@@ -93,13 +93,13 @@ std::vector<std::string> Simulation::warnings() const {
                     formatted("t = %.9g s", event.time) + ": " + event.reason);
   constexpr const char* why =
       ": a prescribed motion has forced this, or steps are too long; results since it began are not valid";
-  const std::vector<KeptOverlap>& overlaps = impl().stepping.overlaps;
+  const std::vector<KeptOverlap>& overlaps = impl().contact.stepping.overlaps;
   for (const KeptOverlap& kept : overlaps)
     all.push_back("from " + formatted("t = %.9g s", kept.since) + " on " + kept.deepest.text("up to ") + why);
   const auto is_left = [&](const Overlap& left) {
     return std::ranges::none_of(overlaps, [&](const KeptOverlap& kept) { return kept.deepest.same_pair(left); });
   };
-  if (const std::optional<Overlap> left = overlap(); left && left->depth > left_by_steps && is_left(*left))
+  if (const std::optional<Overlap> left = momentree::overlap(*this); left && left->depth > left_by_steps && is_left(*left))
     all.push_back("at the end " + left->text() + why);
   return all;
 }
@@ -108,35 +108,37 @@ std::vector<std::string> Simulation::warnings() const {
 std::string Simulation::Impl::moving_joints() const {
   std::string text;
   const auto add = [&](int joint) { text += (text.empty() ? "'" : ", '") + std::string(world.joint_name({joint})) + "'"; };
-  for (const int b : world.tree_.driven_joints()) add(world.tree_.joint_of(b));
-  for (const Loop& loop : world.tree_.loops())
+  for (const int b : world.tree().joints_with().motions) add(world.tree().joint_of(b));
+  for (const Loop& loop : world.tree().loops())
     if (loop.parameters.drive != nullptr && loop.parameters.drive->moves()) add(loop.id().index);
   return text;
 }
 
 void Simulation::Impl::report_blocked_stop() {
-  message = no_progress_at(world.time()) + "joint '" + std::string(world.joint_name({stops.blocked()})) +
-            "' can't be stopped at its limit: nothing that moves it can give way; ";
-  message += has_motions() ? "the motion of " + moving_joints() + " is prescribed: leave the 'limits' out, make them soft by a " +
-                                 "'stiffness', or drive by 'pd'"
-                           : "leave its 'limits' out, or make them soft by a 'stiffness'";
-  stalled = true;
+  outcome.message = no_progress_at(world.time()) + "joint '" + std::string(world.joint_name({stops.blocked()})) +
+                    "' can't be stopped at its limit: nothing that moves it can give way; ";
+  outcome.message += has_motions(world.tree())
+                         ? "the motion of " + moving_joints() + " is prescribed: leave the 'limits' out, make them soft by a " +
+                               "'stiffness', or drive by 'pd'"
+                         : "leave its 'limits' out, or make them soft by a 'stiffness'";
+  outcome.stalled = true;
 }
 
 void Simulation::Impl::report_pressing(double gained) {
-  message = no_progress_at(world.time()) + "the prescribed motion of " + moving_joints() +
-            " presses bodies against others, or joints on their stops, that can't give way: contacts changed the energy by " +
-            detail::text(gained) + " J in a step; let the motion end before, or drive by 'pd'";
-  stalled = true;
+  outcome.message =
+      no_progress_at(world.time()) + "the prescribed motion of " + moving_joints() +
+      " presses bodies against others, or joints on their stops, that can't give way: contacts changed the energy by " +
+      detail::text(gained) + " J in a step; let the motion end before, or drive by 'pd'";
+  outcome.stalled = true;
 }
 
 // What a step through contacts may change the energy by at most is of the order of this (J).
 double Simulation::Impl::energy_scale() {
   double mass = 0;
-  for (const int b : world.tree_.order()) mass += world.tree_.link(b).body.m;
-  const double fastest = geometry.stepped.fastest() + norm(world.model_.gravity()) * integration.step;
-  return balance.largest_kinetic + std::fabs(balance.initial) + std::fabs(ledger.work - ledger.impacts) +
-         mass * fastest * fastest + energy_of_heights(world);
+  for (const int b : world.tree().order()) mass += world.tree().link(b).body.m;
+  const double fastest = contact.geometry.stepped.fastest() + norm(world.model().gravity()) * integration.step;
+  return energy.balance.largest_kinetic + std::fabs(energy.balance.initial) +
+         std::fabs(energy.ledger.work - energy.ledger.impacts) + mass * fastest * fastest + energy_of_heights(world);
 }
 
 double energy_of_heights(const World& world) {

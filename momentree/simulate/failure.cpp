@@ -53,7 +53,7 @@ std::string link_text(const World& world, std::size_t link) {
   const Tree& tree = world.tree();
   const auto name = [&](JointId joint) { return std::string(world.joint_name(joint)); };
   if (link < tree.loops().size()) return "loop '" + name(tree.loops()[link].id()) + "'";
-  const Coupling& coupling = tree.couplings()[static_cast<std::size_t>(tree.loop_links()[link].ends.coupling)];
+  const Coupling& coupling = tree.couplings()[static_cast<std::size_t>(tree.loops().links[link].ends.coupling)];
   return "the coupling of " + coupling_text(coupling, name(coupling.joint), coupling.leads() ? name(coupling.follows) : "");
 }
 
@@ -65,7 +65,7 @@ std::string driven_joints_text(const World& world, int body) {
   const auto add = [&](int end, JointId joint) {
     if (islands.of(end) == islands.of(body)) names += (names.empty() ? "'" : ", '") + std::string(world.joint_name(joint)) + "'";
   };
-  for (const int b : tree.driven_joints()) add(b, {tree.joint_of(b)});
+  for (const int b : tree.joints_with().motions) add(b, {tree.joint_of(b)});
   for (const Loop& loop : tree.loops())
     if (loop.driven()) add(loop.body >= 0 ? loop.body : loop.to, loop.id());
   return names;
@@ -76,7 +76,7 @@ std::string out_of_reach(const World& world, double h, double longest) {
   const Tree& tree = world.tree();
   for (double later = h; later > 0 && later <= longest; later *= 10) {
     std::vector<double> q(world.state().q().begin(), world.state().q().end()), u(static_cast<std::size_t>(tree.nv())),
-        open(tree.loop_links().size());
+        open(tree.loops().links.size());
     const double t = world.time() + later;
     follow_motions(tree, t, q.data(), u.data());
     Workspace<double> workspace(tree);
@@ -84,7 +84,7 @@ std::string out_of_reach(const World& world, double h, double longest) {
     if (assemble_loops(tree, t, q.data(), u.data(), workspace, open.data())) continue;
     const auto link = static_cast<std::size_t>(std::max_element(open.begin(), open.end()) - open.begin());
     const bool loop = link < tree.loops().size();
-    const int body = !loop                          ? tree.loop_links()[link].ends.joint
+    const int body = !loop                          ? tree.loops().links[link].ends.joint
                      : tree.loops()[link].body >= 0 ? tree.loops()[link].body
                                                     : tree.loops()[link].to;
     const std::string joints = driven_joints_text(world, body);

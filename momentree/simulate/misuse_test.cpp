@@ -269,9 +269,15 @@ TEST_CASE("misuse: handles of a destroyed or other simulation") {
       {"a snapshot of another model", "compiled from the same model",
        [] { Simulation(model()).restore(Simulation(model(2)).snapshot()); }},
       {"resumed with more events than there are", "at most as many events as are scheduled",
-       [] { Simulation(model()).resume(std::vector<EventStatus>(3)); }},
+       [] {
+         Simulation sim(model());
+         resume(sim, std::vector<EventStatus>(3));
+       }},
       {"resumed with a step that is no number", "a StepMemory returned by step_memory()",
-       [] { Simulation(model(), {.method = "dopri5"}).resume({}, {.next_step = no_number}); }},
+       [] {
+         Simulation sim(model(), {.method = "dopri5"});
+         resume(sim, {}, {.next_step = no_number});
+       }},
   };
   for (const Misuse& misuse : all) check_stopped(misuse);
 }

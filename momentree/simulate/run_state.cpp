@@ -5,15 +5,15 @@
 namespace momentree {
 
 SimulationSnapshot Simulation::Impl::snapshot() {
-  settle();
-  SimulationSnapshot all{world.snapshot(), {}, events.size(), balance};
+  energy.settle(world);
+  SimulationSnapshot all{world.snapshot(), {}, events.size(), energy.balance};
   all.proposal = method->proposal();
-  all.balance.dissipated = ledger.dissipated;
-  all.balance.work = ledger.work;
-  all.balance.projection = ledger.projection;
-  all.balance.lost_in_steps = ledger.impacts;
-  all.stepping = stepping_state();
-  all.impulsive_work = balance.work;
+  all.balance.dissipated = energy.ledger.dissipated;
+  all.balance.work = energy.ledger.work;
+  all.balance.projection = energy.ledger.projection;
+  all.balance.lost_in_steps = energy.ledger.impacts;
+  all.stepping = contact.stepping_state();
+  all.impulsive_work = energy.balance.work;
   all.armed = queue.armed();
   QueueState remembered = queue.state(world);
   remembered.deeper_stops = stops.deeper();
@@ -23,21 +23,21 @@ SimulationSnapshot Simulation::Impl::snapshot() {
 
 // The state of the run as it was, apart from what belongs to callbacks and to the history.
 void Simulation::Impl::restore_run(const SimulationSnapshot& to) {
-  unadjusted.reset();
-  const int bodies = world.tree_.bodies();
-  const bool populated = !to.world.added.empty() || world.model_.size() != world.first_bodies_;
+  energy.unadjusted.reset();
+  const int bodies = world.tree().bodies();
+  const bool populated = !to.world.added.empty() || world.model().size() != world.start().bodies;
   world.restore(to.world);
-  if (populated) geometry.pairs.renew();
-  if (populated || world.tree_.bodies() != bodies) make_methods();
+  if (populated) contact.geometry.pairs.renew();
+  if (populated || world.tree().bodies() != bodies) make_methods();
   method->set_proposal(to.proposal);
-  continue_stepping(to.stepping);
-  balance = to.balance;
-  ledger.dissipated = to.balance.dissipated;
-  ledger.work = to.balance.work;
-  ledger.projection = to.balance.projection;
-  ledger.impacts = to.balance.lost_in_steps;
-  balance.dissipated = 0;
-  balance.work = to.impulsive_work;
+  contact.continue_stepping(to.stepping);
+  energy.balance = to.balance;
+  energy.ledger.dissipated = to.balance.dissipated;
+  energy.ledger.work = to.balance.work;
+  energy.ledger.projection = to.balance.projection;
+  energy.ledger.impacts = to.balance.lost_in_steps;
+  energy.balance.dissipated = 0;
+  energy.balance.work = to.impulsive_work;
   queue.restore(to.armed, world.time());
   if (to.queue != nullptr) queue.restore_strengths(*to.queue, world);
   stops.set_deeper(to.queue != nullptr ? to.queue->deeper_stops : std::vector<DeeperStop>());
@@ -47,57 +47,57 @@ void Simulation::Impl::restore_run(const SimulationSnapshot& to) {
 
 void Simulation::Impl::go_back(const SimulationSnapshot& to) {
   restore_run(to);
-  keeps_contacts = true;
-  while (!history.empty() && history.back().events >= to.events) history.pop_back();
+  contact.keeps_closed = true;
+  while (!history.instants.empty() && history.instants.back().events >= to.events) history.instants.pop_back();
   recover();
-  look_anew();
+  observers.look_anew(world.time());
 }
 
 // Evaluates nothing: that would change the counts of the run.
 RunState Simulation::Impl::run_state() {
-  settle();
+  energy.settle(world);
   RunState all;
   all.world = world.snapshot();
   all.queue = queue.state(world);
   all.queue.deeper_stops = stops.deeper();
-  all.balance = balance;
-  all.dissipated = ledger.dissipated, all.work = ledger.work;
-  all.balance.projection = ledger.projection;
+  all.balance = energy.balance;
+  all.dissipated = energy.ledger.dissipated, all.work = energy.ledger.work;
+  all.balance.projection = energy.ledger.projection;
   all.proposal = method->proposal();
-  all.impacts = ledger.impacts;
-  all.stepping = stepping_state();
-  all.evaluated = world.workspace_.evaluated == world.state_.stamp();
+  all.impacts = energy.ledger.impacts;
+  all.stepping = contact.stepping_state();
+  all.evaluated = world.edit().workspace().evaluated == world.edit().state().stamp();
   all.evaluations = evaluate.count, all.evaluation_seconds = evaluate.seconds;
   all.statistics = statistics;
-  all.within_run = doing == Doing::watching;
+  all.within_run = activity.doing == Doing::watching;
   if (all.within_run) all.statistics.total_seconds[statistics.changes > 0 ? 1 : 0] += detail::seconds_since(lap);
   all.progress = progress.mark();
-  all.observed = observed, all.observed_at = observed_at, all.next_observation = next_look;
+  all.observed = observers.observed, all.observed_at = observers.observed_at, all.next_observation = observers.next_look;
   all.events = events;
   return all;
 }
 
 void Simulation::Impl::continue_from(const RunState& from) {
-  unadjusted.reset();
-  history.clear();
+  energy.unadjusted.reset();
+  history.instants.clear();
   recover();
   world.restore(from.world);
-  geometry.pairs.renew();
+  contact.geometry.pairs.renew();
   make_methods();
   method->set_proposal(from.proposal);
-  continue_stepping(from.stepping);
+  contact.continue_stepping(from.stepping);
   queue.continue_from(from.queue, world);
   stops.set_deeper(from.queue.deeper_stops);
-  balance = from.balance;
-  ledger = {from.dissipated, from.work};
-  ledger.projection = from.balance.projection;
-  ledger.impacts = from.impacts;
+  energy.balance = from.balance;
+  energy.ledger = {from.dissipated, from.work};
+  energy.ledger.projection = from.balance.projection;
+  energy.ledger.impacts = from.impacts;
   if (from.evaluated) evaluate_state();
   evaluate.count = from.evaluations, evaluate.seconds = from.evaluation_seconds;
   statistics = from.statistics;
   progress.continue_from(from.progress);
   continues = from.within_run;
-  observed = from.observed, observed_at = from.observed_at, next_look = from.next_observation;
+  observers.observed = from.observed, observers.observed_at = from.observed_at, observers.next_look = from.next_observation;
   events = from.events;
 }
 

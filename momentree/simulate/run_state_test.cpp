@@ -164,7 +164,7 @@ TEST_CASE("a continued run equals the uninterrupted one: every integration metho
 TEST_CASE("a continued run equals the uninterrupted one: changes of the topology") {
   check({chain(),
          [](Simulation& sim) {
-           sim.expect_joints({"grip", "hold"});
+           expect_joints(sim, {"grip", "hold"});
            sim.at(0.03).then(lock("chain/2"));
            sim.at(0.06).then(break_joint("chain/3")).then(unlock("chain/2"));
            sim.at(0.09).then(weld("ball", "chain/1")).named("grip");

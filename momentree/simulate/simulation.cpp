@@ -11,20 +11,34 @@ constexpr const char* moved_from = "the simulation has not been moved from";
 constexpr const char* callback_changes =
     "callbacks do not change their simulation: schedule the change with at(), or return false from observe() or watch() and "
     "change it after run_until()";
-constexpr const char* callback_schedules = "of the callbacks, only those of observe() and watch() schedule events";
+
+// The number of a joint that a function may drive; throws Error.
+int to_drive(const World& world, std::string_view joint, bool function) {
+  const int number = world.find_joint(joint);
+  if (number < 0) {
+    world.model().joint(joint);  // throws if it never existed
+    throw_error({"the joint '" + std::string(joint) + "' no longer exists", "", ""});
+  }
+  const JointView view = world.joint({number});
+  if (view.v.empty()) throw_error({"the joint '" + std::string(joint) + "' has no degree of freedom to drive", "", ""});
+  const JointDrive* drive = view.parameters != nullptr ? view.parameters->drive.get() : nullptr;
+  if (function && drive != nullptr && drive->moves())
+    throw_error({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "remove its drive first"});
+  return number;
+}
 
 }  // namespace
 
 Simulation::Simulation(const Model& model, const Integration& integration) : impl_(std::make_shared<Impl>(model, integration)) {}
 Simulation::~Simulation() {
-  if (impl_ != nullptr) MT_REQUIRE(impl_->idle(), "callbacks do not destroy their simulation");
+  if (impl_ != nullptr) MT_REQUIRE(impl_->activity.idle(), "callbacks do not destroy their simulation");
 }
 Simulation::Simulation(Simulation&& other) noexcept : impl_(std::move(other.impl_)) {
-  if (impl_ != nullptr) MT_REQUIRE(impl_->idle(), "callbacks do not move their simulation");
+  if (impl_ != nullptr) MT_REQUIRE(impl_->activity.idle(), "callbacks do not move their simulation");
 }
 Simulation& Simulation::operator=(Simulation&& other) noexcept {
   for (const auto* each : {this, &other})
-    if (each->impl_ != nullptr) MT_REQUIRE(each->impl_->idle(), "callbacks do not move their simulation");
+    if (each->impl_ != nullptr) MT_REQUIRE(each->impl_->activity.idle(), "callbacks do not move their simulation");
   impl_.swap(other.impl_);
   if (this != &other) other.impl_.reset();
   return *this;
@@ -35,15 +49,15 @@ Simulation::Impl& Simulation::impl() const {
   return *impl_;
 }
 Simulation::Impl& Simulation::changing() const {
-  MT_REQUIRE(impl().idle(), callback_changes);
+  MT_REQUIRE(impl().activity.idle(), callback_changes);
   return *impl_;
 }
 Simulation::Impl& Simulation::scheduling() const {
-  MT_REQUIRE(impl().steady(), callback_schedules);
+  MT_REQUIRE(impl().activity.steady(), callback_schedules);
   return *impl_;
 }
 Simulation::Impl& Simulation::steady() const {
-  MT_REQUIRE(impl().steady(), "of the callbacks, only those of observe() and watch() are called between two steps");
+  MT_REQUIRE(impl().activity.steady(), "of the callbacks, only those of observe() and watch() are called between two steps");
   return *impl_;
 }
 
@@ -95,12 +109,8 @@ Simulation::Scheduled Simulation::every(double period, double from) {
 std::shared_ptr<Simulation::Impl> Simulation::Scheduled::impl() const {
   std::shared_ptr<Impl> impl = impl_.lock();
   MT_REQUIRE(impl != nullptr, "the simulation in which the event was scheduled still exists");
-  MT_REQUIRE(impl->steady(), callback_schedules);
+  MT_REQUIRE(impl->activity.steady(), callback_schedules);
   return impl;
-}
-
-void Simulation::expect_joints(const std::vector<std::string>& names) {
-  scheduling().queue.expected.insert(names.begin(), names.end());
 }
 
 Simulation::Scheduled& Simulation::Scheduled::then(Action action) {
@@ -109,7 +119,7 @@ Simulation::Scheduled& Simulation::Scheduled::then(Action action) {
   if (entry.done)
     throw_error({"event '" + entry.event.name + "' has already happened: " + action.text() + " would not happen", "",
                  "schedule another event"});
-  all->check_names(action);
+  if (std::optional<Error> error = all->unknown_name(action)) throw_error(std::move(*error));
   entry.event.actions.push_back(std::move(action));
   return *this;
 }
@@ -128,9 +138,10 @@ Simulation::Scheduled& Simulation::Scheduled::ranked(std::size_t rank) {
 }
 
 Event Simulation::apply(std::span<const Action> actions, std::string name) {
-  for (const Action& action : actions) changing().check_names(action);
+  for (const Action& action : actions)
+    if (std::optional<Error> error = changing().unknown_name(action)) throw_error(std::move(*error));
   const std::size_t place = changing().events.size();  // events of its stops follow it
-  if (!impl_->act(actions, name)) throw_error({impl_->message, "", ""});
+  if (!impl_->act(actions, name)) throw_error({impl_->outcome.message, "", ""});
   return impl_->events[place];
 }
 
@@ -139,10 +150,10 @@ RunResult Simulation::try_apply(std::span<const Action> actions, std::string nam
   for (const Action& action : actions)
     if (const std::optional<Error> error = check(action)) {
       const std::string reason = std::string(action->key()) + ": " + error->problem;
-      return impl.result = {Status::refused, reason + (error->hint.empty() ? "" : "; " + error->hint)};
+      return impl.outcome.result = {Status::refused, reason + (error->hint.empty() ? "" : "; " + error->hint)};
     }
-  if (!impl.act(actions, name)) return impl.result = {Status::refused, impl.message};
-  return impl.result = {};
+  if (!impl.act(actions, name)) return impl.outcome.result = {Status::refused, impl.outcome.message};
+  return impl.outcome.result = {};
 }
 
 std::optional<Error> Simulation::check(const Action& action) const { return impl().unknown_name(action); }
@@ -151,25 +162,25 @@ std::optional<Error> Simulation::check(const Condition& condition) const { retur
 
 void Simulation::set_gravity(Vec3 gravity) {
   Impl& impl = changing();
-  impl.settle();
+  impl.energy.settle(impl.world);
   const double before = impl.world.totals().potential;
-  impl.world.set_gravity(gravity);  // may throw
+  impl.world.edit().set_gravity(gravity);  // may throw
   impl.evaluate_state();
-  impl.balance.work += impl.world.totals().potential - before;
-  impl.history.clear();
+  impl.energy.balance.work += impl.world.totals().potential - before;
+  impl.history.instants.clear();
   impl.recover();
-  impl.update_pending_contacts();
+  impl.contact.update_pending();
 }
 
 DryRun Simulation::dry_run() { return changing().dry_run(); }
 SimulationSnapshot Simulation::snapshot() const { return steady().snapshot(); }
 void Simulation::restore(const SimulationSnapshot& snapshot) { changing().go_back(snapshot); }
-void Simulation::keep_history() { scheduling().keeps_history = true; }
+void Simulation::keep_history() { scheduling().history.keeps = true; }
 
-bool Simulation::can_undo(std::size_t number) const { return impl().before(number) != nullptr; }
+bool Simulation::can_undo(std::size_t number) const { return impl().history.before(number, impl_->events.size()) != nullptr; }
 
 void Simulation::undo(std::size_t number, bool again) {
-  const Impl::Past* past = changing().before(number);
+  const RunHistory::Past* past = changing().history.before(number, impl_->events.size());
   if (past == nullptr)
     throw_error(
         {"the history of event " + std::to_string(number) + " was not kept", "", "call keep_history() before it happens"});
@@ -181,20 +192,20 @@ void Simulation::undo(std::size_t number, bool again) {
 }
 
 Simulation Simulation::branch() const {
-  Simulation other(steady().world.first_model(), impl_->integration);
-  other.impl_->world.first_gravity_ = impl_->world.first_gravity_;
+  Simulation other(first_model(steady().world), impl_->integration);
+  other.impl_->world.edit().start().gravity = impl_->world.start().gravity;
   other.impl_->queue = impl_->queue;
   other.impl_->events = impl_->events;
   other.impl_->go_back(impl_->snapshot());
-  other.impl_->balance.initial = impl_->balance.initial;
-  other.impl_->generated = impl_->generated;
+  other.impl_->energy.balance.initial = impl_->energy.balance.initial;
+  other.impl_->generated.provider = impl_->generated.provider;
   return other;
 }
 
 RunResult Simulation::run_until(double time) {
   Impl& impl = changing();
   if (std::isnan(time)) throw_error({"the time to run to is not a number", "", ""});
-  if (time == HUGE_VAL && !impl.observer && !impl.watcher)
+  if (time == HUGE_VAL && !impl.observers.observer && !impl.observers.watcher)
     throw_error(
         {"nothing ends a run with infinite end time", "", "give it an observer or a watcher that eventually returns false"});
   return impl.run(time);
@@ -213,32 +224,18 @@ void Simulation::observe(double every, std::function<bool(const World&)> observe
   const double clock = std::max(impl.world.time(), impl.integration.step);
   if (every != 0)
     if (std::optional<Error> wrong = wrong_period(every, clock, "the period of an observer")) throw_error(std::move(*wrong));
-  impl.observer = std::move(observer);
-  impl.every = every;
-  impl.observed = false;
+  impl.observers.observer = std::move(observer);
+  impl.observers.every = every;
+  impl.observers.observed = false;
 }
 
-void Simulation::sample(std::function<bool(const World&)> sampler) { changing().sampler = std::move(sampler); }
-void Simulation::watch(std::function<bool(double)> watcher) { changing().watcher = std::move(watcher); }
+void Simulation::sample(std::function<bool(const World&)> sampler) { changing().observers.sampler = std::move(sampler); }
+void Simulation::watch(std::function<bool(double)> watcher) { changing().observers.watcher = std::move(watcher); }
 
 void Simulation::use_generated(RatesProvider provider) {
-  changing().generated = std::move(provider);
-  impl_->asked_for.reset();
+  changing().generated.provider = std::move(provider);
+  impl_->generated.asked_for.reset();
   impl_->evaluate.use(nullptr);
-}
-
-int Simulation::Impl::to_drive(std::string_view joint, bool function) const {
-  const int number = world.find_joint(joint);
-  if (number < 0) {
-    world.model().joint(joint);  // throws if it never existed
-    throw_error({"the joint '" + std::string(joint) + "' no longer exists", "", ""});
-  }
-  const JointView view = world.joint({number});
-  if (view.v.empty()) throw_error({"the joint '" + std::string(joint) + "' has no degree of freedom to drive", "", ""});
-  const JointDrive* drive = view.parameters != nullptr ? view.parameters->drive.get() : nullptr;
-  if (function && drive != nullptr && drive->moves())
-    throw_error({"the motion of joint '" + std::string(joint) + "' is prescribed", "", "remove its drive first"});
-  return number;
 }
 
 void Simulation::drive(std::string_view joint, std::function<double(const EvaluationContext&)> effort) {
@@ -257,18 +254,18 @@ void Simulation::drive_all(std::string_view joint, JointFunction efforts) {
 }
 void Simulation::drive_all(std::vector<JointDriver> drivers) {
   std::vector<int> joints;
-  for (const JointDriver& each : drivers) joints.push_back(changing().to_drive(each.joint, each.efforts != nullptr));
-  for (std::size_t i = 0; i < joints.size(); ++i) impl_->world.drive(joints[i], std::move(drivers[i].efforts));
+  for (const JointDriver& each : drivers) joints.push_back(to_drive(changing().world, each.joint, each.efforts != nullptr));
+  for (std::size_t i = 0; i < joints.size(); ++i) impl_->world.edit().drive(joints[i], std::move(drivers[i].efforts));
   changing().evaluate_state();
-  impl_->update_pending_contacts();
+  impl_->contact.update_pending();
 }
 
 void Simulation::force(std::string_view body, BodyFunction wrench) {
   const BodyId b = changing().world.model().body(body);  // may throw
   if (!impl_->world.alive(b)) throw_error({"the body '" + std::string(body) + "' is no longer in this world", "", ""});
-  impl_->world.load(b.index, std::move(wrench));
+  impl_->world.edit().load(b.index, std::move(wrench));
   impl_->evaluate_state();
-  impl_->update_pending_contacts();
+  impl_->contact.update_pending();
 }
 
 void Simulation::restore(double time, const Forest& forest, std::span<const JointStart> joints,
@@ -276,7 +273,7 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
   World& world = changing().world;
   const int bodies = world.model().size();
   const auto restore_world = [&] {
-    if (forest.gravity) world.set_gravity(*forest.gravity);
+    if (forest.gravity) world.edit().set_gravity(*forest.gravity);
     world.restore(time, forest, joints);
     if (check) check(world);
   };
@@ -292,91 +289,51 @@ void Simulation::restore(double time, const Forest& forest, std::span<const Join
 #else
   restore_world();  // an error ends the program
 #endif
-  if (world.model().size() != bodies) impl_->geometry.pairs.renew();
+  if (world.model().size() != bodies) impl_->contact.geometry.pairs.renew();
   impl_->make_methods();
   impl_->begin();
-  impl_->as_built = false;
-  if (!forest.contacts.empty() || !forest.former_contacts.empty()) impl_->between_runs.close_from_document(forest);
+  impl_->contact.as_built = false;
+  if (!forest.contacts.empty() || !forest.former_contacts.empty()) impl_->contact.between_runs.close_from_document(forest);
 }
 
 void Simulation::set_state(double time, std::span<const double> q, std::span<const double> y, Variables given) {
   Impl& impl = changing();
   const double before = impl.world.time();
-  impl.world.set_values(time, q, y, given);  // may throw
+  impl.world.edit().set_values(time, q, y, given);  // may throw
   impl.queue.restart(before, time);
   impl.make_methods();
   impl.begin();
-  impl.as_built = false;
+  impl.contact.as_built = false;
 }
 
 void Simulation::adjust(std::span<const double> q, std::span<const double> y, Variables given) {
   Impl& impl = changing();
-  const std::optional<double> before = impl.unadjusted ? impl.unadjusted : impl.total_energy();
-  std::vector<Contact> closed = impl.between_runs.closed();
-  impl.world.set_values(impl.world.time(), q, y, given);  // may throw
-  impl.between_runs.set_former(std::move(closed));
-  impl.unadjusted = before;
-  impl.stepping.placed = true;
-  impl.as_built = false;
+  const std::optional<double> before = impl.energy.unadjusted ? impl.energy.unadjusted : total_energy(impl.world);
+  std::vector<Contact> closed = impl.contact.between_runs.closed();
+  impl.world.edit().set_values(impl.world.time(), q, y, given);  // may throw
+  impl.contact.between_runs.set_former(std::move(closed));
+  impl.energy.unadjusted = before;
+  impl.contact.stepping.placed = true;
+  impl.contact.as_built = false;
   impl.queue.forget_looks();
   impl.recover();
-  impl.look_anew();
-  impl.update_pending_contacts();
+  impl.observers.look_anew(impl.world.time());
+  impl.contact.update_pending();
 }
 
 RunState Simulation::run_state() const {
-  MT_REQUIRE(impl().idle() || impl_->doing == Impl::Doing::watching, "a run is saved outside of a run, or in watch()");
+  MT_REQUIRE(impl().activity.idle() || impl_->activity.doing == Activity::Doing::watching,
+             "a run is saved outside of a run, or in watch()");
   return impl_->run_state();
 }
 void Simulation::continue_from(const RunState& state) { changing().continue_from(state); }
-
-StepMemory Simulation::step_memory() const {
-  const bool adaptive = impl().method->adaptive();
-  StepMemory memory{adaptive ? impl_->method->proposal() : 0.0, adaptive ? impl_->ledger.work : 0.0, impl_->stepping_state()};
-  if (impl_->idle() && impl_->geometry.pairs.any()) {
-    const bool stepped = impl_->method_steps || impl_->stepping.on || !memory.stepping.points.empty();
-    if (stepped && impl_->contact_steps.points.has_forces() && !impl_->between_runs.has_pending())
-      memory.stepping.unloaded = impl_->unloaded();
-    memory.stepping.excess = impl_->between_runs.excess_of_closed();
-    const double overlap = impl_->stepping.placed ? 0 : impl_->geometry.overlaps.deepest();
-    if (overlap > left_by_steps) memory.stepping.overlap = overlap;
-  }
-  if (!impl_->geometry.pairs.any()) memory.stepping.released = false;  // nothing that can touch has forces
-  memory.stepping.placed = true;                                       // whatever begins with it
-  memory.stepping.overlaps.clear();                                    // of the run until then
-  for (const DeeperStop& stop : impl_->stops.deeper())
-    memory.deeper.emplace_back(std::string(impl_->world.joint_name({stop.joint})), stop);
-  return memory;
-}
-void Simulation::resume(std::span<const EventStatus> armed, const StepMemory& memory) {
-  MT_REQUIRE(armed.size() <= changing().queue.entries.size(), "at most as many events as are scheduled");
-  MT_REQUIRE(std::isfinite(memory.next_step) && std::isfinite(memory.work), "a StepMemory returned by step_memory()");
-  if (impl_->method->adaptive() && memory.next_step > 0) {
-    impl_->method->set_proposal(memory.next_step);
-    impl_->balance.work -= memory.work - impl_->ledger.work;  // it was done before this run
-    impl_->ledger.work = memory.work;
-  }
-  std::vector<EventStatus> all = impl_->queue.armed();
-  std::copy_n(armed.begin(), std::min(armed.size(), all.size()), all.begin());
-  impl_->queue.restore(all, impl_->world.time());
-  std::vector<DeeperStop> deeper;
-  for (auto [joint, stop] : memory.deeper)
-    if (stop.joint = impl_->world.find_joint(joint); stop.joint >= 0) deeper.push_back(stop);
-  impl_->stops.set_deeper(deeper);
-  // The forces of the last step, if any, take the place of these contacts.
-  if (!memory.stepping.points.empty() || memory.stepping.unloaded >= 0) impl_->between_runs.open_pending();
-  if (memory.stepping != SteppingState{}) impl_->continue_stepping(memory.stepping);
-  impl_->keeps_contacts = true;
-  impl_->stepping.placed = !impl_->overlaps_as_before(memory.stepping.overlap);
-  impl_->check_contacts_of_document(memory.stepping);
-}
 
 const Integration& Simulation::integration() const { return impl().integration; }
 double Simulation::time() const { return impl().world.time(); }
 const World& Simulation::world() const { return impl().world; }
 const std::vector<Event>& Simulation::events() const { return impl().events; }
 const RunStatistics& Simulation::statistics() const { return impl().statistics; }
-const RunResult& Simulation::result() const { return impl().result; }
+const RunResult& Simulation::result() const { return impl().outcome.result; }
 
 std::vector<MissedEvent> Simulation::missed() const {
   std::vector<MissedEvent> all;
@@ -402,15 +359,15 @@ std::vector<MissedEvent> Simulation::missed() const {
 }
 
 EnergyBalance Simulation::energy() const {
-  impl().settle();
-  EnergyBalance b = impl_->balance;
+  impl().energy.settle(impl().world);
+  EnergyBalance b = impl_->energy.balance;
   const Totals t = impl_->world.totals();
   b.final = t.kinetic + t.potential;
   b.largest_kinetic = std::max(b.largest_kinetic, t.kinetic);
-  b.dissipated = impl_->ledger.dissipated;
-  b.work += impl_->ledger.work;
-  b.projection = impl_->ledger.projection;
-  b.lost_in_steps = impl_->ledger.impacts;
+  b.dissipated = impl_->energy.ledger.dissipated;
+  b.work += impl_->energy.ledger.work;
+  b.projection = impl_->energy.ledger.projection;
+  b.lost_in_steps = impl_->energy.ledger.impacts;
   b.of_heights = energy_of_heights(impl_->world);
   b.lost_in_impacts += b.lost_in_steps;
   b.error = b.final + b.dissipated + b.lost_in_impacts + b.released - b.initial - b.work - b.projection;

@@ -149,10 +149,9 @@ struct DryRun {
 /// A simulation may be used by one thread at a time. Several simulations, even of one Model, may run in several threads;
 /// functions that they share, as branches do, are then called from each of these threads.
 class Simulation {
-  struct Impl;
-  friend class Lockstep;
-
  public:
+  struct Impl;
+
   /// Compiles the model. Throws Error for an unknown method, a step or tolerance that is not positive, or a singular joint-space
   /// inertia.
   explicit Simulation(const Model& model, const Integration& integration = {});
@@ -173,9 +172,9 @@ class Simulation {
     /// Of events that are due at one instant, the one with the lowest rank comes first; without ranks, the one scheduled first.
     Scheduled& ranked(std::size_t rank);
 
-   private:
-    friend class Simulation;
     Scheduled(std::weak_ptr<Impl> impl, std::size_t event) : impl_(std::move(impl)), event_(event) {}
+
+   private:
     std::shared_ptr<Impl> impl() const;
     std::weak_ptr<Impl> impl_;
     std::size_t event_;
@@ -192,9 +191,6 @@ class Simulation {
   /// Schedules actions at `from` (s) and every `period` seconds from then on; instants before the present time don't happen.
   /// Throws Error for a period that is not positive or is shorter than the clock can resolve.
   Scheduled every(double period, double from = 0);
-
-  /// Declares names of joints that events scheduled later will make: conditions and actions may then refer to them.
-  void expect_joints(const std::vector<std::string>& names);
 
   /// Carries out actions immediately as an event with this name (empty: named by its place), and returns the event. Throws Error
   /// if one of them is impossible; nothing has then happened.
@@ -254,10 +250,6 @@ class Simulation {
   void drive_all(std::string_view joint, JointFunction efforts);
   /// The same for many joints at the cost of one evaluation; on an error all joints keep their former functions.
   void drive_all(std::vector<JointDriver> drivers);
-  /// Call it between two runs when other numbers that functions use have changed. `preview`: accelerations and contacts are read
-  /// before the next run; otherwise they may still be those of the former contacts.
-  void functions_changed(bool preview = true);
-
   /// Applies a wrench to a body by a function from now on, in addition to the model's forces: force (N) and torque (N m) about
   /// the origin of the body's frame, in world axes. Like a drive, it is called at every stage of every step. Its work is
   /// accounted for. It belongs to the body, whatever the body is joined to; snapshots and branches keep it. An empty function
@@ -281,13 +273,6 @@ class Simulation {
   void set_state(double time, std::span<const double> q, std::span<const double> p) { set_state(time, q, p, Variables::momenta); }
   /// The same from momenta or from velocities.
   void set_state(double time, std::span<const double> q, std::span<const double> y, Variables given);
-
-  /// Restarts at a world of the same model, from World::snapshot() of this or another simulation: as set_state() does, also
-  /// across changes of topology. Nothing of the run before has an effect on what follows. Functions are those of the snapshot.
-  void restart(const WorldSnapshot& start);
-  /// The bodies that overlap most at present, or the cable that is most too short; nothing if there are none. More than
-  /// 1e-8 of the coordinates is an overlap. See simulate/overlap.hpp.
-  [[nodiscard]] std::optional<Overlap> overlap() const;
 
   /// Moves the present state to these coordinates and momenta (see set_state()), and the run goes on: events and history stay,
   /// and the energy that this adds counts as work.
@@ -335,12 +320,6 @@ class Simulation {
   /// and the observer with its period. History is not part of a RunState.
   void continue_from(const RunState& state);
 
-  StepMemory step_memory() const;
-  /// Continues as another run would have: with the state of its adaptive method (a next step of 0: keep the present one), that of
-  /// its contacts, if the state was restored with them, and that of its events, in the order of scheduling (the list may be
-  /// shorter than the list of events scheduled here).
-  void resume(std::span<const EventStatus> armed, const StepMemory& memory = {});
-
   double time() const;
   const Integration& integration() const;
   const World& world() const;
@@ -359,6 +338,12 @@ class Simulation {
   /// The result of the last run_until(), step() or try_apply().
   const RunResult& result() const;
 
+  /// For code of the library that steps or restores simulations (simulate/simulation_impl.hpp). `changing`: stops the program
+  /// inside of callbacks.
+  friend Impl& implementation(const Simulation& simulation, bool changing) {
+    return changing ? simulation.changing() : simulation.impl();
+  }
+
  private:
   Impl& impl() const;
   Impl& changing() const;
@@ -366,5 +351,28 @@ class Simulation {
   Impl& steady() const;
   std::shared_ptr<Impl> impl_;  // shared only during a call: handles merely check whether it still exists
 };
+
+// What programs need that prepare simulations, restore them or step them again and again.
+
+/// Declares names of joints that events scheduled later will make: conditions and actions may then refer to them.
+void expect_joints(Simulation& simulation, const std::vector<std::string>& names);
+
+/// Call it between two runs when other numbers that functions use have changed. `preview`: accelerations and contacts are read
+/// before the next run; otherwise they may still be those of the former contacts.
+void functions_changed(Simulation& simulation, bool preview = true);
+
+/// Restarts at a world of the same model, from World::snapshot() of this or another simulation: as set_state() does, also across
+/// changes of topology. Nothing of the run before has an effect on what follows. Functions are those of the snapshot.
+void restart(Simulation& simulation, const WorldSnapshot& start);
+
+/// The bodies that overlap most at present, or the cable that is most too short; nothing if there are none. More than 1e-8 of the
+/// coordinates is an overlap. See simulate/overlap.hpp.
+[[nodiscard]] std::optional<Overlap> overlap(const Simulation& simulation);
+
+StepMemory step_memory(const Simulation& simulation);
+/// Continues as another run would have: with the state of its adaptive method (a next step of 0: keep the present one), that of
+/// its contacts, if the state was restored with them, and that of its events, in the order of scheduling (the list may be shorter
+/// than the list of events scheduled here).
+void resume(Simulation& simulation, std::span<const EventStatus> armed, const StepMemory& memory = {});
 
 }  // namespace momentree

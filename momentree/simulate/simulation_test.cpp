@@ -187,7 +187,7 @@ TEST_CASE("a world restored from its public data continues to the same bits") {
     for (double x : j.p) start.p.push_back(x);
     joints.push_back(start);
     forest.places.push_back({tree.parent(b), tree.joint_of(b), tree.reversed(b)});
-    if (tree.detached(b)) forest.changed.push_back({tree.joint_of(b), std::string(j.name), tree.joint(b), {}});
+    if (is_detached(tree, b)) forest.changed.push_back({tree.joint_of(b), std::string(j.name), tree.joint(b), {}});
   }
   for (const Mechanism& m : world.mechanisms()) forest.mechanisms.emplace_back(m.root.index, std::string(m.name));
   Simulation branch(chain(6, 0.01), {.step = 1e-3});

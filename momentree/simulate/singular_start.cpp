@@ -49,7 +49,7 @@ std::vector<JointId> singular_loops(const World& world) {
   for (const int count : here) total += count;
   largest = total;
   for (int k = 0; k < attempts; ++k) {
-    std::vector<double> q(state.q().begin(), state.q().end()), u(at(tree.nv())), residuals(tree.loop_links().size());
+    std::vector<double> q(state.q().begin(), state.q().end()), u(at(tree.nv())), residuals(tree.loops().links.size());
     load_turns(tree, state, workspace);
     displace(tree, size, k, q);
     if (!assemble_loops(tree, state.time(), q.data(), u.data(), workspace, residuals.data())) continue;

@@ -181,7 +181,7 @@ TEST_CASE("a spring breaks by an event: momentum stays to the bit, its energy is
     CHECK(spring.broken);
     CHECK(spring.tension == 0);
     CHECK(spring.length > 0);  // the distance of its ends
-    CHECK(sim.world().tree().loaded_bodies().empty());
+    CHECK(sim.world().tree().loads().bodies.empty());
     CHECK(std::fabs(sim.energy().error) < 1e-12);
     CHECK(sim.apply(break_spring("rod")).actions[0].skipped == "the spring is broken already");
   }

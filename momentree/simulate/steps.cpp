@@ -3,21 +3,36 @@
 
 namespace momentree {
 
+void Simulation::Impl::make_methods() {
+  const auto make = [&](const std::string& name) {
+    std::unique_ptr<Integrator> made =
+        make_integrator(name, world.tree(), {integration.step, integration.rtol, integration.atol, integration.max_step});
+    made->use(&contact.steps);
+    return made;
+  };
+  contact.steps.set_usual_step(integration.step);
+  method = make(integration.method);
+  contact.method_steps = steps_through_contacts(integration.method);
+  contact.geometry.stepped.set_all(contact.method_steps && contact.geometry.pairs.any());
+  stops.use(contact.steps);
+  contact.stepper = world.model().has_contact() ? make(contact_stepping_method()) : nullptr;
+  if (contact.stepper == nullptr) contact.stepping = {}, contact.geometry.stepped.set({});
+  if (contact.stepper != nullptr) contact.steps.points.set({}, true);  // their numbers are those of the former bodies
+}
 void Simulation::Impl::note_short_step(double target) {
   const double usual = present_method().next_step(target - world.time());
-  message = no_progress_at(world.time()) + "a step of " + detail::text(usual) + " s is too short to move the clock";
-  stalled = true;
+  outcome.stall(no_progress_at(world.time()) + "a step of " + detail::text(usual) + " s is too short to move the clock");
 }
 
 // One step towards `end`.
 bool Simulation::Impl::step_towards(double end) {
-  const Leg leg = leg_to(end);
+  const Leg leg = leg_to(world, end);
   end = leg.end;
   if (leg.target <= world.time()) {
     set_time(end);
     return true;
   }
-  const auto [h, last] = step_from(world.time(), leg.target);
+  const auto [h, last] = step_from(present_method(), world.time(), leg.target);
   if (!(h > 0)) {
     note_short_step(leg.target);
     return false;
@@ -26,8 +41,8 @@ bool Simulation::Impl::step_towards(double end) {
   const auto start = Clock::now();
   evaluate_state();
   note_kinetic_energy();
-  if (stops.any() || geometry.pairs.any() || queue.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
-  const double stepped = method->advance(evaluate, world.state_, ledger, h);
+  if (stops.any() || contact.geometry.pairs.any() || queue.watching(world)) return step_and_look(h, last ? end : HUGE_VAL, start);
+  const double stepped = method->advance(evaluate, world.edit().state(), energy.ledger, h);
   if (stepped == 0) {
     report_divergence(h);
     return false;
@@ -43,47 +58,47 @@ bool Simulation::Impl::step_towards(double end) {
 // of a full step.
 bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point start) {
   double most = h;
-  if (geometry.pairs.any() && (steps_through() || some_step())) contact_steps.begin_step();
+  if (contact.geometry.pairs.any() && (contact.steps_through() || contact.some_step())) contact.steps.begin_step();
   stops.share();
-  if (some_step()) {
+  if (contact.some_step()) {
     // The evaluation of the state has the forces of contacts in the last step: this one is made without them.
-    contact_steps.points.release();
+    contact.steps.points.release();
     evaluate_state();
   }
   // Where nothing moves, adaptive steps grow whatever forces do: these must not rise and fall again within one.
-  if (present_method().adaptive()) most = std::min(most, 0.25 * world.tree_.shortest_period());
-  const std::span<const Watch> watched = watches(most);
-  const bool closed = !world.tree_.contacts().empty();
-  if (closed) note_before_contact_step();
+  if (present_method().adaptive()) most = std::min(most, 0.25 * shortest_period(world.tree()));
+  const std::span<const Watch> watched = contact.watches(most);
+  const bool closed = !world.tree().contacts().empty();
+  if (closed) contact.note_before_step();
   // Where prescribed motions press bodies against others that cannot give way, contacts bring in energy without bounds; and where
   // bodies without inertia come to lie so that some motion moves no mass.
-  const bool through = geometry.pairs.any() && (steps_through() || some_step());
-  const bool pressing = through && has_motions(), unsafe = pressing || (through && has_thin_bodies(world.model()));
-  const double scale = unsafe ? energy_scale() : 0, taken = ledger.impacts, projected = ledger.projection;
+  const bool through = contact.geometry.pairs.any() && (contact.steps_through() || contact.some_step());
+  const bool pressing = through && has_motions(world.tree()), unsafe = pressing || (through && has_thin_bodies(world.model()));
+  const double scale = unsafe ? energy_scale() : 0, taken = energy.ledger.impacts, projected = energy.ledger.projection;
   const auto exploded = [&] {
     const double most_gained = pressing ? 1e3 : 1;  // impacts of what moves change the energy by its scale at most
-    const double gained = std::fabs(ledger.impacts - taken) + std::fabs(ledger.projection - projected);
+    const double gained = std::fabs(energy.ledger.impacts - taken) + std::fabs(energy.ledger.projection - projected);
     if (!unsafe || gained <= most_gained * scale) return false;
-    undo_contact_step();
+    contact.undo_step();
     if (pressing)
       report_pressing(gained);
     else
       report_divergence(h);
     return true;
   };
-  if (unsafe && !closed) note_before_contact_step();
-  std::optional<double> stepped = stops.step(present_method(), ledger, most, watched);
-  if (closed && stepped && contacts.watches.slip.kept_too_much()) {
-    undo_contact_step();
-    contacts.watches.slip.keep_less();
-    note_before_contact_step();  // it changes what the state belongs to
-    stepped = stops.step(present_method(), ledger, most, watched);
+  if (unsafe && !closed) contact.note_before_step();
+  std::optional<double> stepped = stops.step(present_method(), energy.ledger, most, watched);
+  if (closed && stepped && contact.contacts.watches.slip.kept_too_much()) {
+    contact.undo_step();
+    contact.contacts.watches.slip.keep_less();
+    contact.note_before_step();  // it changes what the state belongs to
+    stepped = stops.step(present_method(), energy.ledger, most, watched);
   }
   if (stepped && exploded()) return false;
-  if (closed && (!stepped || contacts_gained_energy())) {
-    const std::vector<int> where = most_loaded(geometry.world);
-    undo_contact_step();
-    begin_stepping("the forces of contacts grow without bounds", where);
+  if (closed && (!stepped || contact.gained_energy())) {
+    const std::vector<int> where = most_loaded(contact.geometry.world);
+    contact.undo_step();
+    contact.begin_stepping("the forces of contacts grow without bounds", where);
     return true;
   }
   if (!stepped) {
@@ -92,8 +107,8 @@ bool Simulation::Impl::step_and_look(double h, double end, Clock::time_point sta
   }
   if (*stepped == h && std::isfinite(end)) set_time(end);
   ++statistics.steps;
-  if (!resolve_after_step(*stepped) || exploded()) return false;
-  judge_steps();
+  if (!contact.resolve_after_step(*stepped) || exploded()) return false;
+  contact.judge_steps();
   statistics.worst_step_seconds = std::max(statistics.worst_step_seconds, detail::seconds_since(start));
   return true;
 }

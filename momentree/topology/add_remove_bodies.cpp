@@ -4,6 +4,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/model/start.hpp>
 #include <momentree/topology/change.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -32,7 +33,7 @@ Released apply(const Remove& change, Tree& tree, State& state, Workspace<double>
     const auto goes = [&](int x) { return x >= 0 && workspace.path[static_cast<std::size_t>(x)] != 0; };
     if (goes(loop.body) || goes(loop.to)) state.remove_turns(i);
   }
-  tree.remove(b);
+  tree.edit().remove(b);
   const int gone_q = static_cast<int>(state.q().size()) - tree.nq(), gone_p = static_cast<int>(state.y().size()) - tree.nv();
   state.replace(tree.nq(), gone_q, {}, tree.nv(), gone_p, {}, tree);
   return {};
@@ -57,7 +58,7 @@ BodyId apply(const Add& change, Tree& tree, State& state, const Workspace<double
     motion.v += cross(frame.r, motion.w);
   }
   const int nq = tree.nq(), nv = tree.nv();
-  const int b = tree.add(spec);
+  const int b = tree.edit().add(spec);
   const double none[6] = {};
   state.replace(nq, 0, {q.begin(), static_cast<std::size_t>(kind.nq)}, nv, 0, {none, static_cast<std::size_t>(kind.nv)}, tree);
   if (outer >= 0) {  // as its parent's first child, b may have rotated the parent's kernel frame about its joint and shifted it

@@ -1,6 +1,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/user_frames.hpp>
 #include <momentree/topology/velocities.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -34,7 +35,7 @@ Released apply(const Break& change, Tree& tree, State& state, Workspace<double>&
     shed_momentum(tree, state, workspace, b, Pb, -1, edit.p.data());
   }
 
-  tree.detach(b);  // now the user frame of b is its kernel frame
+  tree.edit().detach(b);  // now the user frame of b is its kernel frame
   const Force<double> P = to_user_frame(frame, Pb);
   const double q[7] = {pose.position.x, pose.position.y, pose.position.z, pose.rotation.w,
                        pose.rotation.x, pose.rotation.y, pose.rotation.z};

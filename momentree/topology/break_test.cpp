@@ -105,6 +105,6 @@ TEST_CASE("a broken joint can't break again, and every order of breaks ends in f
     CHECK(norm(after.linear[b] - before.linear[b]) < 1e-11);
     CHECK(norm(after.angular[b] - before.angular[b]) < 1e-11);
   }
-  CHECK(tree.kernel_runs().size() == 1);
-  for (const unsigned char f : tree.node_flags()) CHECK((f & (node::root | node::leaf)) == (node::root | node::leaf));
+  CHECK(tree.tables().runs.size() == 1);
+  for (const unsigned char f : tree.tables().node_flags) CHECK((f & (node::root | node::leaf)) == (node::root | node::leaf));
 }

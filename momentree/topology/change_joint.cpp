@@ -9,17 +9,18 @@
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/new_joint.hpp>
 #include <momentree/topology/velocities.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
 namespace {
 
-double armature_of(const Tree& tree, int b, int i) { return tree.armature()[tree.first_p(b) + i]; }
+double armature_of(const Tree& tree, int b, int i) { return tree.tables().armature[tree.first_p(b) + i]; }
 
 // Sets a driven joint to its motion's position; its place in y holds the rate.
 void follow_motion(const Tree& tree, int b, double t, double* q, double* y) {
   if (tree.link(b).driven == 0) return;
-  const Curve::Point s = tree.motion(b).at(t);
+  const Curve::Point s = prescribed_motion(tree, b).at(t);
   q[0] = s.value, y[0] = s.rate;
 }
 
@@ -94,7 +95,7 @@ Released apply(const ChangeJoint& change, const Force<double>& Pb, Tree& tree, S
     own = user_velocity(tree, workspace, b), outer = user_velocity(tree, workspace, tree.parent(b));
     carry_momenta(tree, workspace);
   }
-  tree.set_joint(b, change.to, reversed);
+  tree.edit().set_joint(b, change.to, reversed);
   if (velocities) {
     double y[6] = {};
     Values at = change.q;
@@ -136,7 +137,7 @@ Released apply(const Lock& change, Tree& tree, State& state, Workspace<double>& 
     if ((joint.locked >> i & 1u) == 0) y[i] = state.y()[static_cast<std::size_t>(first_p + i)];
   }
   if (in_velocities(state)) carry_momenta(tree, workspace);
-  tree.set_joint(b, joint);
+  tree.edit().set_joint(b, joint);
   const double* q = state.q().data() + tree.first_q(b);
   double keep[7];
   for (int i = 0; i < info(joint.kind).nq; ++i) keep[i] = q[i];
@@ -163,7 +164,7 @@ Released apply(const Unlock& change, Tree& tree, State& state, Workspace<double>
   for (int i = 0; i < kind.nv; ++i) y[i] = (freed >> i & 1u) != 0 ? all[i] : state.y()[static_cast<std::size_t>(first_p + i)];
   double keep[7];
   for (int i = 0; i < kind.nq; ++i) keep[i] = state.q()[static_cast<std::size_t>(first_q + i)];
-  tree.set_joint(b, joint);
+  tree.edit().set_joint(b, joint);
   follow_motion(tree, b, state.time(), keep, y);
   put_joint(tree, state, b, kind, keep, y);
   if (velocities && tree.link(b).driven != 0) settle_velocities(tree, state, workspace, b);
@@ -210,7 +211,7 @@ Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<
     carry_momenta(tree, workspace);
     std::copy_n(state.q().data() + first_q, kind.nq, q);
     std::copy_n(state.u().data() + first_p, kind.nv, p);
-    tree.set_parameters(b, change.parameters);
+    tree.edit().set_parameters(b, change.parameters);
     follow_motion(tree, b, state.time(), q, p);
     put_joint(tree, state, b, kind, q, p);
     if (tree.link(b).driven != 0) settle_velocities(tree, state, workspace, b);
@@ -225,7 +226,7 @@ Released apply(const SetParameters& change, Tree& tree, State& state, Workspace<
            armature_of(tree, b, i) * workspace.v[static_cast<std::size_t>(first_p + i)];
   for (int i = 0; i < kind.nv; ++i)
     if ((was_driven >> i & 1u) != 0) p[i] = all[i];
-  tree.set_parameters(b, change.parameters);
+  tree.edit().set_parameters(b, change.parameters);
   for (int i = 0; i < kind.nv; ++i) p[i] += armature_of(tree, b, i) * workspace.v[static_cast<std::size_t>(first_p + i)];
   follow_motion(tree, b, state.time(), q, p);
   put_joint(tree, state, b, kind, q, p);

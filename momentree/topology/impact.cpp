@@ -13,12 +13,12 @@ namespace {
 void scale_impulses(Workspace<double>& workspace, double impulse) noexcept {
   LoopWorkspace& loops = *workspace.loops;
   for (double& lambda : loops.lambda) lambda *= impulse;
-  loops.strike = impulse * loops.strike;
+  loops.strike.impulse = impulse * loops.strike.impulse;
 }
 
 double strike(const Impact& change, const Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
-  const int place = tree.loop_place(change.joint);
+  const int place = tree.loops().place(change.joint);
   MT_REQUIRE(place >= 0, "the loop joint is in the tree");
   double q[7] = {}, u[6] = {};
   loop_coordinates(tree, workspace, place, q, u);

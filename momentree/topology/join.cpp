@@ -4,6 +4,7 @@
 #include <momentree/topology/new_joint.hpp>
 #include <momentree/topology/reverse_path.hpp>
 #include <momentree/topology/velocities.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -39,7 +40,7 @@ void attach(int b, int to, const Joint& joint, bool reversed, Coordinates coordi
       shed_momentum(tree, state, workspace, to, W, +1, p);
     }
   }
-  tree.attach(b, to, joint, reversed);
+  tree.edit().attach(b, to, joint, reversed);
   const KindInfo& kind = info(joint.kind);
   double q[7], y[6] = {};
   coordinates(relative, q);

@@ -7,6 +7,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/velocities.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -16,7 +17,7 @@ namespace {
 void renew(const Tree& tree, State& state) { state.replace(0, 0, {}, 0, 0, {}, tree); }
 
 std::size_t place_of(const Tree& tree, JointId joint) {
-  const int place = tree.loop_place(joint);
+  const int place = tree.loops().place(joint);
   MT_REQUIRE(place >= 0, "the loop joint is in the tree");
   return static_cast<std::size_t>(place);
 }
@@ -45,7 +46,7 @@ JointId apply(const MakeLoop& change, Tree& tree, State& state, Workspace<double
     forward_dynamics(tree, state, workspace);
   }
   carry_momenta(tree, workspace);
-  const int number = tree.add_loop(change.loop);
+  const int number = tree.edit().add_loop(change.loop);
   renew(tree, state);
   state.set_turns(tree.loops().size() - 1, change.turns);
   settle_velocities(tree, state, workspace, change.loop.body);
@@ -56,7 +57,7 @@ Released apply(const BreakLoop& change, Tree& tree, State& state, Workspace<doub
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
   const std::size_t place = place_of(tree, change.joint);
   const Released released{change.keeps_energy ? 0 : energy_of(tree, workspace, place)};
-  tree.remove_loop(change.joint.index - first_loop);
+  tree.edit().remove_loop(change.joint.index - first_loop);
   renew(tree, state);
   state.remove_turns(place);
   return released;
@@ -64,7 +65,7 @@ Released apply(const BreakLoop& change, Tree& tree, State& state, Workspace<doub
 
 Released apply(const EndCoupling& change, Tree& tree, State& state, Workspace<double>& workspace) noexcept {
   MT_REQUIRE(evaluated_on(tree, state, workspace), stale_workspace(state));
-  tree.end_coupling(change.coupling.index);
+  tree.edit().end_coupling(change.coupling.index);
   renew(tree, state);
   return {};
 }
@@ -75,7 +76,7 @@ Released apply(const SetLoop& change, Tree& tree, State& state, Workspace<double
   Released released{change.keeps_energy ? 0 : energy_of(tree, workspace, place)};
   if (change.impact) carry_momenta(tree, workspace);
   if (change.keeps_energy) released.energy += stopped_armatures(tree, workspace, place, change.to.locked);
-  tree.set_loop(change.joint.index - first_loop, change.to, change.parameters, change.held);
+  tree.edit().set_loop(change.joint.index - first_loop, change.to, change.parameters, change.held);
   renew(tree, state);
   state.set_turns(place, change.turns);
   if (change.impact) settle_velocities(tree, state, workspace, tree.loops()[place].body);

@@ -4,6 +4,7 @@
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/reverse_path.hpp>
 #include <momentree/topology/velocities.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -50,7 +51,7 @@ Released apply(const Reroot& change, Tree& tree, State& state, Workspace<double>
     const State::Edit edit = state.edit();
     P = reverse_momenta(tree, state, workspace, b, edit.p.data());
   }
-  tree.reroot(b);
+  tree.edit().reroot(b);
   double q[7];
   free_coordinates(pose, q);
   double y[6] = {P.l.x, P.l.y, P.l.z, P.h.x, P.h.y, P.h.z};

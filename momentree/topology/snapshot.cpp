@@ -2,6 +2,7 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/dynamics/workspace_data.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -12,7 +13,7 @@ Snapshot take_snapshot(const Tree& tree, const State& state) {
 }
 
 void restore(const Snapshot& snapshot, Tree& tree, State& state) {
-  tree.restore(snapshot.topology);
+  tree.edit().restore(snapshot.topology);
   MT_REQUIRE(static_cast<int>(snapshot.q.size()) == tree.nq() && static_cast<int>(snapshot.y.size()) == tree.nv(),
              "the coordinates and momenta or velocities are of this topology");
   state.assign(snapshot.time, snapshot.q, snapshot.y, tree);

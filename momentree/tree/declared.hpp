@@ -9,7 +9,7 @@
 #include <momentree/joint/joint.hpp>
 #include <momentree/model/model.hpp>
 #include <momentree/tree/distinct.hpp>
-#include <momentree/tree/links.hpp>
+#include <momentree/tree/parts/links.hpp>
 
 namespace momentree {
 

@@ -2,12 +2,12 @@
 // size, a block of the order, frames that depend on a joint, subtree masses inboard.
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/math/unit.hpp>
-#include <momentree/tree/tree.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
 void Tree::unlink(int b) {
-  const int outer = parent_[at(b)];
+  const int outer = tables_.parent[at(b)];
   int* head = outer < 0 ? &first_root_ : &first_child_[at(outer)];
   while (*head != b) head = &next_sibling_[at(*head)];
   *head = next_sibling_[at(b)];
@@ -19,7 +19,7 @@ void Tree::add_child(int b, int parent) {
   while (*head >= 0 && *head < b) head = &next_sibling_[at(*head)];
   next_sibling_[at(b)] = *head;
   *head = b;
-  parent_[at(b)] = parent;
+  tables_.parent[at(b)] = parent;
 }
 
 // Moves the subtree of b, at [begin, end) of the order so far, to b's new place.
@@ -37,7 +37,7 @@ void Tree::require_valid(const Joint& joint) const {
 
 // Returns whether the lists of special joints must be renewed.
 bool Tree::replace_joint(int b, const Joint& joint, bool reversed) {
-  MT_REQUIRE(!reversed || parent_[at(b)] >= 0, "the ground is not a joint's child");
+  MT_REQUIRE(!reversed || tables_.parent[at(b)] >= 0, "the ground is not a joint's child");
   require_valid(joint);
   Joint& own = own_joint(joint_of_[at(b)]).joint;
   const Kind before = own.kind;
@@ -46,41 +46,42 @@ bool Tree::replace_joint(int b, const Joint& joint, bool reversed) {
   return repack(b, before);
 }
 
-void Tree::detach(int b) {
-  const int outer = parent_[index(b)];
-  const bool was_first = outer >= 0 && first_child_[at(outer)] == b;
-  const int begin = place_[at(b)], end = end_of(b);
-  unlink(b);
-  add_child(b, -1);
-  if (replace_joint(b, floating_root_joint(), false)) list_special_joints();
-  update_frames(b);
-  if (was_first) renew_child_changed(outer);
-  move_tree(b, begin, end);
-  update_subtree_masses(outer);
-  revision_.renew();
+void Tree::Edit::detach(int b) {
+  const int outer = tree_.tables_.parent[tree_.index(b)];
+  const bool was_first = outer >= 0 && tree_.first_child_[at(outer)] == b;
+  const int begin = tree_.place_[at(b)], end = tree_.end_of(b);
+  tree_.unlink(b);
+  tree_.add_child(b, -1);
+  if (tree_.replace_joint(b, floating_root_joint(), false)) tree_.list_special_joints();
+  tree_.update_frames(b);
+  if (was_first) tree_.renew_child_changed(outer);
+  tree_.move_tree(b, begin, end);
+  tree_.update_subtree_masses(outer);
+  tree_.revision_.renew();
 }
 
 // From b up to the root, attaches each body's parent below it: joints keep their numbers and packed data, while the body that
 // carries each joint changes to the next one inboard. Returns the old root.
 int Tree::reverse_path(int b) {
   int root = b;
-  while (parent_[at(root)] >= 0) root = parent_[at(root)];
+  while (tables_.parent[at(root)] >= 0) root = tables_.parent[at(root)];
   MT_REQUIRE(joint(root).kind == Kind::free, "the root is joined to the ground by a free joint");
   struct Carried {
     int joint, first_q, first_p, first_angle;
     unsigned char reversed;
   };
   const auto carried = [this](int a) -> Carried {
-    return {joint_of_[at(a)], offsets_[at(a)].q, offsets_[at(a)].p, offsets_[at(a)].angle, reversed_[at(a)]};
+    return {joint_of_[at(a)], tables_.offsets[at(a)].q, tables_.offsets[at(a)].p, tables_.offsets[at(a)].angle, reversed_[at(a)]};
   };
   Carried below = carried(root);
   for (int joined = -1, body = b; body >= 0;) {
-    const int outer = parent_[at(body)];
+    const int outer = tables_.parent[at(body)];
     const Carried own = carried(body);
     unlink(body);
     add_child(body, joined);
     joint_of_[at(body)] = below.joint, carrier_[at(below.joint)] = body;
-    offsets_[at(body)].q = below.first_q, offsets_[at(body)].p = below.first_p, offsets_[at(body)].angle = below.first_angle;
+    tables_.offsets[at(body)].q = below.first_q, tables_.offsets[at(body)].p = below.first_p,
+    tables_.offsets[at(body)].angle = below.first_angle;
     reversed_[at(body)] = below.reversed;
     below = own;
     below.reversed = own.reversed != 0 ? 0 : 1;
@@ -90,60 +91,61 @@ int Tree::reverse_path(int b) {
   return root;
 }
 
-void Tree::attach(int b, int parent, const Joint& joint, bool reversed) {
-  int root = static_cast<int>(index(b));
-  while (parent_[at(root)] >= 0) root = parent_[at(root)];
+void Tree::Edit::attach(int b, int parent, const Joint& joint, bool reversed) {
+  int root = static_cast<int>(tree_.index(b));
+  while (tree_.tables_.parent[at(root)] >= 0) root = tree_.tables_.parent[at(root)];
   MT_REQUIRE(parent >= ground.index, "the parent is a body or the ground");
-  for (int a = parent; a >= 0; a = parent_[index(a)]) MT_REQUIRE(a != root, "the parent belongs to another tree");
-  const int begin = place_[at(root)], end = end_of(root);
-  reverse_path(b);
+  for (int a = parent; a >= 0; a = tree_.tables_.parent[tree_.index(a)])
+    MT_REQUIRE(a != root, "the parent belongs to another tree");
+  const int begin = tree_.place_[at(root)], end = tree_.end_of(root);
+  tree_.reverse_path(b);
   if (parent >= 0) {
-    unlink(b);
-    add_child(b, parent);
+    tree_.unlink(b);
+    tree_.add_child(b, parent);
   }
-  if (replace_joint(b, joint, reversed) || root != b) list_special_joints();
+  if (tree_.replace_joint(b, joint, reversed) || root != b) tree_.list_special_joints();
   // Kernel frames are located at the carried joints: renew them from the old root to b, then all links that depend on them.
   // Welded bodies follow their new carrier.
-  for (int a = root; a != b; a = parent_[at(a)]) pack(a);
-  for (int a = root; a != b; a = parent_[at(a)])
-    if (!is_welded(a)) make_frames(a);
-  for (int a = root, below = -1; a != b; a = parent_[at(a)]) {
-    if (is_welded(a)) continue;
-    make_link(a);
-    make_outboard_links(a, below);
+  for (int a = root; a != b; a = tree_.tables_.parent[at(a)]) tree_.pack(a);
+  for (int a = root; a != b; a = tree_.tables_.parent[at(a)])
+    if (!tree_.is_welded(a)) tree_.make_frames(a);
+  for (int a = root, below = -1; a != b; a = tree_.tables_.parent[at(a)]) {
+    if (tree_.is_welded(a)) continue;
+    tree_.make_link(a);
+    tree_.make_outboard_links(a, below);
     below = a;
   }
-  update_frames(b);
-  number_depth_first(b, begin);
-  move_tree(b, begin, end);
-  update_subtree_masses(root);
-  revision_.renew();
+  tree_.update_frames(b);
+  tree_.number_depth_first(b, begin);
+  tree_.move_tree(b, begin, end);
+  tree_.update_subtree_masses(root);
+  tree_.revision_.renew();
 }
 
-void Tree::reroot(int b) { attach(b, -1, floating_root_joint(), false); }
+void Tree::Edit::reroot(int b) { attach(b, -1, floating_root_joint(), false); }
 
-void Tree::set_joint(int b, const Joint& joint, bool reversed) {
-  MT_REQUIRE(alive(b), known_body);
-  if (replace_joint(b, joint, reversed)) list_special_joints();
-  update_frames(b);
-  build_runs();
-  revision_.renew();
+void Tree::Edit::set_joint(int b, const Joint& joint, bool reversed) {
+  MT_REQUIRE(tree_.alive(b), known_body);
+  if (tree_.replace_joint(b, joint, reversed)) tree_.list_special_joints();
+  tree_.update_frames(b);
+  tree_.build_runs();
+  tree_.revision_.renew();
 }
 
-void Tree::set_gravity(const Vec3& gravity) {
+void Tree::Edit::set_gravity(const Vec3& gravity) {
   MT_REQUIRE(is_finite(gravity), "a finite gravity");
-  gravity_ = gravity;
-  revision_.renew();
+  tree_.gravity_ = gravity;
+  tree_.revision_.renew();
 }
 
-void Tree::set_parameters(int b, const JointParameters& parameters) {
-  const int number = give_parameters(joint_of_[index(b)], parameters);
-  Joint joint = this->joint(b);
+void Tree::Edit::set_parameters(int b, const JointParameters& parameters) {
+  const int number = tree_.give_parameters(tree_.joint_of_[tree_.index(b)], parameters);
+  Joint joint = tree_.joint(b);
   joint.parameters = number;
-  if (replace_joint(b, joint, reversed(b))) list_special_joints();
-  if (kind(b) == Kind::free) update_frames(b);  // it depends on the armature
-  build_runs();
-  revision_.renew();
+  if (tree_.replace_joint(b, joint, tree_.reversed(b))) tree_.list_special_joints();
+  if (tree_.kind(b) == Kind::free) tree_.update_frames(b);  // it depends on the armature
+  tree_.build_runs();
+  tree_.revision_.renew();
 }
 
 // The number of a joint's function, which had the number given, or −1.
@@ -157,57 +159,57 @@ int Tree::renewed_function(int number, std::shared_ptr<const JointFunction> func
   return static_cast<int>(functions_.size()) - 1;
 }
 
-void Tree::set_function(int b, std::shared_ptr<const JointFunction> function) {
-  Joint joint = this->joint(b);
-  joint.function = renewed_function(joint.function, std::move(function));
-  if (replace_joint(b, joint, reversed(b))) list_special_joints();
-  revision_.renew();
+void Tree::Edit::set_function(int b, std::shared_ptr<const JointFunction> function) {
+  Joint joint = tree_.joint(b);
+  joint.function = tree_.renewed_function(joint.function, std::move(function));
+  if (tree_.replace_joint(b, joint, tree_.reversed(b))) tree_.list_special_joints();
+  tree_.revision_.renew();
 }
 
-void Tree::set_body_function(int b, std::shared_ptr<const BodyFunction> function) {
-  MT_REQUIRE(alive(b), known_body);
-  std::erase_if(body_functions_, [b](const Topology::Loaded& load) { return load.body == b; });
-  if (function != nullptr) body_functions_.push_back({b, std::move(function)});
-  list_loaded_bodies();
-  revision_.renew();
+void Tree::Edit::set_body_function(int b, std::shared_ptr<const BodyFunction> function) {
+  MT_REQUIRE(tree_.alive(b), known_body);
+  std::erase_if(tree_.loads_.functions, [b](const Topology::Loaded& load) { return load.body == b; });
+  if (function != nullptr) tree_.loads_.functions.push_back({b, std::move(function)});
+  tree_.list_loaded_bodies();
+  tree_.revision_.renew();
 }
 
-void Tree::remove(int b) {
-  MT_REQUIRE(alive(b) && parent_[at(b)] < 0, "the body is a root");
-  const int begin = place_[at(b)], end = end_of(b);
-  unlink(b);
+void Tree::Edit::remove(int b) {
+  MT_REQUIRE(tree_.alive(b) && tree_.tables_.parent[at(b)] < 0, "the body is a root");
+  const int begin = tree_.place_[at(b)], end = tree_.end_of(b);
+  tree_.unlink(b);
   for (int place = begin; place < end; ++place) {
-    const auto x = at(order_[at(place)]);
-    carrier_[at(joint_of_[x])] = -1;
-    joint_of_[x] = parent_[x] = first_child_[x] = next_sibling_[x] = -1;
+    const auto x = at(tree_.tables_.order[at(place)]);
+    tree_.carrier_[at(tree_.joint_of_[x])] = -1;
+    tree_.joint_of_[x] = tree_.tables_.parent[x] = tree_.first_child_[x] = tree_.next_sibling_[x] = -1;
   }
-  order_.erase(order_.begin() + begin, order_.begin() + end);
-  pack_all();
-  build_runs();
-  revision_.renew();
+  tree_.tables_.order.erase(tree_.tables_.order.begin() + begin, tree_.tables_.order.begin() + end);
+  tree_.pack_all();
+  tree_.build_runs();
+  tree_.revision_.renew();
 }
 
-int Tree::add(const BodySpec& spec) {
-  const int b = bodies(), outer = spec.parent.index;
-  MT_REQUIRE(outer == ground.index || alive(outer), "the parent is the ground or a body of this tree");
-  resize(b + 1);
-  added_masses_.push_back({spec.mass, spec.com, spec.inertia});
-  parent_[at(b)] = outer;
-  joint_of_[at(b)] = carrier_[at(b)] = b;
-  joint_at_[at(b)] = no_joint;
+int Tree::Edit::add(const BodySpec& spec) {
+  const int b = tree_.bodies(), outer = spec.parent.index;
+  MT_REQUIRE(outer == ground.index || tree_.alive(outer), "the parent is the ground or a body of this tree");
+  tree_.resize(b + 1);
+  tree_.added_masses_.push_back({spec.mass, spec.com, spec.inertia});
+  tree_.tables_.parent[at(b)] = outer;
+  tree_.joint_of_[at(b)] = tree_.carrier_[at(b)] = b;
+  tree_.joint_at_[at(b)] = no_joint;
   Joint joint = detail::joint_of(spec);
-  if (const JointParameters& p = spec.joint.parameters; p.any()) joint.parameters = give_parameters(b, p);
-  own_joint(b).joint = joint;
-  add_child(b, outer);
-  order_.insert(order_.begin() + end_of(b), b);
-  assign_offsets(b);
-  pack(b);
-  list_special_joints();
-  update_frames(b);
-  put_locks(b);  // it had no link before
-  build_runs();
-  update_subtree_masses(b);
-  revision_.renew();
+  if (const JointParameters& p = spec.joint.parameters; p.any()) joint.parameters = tree_.give_parameters(b, p);
+  tree_.own_joint(b).joint = joint;
+  tree_.add_child(b, outer);
+  tree_.tables_.order.insert(tree_.tables_.order.begin() + tree_.end_of(b), b);
+  tree_.assign_offsets(b);
+  tree_.pack(b);
+  tree_.list_special_joints();
+  tree_.update_frames(b);
+  tree_.put_locks(b);  // it had no link before
+  tree_.build_runs();
+  tree_.update_subtree_masses(b);
+  tree_.revision_.renew();
   return b;
 }
 

@@ -118,18 +118,13 @@ void find_shape(LinkConstants& k, bool rotates, double scale) {
 
 }  // namespace
 
-bool Tree::at_centre_of_mass(int b) const {
-  const Class& joint = class_[index(b)];
-  return joint.kind == Kind::free && joint.variant == Variant::plain && parent_[at(b)] < 0;
-}
-
 void Tree::make_frame(int b) {
-  LinkConstants& link = links_.own(at(b));
+  LinkConstants& link = tables_.links.own(at(b));
   if (is_welded(b)) {
     // The frame of the body that carries it, so that the weld needs no transform.
-    const KernelFrame outer = parent_[at(b)] < 0 ? KernelFrame{} : frame(parent_[at(b)]),
+    const KernelFrame outer = tables_.parent[at(b)] < 0 ? KernelFrame{} : frame(tables_.parent[at(b)]),
                       place = welded_at(joint(b), reversed(b));
-    links_.own_frame(at(b)) = {transpose(place.R) * outer.R, transpose_times(place.R, outer.r - place.r)};
+    tables_.links.own_frame(at(b)) = {transpose(place.R) * outer.R, transpose_times(place.R, outer.r - place.r)};
     const LinkConstants none;
     const unsigned char locked = link.locked, driven = link.driven;
     link = none;
@@ -153,7 +148,7 @@ void Tree::make_frame(int b) {
       Carried next = carried(joint(c), reversed(c), geometry);
       const Mat3 own = side * mine.C;
       Mat3 axes = rotation_matrix(next.outer.rotation) * next.C;
-      if (parent_[at(c)] != b) axes = carrier.R * axes, next.outer.position = carrier.r + carrier.R * next.outer.position;
+      if (tables_.parent[at(c)] != b) axes = carrier.R * axes, next.outer.position = carrier.r + carrier.R * next.outer.position;
       const Vec3 d = transpose_times(own, Vec3{axes.xz, axes.yz, axes.zz});
       const Vec3 r = transpose_times(own, next.outer.position - mine.own.position);
       double cosine = -d.y, sine = d.x;
@@ -166,12 +161,12 @@ void Tree::make_frame(int b) {
     }
   }
   const Mat3 R = side * mine.C;
-  if (at_centre_of_mass(b)) {
+  if (momentree::at_centre_of_mass(*this, b)) {
     const Vec3 origin = mass(b).com, c = transpose_times(R, origin - mine.own.position);
-    links_.own_frame(at(b)) = {R, origin};
+    tables_.links.own_frame(at(b)) = {R, origin};
     link.geometry[0] = c.x, link.geometry[1] = c.y, link.geometry[2] = c.z;
   } else {
-    links_.own_frame(at(b)) = {R, mine.own.position + shift_z * Vec3{R.xz, R.yz, R.zz}};
+    tables_.links.own_frame(at(b)) = {R, mine.own.position + shift_z * Vec3{R.xz, R.yz, R.zz}};
   }
   set_mass_properties(b, link);
 }
@@ -194,8 +189,8 @@ void Tree::make_link(int b) {
   double geometry[2];
   const Carried mine = carried(joint(b), reversed(b), geometry);
   const KernelFrame own = frame(b);
-  const KernelFrame outer = parent_[at(b)] < 0 ? KernelFrame{} : frame(parent_[at(b)]);
-  LinkConstants& k = links_.own(at(b));
+  const KernelFrame outer = tables_.parent[at(b)] < 0 ? KernelFrame{} : frame(tables_.parent[at(b)]);
+  LinkConstants& k = tables_.links.own(at(b));
   // C, the joint's axes: the rotation of the kernel frame relative to the joint's side, including the choice of x.
   const Mat3 C = transpose(rotation_matrix(mine.own.rotation)) * own.R;
   const Mat3 axes = rotation_matrix(mine.outer.rotation) * C;
@@ -207,14 +202,14 @@ void Tree::make_link(int b) {
   find_shape(k, rotates_about_z(joint(b).kind), norm(at_joint) + norm(outer.r) + std::fabs(shift_z));
   classify(b);
   if (rotates_about_z(joint(b).kind))
-    for (int i = 0; i < shape(joint(b).kind).angles; ++i) angle_offset_[at(offsets_[at(b)].angle + i)] = k.angle_0;
+    for (int i = 0; i < shape(joint(b).kind).angles; ++i) tables_.angle_offset[at(tables_.offsets[at(b)].angle + i)] = k.angle_0;
 }
 
 // The properties of the link that separate kernel runs and set node flags.
 void Tree::classify(int b) {
-  const LinkConstants& k = links_[at(b)];
-  class_[at(b)].parallel = k.cos_a == 1 && k.sin_a == 0;
-  class_[at(b)].aligned = aligned(k);
+  const LinkConstants& k = tables_.links[at(b)];
+  tables_.classes[at(b)].parallel = k.cos_a == 1 && k.sin_a == 0;
+  tables_.classes[at(b)].aligned = aligned(k);
 }
 
 bool Tree::joint_as_declared(int b) const { return joint_of_[at(b)] == b && reversed_[at(b)] == 0 && joint_at_[at(b)] >= 0; }
@@ -222,8 +217,8 @@ bool Tree::joint_as_declared(int b) const { return joint_of_[at(b)] == b && reve
 bool Tree::frame_as_declared(int b) const {
   if (at(b) >= declared_bodies() || !joint_as_declared(b)) return false;
   if (joint(b).kind == Kind::weld) {
-    const int outer = parent_[at(b)];
-    return outer == declared_->bodies[at(b)].parent && (outer < 0 || class_[at(outer)].as_declared);
+    const int outer = tables_.parent[at(b)];
+    return outer == declared_->bodies[at(b)].parent && (outer < 0 || tables_.classes[at(outer)].as_declared);
   }
   for (int x = b;;) {  // all joints on which the frame can depend
     const int c = first_child_[at(x)];
@@ -247,7 +242,7 @@ void Tree::for_rigid(int b, const F& f) const {
       return;
     } else {
       c = next_sibling_[at(x)];
-      x = parent_[at(x)];
+      x = tables_.parent[at(x)];
     }
   }
 }
@@ -266,14 +261,14 @@ void Tree::make_outboard_links(int b, int but) {
 
 // The body that carries b: b itself, or the innermost body to which it is welded.
 int Tree::carrier_of(int b) const {
-  while (is_welded(b) && parent_[at(b)] >= 0) b = parent_[at(b)];
+  while (is_welded(b) && tables_.parent[at(b)] >= 0) b = tables_.parent[at(b)];
   return b;
 }
 
 // Updates frames and links after a change of b's joint: b's frame may change, that of its parent, whose x depends on the joint of
 // its first child, and every link that uses either.
 void Tree::update_frames(int b) {
-  const int outer = parent_[at(b)];
+  const int outer = tables_.parent[at(b)];
   if (is_welded(b) && outer >= 0) {
     const int carrier = carrier_of(b);
     make_frames(carrier);
@@ -297,7 +292,7 @@ bool Tree::renew_child_changed(int b) {
 
 // Replaces a link that was just made by one in the model's shared list.
 void Tree::collect(int b, detail::LinkCollector& collector) {
-  links_.give_back(at(b), at(collector.take(b, first_child_[at(b)], links_[at(b)], frame(b))));
+  tables_.links.give_back(at(b), at(collector.take(b, first_child_[at(b)], tables_.links[at(b)], frame(b))));
 }
 
 }  // namespace momentree

@@ -1,21 +1,10 @@
 #pragma once
 // The tree as the recursions traverse it: runs of bodies with the same kernels.
-#include <span>
-
 #include <momentree/joint/link_constants.hpp>
 #include <momentree/tree/kernel_frame.hpp>
 #include <momentree/tree/tree.hpp>
 
 namespace momentree {
-
-/// A run of bodies in the order whose joints use the same kernels: order[begin] … order[end − 1], including branching bodies and
-/// leaves.
-struct KernelRun {
-  int begin = 0, end = 0;
-  Kind kind = Kind::weld;
-  Variant variant = Variant::plain;
-  bool planar = false;  ///< the run is one complete plane mechanism: a grounded tree of plain revolute joints with parallel axes
-};
 
 /// Flags of a body in the order. The order is depth-first, so the first child follows its parent directly: its contribution is
 /// still in local variables in the inward pass, as is its parent's output in the outward pass. Only other children use memory.
@@ -31,7 +20,5 @@ enum : unsigned char {
                   ///< it is a root
 };
 }  // namespace node
-
-inline std::span<const KernelRun> Tree::kernel_runs() const { return runs_; }
 
 }  // namespace momentree

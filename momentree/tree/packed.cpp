@@ -63,7 +63,7 @@ void check_limits(const Tree& tree, std::span<const double> q, const JointNamer&
 }
 
 void normalise_quaternions(const Tree& tree, std::span<double> q, const JointNamer& name) {
-  for (const int b : tree.quaternion_joints()) {
+  for (const int b : tree.joints_with().quaternions) {
     const int first = first_quaternion(info(tree.kind(b)));
     double* const at = q.data() + tree.first_q(b) + first;
     const double length = std::hypot(std::hypot(at[0], at[1]), std::hypot(at[2], at[3]));

@@ -7,11 +7,11 @@ namespace momentree {
 // True if the mechanism whose root has that place is grounded and plane: plain revolute joints with parallel axes. Its joints
 // keep it in the plane, whatever its masses.
 bool Tree::in_a_plane(int place) const {
-  const int count = static_cast<int>(order_.size());
+  const int count = static_cast<int>(tables_.order.size());
   for (int i = place; i < count; ++i) {
-    const int b = order_[at(i)];
-    if (i > place && parent_[at(b)] < 0) return true;
-    const Class own = class_[at(b)];
+    const int b = tables_.order[at(i)];
+    if (i > place && tables_.parent[at(b)] < 0) return true;
+    const TreeTables::Class own = tables_.classes[at(b)];
     if (own.kind != Kind::revolute || own.variant != Variant::plain || !(own.parallel || i == place)) return false;
   }
   return true;

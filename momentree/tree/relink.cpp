@@ -4,8 +4,8 @@
 
 #include <momentree/base/check.hpp>
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/tree/edit.hpp>
 #include <momentree/tree/kernel_run.hpp>
-#include <momentree/tree/tree.hpp>
 
 namespace momentree {
 
@@ -51,27 +51,27 @@ void Tree::link_all(detail::LinkCollector* collector) {
     next_sibling_[at(b)] = -1;
     if (!alive(b)) continue;
     ++living;
-    int& head = parent_[at(b)] < 0 ? first_root_ : first_child_[at(parent_[at(b)])];
+    int& head = tables_.parent[at(b)] < 0 ? first_root_ : first_child_[at(tables_.parent[at(b)])];
     next_sibling_[at(b)] = head;
     head = b;
   }
-  order_.resize(at(living));
+  tables_.order.resize(at(living));
   int place = 0;
   for (int root = first_root_; root >= 0; root = next_sibling_[at(root)]) place = number_depth_first(root, place);
   MT_REQUIRE(place == living, "every body is joined to the ground");
   // Where the topology is the model's, so are frames and links.
   const bool known = declared_ && collector == nullptr;
-  links_.clear(declared_ ? std::shared_ptr<const detail::SharedLinks>(declared_, &declared_->links) : nullptr);
-  for (int b = 0; b < bodies(); ++b) links_.leave(at(b));
-  for (int b : order_) {
-    class_[at(b)].as_declared = known && frame_as_declared(b);
-    if (class_[at(b)].as_declared) links_.share(at(b), at(declared_->bodies[at(b)].link));
+  tables_.links.clear(declared_ ? std::shared_ptr<const detail::SharedLinks>(declared_, &declared_->links) : nullptr);
+  for (int b = 0; b < bodies(); ++b) tables_.links.leave(at(b));
+  for (int b : tables_.order) {
+    tables_.classes[at(b)].as_declared = known && frame_as_declared(b);
+    if (tables_.classes[at(b)].as_declared) tables_.links.share(at(b), at(declared_->bodies[at(b)].link));
   }
   pack_all();
-  for (int b : order_) {  // a link depends on the inboard frame
-    const int outer = parent_[at(b)];
-    const bool frame_known = class_[at(b)].as_declared;
-    if (frame_known && outer == declared_->bodies[at(b)].parent && (outer < 0 || class_[at(outer)].as_declared)) {
+  for (int b : tables_.order) {  // a link depends on the inboard frame
+    const int outer = tables_.parent[at(b)];
+    const bool frame_known = tables_.classes[at(b)].as_declared;
+    if (frame_known && outer == declared_->bodies[at(b)].parent && (outer < 0 || tables_.classes[at(outer)].as_declared)) {
       classify(b);
       continue;
     }
@@ -81,13 +81,13 @@ void Tree::link_all(detail::LinkCollector* collector) {
     if (collector != nullptr) collect(b, *collector);
   }
   build_runs();
-  for (std::size_t i = order_.size(); i-- > 0;) update_subtree_mass(order_[i]);
+  for (std::size_t i = tables_.order.size(); i-- > 0;) update_subtree_mass(tables_.order[i]);
 }
 
 void Tree::pack_all() {
   nq_ = nv_ = angles_ = 0;
-  angle_q_.clear(), angle_offset_.clear();
-  for (auto* list : {&armature_, &damping_, &effort_}) list->clear();
+  tables_.angle_q.clear(), tables_.angle_offset.clear();
+  for (auto* list : {&tables_.armature, &tables_.damping, &tables_.effort}) list->clear();
   for (int j = 0; j < bodies(); ++j) {
     const int b = carrier_[at(j)];
     special_[at(j)] = 0;
@@ -101,10 +101,10 @@ void Tree::pack_all() {
 // Assigns the next coordinates, DoFs and angles to b's joint. Does not allocate: capacity is reserved for any joints.
 void Tree::assign_offsets(int b) {
   const KindShape& kind = shape(joint(b).kind);
-  offsets_[at(b)].q = nq_, offsets_[at(b)].p = nv_, offsets_[at(b)].angle = angles_;
+  tables_.offsets[at(b)].q = nq_, tables_.offsets[at(b)].p = nv_, tables_.offsets[at(b)].angle = angles_;
   nq_ += kind.nq, nv_ += kind.nv, angles_ += kind.angles;
-  angle_q_.resize(at(angles_)), angle_offset_.resize(at(angles_));
-  for (auto* list : {&armature_, &damping_, &effort_}) list->resize(at(nv_));
+  tables_.angle_q.resize(at(angles_)), tables_.angle_offset.resize(at(angles_));
+  for (auto* list : {&tables_.armature, &tables_.damping, &tables_.effort}) list->resize(at(nv_));
 }
 
 const detail::DofParameters& Tree::dof_parameters(const Joint& joint) const {
@@ -123,8 +123,8 @@ Tree::Locks Tree::locks_of(int b) const {
 
 void Tree::put_locks(int b) {
   const Locks now = locks_of(b);
-  if (links_[at(b)].locked == now.locked && links_[at(b)].driven == now.driven) return;
-  LinkConstants& link = links_.own(at(b));
+  if (tables_.links[at(b)].locked == now.locked && tables_.links[at(b)].driven == now.driven) return;
+  LinkConstants& link = tables_.links.own(at(b));
   link.locked = now.locked, link.driven = now.driven;
 }
 
@@ -134,36 +134,52 @@ void Tree::pack(int b) {
   const KindShape& kind = shape(joint.kind);
   const detail::DofParameters& given = dof_parameters(joint);
   const Locks locks = locks_of(b);
-  if (links_.has(at(b))) put_locks(b);
+  if (tables_.links.has(at(b))) put_locks(b);
   for (int i = 0; i < kind.angles; ++i) {
-    angle_q_[at(offsets_[at(b)].angle + i)] = offsets_[at(b)].q + kind.angle[i];
-    angle_offset_[at(offsets_[at(b)].angle + i)] = kind.rotates_about_z && links_.has(at(b)) ? links_[at(b)].angle_0 : 0.0;
+    tables_.angle_q[at(tables_.offsets[at(b)].angle + i)] = tables_.offsets[at(b)].q + kind.angle[i];
+    tables_.angle_offset[at(tables_.offsets[at(b)].angle + i)] =
+        kind.rotates_about_z && tables_.links.has(at(b)) ? tables_.links[at(b)].angle_0 : 0.0;
   }
   for (int i = 0; i < kind.nv; ++i) {
-    const auto p = at(offsets_[at(b)].p + i);
+    const auto p = at(tables_.offsets[at(b)].p + i);
     const bool moves = (joint.locked >> i & 1u) == 0;  // forces on a locked DoF have no effect
-    armature_[p] = given.armature[at(i)];
-    damping_[p] = moves ? given.damping[at(i)] : 0.0;
-    effort_[p] = moves ? given.effort[at(i)] : 0.0;
+    tables_.armature[p] = given.armature[at(i)];
+    tables_.damping[p] = moves ? given.damping[at(i)] : 0.0;
+    tables_.effort[p] = moves ? given.effort[at(i)] : 0.0;
   }
-  class_[at(b)].kind = joint.kind;
-  class_[at(b)].variant = variant_of(locks.locked, given.has_armature, reversed_[at(b)] != 0, kind.rotates_about_z);
+  tables_.classes[at(b)].kind = joint.kind;
+  tables_.classes[at(b)].variant = variant_of(locks.locked, given.has_armature, reversed_[at(b)] != 0, kind.rotates_about_z);
   const bool drives = given.drive || joint.function >= 0;
   special_[at(joint_of_[at(b)])] = static_cast<unsigned char>(
       (given.spring ? spring : 0) | (given.force ? force : 0) | (kind.nq > kind.nv ? quaternion : 0) | (drives ? drive : 0) |
       (joint.function >= 0 ? function_driven : 0) | (locks.driven != 0 ? driven : 0) | (given.strength ? strength : 0));
 }
 
-void Tree::copy_with_armatures(const Tree& other) {
-  *this = other;
-  revision_.renew();
-  for (const int b : order_)
-    if (parameters(b) != nullptr && class_[at(b)].variant == Variant::plain) {
-      class_[at(b)].variant = Variant::armature;
-      if (kind(b) == Kind::free) update_frames(b);
+void Tree::Edit::copy_with_armatures(const Tree& other) {
+  tree_ = other;
+  tree_.revision_.renew();
+  for (const int b : tree_.tables_.order)
+    if (tree_.parameters(b) != nullptr && tree_.tables_.classes[at(b)].variant == Variant::plain) {
+      tree_.tables_.classes[at(b)].variant = Variant::armature;
+      if (tree_.kind(b) == Kind::free) tree_.update_frames(b);
     }
-  build_runs();
-  loop_revision_ = other.loop_revision_;  // rows that were chosen for one tree are those of the other
+  tree_.build_runs();
+  tree_.loops_.version = other.loops_.version;  // rows that were chosen for one tree are those of the other
+}
+
+double* Tree::Edit::armature() {
+  tree_.revision_.renew();
+  return tree_.tables_.armature.data();
+}
+
+void Tree::Edit::use_generic_kernels() {
+  tree_.revision_.renew();
+  for (const int b : tree_.tables_.order) {
+    Variant& variant = tree_.tables_.classes[at(b)].variant;
+    if (variant == Variant::plain || variant == Variant::armature) variant = Variant::locked;
+    if (tree_.kind(b) == Kind::free) tree_.update_frames(b);  // it depends on the variant
+  }
+  tree_.build_runs();
 }
 
 // Updates the packed data after b's joint changed from kind `before`: data behind it moves. Returns whether the lists of special
@@ -175,13 +191,13 @@ bool Tree::repack(int b, Kind before) {
   if (q != 0 || p != 0 || angles != 0) {
     for (int j = joint_of_[at(b)] + 1; j < bodies(); ++j) {
       const int c = carrier_[at(j)];
-      if (c >= 0) offsets_[at(c)].q += q, offsets_[at(c)].p += p, offsets_[at(c)].angle += angles;
+      if (c >= 0) tables_.offsets[at(c)].q += q, tables_.offsets[at(c)].p += p, tables_.offsets[at(c)].angle += angles;
     }
-    const int behind_p = offsets_[at(b)].p + old.nv, behind_angle = offsets_[at(b)].angle + old.angles;
-    for (int i = behind_angle; i < angles_; ++i) angle_q_[at(i)] += q;
-    shift_tail(angle_q_, behind_angle, angles);
-    shift_tail(angle_offset_, behind_angle, angles);
-    for (auto* list : {&armature_, &damping_, &effort_}) shift_tail(*list, behind_p, p);
+    const int behind_p = tables_.offsets[at(b)].p + old.nv, behind_angle = tables_.offsets[at(b)].angle + old.angles;
+    for (int i = behind_angle; i < angles_; ++i) tables_.angle_q[at(i)] += q;
+    shift_tail(tables_.angle_q, behind_angle, angles);
+    shift_tail(tables_.angle_offset, behind_angle, angles);
+    for (auto* list : {&tables_.armature, &tables_.damping, &tables_.effort}) shift_tail(*list, behind_p, p);
     nq_ += q, nv_ += p, angles_ += angles;
   }
   const unsigned char was = special_[at(joint_of_[at(b)])];
@@ -190,20 +206,22 @@ bool Tree::repack(int b, Kind before) {
 }
 
 void Tree::list_special_joints() {
-  for (auto* list : {&spring_joints_, &quaternion_joints_, &forced_joints_, &driven_joints_, &strength_joints_}) list->clear();
+  for (auto* list : {&special_joints_.springs, &special_joints_.quaternions, &special_joints_.forces, &special_joints_.motions,
+                     &special_joints_.strengths})
+    list->clear();
   unsigned all = 0;
   for (std::size_t j = 0; j < special_.size(); ++j) {
     const unsigned s = special_[j];
     all |= s;
     if ((s & ~unsigned{force}) == 0) continue;
-    if ((s & spring) != 0) spring_joints_.push_back(carrier_[j]);
-    if ((s & quaternion) != 0) quaternion_joints_.push_back(carrier_[j]);
-    if ((s & drive) != 0) forced_joints_.push_back(carrier_[j]);
-    if ((s & driven) != 0) driven_joints_.push_back(carrier_[j]);
-    if ((s & strength) != 0) strength_joints_.push_back(carrier_[j]);
+    if ((s & spring) != 0) special_joints_.springs.push_back(carrier_[j]);
+    if ((s & quaternion) != 0) special_joints_.quaternions.push_back(carrier_[j]);
+    if ((s & drive) != 0) special_joints_.forces.push_back(carrier_[j]);
+    if ((s & driven) != 0) special_joints_.motions.push_back(carrier_[j]);
+    if ((s & strength) != 0) special_joints_.strengths.push_back(carrier_[j]);
   }
-  has_forces_ = (all & force) != 0;
-  has_functions_ = (all & function_driven) != 0;
+  tables_.has_forces = (all & force) != 0;
+  special_joints_.functions = (all & function_driven) != 0;
   note_constraints();
 }
 
@@ -211,13 +229,13 @@ void Tree::list_special_joints() {
 // million levels deep.
 int Tree::number_depth_first(int root, int place) {
   for (int b = root;;) {
-    order_[at(place)] = b;
+    tables_.order[at(place)] = b;
     place_[at(b)] = place++;
     if (first_child_[at(b)] >= 0) {
       b = first_child_[at(b)];
       continue;
     }
-    while (b != root && next_sibling_[at(b)] < 0) b = parent_[at(b)];
+    while (b != root && next_sibling_[at(b)] < 0) b = tables_.parent[at(b)];
     if (b == root) return place;
     b = next_sibling_[at(b)];
   }
@@ -225,29 +243,29 @@ int Tree::number_depth_first(int root, int place) {
 
 // End of b's subtree in the order.
 int Tree::end_of(int b) const {
-  while (b >= 0 && next_sibling_[at(b)] < 0) b = parent_[at(b)];
-  return b < 0 ? static_cast<int>(order_.size()) : place_[at(next_sibling_[at(b)])];
+  while (b >= 0 && next_sibling_[at(b)] < 0) b = tables_.parent[at(b)];
+  return b < 0 ? static_cast<int>(tables_.order.size()) : place_[at(next_sibling_[at(b)])];
 }
 
 // Moves bodies [begin, end) of the order to `to`, a place outside of that range.
 void Tree::move_block(int begin, int end, int to) {
-  const auto o = order_.begin();
+  const auto o = tables_.order.begin();
   if (to < begin) std::rotate(o + to, o + begin, o + end);
   if (to > end) std::rotate(o + begin, o + end, o + to);
 }
 
 // Finds places, node flags, records and kernel runs from the order.
 void Tree::build_runs() {
-  runs_.clear();
-  const int count = static_cast<int>(order_.size());
-  node_flags_.resize(at(count));
-  const int *order = order_.data(), *parent = parent_.data(), *first_child = first_child_.data(),
+  tables_.runs.clear();
+  const int count = static_cast<int>(tables_.order.size());
+  tables_.node_flags.resize(at(count));
+  const int *order = tables_.order.data(), *parent = tables_.parent.data(), *first_child = first_child_.data(),
             *next_sibling = next_sibling_.data();
-  const Class* classes = class_.data();
+  const TreeTables::Class* classes = tables_.classes.data();
   int* places = place_.data();
-  Offsets* offsets = offsets_.data();
+  TreeTables::Offsets* offsets = tables_.offsets.data();
   std::size_t scalars = 0, record = 0;
-  Class same{};
+  TreeTables::Class same{};
   bool planar = false;
   for (int place = 0; place < count; ++place) {
     const int b = order[place], outer = parent[b], child = first_child[b];
@@ -262,10 +280,10 @@ void Tree::build_runs() {
       f |= node::first_child;
     else if (next_sibling[b] < 0)
       f |= node::last_child;
-    if (outer < 0 || (classes[outer].kind == Kind::weld && (node_flags_[at(places[outer])] & node::grounded) != 0))
+    if (outer < 0 || (classes[outer].kind == Kind::weld && (tables_.node_flags[at(places[outer])] & node::grounded) != 0))
       f |= node::grounded;
-    node_flags_[at(place)] = static_cast<unsigned char>(f);
-    const Class own = classes[b];
+    tables_.node_flags[at(place)] = static_cast<unsigned char>(f);
+    const TreeTables::Class own = classes[b];
     bool cut = place == 0 || !(own == same);
     if (outer < 0) {
       cut = cut || planar;
@@ -273,8 +291,8 @@ void Tree::build_runs() {
       cut = cut || planar;
     }
     if (cut) {
-      if (place > 0) runs_.back().end = place;
-      runs_.push_back({.begin = place, .end = count, .kind = own.kind, .variant = own.variant, .planar = planar});
+      if (place > 0) tables_.runs.back().end = place;
+      tables_.runs.push_back({.begin = place, .end = count, .kind = own.kind, .variant = own.variant, .planar = planar});
       record = shape(own.kind).record[static_cast<std::size_t>(own.variant)];
       same = own;
     }
@@ -282,41 +300,41 @@ void Tree::build_runs() {
     scalars += record;
   }
   MT_REQUIRE(scalars <= std::numeric_limits<std::uint32_t>::max(), "fewer than a few hundred million bodies");
-  record_scalars_ = scalars;
+  tables_.record_scalars = scalars;
   list_loaded_bodies();
-  if (!loops_.empty() || !coupling_ended_.empty()) list_loops();
+  if (!loops_.joints.empty() || !coupling_ended_.empty()) list_loops();
 }
 
 // Allocates only the first time and after bodies were added.
 void Tree::list_loaded_bodies() {
-  loaded_.clear();
+  loads_.bodies.clear();
   std::erase_if(contacts_, [this](const Contact& c) { return (c.a >= 0 && !alive(c.a)) || (c.b >= 0 && !alive(c.b)); });
   note_constraints();
-  if (body_forces().empty() && body_functions_.empty() && spring_states_.empty() && contacts_.empty()) return;
-  loaded_.reserve(at(bodies()));
+  if (loads_.forces.empty() && loads_.functions.empty() && springs_.states.empty() && contacts_.empty()) return;
+  loads_.bodies.reserve(at(bodies()));
   loaded_mark_.assign(at(bodies()), 0);
   const auto mark = [this](int body) {
     if (body < 0 || !alive(body)) return;
-    for (int b = body; b >= 0 && loaded_mark_[at(b)] == 0; b = parent_[at(b)]) loaded_mark_[at(b)] = 1;
+    for (int b = body; b >= 0 && loaded_mark_[at(b)] == 0; b = tables_.parent[at(b)]) loaded_mark_[at(b)] = 1;
   };
-  for (const BodyForce& force : body_forces()) mark(force.body.index);
-  for (const Topology::Loaded& load : body_functions_) mark(load.body);
-  for (int s = 0; s < spring_count(); ++s)
-    if (spring_acts(s)) mark(springs()[at(s)].from.body.index), mark(springs()[at(s)].to.body.index);
+  for (const BodyForce& force : loads_.forces) mark(force.body.index);
+  for (const Topology::Loaded& load : loads_.functions) mark(load.body);
+  for (int s = 0; s < springs_.count(); ++s)
+    if (spring_acts(*this, s)) mark(springs_[at(s)].from.body.index), mark(springs_[at(s)].to.body.index);
   for (const Contact& contact : contacts_) mark(contact.a), mark(contact.b);
-  for (const int b : order_)
-    if (loaded_mark_[at(b)] != 0) loaded_.push_back(b);
+  for (const int b : tables_.order)
+    if (loaded_mark_[at(b)] != 0) loads_.bodies.push_back(b);
 }
 
 // Mass of b and all outboard bodies, from the subtree masses of its children.
 void Tree::update_subtree_mass(int b) {
-  double sum = links_[at(b)].body.m;
-  for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) sum += subtree_mass_[at(c)];
-  subtree_mass_[at(b)] = sum;
+  double sum = tables_.links[at(b)].body.m;
+  for (int c = first_child_[at(b)]; c >= 0; c = next_sibling_[at(c)]) sum += tables_.subtree_mass[at(c)];
+  tables_.subtree_mass[at(b)] = sum;
 }
 
 void Tree::update_subtree_masses(int b) {
-  for (; b >= 0; b = parent_[at(b)]) update_subtree_mass(b);
+  for (; b >= 0; b = tables_.parent[at(b)]) update_subtree_mass(b);
 }
 
 }  // namespace momentree

@@ -56,8 +56,8 @@ std::vector<SingularJoint> singular_joints(const Tree& tree, std::span<const dou
     const SpatialMass<double> full = M;
     double c[2] = {1, 1}, s[2] = {0, 0};
     for (int i = 0; i < shape(tree.kind(b)).angles; ++i) {
-      const auto at = static_cast<std::size_t>(tree.first_angle(b) + i);
-      const double angle = coordinates[static_cast<std::size_t>(tree.angle_coordinates()[at])] + tree.angle_offsets()[at];
+      const auto at = static_cast<std::size_t>(tree.tables().offsets[static_cast<std::size_t>(b)].angle + i);
+      const double angle = coordinates[static_cast<std::size_t>(tree.tables().angle_q[at])] + tree.tables().angle_offset[at];
       const SineCosine both = sine_cosine(angle);
       c[i] = both.c, s[i] = both.s;
     }
@@ -69,7 +69,7 @@ std::vector<SingularJoint> singular_joints(const Tree& tree, std::span<const dou
       for (std::size_t i = 0; i < E.size(); ++i) {
         if ((tree.link(b).locked >> i & 1u) != 0) continue;  // frozen or driven
         const Force<double> e = M * E[i];
-        const double armature = tree.armature()[tree.first_p(b) + static_cast<int>(i)];
+        const double armature = tree.tables().armature[tree.first_p(b) + static_cast<int>(i)];
         const double moved = dot(E[i], e) + armature;
         const bool next_to_nothing = moved <= 1e-14 * bound(full, E[i]) && moved <= 1e-10 * mass_nearby(tree, carried, b, E[i]);
         if (!(moved > 0) || next_to_nothing) {

@@ -125,10 +125,9 @@ class [[nodiscard]] State::Edit {
     Writable(const Writable&) = delete;
     Writable& operator=(const Writable&) = delete;
     ~Writable() = default;
+    explicit Writable(std::span<double> all) : all_(all) {}
 
    private:
-    friend class State::Edit;
-    explicit Writable(std::span<double> all) : all_(all) {}
     std::span<double> all_;
   };
 

@@ -1,4 +1,4 @@
-#include <momentree/tree/tree.hpp>
+#include <momentree/tree/edit.hpp>
 
 #include <string>
 
@@ -23,19 +23,19 @@ TEST_CASE("bodies of one kind are one kernel run, with branching bodies and leav
   link(model, "f", d), link(model, "g", e), link(model, "h", ground);
   const Tree tree(model);
   // a b c | d | f e g | h, which is a plane mechanism
-  REQUIRE(tree.kernel_runs().size() == 4);
-  CHECK(tree.kernel_runs()[0].end == 3);
-  CHECK(tree.kernel_runs()[1].kind == Kind::ball);
-  CHECK(tree.kernel_runs()[2].end == 7);
-  CHECK_FALSE(tree.kernel_runs()[2].planar);
-  CHECK(tree.kernel_runs()[3].planar);
+  REQUIRE(tree.tables().runs.size() == 4);
+  CHECK(tree.tables().runs[0].end == 3);
+  CHECK(tree.tables().runs[1].kind == Kind::ball);
+  CHECK(tree.tables().runs[2].end == 7);
+  CHECK_FALSE(tree.tables().runs[2].planar);
+  CHECK(tree.tables().runs[3].planar);
   const std::string order = [&] {
     std::string names;
     for (const int body : tree.order()) names += model[{body}].name;
     return names;
   }();
   CHECK(order == "abcdfegh");
-  const auto flags_of = [&](char name) { return tree.node_flags()[order.find(name)] & ~(node::aligned | node::grounded); };
+  const auto flags_of = [&](char name) { return tree.tables().node_flags[order.find(name)] & ~(node::aligned | node::grounded); };
   CHECK(flags_of('a') == node::root);
   CHECK(flags_of('b') == node::first_child);
   CHECK(flags_of('c') == (node::first_child | node::branching));
@@ -61,7 +61,7 @@ TEST_CASE("equal links are stored once; a changed tree and its copies do not sha
     CHECK(&tree.joint(b) == &tree.joint(1));
   }
   Tree changed = tree;
-  changed.detach(10);
+  changed.edit().detach(10);
   CHECK(tree.joint(10).kind == Kind::revolute);
   CHECK(changed.joint(10).kind == Kind::free);
   CHECK(&changed.link(3) == &tree.link(3));
@@ -70,7 +70,7 @@ TEST_CASE("equal links are stored once; a changed tree and its copies do not sha
   copy = changed;
   CHECK(&copy.link(3) == &tree.link(3));
   CHECK(&copy.link(10) != &changed.link(10));
-  copy.detach(5);
+  copy.edit().detach(5);
   CHECK(changed.joint(5).kind == Kind::revolute);
   changed.restore(tree.topology());
   for (int b = 0; b < 20; ++b) CHECK(&changed.link(b) == &tree.link(b));
@@ -92,7 +92,7 @@ TEST_CASE("every body comes after its parent in the order, for bushy trees and a
       if (tree.parent(b) >= 0) CHECK(place[static_cast<std::size_t>(tree.parent(b))] < place[static_cast<std::size_t>(b)]);
     }
     int covered = 0;
-    for (const KernelRun& s : tree.kernel_runs()) {
+    for (const KernelRun& s : tree.tables().runs) {
       CHECK(s.begin == covered);
       covered = s.end;
     }
@@ -100,7 +100,7 @@ TEST_CASE("every body comes after its parent in the order, for bushy trees and a
   };
   check();
   for (int b : {13, 2, 44, 0, 59}) {
-    tree.detach(b);
+    tree.edit().detach(b);
     check();
   }
 }
@@ -116,9 +116,9 @@ TEST_CASE("chains of revolute joints are aligned: no link needs a rotation about
                       .at = Pose{{0.1 * k, 0.2, 0.3}, normalized(Quat{1, 0.1 * k, -0.2, 0.3})},
                       .joint = Revolute{.axis = {1, 0.1 * k, -0.5}}});
   const Tree tree(model);
-  CHECK(tree.kernel_runs().size() == 1);
+  CHECK(tree.tables().runs.size() == 1);
   for (int b = 1; b < 20; ++b) {  // the first body is on the ground, whose axes are given
-    CHECK((tree.node_flags()[static_cast<std::size_t>(b)] & node::aligned) != 0);
+    CHECK((tree.tables().node_flags[static_cast<std::size_t>(b)] & node::aligned) != 0);
     // A link has two lengths: along the parent's x, and along the joint's axis. The last one's frame is at its joint.
     CHECK(tree.link(b).shape == PlacementShape::screw);
   }
@@ -152,7 +152,7 @@ TEST_CASE("a welded body has the frame of the body that carries it, chosen for t
   CHECK(same(place(base), KernelFrame{}));
   CHECK(aligned(tree.link(elbow.index)));
   CHECK(tree.link(elbow.index).shape == PlacementShape::screw);
-  tree.detach(plate.index);  // removes the joint on which the frames depended
+  tree.edit().detach(plate.index);  // removes the joint on which the frames depended
   CHECK_FALSE(same(place(plate), place(bracket)));
   CHECK(same(place(bracket), place(hinge)));
 }
@@ -165,14 +165,14 @@ TEST_CASE("state: coordinates and momenta of a body are replaced without moving 
   for (std::size_t i = 0; i < state.q().size(); ++i) state.edit().q[i] = 10 + static_cast<double>(i);
   const double* storage = state.q().data();
   const double q[7] = {1, 2, 3, 4, 5, 6, 7}, p[6] = {1, 2, 3, 4, 5, 6};
-  tree.set_joint(1, floating_root_joint());
+  tree.edit().set_joint(1, floating_root_joint());
   state.replace(1, 4, q, 1, 3, p, tree);  // grows
   REQUIRE(state.q().size() == 9);
   CHECK(state.q()[0] == 10);
   CHECK(state.q()[7] == 7);
   CHECK(state.q()[8] == 15);
   CHECK(state.p().size() == 8);
-  tree.set_joint(1, Joint{});
+  tree.edit().set_joint(1, Joint{});
   state.replace(1, 7, {}, 1, 6, {}, tree);  // shrinks
   REQUIRE(state.q().size() == 2);
   CHECK(state.q()[0] == 10);

@@ -10,22 +10,20 @@ class UncheckedTree {
   UncheckedTree(const Tree& tree) : tree_(tree) {}  // NOLINT(google-explicit-constructor): the same tree
   operator const Tree&() const { return tree_; }    // NOLINT(google-explicit-constructor)
 
-  int parent(int b) const { return tree_.parent_[at(b)]; }
-  int first_q(int b) const { return tree_.offsets_[at(b)].q; }
-  int first_p(int b) const { return tree_.offsets_[at(b)].p; }
-  int first_angle(int b) const { return tree_.offsets_[at(b)].angle; }
-  std::size_t record(int b) const { return tree_.offsets_[at(b)].record; }
-  const LinkConstants& link(int b) const { return tree_.links_[at(b)]; }
-  double subtree_mass(int b) const { return tree_.subtree_mass_[at(b)]; }
-  const double* subtree_masses() const { return tree_.subtree_mass_.data(); }
-  Kind kind(int b) const { return tree_.class_[at(b)].kind; }
-  Variant variant(int b) const { return tree_.class_[at(b)].variant; }
+  int parent(int b) const { return tree_.tables().parent[at(b)]; }
+  int first_q(int b) const { return tree_.tables().offsets[at(b)].q; }
+  int first_p(int b) const { return tree_.tables().offsets[at(b)].p; }
+  int first_angle(int b) const { return tree_.tables().offsets[at(b)].angle; }
+  std::size_t record(int b) const { return tree_.tables().offsets[at(b)].record; }
+  const LinkConstants& link(int b) const { return tree_.tables().links[at(b)]; }
+  double subtree_mass(int b) const { return tree_.tables().subtree_mass[at(b)]; }
+  const double* subtree_masses() const { return tree_.tables().subtree_mass.data(); }
+  Kind kind(int b) const { return tree_.tables().classes[at(b)].kind; }
+  Variant variant(int b) const { return tree_.tables().classes[at(b)].variant; }
 
   std::span<const int> order() const { return tree_.order(); }
-  std::span<const KernelRun> kernel_runs() const { return tree_.kernel_runs(); }
-  std::span<const unsigned char> node_flags() const { return tree_.node_flags(); }
-  std::span<const int> loaded_bodies() const { return tree_.loaded_bodies(); }
-  const double* armature() const { return tree_.armature(); }
+  const TreeTables& tables() const { return tree_.tables(); }
+  const TreeLoads& loads() const { return tree_.loads(); }
   const Vec3& gravity() const { return tree_.gravity(); }
 
  private:

@@ -250,7 +250,7 @@ nb::object loop_rows(BatchObject& self, const Worlds& worlds, const std::string&
   widths(self, worlds);
   const std::optional<JointId> id = self.batch.find_joint(worlds.at(0), joint);
   if (!id || !is_loop(*id)) return nb::none();
-  const Loop* const loop = self.batch.tree(worlds[0]).find_loop(*id);
+  const Loop* const loop = self.batch.tree(worlds[0]).loops().find(*id);
   const KindInfo& kind = info(loop->joint.kind);
   NewArray q = new_array(worlds.size(), static_cast<std::size_t>(kind.nq)),
            v = new_array(worlds.size(), static_cast<std::size_t>(kind.nv));

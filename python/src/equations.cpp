@@ -43,7 +43,7 @@ nb::object solve_mass(const SimulationPtr& self, nb::handle r) {
   const World& world = self->simulation().world();
   const std::vector<double> given = numbers_of(r, nv_of(world), 0, "r");
   NewArray array = new_array(nv_of(world));
-  world.solve_mass(given.data(), array.data);
+  world.equations().solve_mass(given.data(), array.data);
   return std::move(array.object);
 }
 
@@ -63,7 +63,7 @@ nb::object inverse_dynamics(const SimulationPtr& self, nb::handle a) {
   const World& world = self->simulation().world();
   const std::vector<double> given = numbers_of(a, nv_of(world), 0, "a");
   NewArray array = new_array(nv_of(world));
-  world.inverse_dynamics(given.data(), array.data);
+  world.equations().inverse_dynamics(given.data(), array.data);
   return std::move(array.object);
 }
 
@@ -73,7 +73,7 @@ nb::object jacobian(const SimulationPtr& self, nb::handle body, nb::handle point
   const BodyId id = body_of(world, *self, body);
   const Vec3 where = point.is_none() ? Vec3{} : to_vec3(point, "point");
   NewArray matrix = new_array(6, nv_of(world));
-  world.point_jacobian(id, where, matrix.data);
+  world.equations().point_jacobian(id, where, matrix.data);
   return std::move(matrix.object);
 }
 
@@ -96,7 +96,7 @@ void register_equations(SimulationClass& simulation) {
       .def("accelerations", &accelerations,
            "Time derivatives of v (rad/s², m/s²), shape (nv,), packed by joint number, a copy. Equations (30) to (51) of the "
            "paper.")
-      .def("mass_matrix", matrix_of([](const World& world, double* out) { world.mass_matrix(out); }),
+      .def("mass_matrix", matrix_of([](const World& world, double* out) { world.equations().mass_matrix(out); }),
            "Joint-space mass matrix M(q), symmetric, armatures included, shape (nv, nv), a copy. The canonical momenta (19) are "
            "p = M v.\n\nIn kg m² for angles, kg for displacements and kg m between them. It costs O(n²); `evaluate` and "
            "`accelerations` do\nwithout it.")
@@ -106,14 +106,14 @@ void register_equations(SimulationClass& simulation) {
           "Degrees of freedom that are locked or have a prescribed motion get zero. O(n), without M.\n\n"
           "Args:\n    r: Momenta, or efforts (N m, N), shape (nv,).\n\n"
           "Raises:\n    Error: The shape is wrong, or a number is not finite.")
-      .def("inverse_mass_matrix", matrix_of([](const World& world, double* out) { world.inverse_mass_matrix(out); }),
+      .def("inverse_mass_matrix", matrix_of([](const World& world, double* out) { world.equations().inverse_mass_matrix(out); }),
            "Inverse of the joint-space mass matrix, symmetric, shape (nv, nv), a copy, in the inverse units of `mass_matrix`: "
            "1/(kg m²), 1/kg.\n\nRows and columns of degrees of freedom that are locked or have a prescribed motion are zero. "
            "O(n²).")
-      .def("bias", vector_of([](const World& world, double* out) { world.bias(out); }),
+      .def("bias", vector_of([](const World& world, double* out) { world.equations().bias(out); }),
            "Bias c(q, v) of the equations of motion M dv/dt + c = efforts (N m, N), shape (nv,), a copy.\n\n"
            "It contains gravity, Coriolis and centrifugal terms and forces on bodies, but no efforts of joints.")
-      .def("efforts", vector_of([](const World& world, double* out) { world.efforts(out); }),
+      .def("efforts", vector_of([](const World& world, double* out) { world.equations().efforts(out); }),
            "All efforts along the degrees of freedom (N m, N), shape (nv,), a copy: drives, springs, dampers, friction, Python "
            "functions, `effort`.")
       .def("inverse_dynamics", &inverse_dynamics, "a"_a,

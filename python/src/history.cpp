@@ -60,15 +60,15 @@ void undo(const SimulationPtr& self, std::ptrdiff_t number, bool again) {
 
 std::string state_json(const SimulationPtr& self) {
   const Use use(*self, Access::read);
-  return io::state_json(self->simulation().world(), self->armed(), self->simulation().step_memory());
+  return io::state_json(self->simulation().world(), self->armed(), step_memory(self->simulation()));
 }
 
 void restore_state(const SimulationPtr& self, const std::string& text, const std::string& name) {
   const Use use(*self, Access::change);
-  const io::RestoredState state = io::read_state(text, name, self->simulation().world().first_model());
+  const io::RestoredState state = io::read_state(text, name, first_model(self->simulation().world()));
   for (io::Diagnostic& warning : io::restore(self->simulation(), {state})) self->warn(std::move(warning));
   io::couple(self->simulation(), self->scenario().couplings);  // joints that had broken exist again
-  self->simulation().resume({}, state.memory);
+  resume(self->simulation(), {}, state.memory);
 }
 
 using Status_ = std::tuple<double, int, bool, double, bool, double, double, double, double>;
@@ -85,7 +85,7 @@ std::vector<Status_> armed(const SimulationPtr& self) {
 void resume(const SimulationPtr& self, const std::string& text, const std::vector<Status_>& armed, nb::handle q) {
   const std::vector<double> coordinates = numbers_of(q, "q");
   const Use use(*self, Access::change);
-  io::RestoredState state = io::read_state(text, "pickle", self->simulation().world().first_model());
+  io::RestoredState state = io::read_state(text, "pickle", first_model(self->simulation().world()));
   static_cast<void>(io::restore(self->simulation(), {state}));
   std::vector<EventStatus> all;
   for (const auto& [time, fired, done, since, resting, excess, excess_before, looked, looked_before] : armed)
@@ -104,7 +104,7 @@ void resume(const SimulationPtr& self, const std::string& text, const std::vecto
     }
     static_cast<void>(io::restore(sim, {state}));
   }
-  sim.resume(all, state.memory);
+  resume(sim, all, state.memory);
   self->count_before(state.armed);
 }
 

@@ -225,7 +225,7 @@ void register_simulation(nb::module_& m) {
                      const World& world = self->simulation().world();
                      int there = 0;
                      for (int b = 0; b < world.model().size(); ++b) there += world.alive({b}) ? 1 : 0;
-                     return there != world.model().size() || there != world.first_bodies();
+                     return there != world.model().size() || there != world.start().bodies;
                    })
       .def("set_state", &set_state, nb::kw_only(), "q"_a = nb::none(), "v"_a = nb::none(), "p"_a = nb::none(),
            "time"_a = nb::none(),

@@ -104,8 +104,8 @@ bool is_driven(const World& world, const std::string& joint) {
   const Tree& tree = world.tree();
   const int number = world.find_joint(joint);
   if (number < 0) return false;
-  const int place = is_loop({number}) ? tree.loop_place({number}) : tree.carrier(number);
-  return place >= 0 && (is_loop({number}) ? tree.loop_function(place) : tree.function(place)) != nullptr;
+  const int place = is_loop({number}) ? tree.loops().place({number}) : tree.carrier(number);
+  return place >= 0 && (is_loop({number}) ? tree.function(tree.loops()[place].joint) : tree.function(place)) != nullptr;
 }
 
 }  // namespace
@@ -263,7 +263,7 @@ void SimulationObject::set_efforts(const std::vector<double>& packed) {
 bool SimulationObject::has_functions() {
   const World& world = simulation().world();
   const Tree& tree = world.tree();
-  if (!tree.body_functions().empty()) return true;
+  if (!tree.loads().functions.empty()) return true;
   return std::any_of(inputs_.begin(), inputs_.end(),
                      [&](const auto& each) { return each.second->function.is_valid() && is_driven(world, each.first); });
 }
@@ -295,14 +295,14 @@ SimulationObject* SimulationObject::current() { return in_use; }
 Use::Use(SimulationObject& object, Access access) : object_(object), access_(access) {
   const std::thread::id me = std::this_thread::get_id();
   std::thread::id user;
-  outermost_ = object.user_.compare_exchange_strong(user, me, std::memory_order_acquire);
+  outermost_ = object.user.compare_exchange_strong(user, me, std::memory_order_acquire);
   if (outermost_) {
     before_ = std::exchange(in_use, &object);
     try {
       object.push();
     } catch (...) {
       in_use = before_;
-      object.user_.store({}, std::memory_order_release);
+      object.user.store({}, std::memory_order_release);
       throw;
     }
     return;
@@ -339,7 +339,7 @@ Use::~Use() {
     }
   }
   in_use = before_;
-  object_.user_.store({}, std::memory_order_release);
+  object_.user.store({}, std::memory_order_release);
 }
 
 }  // namespace momentree::python

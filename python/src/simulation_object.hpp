@@ -106,8 +106,10 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   nb::object progress;
   Inside inside = Inside::nothing;
 
+  /// The thread that is using it: see Use.
+  std::atomic<std::thread::id> user{};
+
  private:
-  friend class Use;
   void watch();
   bool look_around(double time);
   void install(int joint, const std::shared_ptr<JointInput>& input);
@@ -124,7 +126,6 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   std::exception_ptr pending_;
   std::chrono::steady_clock::time_point looked_{};
   unsigned steps_since_look_ = 0;
-  std::atomic<std::thread::id> user_{};
 };
 
 /// One operation on a simulation. Throws Error if another thread is using it, or if the operation is not allowed inside the

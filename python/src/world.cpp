@@ -64,7 +64,7 @@ void check_body_exists(const World& world, const BodyObject& body) {
 }
 
 bool is_present_loop(const World& world, const JointObject& joint) {
-  return world.tree().find_loop(joint.id) != nullptr && world.joint_name(joint.id) == joint.body;
+  return world.tree().loops().find(joint.id) != nullptr && world.joint_name(joint.id) == joint.body;
 }
 
 // The joint of a handle at present: a loop joint that took the place of a broken joint has another number.
@@ -403,7 +403,7 @@ void register_world(nb::module_& m) {
             nb::list all;
             for (int c = 0; c < world->couplings(); ++c) {
               const CouplingView view = world->coupling({c});
-              const auto [joint, follows] = world->coupling_names({c});
+              const auto [joint, follows] = coupling_names(*world, {c});
               all.append(python_class("_records", "Coupling")(joint,
                                                               follows.empty() ? nb::none() : nb::object(nb::str(follows.c_str())),
                                                               view.ended, view.effort, view.determined));

@@ -189,7 +189,7 @@ bool is_constant(const Model& model) {
 void InstantLaws::look(const Simulation& simulation) {
   const World& world = simulation.world();
   char text[40];
-  const bool steps = simulation.integration().method == "stepping" || simulation.step_memory().stepping.on;
+  const bool steps = simulation.integration().method == "stepping" || step_memory(simulation).stepping.on;
   std::snprintf(text, sizeof text, "at %.9g s%s", world.time(), steps ? " (stepped)" : "");
   at_ = text;
   ++found_.counts["instants"];
@@ -321,7 +321,7 @@ void InstantLaws::require_joints(const World& world, bool stepped) {
     const auto follows = view.coupling.leads() ? world.single_dof(view.coupling.follows) : joint;
     if (!joint || !follows) continue;
     found_.within(std::fabs(joint->first - view.coupling.value(follows->first)), 1e-8 * (1 + view.coupling.size(follows->first)),
-                  "couplings hold", world.coupling_names({c}).first + " " + at_);
+                  "couplings hold", coupling_names(world, {c}).first + " " + at_);
   }
 }
 
@@ -392,7 +392,7 @@ void InstantLaws::follow(const Simulation& simulation) {
     last_.clear();
   if (last_.size() == 3) last_.erase(last_.begin());
   const auto& motions = world.motions();
-  const bool stepped = simulation.integration().method == "stepping" || simulation.step_memory().stepping.on;
+  const bool stepped = simulation.integration().method == "stepping" || step_memory(simulation).stepping.on;
   last_.push_back({world.time(), stepped, {motions.begin(), motions.end()}, world.accelerations()});
   if (last_.size() < 3) return;
   char text[40];

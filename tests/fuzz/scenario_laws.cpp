@@ -360,7 +360,7 @@ void Checker::check_documents() {
   try {
     io::Session session(scenario_, cli::documents_of(file, scenario_.model));
     static_cast<void>(session.schedule());  // warnings about events that are already past
-    const StepMemory memory = session.simulation().step_memory();
+    const StepMemory memory = step_memory(session.simulation());
     require_same_document(whole_.state, io::state_json(session.simulation().world(), session.armed(), memory),
                           "a document read and written again", found_);
   } catch (const Error& error) {

@@ -153,7 +153,7 @@ Trace traced_run(const io::Scenario& scenario, const RunPlan& plan) {
   describe(simulation.world(), trace.joints_after, trace.mechanisms_after);
   trace.certificates = simulation.events();
   for (const Event& event : trace.certificates) trace.events.push_back(event_text(event));
-  trace.state = io::state_json(simulation.world(), session->armed(), simulation.step_memory());
+  trace.state = io::state_json(simulation.world(), session->armed(), step_memory(simulation));
   trace.counts = counts_of(simulation);
   trace.energy = simulation.energy();
   trace.time = simulation.time();

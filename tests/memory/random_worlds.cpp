@@ -130,18 +130,18 @@ Changed random_world(std::uint64_t seed) {
 }
 
 void Seen::note(const Tree& tree) {
-  for (const KernelRun& s : tree.kernel_runs()) {
+  for (const KernelRun& s : tree.tables().runs) {
     kernels[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
     planar += s.planar;
   }
   for (std::size_t i = 0; i < tree.order().size(); ++i) {
     const int b = tree.order()[i];
-    branching += (tree.node_flags()[i] & node::branching) != 0;
+    branching += (tree.tables().node_flags[i] & node::branching) != 0;
     reversed += tree.reversed(b);
     locked += tree.link(b).locked != 0 && tree.link(b).driven == 0;
   }
-  driven += static_cast<int>(tree.driven_joints().size());
-  loaded += tree.loaded_bodies().empty() ? 0 : 1;
+  driven += static_cast<int>(tree.joints_with().motions.size());
+  loaded += tree.loads().bodies.empty() ? 0 : 1;
   weightless += tree.gravity() == Vec3{};
 }
 

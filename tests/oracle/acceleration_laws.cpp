@@ -150,7 +150,7 @@ double work_of_reactions(const Tree& tree, const State& state, Workspace<double>
         if (summands > 0) worst = std::max(worst, along / summands);
         continue;
       }
-      const Real rotor = tree.armature()[k] * udot;
+      const Real rotor = tree.tables().armature[k] * udot;
       const Real summands = length(e, 0) * (length(real(W.l)) + carried) + length(e, 3) * (length(real(W.h)) + carried) +
                             std::fabs(force[i]) + std::fabs(rotor);
       if (summands == 0) continue;

@@ -87,7 +87,7 @@ TEST_CASE("after any changes every body's equations of motion hold, and a joint 
       CHECK(off < 1e-10);
       CHECK(loose < 1e-12);
       residual = std::max(residual, off), work = std::max(work, loose);
-      for (int k = 0; k < m.size(); ++k) reversed += m.tree.reversed(k), made += m.tree.detached(k);
+      for (int k = 0; k < m.size(); ++k) reversed += m.tree.reversed(k), made += is_detached(m.tree, k);
     }
   }
   MESSAGE("largest residual of Newton and Euler ", residual, ", of E^T Tr ", work, "; ", reversed, " reversed joints, ", made,

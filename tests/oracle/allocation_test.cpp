@@ -131,9 +131,9 @@ TEST_CASE("no change allocates, in the original or in a copy") {
     forward_dynamics(tree, state, workspace);
     switch (draw.integer(0, 6)) {
       case 6: {
-        const int spring = draw.integer(0, tree.spring_count() - 1);
-        if (k % 20 == 0 && tree.spring_acts(spring)) apply(BreakSpring{{spring}}, tree, state, workspace), ++changes;
-        if (tree.spring_acts(spring)) apply(SetSpring{{spring}, {.stiffness = 3, .rest = 1}}, tree, state, workspace), ++changes;
+        const int spring = draw.integer(0, tree.springs().count() - 1);
+        if (k % 20 == 0 && spring_acts(tree, spring)) apply(BreakSpring{{spring}}, tree, state, workspace), ++changes;
+        if (spring_acts(tree, spring)) apply(SetSpring{{spring}, {.stiffness = 3, .rest = 1}}, tree, state, workspace), ++changes;
         break;
       }
       case 0:

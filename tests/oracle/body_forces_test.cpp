@@ -161,7 +161,7 @@ TEST_CASE("through breaks, locks, joins, changes and re-rooting forces stay with
       CHECK(work_of_reactions(m.tree, m.state, m.workspace) < 1e-12);
       residual = std::max(residual, off);
       for (int k = 0; k < m.size(); ++k) reversed += m.tree.reversed(k);
-      loaded += static_cast<int>(m.tree.loaded_bodies().size());
+      loaded += static_cast<int>(m.tree.loads().bodies.size());
     }
   }
   MESSAGE("largest residual of Newton and Euler ", residual, "; ", reversed, " reversed joints, ", loaded, " loaded bodies");

@@ -94,7 +94,7 @@ TEST_CASE("re-rooting and its reversal change no pose, velocity or acceleration 
       Column W = Column::Zero(6 * at.size());
       for (int k = 0; k < at.size(); ++k) {
         const Force<double> f = as_force(reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({k})));
-        if (!at.tree.detached(k) && at.tree.parent(k) >= 0)
+        if (!is_detached(at.tree, k) && at.tree.parent(k) >= 0)
           W.segment(6 * at.tree.joint_of(k), 6) << f.l.x, f.l.y, f.l.z, f.h.x, f.h.y, f.h.z;
       }
       return W;

@@ -100,8 +100,8 @@ TEST_CASE("couplings: accelerations and efforts obey the equations of motion in 
     CHECK(world.loop_status().rank == n - N.cols());
     redundant += world.loop_status().rank < J.rows() ? 1 : 0;
     Vector c(n), tau(n), a = as_vector(world.a());
-    world.bias(c.data());
-    world.efforts(tau.data());
+    world.equations().bias(c.data());
+    world.equations().efforts(tau.data());
     const double fast = 1 + a.cwiseAbs().maxCoeff() + speed * speed;
     int row = 0;
     Vector lambda = Vector::Zero(Jc.rows());
@@ -220,8 +220,8 @@ TEST_CASE("couplings: locking a joint is a plastic impact, and locks what is cou
     CHECK((Jn * u).cwiseAbs().maxCoeff() < 1e-9 * (1 + u.cwiseAbs().maxCoeff()));
     CHECK(world.loop_status().residual < 1e-9);
     Vector c(world.tree().nv()), tau(world.tree().nv()), lambda(Jc.rows());
-    world.bias(c.data());
-    world.efforts(tau.data());
+    world.equations().bias(c.data());
+    world.equations().efforts(tau.data());
     int row = 0;
     for (int k = 0; k < world.couplings(); ++k)
       if (const CouplingView view = world.coupling({k}); !view.ended) lambda(row++) = view.effort;

@@ -51,7 +51,7 @@ void check_motions(const System& at_rest, Machine& m) {
   std::vector<Real> p(m.state.p().begin(), m.state.p().end());
   std::vector<char> driven(static_cast<std::size_t>(nv), 0);
   std::vector<Real> expected_rates(static_cast<std::size_t>(nv), 0);
-  for (const int b : m.tree.driven_joints()) {
+  for (const int b : m.tree.joints_with().motions) {
     const int i = m.tree.first_p(b);
     const oracle::Curve s = signal_at(m.tree.parameters(b)->drive->motion[0].signal(), system.time);
     driven[static_cast<std::size_t>(i)] = 1;
@@ -168,7 +168,7 @@ TEST_CASE(
       for (int k = 0; k < m.size(); ++k) {
         if (m.tree.link(k).driven == 0) continue;
         ++driven, reversed += m.tree.reversed(k);
-        const double rate = m.tree.motion(k).at(m.state.time()).rate;
+        const double rate = prescribed_motion(m.tree, k).at(m.state.time()).rate;
         CHECK(m.workspace.v[static_cast<std::size_t>(m.tree.first_p(k))] == rate);
       }
     }

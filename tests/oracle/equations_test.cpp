@@ -7,6 +7,7 @@
 
 #include <momentree/dynamics/equations.hpp>
 #include <momentree/simulate/simulation.hpp>
+#include <momentree/tree/edit.hpp>
 #include <tests/oracle/kinematics.hpp>
 #include <tests/oracle/machine.hpp>
 #include <tests/oracle/rearrange.hpp>
@@ -50,7 +51,7 @@ void each_dof(const Tree& tree, F&& f) {
 }
 bool locked(const Tree& tree, int b, int i) { return (tree.joint(b).locked >> i & 1u) != 0; }
 bool driven(const Tree& tree, int b) {
-  return std::find(tree.driven_joints().begin(), tree.driven_joints().end(), b) != tree.driven_joints().end();
+  return std::find(tree.joints_with().motions.begin(), tree.joints_with().motions.end(), b) != tree.joints_with().motions.end();
 }
 
 // Forces on some bodies and prescribed motions of some joints, at another time.
@@ -183,7 +184,7 @@ TEST_CASE("M v are the momenta and M a + c the efforts in any topology; locked D
       else if (momenta > 0)
         momentum_error = std::max(momentum_error, std::fabs(Mv[k] - m.state.p()[static_cast<std::size_t>(k)]) / momenta);
     });
-    loaded += !m.tree.loaded_bodies().empty();
+    loaded += !m.tree.loads().bodies.empty();
     CHECK(e.M.ldlt().isPositive());
     Vector a = some(random, n), effort = Vector::Constant(n, NAN);
     inverse_dynamics(m.tree, m.state, m.workspace, a.data(), effort.data());
@@ -239,7 +240,7 @@ TEST_CASE("M^-1 in any topology: of further right-hand sides, and as a matrix") 
       });
     });
     // Velocities of the momenta, where no motion is prescribed.
-    if (m.tree.driven_joints().empty()) {
+    if (m.tree.joints_with().motions.empty()) {
       const Vector p = Eigen::Map<const Vector>(m.state.p().data(), n);
       solve_mass(m.tree, m.state, m.workspace, p.data(), u.data());
       momentum_error = std::max(momentum_error, largest(u - e.v) / std::max(1.0, largest(e.v)));
@@ -298,9 +299,9 @@ TEST_CASE("columns of M are the momenta of single velocities, and of J the motio
     const std::vector<double> pdot(m.workspace.pdot.get(), m.workspace.pdot.get() + n);
     const Vec3 force = random.vector(100), torque = random.vector(30);
     const Vec3 arm = rotation_matrix(motion.pose.rotation) * point;
-    m.tree.set_body_function(body.index, std::make_shared<const BodyFunction>([&](const EvaluationContext&) {
-                               return Wrench{force, torque + cross(arm, force)};
-                             }));
+    m.tree.edit().set_body_function(body.index, std::make_shared<const BodyFunction>([&](const EvaluationContext&) {
+                                      return Wrench{force, torque + cross(arm, force)};
+                                    }));
     m.state.replace(0, 0, {}, 0, 0, {}, m.tree);
     const Equations pushed = equations(m);
     const Vector generalised = J.transpose() * Vector{{force.x, force.y, force.z, torque.x, torque.y, torque.z}};
@@ -334,11 +335,11 @@ TEST_CASE("the functions leave the results of an evaluation valid, and a World h
   Matrix M(n, n), J(6, n), other(6, n);
   Vector c(n), tau(n), effort(n);
   for (int k = 0; k < 2; ++k) {
-    world.mass_matrix(M.data());
-    world.bias(c.data());
-    world.efforts(tau.data());
-    world.inverse_dynamics(e.a.data(), effort.data());
-    world.point_jacobian({7}, {1, 2, 3}, J.data());
+    world.equations().mass_matrix(M.data());
+    world.equations().bias(c.data());
+    world.equations().efforts(tau.data());
+    world.equations().inverse_dynamics(e.a.data(), effort.data());
+    world.equations().point_jacobian({7}, {1, 2, 3}, J.data());
   }
   CHECK(M == e.M);
   CHECK(c == e.c);

@@ -211,11 +211,11 @@ TEST_CASE("loops: expressions are what the kernels compute, on random mechanisms
     if (!tree.has_loops() || tree.nv() == 0 || !stages_take_loop_rates(tree, Variables::velocities)) continue;
     if (const Matrix J = rows_of(closed.world); J.rows() > 0 && nearly_singular(J)) continue;
     ++tried;
-    couplings += tree.loop_links().size() > tree.loops().size() ? 1 : 0;
-    motions += tree.loop_motions() > 0 ? 1 : 0;
-    driven += tree.driven_joints().empty() ? 0 : 1;
-    armatures += tree.loop_armatures() > 0 ? 1 : 0;
-    redundant += std::ssize(closed.rows()) < tree.loop_rows() ? 1 : 0;
+    couplings += tree.loops().links.size() > tree.loops().size() ? 1 : 0;
+    motions += tree.loops().motions > 0 ? 1 : 0;
+    driven += tree.joints_with().motions.empty() ? 0 : 1;
+    armatures += tree.loops().armatures > 0 ? 1 : 0;
+    redundant += std::ssize(closed.rows()) < tree.loops().rows ? 1 : 0;
     const double weakest = closed.weakest_pivot();
     const std::vector<int> rows(closed.rows().begin(), closed.rows().end());
     const KernelExpressions kernel = loop_expressions(tree, rows, LoopCode::stages);
@@ -307,7 +307,7 @@ Model coupled() {
   for (std::uint64_t seed = 1;; seed += 3) try {
       Model model = any_mechanism(seed);
       const World world(model, Variables::velocities);
-      if (model.couplings().empty() || model.loops().empty() || !world.tree().driven_joints().empty()) continue;
+      if (model.couplings().empty() || model.loops().empty() || !world.tree().joints_with().motions.empty()) continue;
       if (loop_obstacles(world.tree(), false).empty() && world.loop_status().rank < world.tree().nv()) return model;
     } catch (const Error&) {  // it cannot be closed
     }

@@ -140,7 +140,7 @@ TEST_CASE("expressions are what the kernels compute, on trees of all kinds and v
     Workspace<double> workspace(tree);
     State state = start_state(random.model, tree);
     if (seed % 2 == 1) rearrange(draw, tree, state, workspace);
-    for (const KernelRun& s : tree.kernel_runs()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
+    for (const KernelRun& s : tree.tables().runs) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
     const KernelExpressions expressions = kernel_expressions(tree);
     CHECK(expressions.operations().total() <= count_operations(tree).total());
     CHECK(expressions.operations().sincos <= count_operations(tree).sincos);
@@ -180,7 +180,7 @@ TEST_CASE("velocities: expressions are what the kernels compute, on trees of all
     Workspace<double> workspace(tree);
     State state = start_state(random.model, tree);
     if (seed % 2 == 1) rearrange(draw, tree, state, workspace);
-    for (const KernelRun& s : tree.kernel_runs()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
+    for (const KernelRun& s : tree.tables().runs) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
     const KernelExpressions expressions = velocity_expressions(tree);
     const auto code = MachineKernel::make(expressions);
     Rates rates(tree);
@@ -258,7 +258,7 @@ TEST_CASE("compiled source gives the engine's rates, at many states") {
     double worst = 0;
     for (int i = 0; i < 300; ++i) {
       const double far = i % 10 == 0 ? 4e6 : 1;  // also beyond sincos_range
-      const std::vector<double> q = moved(random, state.q(), tree.quaternion_joints().empty() ? far : 0.3);
+      const std::vector<double> q = moved(random, state.q(), tree.joints_with().quaternions.empty() ? far : 0.3);
       const std::vector<double> p = moved(random, state.p(), 0.5 * largest(state.p().data(), state.p().size()));
       evaluate_rates(tree, q.data(), p.data(), workspace);
       rates(q.data(), p.data(), found.v.data(), found.qdot.data(), found.pdot.data());
@@ -273,7 +273,7 @@ TEST_CASE("compiled source gives the engine's rates, at many states") {
     double worst_u = 0;
     for (int i = 0; i < 300; ++i) {
       const double far = i % 10 == 0 ? 4e6 : 1;
-      const std::vector<double> q = moved(random, state.q(), tree.quaternion_joints().empty() ? far : 0.3);
+      const std::vector<double> q = moved(random, state.q(), tree.joints_with().quaternions.empty() ? far : 0.3);
       const auto [u, tau] = any_motion(tree, random);
       accelerate_by_kernels<false>(tree, q, u, tau, workspace);
       accelerations(q.data(), u.data(), tau.data(), found.qdot.data(), found.udot.data());

@@ -145,7 +145,7 @@ TEST_CASE("a lane gives the scalar's rates, on trees of all kinds and variants")
           Workspace<double> workspace(tree);
           State state = start_state(random.model, tree);
           if (seed % 2 == 1) rearrange(draw, tree, state, workspace);
-          for (const KernelRun& s : tree.kernel_runs()) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
+          for (const KernelRun& s : tree.tables().runs) seen[static_cast<int>(s.kind)][static_cast<int>(s.variant)] = true;
           const auto stepper = batch::make_stepper(isa, precision, tree, variables);
           const Worst worst = variables == Variables::momenta ? compare(tree, state, draw, *stepper, epsilon)
                                                               : compare_velocities(tree, state, draw, *stepper, epsilon);
@@ -211,7 +211,7 @@ TEST_CASE("steps in velocities: as a world alone, and as steps in momenta, on me
     const Tree tree(model);
     if (batch::unsupported(tree)) continue;
     ++batches;
-    for (const KernelRun& run : tree.kernel_runs()) planes += run.planar ? 1 : 0;
+    for (const KernelRun& run : tree.tables().runs) planes += run.planar ? 1 : 0;
     const auto nq = static_cast<std::size_t>(tree.nq()), nv = static_cast<std::size_t>(tree.nv());
     Prng random(seed + 77);
     std::vector<double> v(Both::worlds * nv);

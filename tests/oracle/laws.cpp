@@ -39,7 +39,7 @@ void measure_projection(const System& system, const std::vector<double>& q, cons
       const auto& e = columns[i];
       const V3<Real> w{{e[3], e[4], e[5]}}, v = V3<Real>{{e[0], e[1], e[2]}} + cross(w, at.position);
       const int k = tree.first_p(b) + static_cast<int>(i);
-      const Real rotor = static_cast<Real>(tree.armature()[k]) * workspace.v[static_cast<std::size_t>(k)];
+      const Real rotor = static_cast<Real>(tree.tables().armature[k]) * workspace.v[static_cast<std::size_t>(k)];
       const Real p = state.p()[static_cast<std::size_t>(k)];
       const Real left = length(v) * length(l) + length(w) * length(h) + std::fabs(rotor) + std::fabs(p);
       Real summands = left;

@@ -24,7 +24,7 @@ Vector derivative(const F& f, double h) {
 inline double amplification(const World& world, const Vector& p) {
   const int n = world.tree().nv();
   Matrix inverse(n, n);
-  world.inverse_mass_matrix(inverse.data());
+  world.equations().inverse_mass_matrix(inverse.data());
   return largest(inverse.cwiseAbs() * p.cwiseAbs());
 }
 

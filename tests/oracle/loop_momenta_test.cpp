@@ -32,7 +32,7 @@ TEST_CASE("loops in momenta: rates of 2000 random mechanisms, for any representa
     const Tree& tree = momenta.tree();
     const int n = tree.nv(), nq = tree.nq();
     REQUIRE(momenta.state().variables() == Variables::momenta);
-    driven += tree.driven_joints().empty() ? 0 : 1;
+    driven += tree.joints_with().motions.empty() ? 0 : 1;
     const Vector u = as_vector(velocities.v()), a = as_vector(velocities.a()), p = as_vector(momenta.p());
     const double speed = 1 + largest(u), noise = 1e-15 * amplification(velocities, p);
     // Rounding of the momenta alone moves light parts by more than is asked for here, or rows are nearly dependent.
@@ -60,12 +60,12 @@ TEST_CASE("loops in momenta: rates of 2000 random mechanisms, for any representa
     Prng random(seed + 77);
     evaluate_state_with_loops(tree, momenta.state(), workspace);
     const Power power = workspace.power;
-    std::vector<double> impulses(static_cast<std::size_t>(tree.loop_rows()));
+    std::vector<double> impulses(static_cast<std::size_t>(tree.loops().rows));
     for (double& x : impulses) x = random.uniform(-1, 1) * largest(p);
     const double* const q = momenta.state().q().data();
     detail::sum_loop_momenta(tree, q, workspace, impulses.data());
     std::vector<double> other(momenta.p().begin(), momenta.p().end());
-    const auto stops = tree.loop_stops();
+    const std::span<const LoopStop> stops = tree.loops().stops;
     for (std::size_t s = 0; s < stops.size(); ++s) {
       const int b = stops[s].body;
       if (s == 0 || stops[s - 1].body != b)

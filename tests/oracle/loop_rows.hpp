@@ -31,7 +31,7 @@ inline Matrix rows_of(const World& world, JointId loop) {
     Matrix J = Matrix::Zero(6, n);
     if (body == ground) return J;
     const Pose pose = world.motions()[static_cast<std::size_t>(body.index)].pose;
-    world.point_jacobian(body, inverse(pose) * child.position, J.data());
+    world.equations().point_jacobian(body, inverse(pose) * child.position, J.data());
     return J;
   };
   const Matrix relative = jacobian(joint.child) - jacobian(joint.parent);
@@ -82,7 +82,7 @@ inline Vector as_vector(Numbers numbers) { return Eigen::Map<const Vector>(numbe
 
 inline Matrix mass_of(const World& world) {
   Matrix M(world.tree().nv(), world.tree().nv());
-  world.mass_matrix(M.data());
+  world.equations().mass_matrix(M.data());
   return M;
 }
 

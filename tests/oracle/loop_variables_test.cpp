@@ -96,7 +96,7 @@ TEST_CASE("momenta with armatures, motions and couplings: rates of 1500 random m
       continue;
     }
     ++compared;
-    moved += tree.loop_motions(), soft += tree.loop_armatures(), coupled += static_cast<int>(model.couplings().size());
+    moved += tree.loops().motions, soft += tree.loops().armatures, coupled += static_cast<int>(model.couplings().size());
     worst = std::max(worst, largest(as_vector(momenta.v()) - u) / speed);
     CHECK(largest(as_vector(momenta.v()) - u) < 1e-9 * speed);
     const double steep = options.drives ? 100 : 1;  // friction of drives changes fast with velocity
@@ -137,7 +137,7 @@ TEST_CASE("momenta with armatures, motions and couplings: rates of 1500 random m
     // Impulses σ of any size since the start of the step; then du/dt along q̇ and ṗ* must be u̇.
     Prng random(seed + 77);
     const Power power = workspace.power;
-    std::vector<double> impulses(static_cast<std::size_t>(tree.loop_rows()));
+    std::vector<double> impulses(static_cast<std::size_t>(tree.loops().rows));
     for (std::size_t i = 0; i < impulses.size(); ++i) {
       const bool kept = std::binary_search(loops.kept.rows.begin(), loops.kept.rows.end(), static_cast<int>(i));
       impulses[i] = kept || !(loops.rows[i].softness > 0) ? random.uniform(-1, 1) * largest(p) : 0.0;
@@ -146,7 +146,7 @@ TEST_CASE("momenta with armatures, motions and couplings: rates of 1500 random m
     detail::sum_loop_momenta(tree, q, workspace, impulses.data());
     std::vector<double> other(momenta.p().begin(), momenta.p().end()), coupling(other.size());
     add_coupling_efforts(tree, workspace, impulses.data(), coupling.data());
-    const auto stops = tree.loop_stops();
+    const std::span<const LoopStop> stops = tree.loops().stops;
     for (std::size_t s = 0; s < stops.size(); ++s) {
       const int b = stops[s].body;
       if (s == 0 || stops[s - 1].body != b)
@@ -169,7 +169,7 @@ TEST_CASE("momenta with armatures, motions and couplings: rates of 1500 random m
     const auto velocity = [&](double t) -> Vector {
       const Vector at = q0 + t * along;
       Vector now = p0 + t * rate;
-      for (const int b : tree.driven_joints()) now(tree.first_p(b)) = tree.motion(b).at(t0 + t).rate;
+      for (const int b : tree.joints_with().motions) now(tree.first_p(b)) = prescribed_motion(tree, b).at(t0 + t).rate;
       evaluate_with_loops(tree, t0 + t, at.data(), now.data(), workspace, LoopRows::kept, false);
       return as_vector(workspace.v.get(), n);
     };

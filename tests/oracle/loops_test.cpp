@@ -35,8 +35,8 @@ TEST_CASE("loops: accelerations obey the equations of motion with random loops o
     if (N.cols() == 0) continue;
     ++moving;
     Vector c(n), tau(n), a = as_vector(world.a());
-    world.bias(c.data());
-    world.efforts(tau.data());
+    world.equations().bias(c.data());
+    world.equations().efforts(tau.data());
     // D'Alembert: what is left does no work on motions that the loops allow; on the present one, it has the power of the forces
     // in the loop joints.
     bool forces = false;

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/topology/snapshot.hpp>
+#include <momentree/tree/edit.hpp>
 #include <tests/oracle/machine.hpp>
 
 using namespace momentree;
@@ -18,7 +19,7 @@ void advance(Machine& m) {
   edit.time += 1e-3;
   for (std::size_t i = 0; i < edit.q.size(); ++i) edit.q[i] += 1e-3 * m.workspace.qdot[i];
   for (std::size_t i = 0; i < edit.p.size(); ++i) edit.p[i] += 1e-3 * m.workspace.pdot[i];
-  for (int b : m.tree.quaternion_joints()) {
+  for (int b : m.tree.joints_with().quaternions) {
     const KindInfo& kind = info(m.tree.joint(b).kind);
     double* w = edit.q.data() + m.tree.first_q(b) + kind.nq - 4;
     const double n = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3]);
@@ -122,7 +123,7 @@ TEST_CASE("restoring the start gives the compiled world, without changes") {
     CHECK(Found(m) == begin);
     CHECK(m.tree.topology().changed.empty());
     CHECK(m.size() == static_cast<int>(start.topology.places.size()));
-    m.tree.restore(there);
+    m.tree.edit().restore(there);
     CHECK(m.tree.topology().changed.size() == there.changed.size());
     CHECK(m.tree.topology().own.size() == there.own.size());
   }

@@ -73,8 +73,8 @@ Now now(const Spring& s, const std::vector<Evaluation::Motion>& motions) {
 
 std::vector<Load> loads_of(const Model& model, const Tree& tree, const std::vector<Evaluation::Motion>& motions) {
   std::vector<Load> loads(static_cast<std::size_t>(model.size()));
-  for (int i = 0; i < tree.spring_count(); ++i) {
-    if (!tree.spring_acts(i)) continue;
+  for (int i = 0; i < tree.springs().count(); ++i) {
+    if (!spring_acts(tree, i)) continue;
     const Spring& s = model.springs()[static_cast<std::size_t>(i)];
     const Now spring = now(s, motions);
     for (const auto& [end, sign] : {std::pair{s.from, 1}, {s.to, -1}}) {
@@ -212,8 +212,8 @@ TEST_CASE("through breaks of joints and springs, locks, joins, changes and re-ro
       CAPTURE(action);
       const int bodies = m.tree.bodies();
       m.evaluate();
-      const int spring = m.tree.spring_count() > 0 ? random.integer(0, m.tree.spring_count() - 1) : -1;
-      if (random.chance(0.25) && spring >= 0 && m.tree.spring_acts(spring)) {
+      const int spring = m.tree.springs().count() > 0 ? random.integer(0, m.tree.springs().count() - 1) : -1;
+      if (random.chance(0.25) && spring >= 0 && spring_acts(m.tree, spring)) {
         const Totals before = totals(m.tree, m.state, m.workspace);
         const std::vector<double> y(m.state.y().begin(), m.state.y().end());
         const Released released = apply(BreakSpring{{spring}}, m.tree, m.state, m.workspace);
@@ -252,7 +252,7 @@ TEST_CASE("through breaks of joints and springs, locks, joins, changes and re-ro
       CHECK(work_of_reactions(m.tree, m.state, m.workspace) < 1e-12);
       residual = std::max(residual, off);
       for (int k = 0; k < m.size(); ++k) reversed += m.tree.reversed(k);
-      loaded += static_cast<int>(m.tree.loaded_bodies().size());
+      loaded += static_cast<int>(m.tree.loads().bodies.size());
     }
   }
   MESSAGE("largest residual of Newton and Euler ", residual, "; ", broken, " springs broken, ", reversed, " reversed joints, ",

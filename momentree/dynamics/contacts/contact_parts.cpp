@@ -18,7 +18,7 @@ namespace {
 std::size_t index_of(int i) { return static_cast<std::size_t>(i); }
 
 void normalise_quaternions(const Tree& tree, double* q) {
-  for (const int b : tree.quaternion_joints())
+  for (const int b : tree.joints_with().quaternions)
     dispatch(tree.kind(b), [&](auto tag) { decltype(tag)::type::Kernels::normalise(q + tree.first_q(b)); });
 }
 

@@ -96,7 +96,7 @@ double energy_of(const Tree& tree, const Workspace<double>& workspace) {
     energy += 0.5 * dot(body.velocity, momentum(mass, body.velocity)) - mass.m * dot(tree.gravity(), body.r) -
               dot(tree.gravity(), body.R * mass.mc);
   }
-  for (int i = 0; i < tree.nv(); ++i) energy += 0.5 * tree.armature()[i] * workspace.v[at(i)] * workspace.v[at(i)];
+  for (int i = 0; i < tree.nv(); ++i) energy += 0.5 * tree.tables().armature[i] * workspace.v[at(i)] * workspace.v[at(i)];
   return energy;
 }
 

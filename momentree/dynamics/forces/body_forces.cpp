@@ -17,8 +17,8 @@ Vec3 value(const std::array<Signal, 3>& signals, double t) noexcept {
 
 // Poses and velocities of the loaded bodies and of all bodies inboard of them; the places only for springs.
 void move_loaded_bodies(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept {
-  const bool places = tree.spring_count() > 0;
-  for (const int b : tree.loaded_bodies()) {
+  const bool places = tree.springs().count() > 0;
+  for (const int b : tree.loads().bodies) {
     const int outer = tree.parent(b);
     Kinematics<double>& own = workspace.bodies[static_cast<std::size_t>(b)];
     own.velocity = outer < 0 ? Motion<double>{} : workspace.bodies[static_cast<std::size_t>(outer)].velocity;
@@ -57,7 +57,7 @@ Force<double> wrench_of(const BodyForce& force, const KernelFrame& frame, const 
 // The first query for a body through the context locates all bodies; the loaded ones get the values that they already have.
 void call_functions(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
   const EvaluationContext context(tree, t, q, workspace);
-  for (const Topology::Loaded& load : tree.body_functions()) {
+  for (const Topology::Loaded& load : tree.loads().functions) {
     if (!tree.alive(load.body)) continue;
     const auto i = static_cast<std::size_t>(load.body);
     const Wrench given = (*load.function)(context);
@@ -73,22 +73,22 @@ void call_functions(const Tree& tree, double t, const double* q, Workspace<doubl
 }  // namespace
 
 void find_loads(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
-  const auto loaded = tree.loaded_bodies();
+  const std::span<const int> loaded = tree.loads().bodies;
   if (loaded.empty()) return;
   move_loaded_bodies(tree, q, workspace);
   for (const int b : loaded) workspace.loads[static_cast<std::size_t>(b)] = {};
-  for (const BodyForce& force : tree.body_forces()) {
+  for (const BodyForce& force : tree.loads().forces) {
     const int b = force.body.index;
     if (!tree.alive(b)) continue;
     const auto i = static_cast<std::size_t>(b);
     workspace.loads[i] += wrench_of(force, tree.frame(b), workspace.bodies[i], t, workspace.power);
   }
   add_spring_loads(tree, workspace);
-  if (!tree.body_functions().empty()) call_functions(tree, t, q, workspace);
+  if (!tree.loads().functions.empty()) call_functions(tree, t, q, workspace);
 }
 
 void add_body_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
-  const auto loaded = tree.loaded_bodies();
+  const std::span<const int> loaded = tree.loads().bodies;
   if (loaded.empty()) return;
   find_loads(tree, t, q, workspace);
   Force<double>* const gathered = workspace.reduced_bias_wrenches.get();  // Tb; the array is stale until the next `accelerate`
@@ -112,7 +112,7 @@ void add_body_forces(const Tree& tree, double t, const double* q, Workspace<doub
 }
 
 void clear_other_loads(const Tree& tree, Workspace<double>& workspace) noexcept {
-  const auto loaded = tree.loaded_bodies();
+  const std::span<const int> loaded = tree.loads().bodies;
   if (loaded.empty()) return;
   std::size_t k = 0;  // both lists are in the same order, inboard before outboard
   for (const int b : tree.order())

@@ -77,12 +77,12 @@ TEST_CASE("a force acts through a locked joint on the joints that carry it; a re
   sim.apply(unlock("m/b"));
   CHECK(sim.world().joint({b.index}).pdot[0] == doctest::Approx(4));
   sim.apply(break_joint("m/b"));
-  CHECK(sim.world().tree().loaded_bodies().size() == 1);
+  CHECK(sim.world().tree().loads().bodies.size() == 1);
   CHECK(sim.world().joint({a.index}).pdot[0] == 0);
   CHECK(sim.world().joint({b.index}).pdot[0] == doctest::Approx(4));
   const SimulationSnapshot before = sim.snapshot();
   sim.remove(b);
-  CHECK(sim.world().tree().loaded_bodies().empty());
+  CHECK(sim.world().tree().loads().bodies.empty());
   CHECK(sim.run_until(0.1) == Status::ok);
   sim.restore(before);
   CHECK(sim.world().joint({b.index}).pdot[0] == doctest::Approx(4));
@@ -186,7 +186,7 @@ TEST_CASE("a function of the world acts on a body as the same force given by num
   same();
   CHECK(branch.world().motions()[1].pose.position == asked.world().motions()[1].pose.position);
   asked.force("m/b", {});
-  CHECK(asked.world().tree().loaded_bodies().empty());
+  CHECK(asked.world().tree().loads().bodies.empty());
   asked.remove({1});
   CHECK(error_of([&] {
           asked.force("m/b", [](const EvaluationContext&) { return Wrench{}; });

@@ -8,7 +8,7 @@
 namespace momentree {
 
 const LoopValues* EvaluationContext::loop_values(JointId joint) const noexcept {
-  const int place = tree_->loop_place(joint);
+  const int place = tree_->loops().place(joint);
   if (place < 0) return nullptr;
   LoopValues& values = workspace_->loops->values[static_cast<std::size_t>(place)];
   held_loop_coordinates(*tree_, *workspace_, place, values.q, values.v);
@@ -19,7 +19,7 @@ Numbers EvaluationContext::q(JointId joint) const noexcept {
   if (is_loop(joint)) {
     const LoopValues* const values = loop_values(joint);
     if (values == nullptr) return {};
-    return Numbers(values->q, static_cast<std::size_t>(info(tree_->find_loop(joint)->joint.kind).nq));
+    return Numbers(values->q, static_cast<std::size_t>(info(tree_->loops().find(joint)->joint.kind).nq));
   }
   const int b = tree_->carrier(joint.index);
   if (b < 0) return {};
@@ -30,7 +30,7 @@ Numbers EvaluationContext::v(JointId joint) const noexcept {
   if (is_loop(joint)) {
     const LoopValues* const values = loop_values(joint);
     if (values == nullptr) return {};
-    return Numbers(values->v, static_cast<std::size_t>(info(tree_->find_loop(joint)->joint.kind).nv));
+    return Numbers(values->v, static_cast<std::size_t>(info(tree_->loops().find(joint)->joint.kind).nv));
   }
   const int b = tree_->carrier(joint.index);
   if (b < 0) return {};
@@ -39,8 +39,8 @@ Numbers EvaluationContext::v(JointId joint) const noexcept {
 
 bool EvaluationContext::has_function(JointId joint) const noexcept {
   if (is_loop(joint)) {
-    const int place = tree_->loop_place(joint);
-    return place >= 0 && tree_->loop_function(place) != nullptr;
+    const Loop* const loop = tree_->loops().find(joint);
+    return loop != nullptr && tree_->function(loop->joint) != nullptr;
   }
   const int b = tree_->carrier(joint.index);
   return b >= 0 && tree_->function(b) != nullptr;

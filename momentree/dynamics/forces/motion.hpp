@@ -7,8 +7,8 @@ namespace momentree {
 
 /// Sets coordinates and rates of driven DoFs to the values of their motions at time t (s), in packed arrays.
 inline void follow_motions(const Tree& tree, double t, double* q, double* p) noexcept {
-  for (const int b : tree.driven_joints()) {
-    const Curve::Point s = tree.motion(b).at(t);
+  for (const int b : tree.joints_with().motions) {
+    const Curve::Point s = prescribed_motion(tree, b).at(t);
     q[tree.first_q(b)] = s.value;
     p[tree.first_p(b)] = s.rate;
   }
@@ -16,12 +16,12 @@ inline void follow_motions(const Tree& tree, double t, double* q, double* p) noe
 
 /// Writes s̈ to the place of each driven DoF in an array packed as p.
 inline void put_accelerations(const Tree& tree, double t, double* to) noexcept {
-  for (const int b : tree.driven_joints()) to[tree.first_p(b)] = tree.motion(b).at(t).acceleration;
+  for (const int b : tree.joints_with().motions) to[tree.first_p(b)] = prescribed_motion(tree, b).at(t).acceleration;
 }
 
 /// Zeroes the places of driven DoFs, for code that considers only DoFs with momenta.
 inline void clear_driven(const Tree& tree, double* p) noexcept {
-  for (const int b : tree.driven_joints()) p[tree.first_p(b)] = 0;
+  for (const int b : tree.joints_with().motions) p[tree.first_p(b)] = 0;
 }
 
 }  // namespace momentree

@@ -16,7 +16,7 @@ template <class F>
 void each_resisted(const Tree& tree, double t, const double* q, const double* u, F&& f) noexcept {
   Power none;
   double nothing = 0;
-  for (const int b : tree.forced_joints()) {
+  for (const int b : tree.joints_with().forces) {
     if (tree.parameters(b) == nullptr || tree.link(b).driven != 0) continue;
     forces::Site site = forces::site_of(tree, t, q, u, b, &nothing, none);
     for (int i = 0; i < site.nv; ++i)
@@ -27,7 +27,7 @@ void each_resisted(const Tree& tree, double t, const double* q, const double* u,
 }  // namespace
 
 void joint_damping(const Tree& tree, double* damping) noexcept {
-  std::copy_n(tree.damping(), tree.nv(), damping);
+  std::copy_n(tree.tables().damping.data(), tree.nv(), damping);
   clear_driven(tree, damping);
 }
 

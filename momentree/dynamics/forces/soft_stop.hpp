@@ -43,7 +43,7 @@ inline double soft_stop_energy(const JointParameters& parameters, int nv, const 
 /// Energy stored in all soft stops at packed coordinates q (J).
 inline double stored(const Tree& tree, const double* q) noexcept {
   double energy = 0;
-  for (const int b : tree.forced_joints()) {
+  for (const int b : tree.joints_with().forces) {
     const JointParameters* p = tree.parameters(b);
     if (p != nullptr && p->limits.soft()) energy += soft_stop_energy(*p, info(tree.kind(b)).nv, q + tree.first_q(b));
   }

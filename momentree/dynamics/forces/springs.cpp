@@ -43,20 +43,20 @@ SpringMotion spring_motion(const Tree& tree, const Workspace<double>& workspace,
 }
 
 double spring_energy(const Tree& tree, const State& state, const Workspace<double>& workspace, int spring) noexcept {
-  if (!tree.spring_acts(spring)) return 0;
+  if (!spring_acts(tree, spring)) return 0;
   const auto place = [&](const SpringEnd& end) {
     if (end.body == ground) return end.point;
     const DenseTransform<double> body = locate_body(tree, state, workspace, end.body.index);
     return body.r + body.R * in_kernel_frame(tree, end);
   };
   const Spring& s = tree.springs()[static_cast<std::size_t>(spring)];
-  return tree.spring_law(spring).energy(norm(place(s.to) - place(s.from)));
+  return tree.springs().law(spring).energy(norm(place(s.to) - place(s.from)));
 }
 
 void add_spring_loads(const Tree& tree, Workspace<double>& workspace) noexcept {
-  for (int i = 0; i < tree.spring_count(); ++i) {
-    if (!tree.spring_acts(i)) continue;
-    const SpringLaw& law = tree.spring_law(i);
+  for (int i = 0; i < tree.springs().count(); ++i) {
+    if (!spring_acts(tree, i)) continue;
+    const SpringLaw& law = tree.springs().law(i);
     const SpringMotion motion = spring_motion(tree, workspace, i);
     workspace.power.dissipated += law.dissipated(motion.length, motion.rate);
     const double tension = law.tension(motion.length, motion.rate);

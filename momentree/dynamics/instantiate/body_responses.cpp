@@ -47,7 +47,7 @@ void find_body_responses(const Tree& tree, const double* q, const Workspace<doub
                          BodyResponse* responses) noexcept {
   for (int place = begin; place < end; ++place) {
     const int b = tree.order()[static_cast<std::size_t>(place)];
-    const unsigned flags = tree.node_flags()[static_cast<std::size_t>(place)];
+    const unsigned flags = tree.tables().node_flags[static_cast<std::size_t>(place)];
     BodyResponse& all = responses[place - begin] = {};
     dispatch_kernels(tree.kind(b), tree.variant(b),
                      [&](auto tag) { find_response<typename decltype(tag)::type>(tree, q, workspace, b, flags, all); });

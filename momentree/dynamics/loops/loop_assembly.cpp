@@ -12,6 +12,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/dynamics/velocity.hpp>
 #include <momentree/joint/dispatch.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -78,9 +79,9 @@ double close_by_mass(Start& start, double* q, Workspace<double>& workspace) {
 // Σ (residual / size of the row)².
 double squares(const Tree& tree, const LoopWorkspace& loops) {
   double sum = 0;
-  for (std::size_t link = 0; link < tree.loop_links().size(); ++link)
-    for (int i = 0; i < tree.loop_links()[link].rows; ++i) {
-      const double r = loops.rows[at(tree.loop_links()[link].first_row + i)].residual / detail::row_size(tree, loops, link, i);
+  for (std::size_t link = 0; link < tree.loops().links.size(); ++link)
+    for (int i = 0; i < tree.loops().links[link].rows; ++i) {
+      const double r = loops.rows[at(tree.loops().links[link].first_row + i)].residual / detail::row_size(tree, loops, link, i);
       sum += r * r;
     }
   return sum;
@@ -127,7 +128,7 @@ Tree with_equal_armatures(const Tree& tree, double size) {
     JointParameters parameters = tree.parameters(b) != nullptr ? *tree.parameters(b) : JointParameters{};
     parameters.armature = {};
     for (int i = 0; i < kind.nv; ++i) parameters.armature.push_back(kind.v_units[i] == 'm' ? mass : mass * size * size);
-    equal.set_parameters(b, parameters);
+    equal.edit().set_parameters(b, parameters);
   }
   return equal;
 }
@@ -179,7 +180,7 @@ double square_of(const Tree& tree, const double* q, const std::vector<double>& m
     const Motion<double>& velocity = workspace.motions[at(b)].velocity;
     sum += dot(velocity, momentum(tree.link(b).body, velocity));
   }
-  for (int i = 0; i < tree.nv(); ++i) sum += tree.armature()[i] * motion[at(i)] * motion[at(i)];
+  for (int i = 0; i < tree.nv(); ++i) sum += tree.tables().armature[i] * motion[at(i)] * motion[at(i)];
   return sum;
 }
 
@@ -271,7 +272,7 @@ bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<
     return close_loops(tree, t, q, u, workspace, energy);
   };
   const auto report = [&] {
-    for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = open_by(tree, loops, i);
+    for (std::size_t i = 0; i < tree.loops().links.size(); ++i) residuals[i] = open_by(tree, loops, i);
   };
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
@@ -298,7 +299,7 @@ bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<
     if (closed && turned) continue;
     least = open, closed = open <= nearly_closed;
     best.assign(q, q + tree.nq()), best_turns = other.loops->turns;
-    for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = open_by(equal, *other.loops, i);
+    for (std::size_t i = 0; i < tree.loops().links.size(); ++i) residuals[i] = open_by(equal, *other.loops, i);
     if (closed && !turned) break;
   }
   std::copy(best.begin(), best.end(), q);

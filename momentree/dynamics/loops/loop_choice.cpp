@@ -94,7 +94,7 @@ void choose_rows(const Tree& tree, LoopWorkspace& loops, double tolerance) noexc
   constexpr double large = 1e-3, next = 1e-3;
   Choice choice(loops);
   RowChoice& c = loops.choice;
-  const auto links = tree.loop_links();
+  const std::span<const LoopLink> links = tree.loops().links;
   for (std::size_t l = 0; l < links.size(); ++l) {
     c.taken_before[l] = choice.taken();
     choose_among(choice, links[l].first_row, links[l].first_row + links[l].rows, c.taken_before[at(links[l].coupled)],
@@ -125,9 +125,9 @@ void choose_rows(const Tree& tree, LoopWorkspace& loops, double tolerance) noexc
 LaneChoice::LaneChoice() = default;
 LaneChoice::~LaneChoice() = default;
 void LaneChoice::fit(const Tree& tree) {
-  if (one_.topology == tree.loop_revision()) return;
+  if (one_.topology == tree.loops().revision()) return;
   lay_out_loops<double>(tree, one_);
-  one_.choice.reserve(tree.loop_links().size(), one_.rows.size(), one_.all.elements);
+  one_.choice.reserve(tree.loops().links.size(), one_.rows.size(), one_.all.elements);
   chosen_.resize(one_.rows.size());
   union_.reserve(one_.rows.size());
 }
@@ -147,7 +147,7 @@ void LaneChoice::keep(const Tree& tree, LoopLayout& kept) noexcept {
 bool LaneChoice::chosen(int row, int lane) const noexcept { return (chosen_[at(row)] >> lane & 1u) != 0; }
 
 void lay_out(const Tree& tree, const std::vector<int>& rows, LoopLayout& layout) {
-  const auto links = tree.loop_links();
+  const std::span<const LoopLink> links = tree.loops().links;
   layout.rows = rows;
   layout.begin.resize(rows.size()), layout.position.resize(rows.size());
   layout.first_of.resize(links.size() + 1);

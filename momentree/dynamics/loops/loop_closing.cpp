@@ -31,10 +31,10 @@ double energy_at(const Tree& tree, const double* q, Workspace<double>& workspace
     energy += 0.5 * dot(velocity, momentum(mass, velocity)) - mass.m * dot(tree.gravity(), body.r) -
               dot(tree.gravity(), body.R * mass.mc);
   }
-  for (int i = 0; i < tree.nv(); ++i) energy += 0.5 * tree.armature()[i] * workspace.v[at(i)] * workspace.v[at(i)];
-  for (const int b : tree.spring_joints()) energy += joint_spring(tree, q, b, force);
-  for (int s = 0; s < tree.spring_count(); ++s)
-    if (tree.spring_acts(s)) energy += tree.spring_law(s).energy(spring_motion(tree, workspace, s).length);
+  for (int i = 0; i < tree.nv(); ++i) energy += 0.5 * tree.tables().armature[i] * workspace.v[at(i)] * workspace.v[at(i)];
+  for (const int b : tree.joints_with().springs) energy += joint_spring(tree, q, b, force);
+  for (int s = 0; s < tree.springs().count(); ++s)
+    if (spring_acts(tree, s)) energy += tree.springs().law(s).energy(spring_motion(tree, workspace, s).length);
   for (std::size_t i = 0; i < tree.loops().size(); ++i)
     energy += loop_energy(tree, workspace, static_cast<int>(i)) + loop_armature_energy(tree, workspace, static_cast<int>(i));
   return energy;
@@ -67,7 +67,7 @@ bool close_coordinates(LoopCorrection& correction, double* q, const double* u, d
 // Calls f for the roots at stops whose momenta are in axes that move with several DoFs.
 template <class F>
 void each_moving_root(const Tree& tree, const F& f) {
-  const auto stops = tree.loop_stops();
+  const std::span<const LoopStop> stops = tree.loops().stops;
   for (std::size_t s = 0; s < stops.size(); ++s) {
     const int b = stops[s].body;
     if ((s == 0 || stops[s - 1].body != b) && tree.parent(b) < 0 && info(tree.kind(b)).nv > 1) f(b);
@@ -77,7 +77,7 @@ void each_moving_root(const Tree& tree, const F& f) {
 }  // namespace
 
 bool detail::is_length(const Tree& tree, std::size_t link, int row) noexcept {
-  const LoopLink& own = tree.loop_links()[link];
+  const LoopLink& own = tree.loops().links[link];
   const int rows = own.closure.rows();
   return row >= rows ? info(tree.loops()[link].joint.kind).q_units[own.dof_rows[at(row - rows)].dof] == 'm'
                      : row < own.closure.positions || row >= own.closure.positions + own.closure.directions;
@@ -128,7 +128,7 @@ void close_loop_velocities(const Tree& tree, double t, const double* q, double* 
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
   for (std::size_t i = 0; i < open.size(); ++i) {
-    const LoopLink& link = tree.loop_links()[i];
+    const LoopLink& link = tree.loops().links[i];
     open[i] = 0;
     for (int row = 0; row < link.rows; ++row)
       open[i] = std::max(open[i], std::fabs(workspace.loops->rows[at(link.first_row + row)].velocity));
@@ -185,7 +185,7 @@ bool close_loops_in_momenta(const Tree& tree, double t, double* q, double* p, Wo
   loops.gauge = loops.lambda;
   detail::place_loops(tree, q, workspace, true);
   detail::sum_loop_momenta(tree, q, workspace, loops.gauge.data());
-  const auto stops = tree.loop_stops();
+  const std::span<const LoopStop> stops = tree.loops().stops;
   for (std::size_t s = 0; s < stops.size(); ++s)
     if (const int b = stops[s].body; s == 0 || stops[s - 1].body != b)
       absorb(tree, b, joint_state(tree, q, workspace, b), loops.momenta[at(b)], +1, p);
@@ -201,7 +201,7 @@ void loop_residuals(const Tree& tree, double t, const double* q, const double* u
   detail::set_loop_motions(tree, t, workspace);
   sweep_velocities<double, true>(tree, q, u, workspace);
   detail::place_loops(tree, q, workspace, true);
-  for (std::size_t i = 0; i < tree.loop_links().size(); ++i) residuals[i] = detail::open_by(tree, *workspace.loops, i);
+  for (std::size_t i = 0; i < tree.loops().links.size(); ++i) residuals[i] = detail::open_by(tree, *workspace.loops, i);
 }
 
 int independent_rows(const Tree& tree, double t, const double* q, Workspace<double>& workspace) {
@@ -210,7 +210,7 @@ int independent_rows(const Tree& tree, double t, const double* q, Workspace<doub
   const std::vector<double> rest(at(tree.nv()), 0.0);
   LoopCorrection correction{tree, workspace};
   correction.evaluate(q, rest.data(), 0);
-  return workspace.loops->rank - tree.loop_armatures();
+  return workspace.loops->rank - tree.loops().armatures;
 }
 
 LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {
@@ -218,7 +218,7 @@ LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& 
   if (!tree.has_loops()) return status;
   forward_dynamics(tree, state, workspace);
   const LoopWorkspace& loops = *workspace.loops;
-  status.rows = tree.loop_rows() - tree.loop_armatures(), status.rank = loops.rank - tree.loop_armatures();
+  status.rows = tree.loops().rows - tree.loops().armatures, status.rank = loops.rank - tree.loops().armatures;
   for (const LoopRow& row : loops.rows) status.residual = std::max(status.residual, std::fabs(row.residual));
   return status;
 }

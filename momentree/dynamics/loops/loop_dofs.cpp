@@ -87,7 +87,7 @@ void loop_coordinates(const Tree& tree, const Workspace<double>& workspace, int 
 }
 void detail::loop_coordinates_at(const Tree& tree, int place, const LoopPlace& p, const Turns& turns, double* q,
                                  double* u) noexcept {
-  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopLink& link = tree.loops().links[at(place)];
   const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
   nearest_coordinates(spec, loop_pose(p, link), turns, q);
   Dofs(spec, q).velocities(relative_motion(p, loop_child_axes(p, link)), u);
@@ -95,7 +95,7 @@ void detail::loop_coordinates_at(const Tree& tree, int place, const LoopPlace& p
 Turns detail::turns_at(const Tree& tree, int place, const LoopPlace& p, const Turns& hint) noexcept {
   const Loop& loop = tree.loops()[at(place)];
   double q[7] = {};
-  nearest_coordinates(spec_of(loop.joint), loop_pose(p, tree.loop_links()[at(place)]), hint, q);
+  nearest_coordinates(spec_of(loop.joint), loop_pose(p, tree.loops().links[at(place)]), hint, q);
   put_held(loop, q);
   return turns_of(loop.joint.kind, q);
 }
@@ -141,14 +141,14 @@ LoopRow velocity_row(const Loop& loop, const LoopLink& link, const LoopPlace& p,
 
 LoopRow loop_dof_row(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept {
   const LoopWorkspace& loops = *workspace.loops;
-  return velocity_row(tree.loops()[at(place)], tree.loop_links()[at(place)], loops.places[at(place)], loops.turns[at(place)],
+  return velocity_row(tree.loops()[at(place)], tree.loops().links[at(place)], loops.places[at(place)], loops.turns[at(place)],
                       dof);
 }
 
 // With E⁺ᵀ = E S, S = (Eᵀ E)⁻¹: its derivative is Ė S − E S (Ėᵀ E + Eᵀ Ė) S.
 LoopWrenchRate loop_dof_rate(const Tree& tree, const Workspace<double>& workspace, int place, int dof) noexcept {
   const LoopPlace& p = workspace.loops->places[at(place)];
-  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopLink& link = tree.loops().links[at(place)];
   const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
   double q[7] = {}, u[6] = {}, s[6] = {}, turned[6] = {};
   nearest_coordinates(spec, loop_pose(p, link), workspace.loops->turns[at(place)], q);
@@ -174,7 +174,7 @@ LoopWrenchRate loop_dof_rate(const Tree& tree, const Workspace<double>& workspac
 LoopRow detail::dof_row(const Tree& tree, int place, const DofRow& of, const LoopPlace& p, const Turns& turns,
                         const Curve::Point& motion) noexcept {
   const Loop& loop = tree.loops()[at(place)];
-  LoopRow row = velocity_row(loop, tree.loop_links()[at(place)], p, turns, of.dof);
+  LoopRow row = velocity_row(loop, tree.loops().links[at(place)], p, turns, of.dof);
   if (of.use == DofRow::Use::motion) {
     row.residual -= motion.value, row.velocity -= motion.rate, row.drift -= motion.acceleration;
     row.jump_to = motion.rate;
@@ -200,7 +200,7 @@ void detail::add_extra_efforts(const Tree& tree, const LoopWorkspace& loops, dou
 }
 
 void detail::set_loop_motions(const Tree& tree, double t, Workspace<double>& workspace) noexcept {
-  if (tree.loop_motions() > 0) set_loop_motions(tree, &t, 1, loop_memory(tree, workspace));
+  if (tree.loops().motions > 0) set_loop_motions(tree, &t, 1, loop_memory(tree, workspace));
 }
 void detail::set_loop_motions(const Tree& tree, const double* t, int lanes, LoopConstants& loops) noexcept {
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
@@ -229,7 +229,7 @@ void carry_armatures(const Tree& tree, Workspace<double>& workspace) noexcept {
 void detail::keep_armatures(const Tree& tree, Workspace<double>& workspace) noexcept {
   LoopWorkspace& loops = *workspace.loops;
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
-    const LoopLink& link = tree.loop_links()[i];
+    const LoopLink& link = tree.loops().links[i];
     for (int k = 0; k < link.dof_row_count; ++k) {
       const DofRow& of = link.dof_rows[at(k)];
       if (of.use != DofRow::Use::armature) continue;
@@ -259,7 +259,7 @@ double strike_loop(const Tree& tree, const double* q, Workspace<double>& workspa
   solve_loops(tree, q, workspace, {}, LoopRows::choose, true);
   resolve_accelerations<double, true>(tree, q, workspace, {});
   std::copy_n(workspace.a.get(), tree.nv(), u);
-  loops.struck = place, loops.strike = {row.F, row.T};
+  loops.strike = {place, {row.F, row.T}};
   return relative_rate(tree, q, workspace, place, row, {});
 }
 
@@ -275,7 +275,7 @@ double loop_armature_energy(const Tree& tree, const Workspace<double>& workspace
 
 LoopMotion loop_motion(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
   const Loop& loop = tree.loops()[at(place)];
-  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopLink& link = tree.loops().links[at(place)];
   if (!loop.driven()) return {};
   const Curve::Point& s = workspace.loops->motions[at(place)];
   return {workspace.loops->lambda[at(link.first_row + link.closure.rows())], s.rate,

@@ -20,7 +20,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // By loop: the largest radius of gyration about the origin of its frame, of the bodies between the loop and the ground (m).
 void find_extents(const Tree& tree, std::vector<double>& extents) {
   extents.assign(tree.loops().size(), 0.0);
-  for (const LoopStop& stop : tree.loop_stops()) {
+  for (const LoopStop& stop : tree.loops().stops) {
     if (at(stop.loop) >= extents.size()) continue;  // of a coupling
     const RigidMass& mass = tree.link(stop.body).body;
     const double radius = mass.m > 0 ? std::sqrt((mass.J.xx + mass.J.yy + mass.J.zz) / (2 * mass.m)) : 0;
@@ -34,10 +34,10 @@ void find_extents(const Tree& tree, std::vector<double>& extents) {
 
 void detail::lay_out_constants(const Tree& tree, int lanes, LoopConstants& to) {
   const std::size_t entries = tree.loops().size() * at(lanes);
-  to.topology = tree.loop_revision();
+  to.topology = tree.loops().revision();
   to.turns.resize(entries), to.motions.resize(entries);
   find_extents(tree, to.extents);
-  to.all.rows.resize(at(tree.loop_rows()));
+  to.all.rows.resize(at(tree.loops().rows));
   std::iota(to.all.rows.begin(), to.all.rows.end(), 0);
   lay_out(tree, to.all.rows, to.all);
   to.kept = to.all;  // for its memory
@@ -46,15 +46,15 @@ void detail::lay_out_constants(const Tree& tree, int lanes, LoopConstants& to) {
 LoopWorkspace& detail::loop_memory(const Tree& tree, Workspace<double>& workspace) {
   if (workspace.loops == nullptr) workspace.loops = {new LoopWorkspace, [](LoopWorkspace* all) { delete all; }};
   LoopWorkspace& loops = *workspace.loops;
-  if (loops.topology == tree.loop_revision()) return loops;
-  const std::size_t n = tree.loops().size(), rows = at(tree.loop_rows());
+  if (loops.topology == tree.loops().revision()) return loops;
+  const std::size_t n = tree.loops().size(), rows = at(tree.loops().rows);
   detail::lay_out_loops<double>(tree, loops);
   loops.gauge.assign(rows, 0.0), loops.speeds.assign(rows, 0.0);
   loops.u.resize(at(tree.nv()));
-  loops.forces.resize(at(tree.nv() + tree.loop_motions()));
-  loops.answers.resize(rows + tree.driven_joints().size());
+  loops.forces.resize(at(tree.nv() + tree.loops().motions));
+  loops.answers.resize(rows + tree.joints_with().motions.size());
   loops.momenta.resize(at(tree.bodies())), loops.wrenches.resize(at(tree.bodies()));
-  loops.choice.reserve(tree.loop_links().size(), rows, loops.all.elements);
+  loops.choice.reserve(tree.loops().links.size(), rows, loops.all.elements);
   loops.carried.reserve(6 * n);
   loops.given.assign(6 * n, 0.0), loops.values.resize(n);
   loops.rank = -1;
@@ -81,8 +81,8 @@ void detail::place_loops(const Tree& tree, const double* q, Workspace<double>& w
 
 double coupling_effort(const Tree& tree, const Workspace<double>& workspace, int body) noexcept {
   double effort = 0;
-  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i) {
-    const LoopLink& link = tree.loop_links()[i];
+  for (std::size_t i = tree.loops().size(); i < tree.loops().links.size(); ++i) {
+    const LoopLink& link = tree.loops().links[i];
     const auto row = at(link.first_row);
     if (link.ends.joint == body) effort += workspace.loops->lambda[row];
     if (link.ends.follows == body) effort -= workspace.loops->rows[row].slope * workspace.loops->lambda[row];
@@ -92,8 +92,8 @@ double coupling_effort(const Tree& tree, const Workspace<double>& workspace, int
 
 void add_coupling_efforts(const Tree& tree, const Workspace<double>& workspace, const double* multipliers,
                           double* force) noexcept {
-  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i) {
-    const LoopLink& link = tree.loop_links()[i];
+  for (std::size_t i = tree.loops().size(); i < tree.loops().links.size(); ++i) {
+    const LoopLink& link = tree.loops().links[i];
     const auto row = at(link.first_row);
     const auto add = [&](int b, double effort) {
       if (b >= 0 && (tree.link(b).locked & 1u) == 0) force[tree.first_p(b)] += effort;
@@ -104,15 +104,15 @@ void add_coupling_efforts(const Tree& tree, const Workspace<double>& workspace, 
 }
 
 int coupling_place(const Tree& tree, int coupling) noexcept {
-  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i)
-    if (tree.loop_links()[i].ends.coupling == coupling) return static_cast<int>(i);
+  for (std::size_t i = tree.loops().size(); i < tree.loops().links.size(); ++i)
+    if (tree.loops().links[i].ends.coupling == coupling) return static_cast<int>(i);
   return -1;
 }
 
 // The nearest coordinates give the pose of the joint, unless directions are reversed.
 bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
   const JointSpec spec = spec_of(tree.loops()[at(place)].joint);
-  const Pose pose = loop_pose(workspace.loops->places[at(place)], tree.loop_links()[at(place)]);
+  const Pose pose = loop_pose(workspace.loops->places[at(place)], tree.loops().links[at(place)]);
   double q[7] = {};
   nearest_coordinates(spec, pose, workspace.loops->turns[at(place)], q);
   const Mat3 R = transpose(rotation_matrix(joint_motion(spec, q).rotation)) * rotation_matrix(pose.rotation);
@@ -192,14 +192,14 @@ Force<double> detail::loop_force(const Tree& tree, double t, int place, const Lo
                                  const double* given, Power& power) noexcept {
   double effort[6] = {};
   const Force<double> W = joint_wrench_at(tree, t, place, p, turns, given, effort, power);
-  const Mat3 Rb = loop_child_axes(p, tree.loop_links()[at(place)]);
+  const Mat3 Rb = loop_child_axes(p, tree.loops().links[at(place)]);
   return {Rb * W.l, Rb * W.h};
 }
 
 double loop_holding_force(const Tree& tree, double t, const Workspace<double>& workspace, int place, int dof,
                           double& size) noexcept {
   const Loop& loop = tree.loops()[at(place)];
-  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopLink& link = tree.loops().links[at(place)];
   const LoopPlace& p = workspace.loops->places[at(place)];
   double q[7] = {}, u[6] = {}, effort[6] = {}, passive[6] = {};
   loop_coordinates(tree, workspace, place, q, u);
@@ -226,12 +226,12 @@ double loop_holding_force(const Tree& tree, double t, const Workspace<double>& w
 
 void add_loop_forces(const Tree& tree, double t, const double* q, Workspace<double>& workspace) noexcept {
   LoopWorkspace& loops = *workspace.loops;
-  if (tree.has_functions()) {
+  if (has_functions(tree)) {
     const EvaluationContext context(tree, t, q, workspace);
     for (std::size_t i = 0; i < tree.loops().size(); ++i) {
       double* const given = loops.given.data() + 6 * i;
       std::fill_n(given, 6, 0.0);
-      if (const JointFunction* function = tree.loop_function(static_cast<int>(i)))
+      if (const JointFunction* function = tree.function(tree.loops()[i].joint))
         (*function)(context, {given, static_cast<std::size_t>(info(tree.loops()[i].joint.kind).nv)});
     }
   } else {

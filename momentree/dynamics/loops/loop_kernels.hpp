@@ -42,14 +42,14 @@ MOMENTREE_INLINE void each_lane(const LoopConstants& loops, const F& f) {
 void lay_out_constants(const Tree& tree, int lanes, LoopConstants& to);
 template <class T>
 void lay_out_loops(const Tree& tree, LoopSystem<T>& loops) {
-  const auto rows = static_cast<std::size_t>(tree.loop_rows());
+  const auto rows = static_cast<std::size_t>(tree.loops().rows);
   lay_out_constants(tree, lanes_of<T>, loops);
   loops.places.resize(tree.loops().size());
   loops.rows.assign(rows, LoopRowOf<T>{});
-  loops.columns.assign(static_cast<std::size_t>(tree.loop_columns()), LoopColumnOf<T>{});
+  loops.columns.assign(static_cast<std::size_t>(tree.loops().columns), LoopColumnOf<T>{});
   loops.A.resize(loops.all.elements), loops.factor.resize(loops.all.elements), loops.least_pivots.resize(rows);
   loops.b.resize(2 * rows), loops.lambda.resize(rows);
-  loops.sizes.resize(tree.loop_links().size() - tree.loops().size());
+  loops.sizes.resize(tree.loops().links.size() - tree.loops().size());
 }
 
 /// Poses, velocities, places and rows of closures; not of single DoFs and couplings.
@@ -135,7 +135,7 @@ Force<double> loop_force(const Tree& tree, double t, int place, const LoopPlace&
 /// directions.
 template <class T>
 double row_size(const Tree& tree, const LoopSystem<T>& loops, std::size_t link, int row, int lane = 0) noexcept {
-  const LoopLink& own = tree.loop_links()[link];
+  const LoopLink& own = tree.loops().links[link];
   const std::size_t loop_count = tree.loops().size();
   if (own.ends.coupling < 0 && !is_length(tree, link, row)) return 1;
   const double size = get_lane(own.ends.coupling >= 0 ? loops.sizes[link - loop_count] : loops.places[link].size, lane);
@@ -145,7 +145,7 @@ double row_size(const Tree& tree, const LoopSystem<T>& loops, std::size_t link, 
 template <class T>
 double open_by(const Tree& tree, const LoopSystem<T>& loops, std::size_t link, int lane = 0) noexcept {
   double worst = 0;
-  const LoopLink& own = tree.loop_links()[link];
+  const LoopLink& own = tree.loops().links[link];
   for (int i = 0; i < own.rows; ++i) {
     const double residual = get_lane(loops.rows[static_cast<std::size_t>(own.first_row + i)].residual, lane);
     const double size = row_size(tree, loops, link, i, lane);
@@ -159,7 +159,7 @@ double open_by(const Tree& tree, const LoopSystem<T>& loops, std::size_t link, i
 template <class T>
 double most_open(const Tree& tree, const LoopSystem<T>& loops, int lane = 0) noexcept {
   double worst = 0;
-  for (std::size_t i = 0; i < tree.loop_links().size(); ++i)
+  for (std::size_t i = 0; i < tree.loops().links.size(); ++i)
     if (const double part = open_by(tree, loops, i, lane); !(part <= worst)) worst = part;
   return worst;
 }

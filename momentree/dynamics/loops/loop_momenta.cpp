@@ -18,18 +18,18 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // Calls f(b, its flags, tag of its joint's kernels) for the bodies at stops, outboard before inboard.
 template <class F>
 void inward(const Tree& tree, const F& f) {
-  const auto stops = tree.loop_stops();
+  const std::span<const LoopStop> stops = tree.loops().stops;
   for (std::size_t s = stops.size(); s-- > 0;) {
     const int b = stops[s].body;
     if (s > 0 && stops[s - 1].body == b) continue;  // once per body
-    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) { f(b, tree.node_flags()[at(tree.place(b))], tag); });
+    dispatch_kernels(tree.kind(b), tree.variant(b), [&](auto tag) { f(b, tree.tables().node_flags[at(tree.place(b))], tag); });
   }
 }
 
-bool has_motions(const Tree& tree) { return !tree.driven_joints().empty() || tree.loop_motions() > 0; }
+bool has_motions(const Tree& tree) { return !tree.joints_with().motions.empty() || tree.loops().motions > 0; }
 
 void clear(const Tree& tree, std::vector<Force<double>>& by_body) {
-  for (const LoopStop& stop : tree.loop_stops()) by_body[at(stop.body)] = {};
+  for (const LoopStop& stop : tree.loops().stops) by_body[at(stop.body)] = {};
 }
 
 // loops.wrenches: −σ times the inertial derivative of the rows' unit wrenches. F of a closure's row is fixed in the parent.
@@ -37,7 +37,7 @@ void add_turning_wrenches(const Tree& tree, const Workspace<double>& workspace, 
   LoopWorkspace& loops = *workspace.loops;
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
-    const LoopLink& link = tree.loop_links()[i];
+    const LoopLink& link = tree.loops().links[i];
     const LoopPlace& place = loops.places[i];
     Vec3 F{}, T{}, turned{};
     for (int k = 0; k < link.rows; ++k) {
@@ -66,7 +66,7 @@ Vec3 own_linear_momentum(const Tree& tree, const Workspace<double>& workspace, c
   Vec3 sum{};
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
-    const LoopLink& link = tree.loop_links()[i];
+    const LoopLink& link = tree.loops().links[i];
     const double sign = (loop.body == b ? 1.0 : 0.0) - (loop.to == b ? 1.0 : 0.0);
     for (int k = 0; k < link.rows && sign != 0; ++k)
       sum += sign * impulses[link.first_row + k] * workspace.loops->rows[at(link.first_row + k)].F;
@@ -113,8 +113,8 @@ void add_rates(const Tree& tree, const double* q, Workspace<double>& workspace, 
 // −J̇ᵀ σ of the couplings: their rows change with f′.
 void add_coupling_rates(const Tree& tree, const double* q, const Workspace<double>& workspace, const double* impulses,
                         double* rates) noexcept {
-  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i) {
-    const LoopLink& link = tree.loop_links()[i];
+  for (std::size_t i = tree.loops().size(); i < tree.loops().links.size(); ++i) {
+    const LoopLink& link = tree.loops().links[i];
     const int b = link.ends.follows;
     if (b < 0 || (tree.link(b).locked & 1u) != 0) continue;
     const double curvature = detail::coupling_point(tree, link.ends.coupling, q[tree.first_q(b)]).curvature;
@@ -130,7 +130,7 @@ void detail::sum_loop_momenta(const Tree& tree, const double* q, const Workspace
   clear(tree, loops.momenta);
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
-    const LoopLink& link = tree.loop_links()[i];
+    const LoopLink& link = tree.loops().links[i];
     Vec3 F{}, T{};
     for (int k = 0; k < link.rows; ++k) {
       const auto row = at(link.first_row + k);
@@ -154,7 +154,7 @@ void detail::sum_loop_momenta(const Tree& tree, const double* q, const Workspace
 }
 
 void detail::solve_momenta_of_loops(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept {
-  for (const LoopStop& stop : tree.loop_stops()) {
+  for (const LoopStop& stop : tree.loops().stops) {
     workspace.biases[at(stop.body)] = {};
     workspace.reduced_bias_wrenches[at(stop.body)] = {};  // afterwards −(K − G k) σ
   }
@@ -176,7 +176,7 @@ void detail::find_motions_with_loops(const Tree& tree, const double* q, const do
   reduce_momenta(tree, q, p, workspace);
   solve_momenta_of_loops(tree, q, workspace);
   resolve_momenta(tree, q, p, workspace);
-  const auto stops = tree.loop_stops();
+  const std::span<const LoopStop> stops = tree.loops().stops;
   for (std::size_t s = 0; s < stops.size(); ++s) {
     const int b = stops[s].body;
     if (s > 0 && stops[s - 1].body == b) continue;
@@ -203,7 +203,7 @@ void evaluate_with_loops(const Tree& tree, double t, const double* q, const doub
   add_joint_forces(tree, t, q, workspace, resistance);
   add_loop_forces(tree, t, q, workspace);
   detail::add_extra_efforts(tree, loops, workspace.pdot.get());
-  for (const LoopStop& stop : tree.loop_stops()) loops.wrenches[at(stop.body)] = -1.0 * workspace.biases[at(stop.body)].wrench;
+  for (const LoopStop& stop : tree.loops().stops) loops.wrenches[at(stop.body)] = -1.0 * workspace.biases[at(stop.body)].wrench;
   add_turning_wrenches(tree, workspace, loops.lambda.data());
   add_rates(tree, q, workspace, workspace.pdot.get());
   add_coupling_rates(tree, q, workspace, loops.lambda.data(), workspace.pdot.get());

@@ -65,7 +65,7 @@ template <class T>
 [[gnu::flatten]] void place_closures(const Tree& tree, const T* q, Workspace<T>& workspace, LoopSystem<T>& loops, bool moving,
                                      LoopRows which) noexcept {
   const UncheckedTree all(tree);
-  const auto stops = tree.loop_stops();
+  const std::span<const LoopStop> stops = tree.loops().stops;
   for (std::size_t s = 0, last = stops.size(); s < last; ++s) {
     const int b = stops[s].body;
     if (s > 0 && stops[s - 1].body == b) continue;
@@ -80,7 +80,7 @@ template <class T>
   }
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
-    const LoopLink& link = tree.loop_links()[i];
+    const LoopLink& link = tree.loops().links[i];
     const LoopSide<T> a = side_of(workspace, loop.to, link.parent, moving), b = side_of(workspace, loop.body, link.child, moving);
     LoopPlaceOf<T>& p = loops.places[i];
     p.Ra = a.R, p.xa = a.x, p.xb = b.x;
@@ -129,7 +129,7 @@ template <class T>
 void place_other_rows(const Tree& tree, const T* q, const Workspace<T>& workspace, LoopSystem<T>& loops, bool moving) noexcept {
   const std::size_t first = tree.loops().size();
   for (std::size_t i = 0; i < first; ++i) {
-    const LoopLink& link = tree.loop_links()[i];
+    const LoopLink& link = tree.loops().links[i];
     for (int k = 0; k < link.dof_row_count; ++k) {
       LoopRowOf<T>& row = loops.rows[at(link.first_row + link.closure.rows() + k)];
       each_lane<T>(loops, [&](int l) MOMENTREE_INLINE_LAMBDA {
@@ -141,8 +141,8 @@ void place_other_rows(const Tree& tree, const T* q, const Workspace<T>& workspac
     }
   }
   const UncheckedTree all(tree);
-  for (std::size_t i = first; i < tree.loop_links().size(); ++i) {
-    const LoopLink& link = tree.loop_links()[i];
+  for (std::size_t i = first; i < tree.loops().links.size(); ++i) {
+    const LoopLink& link = tree.loops().links[i];
     const CouplingEnds& ends = link.ends;
     const bool leads = ends.follows >= 0, length = is_length(tree, ends.joint);
     LoopRowOf<T>& row = loops.rows[at(link.first_row)];

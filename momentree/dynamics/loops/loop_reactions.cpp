@@ -17,13 +17,13 @@ LoopImpulse loop_impulse(const Tree& tree, const Workspace<double>& workspace, i
   LoopImpulse found;
   const LoopWorkspace& loops = *workspace.loops;
   if (!loops.impulsive || loops.solved != tree.revision()) return found;
-  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopLink& link = tree.loops().links[at(place)];
   for (int i = 0; i < link.rows; ++i) {
     const auto row = at(link.first_row + i);
     found.force += loops.lambda[row] * loops.rows[row].F;
     found.torque += loops.lambda[row] * loops.rows[row].T;
   }
-  if (loops.struck == place) found.force += loops.strike.l, found.torque += loops.strike.h;
+  if (loops.strike.loop == place) found.force += loops.strike.impulse.l, found.torque += loops.strike.impulse.h;
   found.at = loops.places[at(place)].xb;
   const LoopMotion motion = loop_motion(tree, workspace, place);
   found.motion = motion.effort, found.motion_rate = motion.rate;
@@ -31,7 +31,7 @@ LoopImpulse loop_impulse(const Tree& tree, const Workspace<double>& workspace, i
 }
 
 CouplingImpulse coupling_impulse(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
-  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopLink& link = tree.loops().links[at(place)];
   const LoopWorkspace& loops = *workspace.loops;
   CouplingImpulse found{link.ends.coupling, 0, 0};
   if (!loops.impulsive || loops.solved != tree.revision()) return found;
@@ -42,7 +42,7 @@ CouplingImpulse coupling_impulse(const Tree& tree, const Workspace<double>& work
 
 LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& workspace, int place) noexcept {
   const Loop& loop = tree.loops()[at(place)];
-  const LoopLink& link = tree.loop_links()[at(place)];
+  const LoopLink& link = tree.loops().links[at(place)];
   const LoopWorkspace& loops = *workspace.loops;
   const LoopPlace& p = loops.places[at(place)];
   const Kinematics<double>& child = workspace.bodies[at(loop.body)];
@@ -162,7 +162,7 @@ void add_squares(LoopReactions& work, const double* x, double now, std::size_t d
 // The wrenches of multipliers λ (by row) on the child of each loop, about the world's origin.
 WorldWrench loop_wrench(const Tree& tree, const LoopWorkspace& loops, std::size_t loop, const double* lambda) {
   WorldWrench sum;
-  const LoopLink& link = tree.loop_links()[loop];
+  const LoopLink& link = tree.loops().links[loop];
   for (int i = 0; i < link.rows; ++i) {
     const auto row = at(link.first_row + i);
     if (lambda[row] == 0) continue;
@@ -174,8 +174,8 @@ WorldWrench loop_wrench(const Tree& tree, const LoopWorkspace& loops, std::size_
 
 // The effort of a coupling as a force or a torque, so that it counts among the reactions.
 WorldWrench coupling_load(const Tree& tree, std::size_t link, const double* lambda) {
-  const CouplingEnds& ends = tree.loop_links()[link].ends;
-  const double effort = lambda[tree.loop_links()[link].first_row];
+  const CouplingEnds& ends = tree.loops().links[link].ends;
+  const double effort = lambda[tree.loops().links[link].first_row];
   return info(tree.kind(ends.joint)).q_units[0] == 'm' ? WorldWrench{{effort, 0, 0}, {}} : WorldWrench{{}, {effort, 0, 0}};
 }
 
@@ -186,7 +186,7 @@ WorldWrench loop_load(const Tree& tree, double t, const Workspace<double>& works
   WorldWrench load = about(loop_wrench(tree, loops, loop, loops.lambda.data()), place.xb);
   double effort[6] = {};
   const Force<double> own = loop_joint_wrench(tree, t, workspace, static_cast<int>(loop), effort);
-  const Mat3 R = loop_child_axes(place, tree.loop_links()[loop]);
+  const Mat3 R = loop_child_axes(place, tree.loops().links[loop]);
   add(load, 1, {R * own.l, R * own.h});
   return load;
 }
@@ -226,7 +226,7 @@ void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* 
     add(into.by_body[at(tree.loops()[i].body)], -1, into.by_loop[i]);
     if (tree.loops()[i].to >= 0) add(into.by_body[at(tree.loops()[i].to)], 1, into.by_loop[i]);
   }
-  const auto stops = tree.loop_stops();
+  const std::span<const LoopStop> stops = tree.loops().stops;
   for (std::size_t s = stops.size(); s-- > 0;) {
     if (s > 0 && stops[s - 1].body == stops[s].body) continue;  // once per body
     const int outer = tree.parent(stops[s].body);
@@ -241,8 +241,8 @@ void joint_wrenches(const Tree& tree, const LoopWorkspace& loops, const double* 
 // size|² over all joints, which depends neither on the tree nor on the chosen rows.
 void find_least_reactions(const Tree& tree, double t, Workspace<double>& workspace) {
   LoopWorkspace& loops = *workspace.loops;
-  loops.open_bodies.assign(at(tree.bodies()), 0);
-  loops.open_loops.assign(tree.loop_links().size(), 0);
+  loops.open.bodies.assign(at(tree.bodies()), 0);
+  loops.open.links.assign(tree.loops().links.size(), 0);
   loops.least = true;
   const std::size_t m = loops.rows.size(), d = m - loops.kept.rows.size();
   if (d == 0) return;
@@ -257,7 +257,7 @@ void find_least_reactions(const Tree& tree, double t, Workspace<double>& workspa
   }
   loops.lambda = work.lambda;
   work.joints.clear();
-  const auto stops = tree.loop_stops();
+  const std::span<const LoopStop> stops = tree.loops().stops;
   for (std::size_t s = 0; s < stops.size(); ++s) {
     if (s > 0 && stops[s - 1].body == stops[s].body) continue;
     const Kinematics<double>& body = workspace.bodies[at(stops[s].body)];
@@ -267,7 +267,7 @@ void find_least_reactions(const Tree& tree, double t, Workspace<double>& workspa
   }
   for (std::size_t i = 0; i < tree.loops().size(); ++i)
     work.joints.push_back({-1, static_cast<int>(i), loops.places[i].xb, loop_load(tree, t, workspace, i)});
-  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i)
+  for (std::size_t i = tree.loops().size(); i < tree.loops().links.size(); ++i)
     work.joints.push_back({-1, static_cast<int>(i), {}, coupling_load(tree, i, work.lambda.data())});
   const double size = extent(tree, work.joints);
   // What a unit of each null vector adds to a joint: six numbers, force and torque / size, in a row of d each.
@@ -292,7 +292,7 @@ void find_least_reactions(const Tree& tree, double t, Workspace<double>& workspa
   for (std::size_t joint = 0; joint < work.joints.size(); ++joint) {
     const LoopReactions::Carried& at_joint = work.joints[joint];
     if (carries_null(work, joint, d))
-      (at_joint.body >= 0 ? loops.open_bodies[at(at_joint.body)] : loops.open_loops[at(at_joint.loop)]) = 1;
+      (at_joint.body >= 0 ? loops.open.bodies[at(at_joint.body)] : loops.open.links[at(at_joint.loop)]) = 1;
     const Vec3 F = at_joint.now.F, T = (1 / size) * at_joint.now.T;
     const double now[] = {F.x, F.y, F.z, T.x, T.y, T.z};
     for (std::size_t part = 0; part < 6; ++part) add_squares(work, work.by_null.data() + (6 * joint + part) * d, now[part], d);
@@ -316,12 +316,12 @@ void find_least_reactions(const Tree& tree, double t, Workspace<double>& workspa
 
 bool loop_determined(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
   MT_REQUIRE(!tree.has_loops() || workspace.loops->least, "accelerate was called for this state");
-  return workspace.loops->open_loops[at(place)] == 0;
+  return workspace.loops->open.links[at(place)] == 0;
 }
 
 bool joint_determined(const Tree& tree, const Workspace<double>& workspace, int body) noexcept {
   MT_REQUIRE(!tree.has_loops() || workspace.loops->least, "accelerate was called for this state");
-  return workspace.loops->open_bodies[at(body)] == 0;
+  return workspace.loops->open.bodies[at(body)] == 0;
 }
 
 }  // namespace momentree

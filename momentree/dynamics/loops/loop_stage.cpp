@@ -24,7 +24,7 @@ void answer_joint(const LoopCalls* calls, int loop, const double* numbers, int a
   const auto& stage = *static_cast<const StageCalls*>(calls);
   const Tree& tree = *stage.tree;
   const LoopWorkspace& loops = *stage.loops;
-  const LoopLink& link = tree.loop_links()[at(loop)];
+  const LoopLink& link = tree.loops().links[at(loop)];
   LoopPlace place;
   static_assert(std::is_trivially_copyable_v<LoopPlace> && sizeof place % sizeof(double) == 0);
   std::memcpy(static_cast<void*>(&place), numbers, sizeof place);
@@ -44,7 +44,7 @@ void answer_joint(const LoopCalls* calls, int loop, const double* numbers, int a
 
 // The accelerations of prescribed motions of loop joints, in the order of their rows.
 void put_loop_motions(const Tree& tree, const LoopWorkspace& loops, double* to) {
-  if (tree.loop_motions() == 0) return;
+  if (tree.loops().motions == 0) return;
   for (std::size_t i = 0; i < tree.loops().size(); ++i)
     if (tree.loops()[i].driven()) *to++ = loops.motions[i].acceleration;
 }
@@ -54,7 +54,7 @@ void put_loop_motions(const Tree& tree, const LoopWorkspace& loops, double* to) 
 bool evaluate_loop_stage(const Tree& tree, double t, const double* q, const double* u, Workspace<double>& workspace,
                          const GeneratedRates& generated) noexcept {
   LoopWorkspace& loops = *workspace.loops;
-  if (generated.loops == nullptr || loops.topology != tree.loop_revision() || loops.rank < 0 ||
+  if (generated.loops == nullptr || loops.topology != tree.loops().revision() || loops.rank < 0 ||
       !std::ranges::equal(loops.kept.rows, generated.rows))
     return false;
   workspace.evaluated = workspace.located = workspace.accelerated = {};
@@ -68,11 +68,11 @@ bool evaluate_loop_stage(const Tree& tree, double t, const double* q, const doub
   double* const effort = loops.answers.data() + n;
   StageCalls calls{{loops.least_pivots.data(), loops.answers.data(), effort, answer_joint}, &tree, t, &loops, &workspace.power};
   generated.loops(q, u, tau, &calls, workspace.qdot.get(), workspace.a.get());
-  for (std::size_t i = 0; i < tree.driven_joints().size(); ++i) {
-    const int b = tree.driven_joints()[i];
+  for (std::size_t i = 0; i < tree.joints_with().motions.size(); ++i) {
+    const int b = tree.joints_with().motions[i];
     workspace.power.work += (effort[i] - workspace.passive[at(b)]) * u[tree.first_p(b)];
   }
-  if (tree.loop_motions() == 0) return true;
+  if (tree.loops().motions == 0) return true;
   std::fill(loops.lambda.begin(), loops.lambda.end(), 0.0);
   for (std::size_t i = 0; i < n; ++i) loops.lambda[at(generated.rows[i])] = loops.answers[i];
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {

@@ -72,9 +72,9 @@ void LoopCorrection::evaluate_damped(const double* q, const double* u, double da
   gather(q, u);
   LoopWorkspace& loops = *workspace.loops;
   const auto each_row = [&](const auto& act) {
-    for (std::size_t link = 0; link < tree.loop_links().size(); ++link)
-      for (int i = 0; i < tree.loop_links()[link].rows; ++i) {
-        const auto row = at(tree.loop_links()[link].first_row + i);
+    for (std::size_t link = 0; link < tree.loops().links.size(); ++link)
+      for (int i = 0; i < tree.loops().links[link].rows; ++i) {
+        const auto row = at(tree.loops().links[link].first_row + i);
         const double size = row_size(tree, loops, link, i);
         act(loops.A[static_cast<std::size_t>(loops.all.position[row]) + row], size * size);
       }
@@ -100,7 +100,7 @@ void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace
   LoopWorkspace& loops = *workspace.loops;  // placed with the forces
   const bool choose = rows == LoopRows::choose || loops.rank < 0;
   detail::gather_loops<double>(tree, q, workspace, loops, base, choose);
-  if (tree.loop_armatures() > 0) detail::soften(loops);
+  if (tree.loops().armatures > 0) detail::soften(loops);
   if (choose) {
     detail::scale_rows<double>(tree, workspace, loops);
     detail::choose_rows(tree, loops, detail::rank_tolerance);
@@ -111,7 +111,7 @@ void solve_loops(const Tree& tree, const double* q, Workspace<double>& workspace
   detail::apply_multipliers<double>(tree, q, workspace, loops);
   loops.impulsive = velocities;
   loops.solved = tree.revision();
-  loops.struck = -1;
+  loops.strike.loop = -1;
   loops.least = false;
 }
 
@@ -145,7 +145,7 @@ double loop_clearance(const Tree& tree, const double* q, const double* u, Worksp
 }
 
 std::span<const int> chosen_rows(const Tree& tree, const Workspace<double>& workspace) noexcept {
-  if (!tree.has_loops() || workspace.loops == nullptr || workspace.loops->topology != tree.loop_revision()) return {};
+  if (!tree.has_loops() || workspace.loops == nullptr || workspace.loops->topology != tree.loops().revision()) return {};
   return workspace.loops->kept.rows;
 }
 

@@ -51,8 +51,8 @@ MOMENTREE_INLINE RowRange rows_of(const LoopLayout& layout, int loop) {
 template <class T>
 [[gnu::flatten]] void put_unit_wrenches(const Tree& tree, const Workspace<T>& workspace, LoopSystem<T>& loops,
                                         const LoopLayout& layout) {
-  for (const LoopStop& stop : tree.loop_stops()) {
-    const LoopLink& link = tree.loop_links()[at(stop.loop)];
+  for (const LoopStop& stop : tree.loops().stops) {
+    const LoopLink& link = tree.loops().links[at(stop.loop)];
     LoopColumnOf<T>* column = loops.columns.data() + stop.first_column;
     if (link.ends.coupling >= 0) {
       column->K = {};
@@ -80,7 +80,7 @@ template <class T>
 template <class K, class T>
 void reduce_columns(const Tree& tree, const T* q, Workspace<T>& workspace, LoopSystem<T>& loops, const LoopLayout& layout,
                     std::size_t first, std::size_t end, const Motion<T>& base) {
-  const auto stops = tree.loop_stops();
+  const std::span<const LoopStop> stops = tree.loops().stops;
   const UncheckedTree all(tree);
   const int b = stops[first].body;
   const LinkConstants& link = all.link(b);
@@ -124,7 +124,7 @@ void reduce_columns(const Tree& tree, const T* q, Workspace<T>& workspace, LoopS
   if constexpr (K::rigid)
     each_column([](Force<T>&) {});
   else
-    wrenches_inboard<K>(link, joint, record, tree.node_flags()[at(tree.place(b))], each_column);
+    wrenches_inboard<K>(link, joint, record, tree.tables().node_flags[at(tree.place(b))], each_column);
 }
 
 // A += kᵀ y of the columns at one body.
@@ -153,7 +153,7 @@ template <class T>
 void gather_loops(const Tree& tree, const T* q, Workspace<T>& workspace, LoopSystem<T>& loops, const Motion<T>& base,
                   bool all) noexcept {
   const LoopLayout& layout = all ? loops.all : loops.kept;
-  const auto stops = tree.loop_stops();
+  const std::span<const LoopStop> stops = tree.loops().stops;
   loops.whole = all;
   for (std::size_t i = 0; i < layout.elements; ++i) loops.A[i] = T(0);
   for (std::size_t i = 0; i < loops.rows.size(); ++i) loops.b[i] = T(0);
@@ -223,7 +223,7 @@ void factorise_loops(LoopSystem<T>& loops) noexcept {
 template <class T>
 void apply_multipliers(const Tree& tree, const T* q, Workspace<T>& workspace, LoopSystem<T>& loops) noexcept {
   const LoopLayout& layout = loops.whole ? loops.all : loops.kept;
-  const auto stops = tree.loop_stops();
+  const std::span<const LoopStop> stops = tree.loops().stops;
   const UncheckedTree all(tree);
   each_body_inward(stops, [&](std::size_t first, std::size_t end) {
     const int b = stops[first].body;
@@ -278,7 +278,7 @@ void scale_rows(const Tree& tree, const Workspace<T>& workspace, LoopSystem<T>& 
   constexpr double stiffest_armature = 1e6;  // a soft row is never redundant, however large the armature is beside the bodies
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
-    const LoopLink& link = tree.loop_links()[i];
+    const LoopLink& link = tree.loops().links[i];
     for (int k = 0; k < link.rows; ++k) {
       LoopRowOf<T>& row = loops.rows[at(link.first_row + k)];
       const auto at_body = [&](int b) MOMENTREE_INLINE_LAMBDA {
@@ -295,8 +295,8 @@ void scale_rows(const Tree& tree, const Workspace<T>& workspace, LoopSystem<T>& 
     }
   }
   // The element of A of a coupling's row is a sum of squares without cancellation; it is zero if both joints are locked.
-  for (std::size_t i = tree.loops().size(); i < tree.loop_links().size(); ++i) {
-    const auto row = at(tree.loop_links()[i].first_row);
+  for (std::size_t i = tree.loops().size(); i < tree.loops().links.size(); ++i) {
+    const auto row = at(tree.loops().links[i].first_row);
     T own = loops.all.element(loops.A, row, row);
     for (int l = 0; l < lanes_of<T>; ++l)
       if (const double x = get_lane(own, l); !(x > 0 && x < HUGE_VAL)) set_lane(own, l, 1);

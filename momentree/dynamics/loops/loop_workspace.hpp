@@ -109,7 +109,7 @@ struct LoopReactions {
 /// The part of the rows' system that is not computed with its scalar. For packs, `turns` and `motions` have one entry per lane,
 /// those of one loop consecutive.
 struct LoopConstants {
-  std::uint64_t topology = 0;         ///< Tree::loop_revision() for which everything is laid out and rows were chosen; 0: none
+  std::uint64_t topology = 0;         ///< TreeLoops::revision() for which everything is laid out and rows were chosen; 0: none
   std::vector<Turns> turns;           ///< by loop: the angles to which its own are nearest
   std::vector<Curve::Point> motions;  ///< by loop: its prescribed motion at the time of the evaluation
   std::vector<double> extents;        ///< by loop: the least size for tolerances (m)
@@ -135,6 +135,17 @@ struct LoopValues {
   double q[7] = {}, v[6] = {};
 };
 
+/// The impulse of a stop of a loop joint.
+struct LoopStrike {
+  int loop = -1;            ///< −1: none was struck
+  Force<double> impulse{};  ///< on its child, world axes
+};
+
+/// Joints whose reaction the loops leave open: 1 by body, and by link.
+struct OpenReactions {
+  std::vector<unsigned char> bodies, links;
+};
+
 struct LoopWorkspace : LoopSystem<double> {
   std::vector<ArmatureSpeed> carried;  ///< of loop joints with armature, before an impact
   RowChoice choice;
@@ -149,15 +160,14 @@ struct LoopWorkspace : LoopSystem<double> {
   std::vector<double> forces, answers;           ///< scratch of stages by generated code
   std::vector<Force<double>> momenta, wrenches;  ///< by body, scratch of rates of momenta
   int rank = 0;
-  int struck = -1;           ///< the loop whose DoF a stop struck in the last change, −1: none
-  Force<double> strike{};    ///< and the stop's impulse on its child, world axes
+  LoopStrike strike{};       ///< of the last change
   bool impulsive = false;    ///< the multipliers are impulses
   std::uint64_t solved = 0;  ///< Tree::revision() of the tree whose multipliers they are
   bool heavier = false;      ///< the evaluation is that of a tree with larger armatures than the rows were chosen for
   bool in_momenta = false;   ///< the present solution is that of an evaluation in momenta
   bool least = false;        ///< the multipliers are those of the least reactions
   LoopReactions reactions;
-  std::vector<unsigned char> open_bodies, open_loops;  ///< by body and by link: 1 if the loops leave the joint's reaction open
+  OpenReactions open;
 };
 
 }  // namespace momentree

@@ -102,7 +102,7 @@ void keep_loops_closed(const Tree& tree, double t, const double* q, const double
 LoopStatus loop_status(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept;
 
 /// Closes the loops at the start, from coordinates that may be far off; see loop_assembly.cpp. Writes the residual of each link
-/// of Tree::loop_links(); returns false if one cannot be closed.
+/// of TreeLoops::links; returns false if one cannot be closed.
 [[nodiscard]] bool assemble_loops(const Tree& tree, double t, double* q, double* u, Workspace<double>& workspace,
                                   double* residuals) noexcept;
 /// Moves coordinates q, with which the loops are closed, towards others as far as they stay closed and get nearer to them.
@@ -152,7 +152,7 @@ LoopReaction loop_reaction(const Tree& tree, double t, const Workspace<double>& 
 /// locked and driven DoFs.
 void add_coupling_efforts(const Tree& tree, const Workspace<double>& workspace, const double* multipliers,
                           double* force) noexcept;
-/// The place of a coupling in Tree::loop_links(); −1: it does not act.
+/// The place of a coupling in TreeLoops::links; −1: it does not act.
 [[nodiscard]] int coupling_place(const Tree& tree, int coupling) noexcept;
 
 /// The largest relative velocity (m/s, rad/s) that the loops block, and whether a loop's joint is closed with its directions
@@ -164,7 +164,7 @@ bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int plac
 /// and where there are more redundant rows than before.
 void find_least_reactions(const Tree& tree, double t, Workspace<double>& workspace);
 /// False if the loops leave the reaction of a joint open: of a loop or a coupling, by its place in
-/// Tree::loop_links(), or of the inboard joint of a body. Other
+/// TreeLoops::links, or of the inboard joint of a body. Other
 /// reactions then cause the same motion. Requires `accelerate`.
 bool loop_determined(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
 bool joint_determined(const Tree& tree, const Workspace<double>& workspace, int body) noexcept;

@@ -22,7 +22,7 @@ void add_up_angles(UncheckedTree tree, const KernelRun& run, T* angle) noexcept 
   T sum(0);
   for (int i = run.begin; i < run.end; ++i) {
     const int b = tree.order()[static_cast<std::size_t>(i)];
-    const unsigned flags = tree.node_flags()[static_cast<std::size_t>(i)];
+    const unsigned flags = tree.tables().node_flags[static_cast<std::size_t>(i)];
     T& own = angle[tree.first_angle(b)];
     if ((flags & node::root) != 0)
       sum = own;
@@ -98,7 +98,7 @@ struct InPlaneBuffers {
   }
 
   MOMENTREE_INLINE int body_at(int place) const { return tree.order()[static_cast<std::size_t>(place)]; }
-  MOMENTREE_INLINE unsigned flags_at(int place) const { return tree.node_flags()[static_cast<std::size_t>(place)]; }
+  MOMENTREE_INLINE unsigned flags_at(int place) const { return tree.tables().node_flags[static_cast<std::size_t>(place)]; }
 };
 
 /// Both passes over a mechanism.
@@ -107,7 +107,7 @@ struct InPlaneSweep {
   UncheckedTree tree;
   const T* p;
   Workspace<T>& workspace;
-  InPlaneBuffers<T> buffers{tree, workspace.in_plane_child_sums.get(), workspace.in_plane_parent_states.get()};
+  InPlaneBuffers<T> buffers{tree, workspace.in_plane.child_sums.get(), workspace.in_plane.parent_states.get()};
 
   /// (22)–(26) and (16), everything about the body's joint, in the plane's axes.
   template <bool Gravity>

@@ -46,9 +46,9 @@ MOMENTREE_INLINE StepArrays step_arrays(const Tree& tree, Passes passes, const T
   arrays.reduced_bias_wrenches = workspace.reduced_bias_wrenches.get();
   arrays.loads = workspace.loads.get();
   arrays.masses = UncheckedTree(tree).subtree_masses();
-  arrays.armature = arrays.model_armature = tree.armature();
+  arrays.armature = arrays.model_armature = tree.tables().armature.data();
   if constexpr (!std::is_same_v<T, double>) {
-    for (int i = 0; i < tree.nv(); ++i) workspace.impulse[static_cast<std::size_t>(i)] = T(tree.armature()[i]);
+    for (int i = 0; i < tree.nv(); ++i) workspace.impulse[static_cast<std::size_t>(i)] = T(tree.tables().armature[i]);
     arrays.armature = workspace.impulse.get();
   }
   return arrays;

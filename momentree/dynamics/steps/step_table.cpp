@@ -35,7 +35,7 @@ bool has_gravity(const Tree& tree) {
 }
 /// It carries no other and is attached to the ground, directly or by welds.
 bool is_alone(const Tree& tree, int b) {
-  const unsigned flags = tree.node_flags()[at(tree.place(b))];
+  const unsigned flags = tree.tables().node_flags[at(tree.place(b))];
   return (flags & node::grounded) != 0 && (flags & node::leaf) != 0;
 }
 derive::BodyPlace place_of_body(bool leaf, bool root) {
@@ -90,7 +90,7 @@ void StepTable::run(std::span<const StepEntry> entries, const StepArrays& arrays
 bool StepTable::follow(const Tree& tree) noexcept {
   if (revision_ == tree.revision()) return serves_;
   revision_ = tree.revision(), serves_ = false;
-  const std::size_t farthest = tree.record_capacity() * (keeps_results(scalar_.passes) ? 1 : scalar_.size);
+  const std::size_t farthest = tree.tables().record_capacity * (keeps_results(scalar_.passes) ? 1 : scalar_.size);
   if (farthest > std::numeric_limits<std::int32_t>::max()) return false;
   static std::atomic<std::uint64_t> versions = 0;
   version_ = ++versions;
@@ -137,7 +137,7 @@ void StepTable::find_bodies(const Tree& tree) {
   bodies_.resize(at(tree.bodies()));
   moving_.clear(), moving_.reserve(at(tree.bodies()));
   bool any_weld = false;
-  for (const KernelRun& run : all.kernel_runs()) {
+  for (const KernelRun& run : all.tables().runs) {
     if (run.planar && !keeps_results(scalar_.passes)) continue;
     const bool weld = info(run.kind).nv == 0 && !keeps_results(scalar_.passes);
     for (int i = run.begin; i < run.end; ++i) {
@@ -157,7 +157,7 @@ void StepTable::find_bodies(const Tree& tree) {
   welded_.clear();
   if (!any_weld) return;
   welded_.resize(at(tree.bodies()));
-  for (const KernelRun& run : all.kernel_runs())
+  for (const KernelRun& run : all.tables().runs)
     for (int i = run.begin; i < run.end && !(run.planar || info(run.kind).nv > 0); ++i) {
       const int b = order[at(i)], to = bodies_[at(b)].sum;
       if (to < 0) continue;
@@ -281,7 +281,7 @@ bool StepTable::add_entries(const Tree& tree) {
     entry.to = place(sum, body.parent < 0 ? b : bodies_[at(body.parent)].sum);
     entry.step = passes[inward_pass], inboard_[n - 1 - i] = entry;
   }
-  MT_REQUIRE(keeps_results(passes_of) || record <= tree.record_capacity(),
+  MT_REQUIRE(keeps_results(passes_of) || record <= tree.tables().record_capacity,
              "the records of steps fit into the memory for those of the kinds");
   return true;
 }

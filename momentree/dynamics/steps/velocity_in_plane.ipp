@@ -9,7 +9,7 @@ template <class T>
 struct InPlaneVelocitySweep {
   UncheckedTree tree;
   Workspace<T>& workspace;
-  InPlaneBuffers<T> buffers{tree, workspace.in_plane_child_sums.get(), workspace.in_plane_parent_states.get()};
+  InPlaneBuffers<T> buffers{tree, workspace.in_plane.child_sums.get(), workspace.in_plane.parent_states.get()};
 
   /// Absolute angular velocities, and the joints' positions.
   void velocities(const KernelRun& run) const {

@@ -16,6 +16,7 @@
 
 #include <momentree/dynamics/forces/resistance.hpp>
 #include <momentree/integrate/integrator.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -68,8 +69,8 @@ inline Damped::Damped(const Tree& tree, const StepControl& control)
 }
 
 inline void Damped::follow(const Tree& tree) {
-  massive_.copy_with_armatures(tree);
-  massive_armature_ = massive_.mutable_armature();
+  massive_.edit().copy_with_armatures(tree);
+  massive_armature_ = massive_.edit().armature();
   revision_ = tree.revision();
 }
 
@@ -79,10 +80,10 @@ inline void Damped::evaluate_stage(Evaluator& evaluate, int stage, double t, dou
   const Tree& tree = evaluate.tree();
   const Workspace<double>& workspace = evaluate.workspace();
   const int nv = tree.nv();
-  const double *armature = tree.armature(), *u = workspace.v.get();
+  const double *armature = tree.tables().armature.data(), *u = workspace.v.get();
   double *massive_armature = massive_armature_, *resist = rate(resist_, stage), *dissipating = rate(dissipating_, stage),
          *giving = rate(giving_, stage);
-  const bool linear = tree.forced_joints().empty();
+  const bool linear = tree.joints_with().forces.empty();
   std::copy_n(rate(velocity_, stage - 1), nv, point_.get());
   for (int left = most_linearised; left > 0; --left) {
     resisting_forces(tree, t, q_.get(), point_.get(), {force_.get(), at_point_.get(), slope_.get()});
@@ -149,7 +150,7 @@ inline bool Damped::step(Evaluator& evaluate, State& state, EnergyLedger& ledger
     if (s + 1 == stages) continue;
     const double share = h * explicit_part[stages - 1][s];
     lost += share * workspace.power.dissipated;
-    const bool driven = s > 0 && (!tree.driven_joints().empty() || tree.loop_motions() > 0);
+    const bool driven = s > 0 && (!tree.joints_with().motions.empty() || tree.loops().motions > 0);
     if (driven) evaluate(t, q_.get(), p_.get());  // a motion's effort depends on accelerations with the true mass
     done += share * workspace.power.work;
     for (int i = 0; i < nv && s == 0; ++i)
@@ -165,7 +166,7 @@ inline bool Damped::step(Evaluator& evaluate, State& state, EnergyLedger& ledger
   edit.time += h;
   ledger.dissipated += taken(nv, h, rate(velocity_, stages - 1)) + lost;
   ledger.work += done;
-  if (!tree.forced_joints().empty()) {
+  if (!tree.joints_with().forces.empty()) {
     ledger.dissipated -= spent(dissipating_, nv, h);
     ledger.work += spent(giving_, nv, h);
   }

@@ -27,17 +27,21 @@ std::string_view first_tag(std::string_view text) {
 }
 
 // The callbacks for expat.
-class XmlBuilder {
+class XmlDocument::Builder {
  public:
-  XmlBuilder(XmlDocument& document, SyntaxError& error, bool quotes)
-      : document_(document), error_(error), quotes_(quotes), parser_(XML_ParserCreate("UTF-8"), XML_ParserFree) {}
+  Builder(XmlDocument& document, SyntaxError& error, bool quotes)
+      : document_(document),
+        content_(document.content_),
+        error_(error),
+        quotes_(quotes),
+        parser_(XML_ParserCreate("UTF-8"), XML_ParserFree) {}
 
   bool build() {
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(parser_.get(), &started, &ended);
     XML_SetCharacterDataHandler(parser_.get(), &characters);
     XML_SetStartDoctypeDeclHandler(parser_.get(), &document_type);
-    const std::string_view text = document_.text_;
+    const std::string_view text = content_.text;
     const XML_Status status = XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), XML_TRUE);
     if (failure_) std::rethrow_exception(failure_);
     if (status == XML_STATUS_OK) return true;
@@ -51,7 +55,7 @@ class XmlBuilder {
     std::uint32_t last_child = XmlDocument::none;
   };
 
-  static XmlBuilder& self(void* user) { return *static_cast<XmlBuilder*>(user); }
+  static Builder& self(void* user) { return *static_cast<Builder*>(user); }
   // Exceptions must not pass through expat, which is C: its memory would leak. They are thrown again when it has returned.
   template <class F>
   void guarded(const F& f) {
@@ -76,7 +80,7 @@ class XmlBuilder {
     self(user).guarded([&] { self(user).refuse_document_type(); });
   }
   void refuse_document_type() {
-    const std::size_t begin = document_.text_.rfind("<!DOCTYPE", offset());
+    const std::size_t begin = content_.text.rfind("<!DOCTYPE", offset());
     stop_at(begin == std::string_view::npos ? offset() : begin,
             "a document type (<!DOCTYPE …>) is not supported: no entity is declared, expanded or fetched",
             "leave it out: a model needs none");
@@ -94,8 +98,8 @@ class XmlBuilder {
   std::uint32_t name_of(std::string_view name) {
     const auto found = names_.find(name);
     if (found != names_.end()) return found->second;
-    const auto index = static_cast<std::uint32_t>(document_.names_.size());
-    document_.names_.emplace_back(name);
+    const auto index = static_cast<std::uint32_t>(content_.names.size());
+    content_.names.emplace_back(name);
     names_.emplace(name, index);
     return index;
   }
@@ -103,35 +107,35 @@ class XmlBuilder {
   void start(const char* name, const char** attributes) {
     if (open_.size() >= XmlDocument::deepest)
       return stop("elements are nested more than " + std::to_string(XmlDocument::deepest) + " deep", "no model needs that");
-    if (document_.nodes_.size() >= XmlDocument::most_elements)
+    if (content_.nodes.size() >= XmlDocument::most_elements)
       return stop("more than " + std::to_string(XmlDocument::most_elements) + " elements", "no model is as large as that");
-    const auto index = static_cast<std::uint32_t>(document_.nodes_.size());
+    const auto index = static_cast<std::uint32_t>(content_.nodes.size());
     XmlDocument::Node node;
     node.name = name_of(name);
     node.offset = static_cast<std::uint32_t>(offset());
-    node.first_attribute = static_cast<std::uint32_t>(document_.attributes_.size());
+    node.first_attribute = static_cast<std::uint32_t>(content_.attributes.size());
     for (const char** at = attributes; *at != nullptr; at += 2) {
       if (node.attributes == XmlDocument::most_at_once)
         return stop("more than " + std::to_string(XmlDocument::most_at_once) + " attributes in one element",
                     "no model is as large as that");
       const std::string_view value(at[1]);
-      document_.attributes_.push_back(
-          {name_of(at[0]), static_cast<std::uint32_t>(document_.pool_.size()), static_cast<std::uint32_t>(value.size())});
-      document_.pool_ += value;
+      content_.attributes.push_back(
+          {name_of(at[0]), static_cast<std::uint32_t>(content_.pool.size()), static_cast<std::uint32_t>(value.size())});
+      content_.pool += value;
       ++node.attributes;
     }
-    if (document_.attributes_.size() > XmlDocument::most_attributes)
+    if (content_.attributes.size() > XmlDocument::most_attributes)
       return stop("more than " + std::to_string(XmlDocument::most_attributes) + " attributes", "no model is as large as that");
     if (!open_.empty()) {
       Open& parent = open_.back();
       close_text(parent);
       node.parent = parent.node;
-      std::uint32_t& link = parent.last_child == XmlDocument::none ? document_.nodes_[parent.node].first_child
-                                                                   : document_.nodes_[parent.last_child].next;
+      std::uint32_t& link = parent.last_child == XmlDocument::none ? content_.nodes[parent.node].first_child
+                                                                   : content_.nodes[parent.last_child].next;
       link = index;
       parent.last_child = index;
     }
-    document_.nodes_.push_back(node);
+    content_.nodes.push_back(node);
     open_.push_back({index});
   }
 
@@ -148,7 +152,7 @@ class XmlBuilder {
       const std::size_t skipped = static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_blank) - text.begin());
       text.remove_prefix(skipped);
       if (text.empty()) return;
-      document_.nodes_[open_.back().node].text_offset = static_cast<std::uint32_t>(offset() + skipped);
+      content_.nodes[open_.back().node].text_offset = static_cast<std::uint32_t>(offset() + skipped);
     }
     text_ += text;
   }
@@ -156,21 +160,21 @@ class XmlBuilder {
   void close_text(const Open& open) {
     while (!text_.empty() && is_blank(text_.back())) text_.pop_back();
     if (text_.empty()) return;
-    XmlDocument::Node& node = document_.nodes_[open.node];
-    node.text = static_cast<std::uint32_t>(document_.pool_.size());
+    XmlDocument::Node& node = content_.nodes[open.node];
+    node.text = static_cast<std::uint32_t>(content_.pool.size());
     node.text_size = static_cast<std::uint32_t>(text_.size());
-    document_.pool_ += text_;
+    content_.pool += text_;
     text_.clear();
   }
 
   std::string opened() const {
-    const XmlDocument::Node& node = document_.nodes_[open_.back().node];
-    return (quotes_ ? "<" + document_.names_[node.name] + ">" : std::string("an element")) + ", opened on line " +
+    const XmlDocument::Node& node = content_.nodes[open_.back().node];
+    return (quotes_ ? "<" + content_.names[node.name] + ">" : std::string("an element")) + ", opened on line " +
            std::to_string(document_.place_at(node.offset).line);
   }
 
   void explain() {
-    const std::size_t size = document_.text_.size();
+    const std::size_t size = content_.text.size();
     const XML_Error code = XML_GetErrorCode(parser_.get());
     error_.place = document_.place_at(std::min(offset(), size));
     switch (code) {
@@ -205,7 +209,7 @@ class XmlBuilder {
       case XML_ERROR_INCORRECT_ENCODING: error_.what = "the text is not UTF-8"; break;
       default:
         error_.what = "cannot read this as XML: " + std::string(XML_ErrorString(code));
-        if (size > 0 && document_.text_.find('<') == std::string_view::npos) error_.hint = "this file contains no tags";
+        if (size > 0 && content_.text.find('<') == std::string_view::npos) error_.hint = "this file contains no tags";
     }
   }
 
@@ -215,6 +219,7 @@ class XmlBuilder {
   };
 
   XmlDocument& document_;
+  Content& content_;
   SyntaxError& error_;
   bool quotes_;
   std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser_;
@@ -227,13 +232,13 @@ class XmlBuilder {
 // Reserves as much as the text can contain: unused memory is never touched, and nothing is copied by growing.
 void XmlDocument::reserve() {
   std::size_t tags = 0, values = 0;
-  for (std::size_t i = 0; i + 1 < text_.size(); ++i) {
-    if (text_[i] == '<' && text_[i + 1] != '/') ++tags;
-    if (text_[i] == '=') ++values;
+  for (std::size_t i = 0; i + 1 < content_.text.size(); ++i) {
+    if (content_.text[i] == '<' && content_.text[i + 1] != '/') ++tags;
+    if (content_.text[i] == '=') ++values;
   }
-  nodes_.reserve(std::min(tags, most_elements) + 1);
-  attributes_.reserve(std::min(values, most_attributes) + 1);
-  pool_.reserve(text_.size());
+  content_.nodes.reserve(std::min(tags, most_elements) + 1);
+  content_.attributes.reserve(std::min(values, most_attributes) + 1);
+  content_.pool.reserve(content_.text.size());
 }
 
 std::unique_ptr<const XmlDocument> XmlDocument::parse(std::string_view text, SyntaxError& error, bool quotes) {
@@ -252,15 +257,16 @@ std::unique_ptr<const XmlDocument> XmlDocument::parse(std::string_view text, Syn
   for (std::size_t i = 0; i + block <= text.size(); i += block)
     document->marks_.push_back(after(document->marks_.back(), text.substr(i, block)));
   error = {};
-  if (!XmlBuilder(*document, error, quotes).build()) return nullptr;
+  if (!Builder(*document, error, quotes).build()) return nullptr;
   return document;
 }
 
 Place XmlDocument::place_at(std::size_t offset) const {
-  offset = std::min(offset, text_.size());
+  offset = std::min(offset, content_.text.size());
   const std::size_t nearest = std::min(offset / block, marks_.size() - 1), from = nearest * block;
-  Mark mark = after(marks_[nearest], text_.substr(from, offset - from));
-  if (mark.line == 0 && mark.column > 0 && text_.starts_with("\xEF\xBB\xBF")) --mark.column;  // not a character of the line
+  Mark mark = after(marks_[nearest], content_.text.substr(from, offset - from));
+  if (mark.line == 0 && mark.column > 0 && content_.text.starts_with("\xEF\xBB\xBF"))
+    --mark.column;  // not a character of the line
   return {static_cast<int>(mark.line) + 1, static_cast<int>(mark.column) + 1, 0};
 }
 
@@ -274,14 +280,14 @@ XmlDocument::Mark XmlDocument::after(Mark mark, std::string_view text) {
   return mark;
 }
 
-std::string_view XmlElement::name() const { return document_->names_[document_->nodes_[index_].name]; }
+std::string_view XmlElement::name() const { return document_->content().names[document_->content().nodes[index_].name]; }
 std::string_view XmlElement::text() const {
-  const auto& node = document_->nodes_[index_];
-  return document_->kept(node.text, node.text_size);
+  const auto& node = document_->content().nodes[index_];
+  return document_->content().kept(node.text, node.text_size);
 }
-Place XmlElement::place() const { return document_->place_at(document_->nodes_[index_].offset); }
+Place XmlElement::place() const { return document_->place_at(document_->content().nodes[index_].offset); }
 Place XmlElement::text_place() const {
-  const auto& node = document_->nodes_[index_];
+  const auto& node = document_->content().nodes[index_];
   return document_->place_at(node.text_size > 0 ? node.text_offset : node.offset);
 }
 
@@ -291,17 +297,17 @@ XmlElement element_or_none(const XmlDocument* document, std::uint32_t index) {
 }
 }  // namespace
 
-XmlElement XmlElement::parent() const { return element_or_none(document_, document_->nodes_[index_].parent); }
-XmlElement XmlElement::first_child() const { return element_or_none(document_, document_->nodes_[index_].first_child); }
-XmlElement XmlElement::next() const { return element_or_none(document_, document_->nodes_[index_].next); }
+XmlElement XmlElement::parent() const { return element_or_none(document_, document_->content().nodes[index_].parent); }
+XmlElement XmlElement::first_child() const { return element_or_none(document_, document_->content().nodes[index_].first_child); }
+XmlElement XmlElement::next() const { return element_or_none(document_, document_->content().nodes[index_].next); }
 
-std::size_t XmlElement::attributes() const { return document_->nodes_[index_].attributes; }
+std::size_t XmlElement::attributes() const { return document_->content().nodes[index_].attributes; }
 std::string_view XmlElement::attribute_name(std::size_t i) const {
-  return document_->names_[document_->attributes_[document_->nodes_[index_].first_attribute + i].name];
+  return document_->content().names[document_->content().attributes[document_->content().nodes[index_].first_attribute + i].name];
 }
 std::string_view XmlElement::attribute(std::size_t i) const {
-  const auto& attribute = document_->attributes_[document_->nodes_[index_].first_attribute + i];
-  return document_->kept(attribute.value, attribute.size);
+  const auto& attribute = document_->content().attributes[document_->content().nodes[index_].first_attribute + i];
+  return document_->content().kept(attribute.value, attribute.size);
 }
 std::optional<std::size_t> XmlElement::find(std::string_view attribute) const {
   for (std::size_t i = 0; i < attributes(); ++i)
@@ -311,9 +317,9 @@ std::optional<std::size_t> XmlElement::find(std::string_view attribute) const {
 
 // The parser reports only where a tag begins; its attributes follow there in order, and are well-formed.
 Place XmlElement::attribute_place(std::size_t i, bool of_value) const {
-  const std::string_view text = document_->text_;
+  const std::string_view text = document_->content().text;
   const auto at = [&](std::size_t k) { return k < text.size() ? text[k] : '\0'; };
-  std::size_t k = document_->nodes_[index_].offset;
+  std::size_t k = document_->content().nodes[index_].offset;
   while (k < text.size() && !is_blank(text[k]) && text[k] != '>') ++k;  // past the element's name
   for (std::size_t attribute = 0;; ++attribute) {
     while (is_blank(at(k))) ++k;

@@ -99,9 +99,6 @@ class XmlDocument {
   XmlElement root() const { return {this, 0}; }
   Place place_at(std::size_t offset) const;
 
- private:
-  friend class XmlElement;
-  friend class XmlBuilder;
   static constexpr std::uint32_t none = 0xffffffffu;
   struct Node {
     std::uint32_t name = 0, offset = 0, parent = none, first_child = none, next = none;
@@ -110,15 +107,23 @@ class XmlDocument {
   struct Attribute {
     std::uint32_t name = 0, value = 0, size = 0;
   };
-  explicit XmlDocument(std::string_view text) : text_(text) {}
-  void reserve();
-  std::string_view kept(std::uint32_t at, std::uint32_t size) const { return std::string_view(pool_).substr(at, size); }
+  /// The document as it is stored, for XmlElement.
+  struct Content {
+    std::string_view text;
+    std::string pool;  ///< all values and texts, concatenated
+    std::vector<std::string> names;
+    std::vector<Node> nodes;
+    std::vector<Attribute> attributes;
+    std::string_view kept(std::uint32_t at, std::uint32_t size) const { return std::string_view(pool).substr(at, size); }
+  };
+  const Content& content() const { return content_; }
 
-  std::string_view text_;
-  std::string pool_;  // all values and texts, concatenated
-  std::vector<std::string> names_;
-  std::vector<Node> nodes_;
-  std::vector<Attribute> attributes_;
+ private:
+  class Builder;
+  explicit XmlDocument(std::string_view text) : content_{text, {}, {}, {}, {}} {}
+  void reserve();
+
+  Content content_;
   /// Line and column (from 0, in characters) at the start of every block of the text, so that places are found quickly even
   /// with long or many lines.
   static constexpr std::size_t block = 4096;

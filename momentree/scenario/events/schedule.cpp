@@ -175,7 +175,7 @@ Schedule schedule(Simulation& simulation, std::vector<const ScenarioEvent*> even
   };
   for (const ScenarioEvent* event : events) note(*event);
   for (const ScenarioEvent& event : past) note(event);
-  simulation.expect_joints(made);
+  expect_joints(simulation, made);
   std::map<const ScenarioEvent*, std::size_t> ranks;  // by position in the file
   for (std::size_t k = 0; k < events.size(); ++k) ranks.emplace(events[k], k);
   std::stable_sort(events.begin(), events.end(), [](const auto* a, const auto* b) { return a->time < b->time; });

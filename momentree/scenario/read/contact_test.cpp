@@ -317,11 +317,11 @@ until = 1
   Session whole = load_text(scenario, "s.toml");
   REQUIRE(whole.simulation().run_until(1));
   CHECK(whole.simulation().energy().largest_kinetic == doctest::Approx(2 * 9.81 * 0.5).epsilon(1e-6));
-  const std::string text = state_json(whole.simulation().world(), {}, whole.simulation().step_memory());
+  const std::string text = state_json(whole.simulation().world(), {}, step_memory(whole.simulation()));
   Session again = load_text(scenario, "s.toml");
   const RestoredState state = read_state(text, "state.json", again.scenario().model);
   restore(again.simulation(), {state});
-  again.simulation().resume({}, state.memory);
+  resume(again.simulation(), {}, state.memory);
   CHECK(again.simulation().energy().largest_kinetic == whole.simulation().energy().largest_kinetic);
-  CHECK(state_json(again.simulation().world(), {}, again.simulation().step_memory()) == text);
+  CHECK(state_json(again.simulation().world(), {}, step_memory(again.simulation())) == text);
 }

@@ -39,7 +39,7 @@ Session session_of(const std::string& text) { return load_text(text, "s.toml"); 
 
 std::string document(const Session& session) {
   const Simulation& sim = session.simulation();
-  return state_json(sim.world(), {}, sim.step_memory());
+  return state_json(sim.world(), {}, step_memory(sim));
 }
 
 // The document of a simulation, read back by a simulation of the same scenario: the same text, and the same future.
@@ -47,13 +47,13 @@ void check_document(const std::string& scenario, Simulation& sim, double until) 
   const ReadResult read = read_scenario_text(scenario, "s.toml");
   REQUIRE(read.scenario);
   const bool adaptive = is_adaptive(read.scenario->integration.method);
-  const auto memory = [adaptive](const Simulation& of) { return adaptive ? of.step_memory() : StepMemory{}; };
+  const auto memory = [adaptive](const Simulation& of) { return adaptive ? step_memory(of) : StepMemory{}; };
   const std::string text = state_json(sim.world(), {}, memory(sim));
   CAPTURE(text);
   Simulation again(read.scenario->model, read.scenario->integration);
-  const RestoredState state = read_state(text, "s.json", again.world().first_model());
+  const RestoredState state = read_state(text, "s.json", first_model(again.world()));
   restore(again, {state});
-  again.resume({}, state.memory);
+  resume(again, {}, state.memory);
   CHECK(state_json(again.world(), {}, memory(again)) == text);
   REQUIRE(again.run_until(until) == Status::ok);
   REQUIRE(sim.run_until(until) == Status::ok);
@@ -426,7 +426,7 @@ TEST_CASE("bad loop joints in documents are refused") {
     REQUIRE(at != std::string::npos);
     changed.replace(at, from.size(), to);
     try {
-      static_cast<void>(read_state(changed, "s.json", session.simulation().world().first_model()));
+      static_cast<void>(read_state(changed, "s.json", first_model(session.simulation().world())));
     } catch (const Error& error) {
       return std::string(error.what());
     }

@@ -199,7 +199,7 @@ TEST_CASE("a run that is continued from a document, or from a checkpoint, has th
     const bool adaptive = std::string(integrate).find("rk4") == std::string::npos;
     const auto document = [&](const Session& session) {
       return state_json(session.simulation().world(), session.armed(),
-                        adaptive ? session.simulation().step_memory() : StepMemory{});
+                        adaptive ? step_memory(session.simulation()) : StepMemory{});
     };
     Session whole(scenario);
     run_to(whole, 2);

@@ -223,7 +223,7 @@ void write_contacts(JsonWriter& json, const World& world, const SteppingState& s
     }
     json.end_object();
   }
-  for (const Contact& contact : world.former_contacts()) {
+  for (const Contact& contact : world.constraints().former_contacts) {
     ContactPoint shown{{contact.a}, {contact.b}, {}, {}, {}, {}};
     if (contact.cable < 0) shown = in_order(shown);
     json.begin_object();
@@ -245,7 +245,7 @@ void write_contacts(JsonWriter& json, const World& world, const SteppingState& s
     json.end_object();
   }
   constexpr int stride = static_cast<int>(most_colliders);
-  for (const int pair : world.overlapping()) {
+  for (const int pair : world.constraints().overlapping) {
     json.begin_object();
     write_who(json, model, shapes, {collider(model, pair / stride).body, collider(model, pair % stride).body, pair});
     json.member("overlapping", true).end_object();

@@ -259,7 +259,7 @@ TEST_CASE("contacts of a document: what it names exists, and contacts that no lo
   model.add_collider({.plane = true});
   Simulation sim(model, {.method = "rk4"});
   REQUIRE(sim.run_until(0.1));
-  const std::string text = state_json(sim.world(), {}, sim.step_memory());
+  const std::string text = state_json(sim.world(), {}, step_memory(sim));
   const auto mistake_in = [&](const std::string& from, const std::string& to) {
     std::vector<Diagnostic> problems;
     static_cast<void>(read_state(replaced(text, from, to), "s.json", model, "", problems));
@@ -287,7 +287,7 @@ TEST_CASE("contacts of a document: what it names exists, and contacts that no lo
     Simulation again(model, {.method = "rk4"});
     const RestoredState state = read_state(changed, "s.json", model);
     restore(again, {state});
-    again.resume({}, state.memory);
+    resume(again, {}, state.memory);
     REQUIRE(again.run_until(0.11));
     std::string names;
     for (const Event& event : again.events()) names += event.name.substr(0, 4) + " ";
@@ -323,12 +323,12 @@ TEST_CASE("a run that continues from a document sees what stops carry that only 
         }
         Simulation first(model, {.method = method, .step = 1e-3}), second(model, {.method = method, .step = 1e-3});
         if (at >= 0) REQUIRE(first.run_until(at));
-        const std::string text = state_json(first.world(), {}, first.step_memory());
+        const std::string text = state_json(first.world(), {}, step_memory(first));
         const RestoredState state = read_state(text, "s.json", model);
         restore(second, {state});
-        second.resume({}, state.memory);
+        resume(second, {}, state.memory);
         if (at > 0) {
-          CHECK(state_json(second.world(), {}, second.step_memory()) == text);
+          CHECK(state_json(second.world(), {}, step_memory(second)) == text);
           CHECK((text.find("\"resting\": [1]") != std::string::npos));
           CHECK((text.find("\"stop_forces\"") != std::string::npos) == (method == "stepping"));
         }
@@ -365,13 +365,13 @@ TEST_CASE("bodies that overlap where their joint broke are in the document, and 
     static_cast<void>(sim.apply(break_joint("box")));
     static_cast<void>(sim.apply(impulse("box", {0, 0, 1})));
     REQUIRE(sim.run_until(0.02));
-    const std::string text = state_json(sim.world(), {}, sim.step_memory());
+    const std::string text = state_json(sim.world(), {}, step_memory(sim));
     CHECK(text.find("\"overlapping\": true") != std::string::npos);
     Simulation again(model, {.method = method});
     const RestoredState state = read_state(text, "s.json", model);
     restore(again, {state});
-    again.resume({}, state.memory);
-    CHECK(state_json(again.world(), {}, again.step_memory()) == text);
+    resume(again, {}, state.memory);
+    CHECK(state_json(again.world(), {}, step_memory(again)) == text);
     for (Simulation* each : {&sim, &again}) {
       REQUIRE(each->run_until(0.5));
       CHECK(each->world().motions()[1].pose.position.z == doctest::Approx(0.15).epsilon(1e-6));
@@ -451,8 +451,8 @@ TEST_CASE("a document keeps where a stop acts deeper than its limit") {
       replaced(state_json(sim.world(), {}), "\"reversed\": false", "\"reversed\": false, \"deeper\": [[-0.1001, null]]");
   const RestoredState state = read_state(text, "s.json", model);
   restore(sim, {state});
-  sim.resume({}, state.memory);
-  CHECK(state_json(sim.world(), {}, {.deeper = sim.step_memory().deeper}) == text);
+  resume(sim, {}, state.memory);
+  CHECK(state_json(sim.world(), {}, {.deeper = step_memory(sim).deeper}) == text);
   REQUIRE(sim.run_until(1) == Status::ok);
   CHECK(sim.world().joint({0}).resting == 1);
   CHECK(sim.world().joint({0}).q[0] == doctest::Approx(-0.1001).epsilon(1e-9));

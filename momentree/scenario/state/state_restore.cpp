@@ -21,7 +21,7 @@ struct Entry {
 struct Places {
   Places(const World& world, const Forest& forest) {
     const Model& model = world.model();
-    const int bodies = forest.places.empty() ? world.first_bodies() : static_cast<int>(forest.places.size());
+    const int bodies = forest.places.empty() ? world.start().bodies : static_cast<int>(forest.places.size());
     for (int b = 0; b < bodies; ++b) {
       carrier.push_back(b);
       parent.push_back(model[{b}].parent.index);
@@ -121,7 +121,7 @@ std::vector<Diagnostic> restore(Simulation& simulation, const std::vector<Restor
     }
     if (!document.forest.places.empty()) {
       forest = document.forest;
-      forest.gravity = document.forest.gravity.value_or(simulation.world().first_gravity());
+      forest.gravity = document.forest.gravity.value_or(simulation.world().start().gravity);
     } else if (!document.forest.springs.empty()) {
       forest.springs = document.forest.springs;
     }

@@ -28,7 +28,7 @@ void write_coordinates(JsonWriter& json, const JointView& joint) {
 // Per DoF: 1 on its upper stop, -1 on its lower stop, 0 on none; and the force of a stop that is stepped through.
 void write_resting(JsonWriter& json, const World& world, int number, const JointView& joint, const StepMemory& memory) {
   std::vector<double> sides(static_cast<std::size_t>(info(joint.kind).nv), 0.0), forces = sides;
-  for (const ActiveLimit& hold : world.active_limits())
+  for (const ActiveLimit& hold : world.constraints().active_limits)
     if (hold.joint == number) sides[static_cast<std::size_t>(hold.dof)] = hold.sign;
   bool stepped = false;
   for (const SteppedContact& stop : memory.stepping.points) {
@@ -60,7 +60,7 @@ void write_joint(JsonWriter& json, const World& world, int number, const StepMem
   write_joint_frame(json, joint_record(world, {number}));
   write_locked(json, joint.locked, info(joint.kind).nv);
   json.member("reversed", joint.reversed);
-  if (!is_loop({number}) && world.tree().detached(world.tree().carrier(number))) json.member("made", true);
+  if (!is_loop({number}) && is_detached(world.tree(), world.tree().carrier(number))) json.member("made", true);
   write_resting(json, world, number, joint, memory);
   write_deeper(json, memory, joint);
   json.key("parameters");
@@ -125,7 +125,7 @@ void write_armed(JsonWriter& json, const ArmedEvent& event) {
 
 void write_coupling(JsonWriter& json, const World& world, CouplingId number) {
   const CouplingView coupling = world.coupling(number);
-  const auto [joint, follows] = world.coupling_names(number);
+  const auto [joint, follows] = coupling_names(world, number);
   json.begin_object().member("joint", joint);
   if (!follows.empty()) json.member("follows", follows);
   json.member("ended", coupling.ended);
@@ -141,7 +141,7 @@ std::string state_json(const World& world, const Armed& armed, const StepMemory&
   text.reserve(1000 * model.bodies().size() + 500);
   JsonWriter json(text, 2);
   json.begin_object().member("time", world.time());
-  if (!(model.gravity() == world.first_gravity())) json.member("gravity", model.gravity());
+  if (!(model.gravity() == world.start().gravity)) json.member("gravity", model.gravity());
 
   json.key("mechanisms").begin_array();
   for (const Mechanism& mechanism : world.mechanisms()) {

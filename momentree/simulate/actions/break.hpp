@@ -22,7 +22,7 @@ struct Break : ActionBase {
   ActionPhase phase(TopologyEditor&) const override { return ActionPhase::release; }
   ActionResult apply(TopologyEditor& editor) const override {
     if (const int spring = editor.spring(name); spring >= 0) {
-      if (!editor.tree().spring_acts(spring)) return ActionResult::skipped("the spring is broken already");
+      if (!spring_acts(editor.tree(), spring)) return ActionResult::skipped("the spring is broken already");
       editor.break_spring(spring);
       return ActionResult::done();
     }

@@ -231,7 +231,7 @@ TEST_CASE("cable: stepped in time, one that is cut, parts or becomes longer exer
     const BodyAcceleration a = sim.world().accelerations()[0];
     CHECK(norm(a.linear - Vec3{0, 0, -g}) < 1e-12);
     CHECK(norm(a.angular) < 1e-12);
-    CHECK(sim.step_memory().stepping.points.empty());
+    CHECK(step_memory(sim).stepping.points.empty());
     CHECK(tension == doctest::Approx(mass * g).epsilon(1e-6));
   };
   const double cut = 0.0123;

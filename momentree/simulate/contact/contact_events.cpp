@@ -64,7 +64,7 @@ void ContactEvents::apply(const Impulses& impulses, const ContactRows& rows, con
   const double lost = event.lost;
   editor.apply_contact_impulses(impulses.generalised, impulses.on_bodies, impulses.on_ground);
   event.after = world_->world().totals();
-  if (world_->tree().driven_joints().empty() && world_->tree().loop_motions() == 0 && !rows.has_belts()) return;
+  if (world_->tree().joints_with().motions.empty() && world_->tree().loops().motions == 0 && !rows.has_belts()) return;
   // What the contacts did not take, prescribed motions and belts brought in.
   double taken = 0;
   for (std::size_t i = 0; i < r.size(); ++i) {

@@ -126,7 +126,7 @@ contact::Features ContactPairs::features_of(const ContactPair& cable) const {
   contact::Features features{.pair = contact::FeaturePair::cable};
   features.point_a = spring.from.point, features.point_b = spring.to.point;
   if (spring.from.body.index != cable.a) std::swap(features.point_a, features.point_b);
-  features.length = world_->tree().spring_law(cable.cable).rest;
+  features.length = world_->tree().springs().law(cable.cable).rest;
   return features;
 }
 
@@ -187,7 +187,7 @@ double ContactPairs::speed_bound(const ContactPair& pair) const {
 }
 
 double ContactPairs::margin(const ContactPair& pair) const {
-  if (pair.cable >= 0) return 0.05 * world_->tree().spring_law(pair.cable).rest;  // so that it does not become taut unseen
+  if (pair.cable >= 0) return 0.05 * world_->tree().springs().law(pair.cable).rest;  // so that it does not become taut unseen
   return 0.5 * std::min({pair.thickness, pair.one->solid.reach, pair.other->solid.reach});
 }
 
@@ -232,7 +232,7 @@ double ContactPairs::longest_step(const ContactPair& pair, double distance, doub
 }
 
 double ContactPairs::rounding(const ContactPair& pair) const {
-  const double length = pair.cable >= 0 ? world_->tree().spring_law(pair.cable).rest : 0.0;
+  const double length = pair.cable >= 0 ? world_->tree().springs().law(pair.cable).rest : 0.0;
   return 4 * std::numeric_limits<double>::epsilon() * (norm(world_->place(pair.a).r) + length);
 }
 

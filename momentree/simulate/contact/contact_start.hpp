@@ -20,7 +20,7 @@ class ContactsBetweenRuns {
   bool has_pending() const;
   /// The closed contacts, without those that are pending.
   std::vector<Contact> closed() const;
-  /// World::former_contacts(); an empty list leaves them as they are.
+  /// WorldConstraints::former_contacts; an empty list leaves them as they are.
   void set_former(std::vector<Contact> closed) const;
   bool has_former() const { return !geometry_->world.former().empty(); }
   void forget_former() const { geometry_->world.former().clear(); }

@@ -5,6 +5,7 @@
 
 #include <momentree/dynamics/loops/islands.hpp>
 #include <momentree/dynamics/momentum.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -19,7 +20,7 @@ std::span<const ContactsByPair::Entry> ContactsByPair::of(int pair) const {
 }
 
 const ContactRows& ContactWorld::closed_rows() const {
-  world_->evaluate();
+  world_->edit().evaluate();
   return workspace().contacts->rows;
 }
 
@@ -46,7 +47,7 @@ contact::Place ContactWorld::place(int body) const {
 }
 
 bool ContactWorld::can_be_taut(int spring) const {
-  return model().springs()[static_cast<std::size_t>(spring)].inextensible && tree().spring_acts(spring);
+  return model().springs()[static_cast<std::size_t>(spring)].inextensible && spring_acts(tree(), spring);
 }
 
 std::vector<std::vector<Contact>> ContactWorld::by_island(const std::vector<Contact>& contacts) const {
@@ -64,7 +65,7 @@ std::vector<std::vector<Contact>> ContactWorld::by_island(const std::vector<Cont
 
 void ContactWorld::close(std::vector<Contact> contacts) const {
   if (contacts.empty() && closed().empty()) return;
-  world_->tree_.set_contacts(std::move(contacts));
+  world_->edit().tree().edit().set_contacts(std::move(contacts));
   state().replace(0, 0, {}, 0, 0, {}, tree());
 }
 

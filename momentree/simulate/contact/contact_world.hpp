@@ -8,7 +8,7 @@
 
 #include <momentree/dynamics/contacts/contacts.hpp>
 #include <momentree/integrate/integrator.hpp>
-#include <momentree/simulate/world/world.hpp>
+#include <momentree/simulate/world/world_edit.hpp>
 
 namespace momentree {
 
@@ -27,20 +27,20 @@ class ContactsByPair {
 class ContactWorld {
  public:
   ContactWorld(World& world, Evaluator& evaluator) : world_(&world), evaluator_(&evaluator) {}
-  static Evaluator evaluator_of(World& world) { return {world.tree_, world.workspace_}; }
+  static Evaluator evaluator_of(World& world) { return {world.tree(), world.edit().workspace()}; }
 
   World& world() const { return *world_; }
-  const Model& model() const { return world_->model_; }
-  const Tree& tree() const { return world_->tree_; }
-  State& state() const { return world_->state_; }
-  Workspace<double>& workspace() const { return world_->workspace_; }
+  const Model& model() const { return world_->model(); }
+  const Tree& tree() const { return world_->tree(); }
+  State& state() const { return world_->edit().state(); }
+  Workspace<double>& workspace() const { return world_->edit().workspace(); }
   Evaluator& evaluator() const { return *evaluator_; }
   const double* q() const { return state().q().data(); }
   double time() const { return world_->time(); }
   double gravity() const { return norm(model().gravity()); }  ///< m/s²
-  const Connections& connections() const { return world_->connections(); }
-  std::vector<int>& overlapping() const { return world_->overlapping_; }     ///< World::overlapping()
-  std::vector<Contact>& former() const { return world_->former_contacts_; }  ///< World::former_contacts()
+  const Connections& connections() const { return world_->edit().connections(); }
+  std::vector<int>& overlapping() const { return world_->edit().constraints().overlapping; }     ///< as of WorldConstraints
+  std::vector<Contact>& former() const { return world_->edit().constraints().former_contacts; }  ///< as of WorldConstraints
 
   /// Evaluates the state, which counts as an evaluation of the run.
   void evaluate() const { (*evaluator_)(state()); }

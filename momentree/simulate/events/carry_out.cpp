@@ -15,15 +15,16 @@ bool Simulation::Impl::happen() {
     }
     if (places.empty()) return true;
     if (count > detail::most_events_at_once) {
-      message = "more than " + std::to_string(detail::most_events_at_once) + " events at t = " + detail::text(world.time()) +
-                " s, the last of them " + last_events(events) + "; do they trigger each other without a delay?";
+      outcome.message = "more than " + std::to_string(detail::most_events_at_once) +
+                        " events at t = " + detail::text(world.time()) + " s, the last of them " + last_events(events) +
+                        "; do they trigger each other without a delay?";
       return false;
     }
     std::vector<DueEvent> due;
     for (const std::size_t k : places) due.push_back(queue.at(k).event);
-    if (keeps_history) history.push_back({events.size(), snapshot(), places});
+    if (history.keeps) history.instants.push_back({events.size(), snapshot(), places});
     if (!carry_out_now(due)) {
-      if (keeps_history) history.pop_back();
+      if (history.keeps) history.instants.pop_back();
       return false;
     }
     for (const std::size_t k : places) queue.happened(k, world.time());
@@ -31,18 +32,18 @@ bool Simulation::Impl::happen() {
 }
 
 bool Simulation::Impl::act(std::span<const Action> actions, const std::string& name) {
-  settle();
-  const bool continued = std::exchange(continues, false), kept = std::exchange(keeps_contacts, false);
-  const bool pending = between_runs.has_pending();
-  between_runs.open_pending();
-  const During working(doing, Doing::working);
+  energy.settle(world);
+  const bool continued = std::exchange(continues, false), kept = std::exchange(contact.keeps_closed, false);
+  const bool pending = contact.between_runs.has_pending();
+  contact.between_runs.open_pending();
+  const During working(activity.doing, Doing::working);
   DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
   due.actions.assign(actions.begin(), actions.end());
-  if (keeps_history) history.push_back({events.size(), snapshot(), {}});
+  if (history.keeps) history.instants.push_back({events.size(), snapshot(), {}});
   const bool done = carry_out_now({&due, 1});
-  if (!done && keeps_history) history.pop_back();
-  if (done ? some_step() || steps_through() : pending) update_pending_contacts();
-  if (!done) continues = continued, keeps_contacts = kept;
+  if (!done && history.keeps) history.instants.pop_back();
+  if (done ? contact.some_step() || contact.steps_through() : pending) contact.update_pending();
+  if (!done) continues = continued, contact.keeps_closed = kept;
   return done;
 }
 
@@ -50,27 +51,28 @@ bool Simulation::Impl::act(std::span<const Action> actions, const std::string& n
 bool Simulation::Impl::carry_out_now(std::span<const DueEvent> due) {
   evaluate_state();
   if (statistics.changes == 0) book();
-  overlapped.reset();
-  if (!geometry.pairs.any()) return try_now(due);
+  outcome.overlapped.reset();
+  if (!contact.geometry.pairs.any()) return try_now(due);
   const SimulationSnapshot before = snapshot();
   const RunStatistics counted = statistics;
-  const double overlapping = steps_through() || some_step() ? geometry.overlaps.deepest() : 0;  // time stepping leaves small ones
-  if (try_now(due) && !overlaps_more_than(overlapping)) return true;
+  const double overlapping = contact.steps_through() || contact.some_step() ? contact.geometry.overlaps.deepest()
+                                                                            : 0;  // time stepping leaves small ones
+  if (try_now(due) && !contact.overlaps_more_than(overlapping)) return true;
   restore_run(before);
   queue.continue_from(*before.queue, world);
   statistics = counted;
-  if (overlapped) {
+  if (outcome.overlapped) {
     evaluate_state();
     const auto [event, action] = overlapping_action(due);
-    message = refusal(due[event], due[event].actions[action], world.time(), refused_overlap(*overlapped));
-    stalled = false;
+    outcome.message = refusal(due[event], due[event].actions[action], world.time(), refused_overlap(*outcome.overlapped));
+    outcome.stalled = false;
   }
   return false;
 }
 
 // The first action of an instant after which bodies overlap.
 std::pair<std::size_t, std::size_t> Simulation::Impl::overlapping_action(std::span<const DueEvent> due) {
-  const std::optional<Overlap> already = geometry.overlaps.of_all();
+  const std::optional<Overlap> already = contact.geometry.overlaps.of_all();
   const WorldSnapshot start = world.snapshot();
   std::pair<std::size_t, std::size_t> last{};
   for (std::size_t e = 0; e < due.size(); ++e)
@@ -78,7 +80,7 @@ std::pair<std::size_t, std::size_t> Simulation::Impl::overlapping_action(std::sp
       last = {e, a};
       const DueEvent alone{due[e].name, due[e].named, {due[e].actions[a]}};
       static_cast<void>(carry_out_with_passes({&alone, 1}, true));
-      const std::optional<Overlap> now = geometry.overlaps.of_all();
+      const std::optional<Overlap> now = contact.geometry.overlaps.of_all();
       if (!now || now->depth <= std::max(left_by_steps, already ? already->depth : 0)) continue;
       world.restore(start);
       return last;
@@ -95,12 +97,12 @@ ActionResult Simulation::Impl::refused_overlap(const std::string& what) {
 
 // Bodies that overlap when the joint between them ends pass through each other until they are apart, which an event says.
 InstantReport Simulation::Impl::carry_out_with_passes(std::span<const DueEvent> due, bool dry_run) {
-  if (!geometry.pairs.any()) return carry_out(world, due, dry_run);
-  const Connections before = world.connections();
+  if (!contact.geometry.pairs.any()) return carry_out(world, due, dry_run);
+  const Connections before = world.edit().connections();
   InstantReport report = carry_out(world, due, dry_run);
   if (report.refused || report.lost || report.changes == 0) return report;
-  for (const PairOverlaps::Parted& pair : geometry.overlaps.let_pass(before)) {
-    Event event = pass_of(pair.overlap.a, pair.overlap.b, pair.point, {});
+  for (const PairOverlaps::Parted& pair : contact.geometry.overlaps.let_pass(before)) {
+    Event event = contact.pass_of(pair.overlap.a, pair.overlap.b, pair.point, {});
     event.reason = "they overlap by " + detail::text(pair.overlap.depth) +
                    " m where the joint between them ended, and touch once they are apart; leave a gap between their shapes";
     report.events.push_back(std::move(event));
@@ -129,12 +131,12 @@ bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
   statistics.changes += report.changes;
   statistics.topology_seconds += report.seconds;
   if (report.refused) {
-    message = report.message;
+    outcome.message = report.message;
     return false;
   }
-  world.take_variables(world.own_variables());
-  contact_steps.forget_parted();
-  if (report.changes != 0 && contact_steps.points.has_forces()) contact_steps.points.release();
+  world.edit().take_own_variables();
+  contact.steps.forget_parted();
+  if (report.changes != 0 && contact.steps.points.has_forces()) contact.steps.points.release();
   evaluate_state();
   std::ranges::move(leaves, std::back_inserter(events));
   for (Event& event : report.events) {
@@ -142,12 +144,12 @@ bool Simulation::Impl::try_now(std::span<const DueEvent> due) {
       if (action.skipped == joint_is_gone && world.find_joint(action.joint) < 0)
         if (const EventQueue::Entry* const makes = queue.to_make(action.joint))
           action.skipped = "the joint does not exist yet: event '" + makes->event.name + "' makes it";
-    add_to_balance(event);
+    energy.add(event);
     events.push_back(std::move(event));
   }
   queue.forget_looks();
-  static_cast<void>(resolve_in_turn(true));
-  return !overlapped;
+  static_cast<void>(contact.resolve_in_turn(true));
+  return !outcome.overlapped;
 }
 
 }  // namespace momentree

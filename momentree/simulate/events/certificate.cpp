@@ -27,7 +27,7 @@ constexpr double noise = 1e-13;
 }  // namespace
 
 Force<double> TopologyEditor::impulse_about(int b, const LoopImpulse& given) const {
-  const Pose pose = user_pose(tree(), world_.workspace_.bodies[static_cast<std::size_t>(b)], b);
+  const Pose pose = user_pose(tree(), edit_.workspace().bodies[static_cast<std::size_t>(b)], b);
   const Mat3 R = rotation_matrix(pose.rotation);
   return {transpose_times(R, given.force), transpose_times(R, given.torque + cross(given.at - pose.position, given.force))};
 }
@@ -36,7 +36,7 @@ void TopologyEditor::remember_momenta() {
   before_.resize(static_cast<std::size_t>(tree().bodies()));
   for (const int b : tree().order())
     before_[static_cast<std::size_t>(b)] =
-        to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.workspace_, b));
+        to_user_frame(tree().frame(b), articulated_momentum(tree(), edit_.state(), edit_.workspace(), b));
 }
 
 void TopologyEditor::book_impulses(std::span<const AppliedImpulse> applied) {
@@ -45,11 +45,11 @@ void TopologyEditor::book_impulses(std::span<const AppliedImpulse> applied) {
   double largest = 0;
   for (const int b : tree().order()) {
     Force<double>& S = before_[static_cast<std::size_t>(b)];
-    const Force<double> after = to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.workspace_, b));
+    const Force<double> after = to_user_frame(tree().frame(b), articulated_momentum(tree(), edit_.state(), edit_.workspace(), b));
     S = {after.l - S.l, after.h - S.h};
   }
-  locate_bodies(tree(), world_.state_, world_.workspace_);
-  const auto pose_of = [&](int b) { return user_pose(tree(), world_.workspace_.bodies[static_cast<std::size_t>(b)], b); };
+  locate_bodies(tree(), edit_.state(), edit_.workspace());
+  const auto pose_of = [&](int b) { return user_pose(tree(), edit_.workspace().bodies[static_cast<std::size_t>(b)], b); };
   // An external impulse is contained in Pb of its body and of all inboard bodies, but no joint transmitted it.
   for (const AppliedImpulse& one : applied)
     for (int a = one.body; a >= 0; a = tree().parent(a)) {
@@ -104,7 +104,7 @@ void TopologyEditor::certify(Event& event) {
   for (const int joint : touched_[&event]) {
     std::string& name = names_at_start_[joint];  // empty: another event at this instant has reported it
     if (!name.empty() && world_.find_joint(name) < 0) event.topology.gone.push_back(std::exchange(name, {}));
-    const bool exists = is_loop({joint}) ? tree().find_loop({joint}) != nullptr : tree().carrier(joint) >= 0;
+    const bool exists = is_loop({joint}) ? tree().loops().find({joint}) != nullptr : tree().carrier(joint) >= 0;
     if (exists) event.topology.joints.push_back(joint_record(world_, {joint}));
   }
   add_impulses(event, event);

@@ -191,8 +191,8 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
       event.mechanisms_before = world.mechanism_names();
     }
     editor.begin(event, made_joint_name(due[item.event], item.action));
-    const long changes = editor.changes;
-    const double brought = editor.brought;
+    const long changes = editor.account().changes;
+    const double brought = editor.account().brought;
     const ActionBase& action = **item.what;
     ActionResult result = prepares ? action.prepare(editor) : action.apply(editor);
     const Totals after = world.totals();
@@ -205,8 +205,8 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
       return false;
     }
     if (result.outcome == ActionResult::Outcome::done && checked) {
-      const bool driven = !world.tree().driven_joints().empty() || world.tree().loop_motions() > 0;
-      const ActionResult sound = check_energy(before, after, item.phase, driven, editor.brought - brought);
+      const bool driven = !world.tree().joints_with().motions.empty() || world.tree().loops().motions > 0;
+      const ActionResult sound = check_energy(before, after, item.phase, driven, editor.account().brought - brought);
       if (sound.outcome != ActionResult::Outcome::done) result = sound;
       if (sound.outcome != ActionResult::Outcome::done && prepares)  // the body is not held between the removal of the old joint
                                                                      // and the new one
@@ -218,7 +218,7 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
       refuse(item, std::move(result));
       return false;
     }
-    const bool changed = editor.changes != changes;
+    const bool changed = editor.account().changes != changes;
     if (changed && thin && !prepares && !singular_joints(editor.tree(), world.state().q()).empty()) {
       refuse(item, no_free_mass());
       return false;
@@ -248,8 +248,8 @@ InstantReport carry_out(World& world, std::span<const DueEvent> due, bool dry_ru
   for (const ActionPhase phase : {ActionPhase::impact, ActionPhase::impulse, ActionPhase::parameters})
     if (!in_phase(phase, [&](const Item& item) { return carry(item, false); })) return report;
 
-  report.seconds = editor.seconds;
-  report.changes = editor.changes;
+  report.seconds = editor.account().seconds;
+  report.changes = editor.account().changes;
   share_totals(totals_at_start, steps, report.events);
   for (std::size_t e = 0; e < due.size(); ++e) {
     if (begun[e] != 0) continue;  // otherwise the event has no action

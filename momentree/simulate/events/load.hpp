@@ -18,10 +18,10 @@ struct Load : Quantity {
   virtual std::optional<double> of(const Wrench& wrench) const = 0;
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     const int number = world.find_joint(joint, number_);
-    if (number >= 0 && world.is_broken(joint, {number})) return std::nullopt;
+    if (number >= 0 && is_broken(world, joint, {number})) return std::nullopt;
     if (number >= 0) return of(world.reaction({number}));
     const int spring = takes_springs() ? world.find_spring(joint, spring_) : -1;
-    if (spring < 0 || !world.tree().spring_acts(spring)) return std::nullopt;
+    if (spring < 0 || !spring_acts(world.tree(), spring)) return std::nullopt;
     return std::fabs(world.spring({spring}).tension);
   }
 

@@ -87,36 +87,36 @@ struct Stops::Trial {
   ~Trial() {
     if (done) return;
     method.return_to_start();
-    world.state_ = start;
+    world.edit().state() = start;
     ledger = books_at_start;
   }
 
   // As far as the method itself goes; empty if it failed.
   bool first(double most) {
-    evaluate(world.state_);
-    at = reach = method.advance(evaluate, world.state_, ledger, most);
+    evaluate(world.edit().state());
+    at = reach = method.advance(evaluate, world.edit().state(), ledger, most);
     return at > 0 && look();
   }
   bool go(double s) {
     if (s == kept && s == reach) {
-      world.state_ = end;
+      world.edit().state() = end;
       ledger = books_at_end;
       at = s;
       return look();
     }
     method.return_to_start();
-    world.state_ = start;
+    world.edit().state() = start;
     ledger = books_at_start;
     at = reach = s;
-    evaluate(world.state_);
-    return method.step(evaluate, world.state_, ledger, s) && look();
+    evaluate(world.edit().state());
+    return method.step(evaluate, world.edit().state(), ledger, s) && look();
   }
   // The same by dense output of the last step, if the method has it: for evaluation only; the run cannot continue from there.
   bool see(double s) {
     if (!method.dense() || s > reach) return go(s);
-    if (at == reach) end = world.state_, books_at_end = ledger, kept = at;
+    if (at == reach) end = world.edit().state(), books_at_end = ledger, kept = at;
     {
-      const State::Edit edit = world.state_.edit();
+      const State::Edit edit = world.edit().state().edit();
       method.interpolate(evaluate, s / reach, edit.q.data(), edit.y.data());
       edit.time = start.time() + s;
     }
@@ -124,8 +124,8 @@ struct Stops::Trial {
     return look();
   }
   bool look() {
-    evaluate(world.state_);
-    if (accelerations) accelerate(world.tree_, world.state_, world.workspace_);
+    evaluate(world.edit().state());
+    if (accelerations) accelerate(world.tree(), world.edit().state(), world.edit().workspace());
     return true;
   }
 };
@@ -262,26 +262,26 @@ void Stops::put_on_stop(const Watched& w) {
   const Side& s = *w.side;
   const double limit = s.sign * w.limit;
   if (coordinate(s) == limit || std::fabs(coordinate(s) - limit) > 1e-9 * (1 + std::fabs(limit))) return;
-  const Tree& tree = world_->tree_;
+  const Tree& tree = world_->tree();
   if (is_loop({s.joint})) {  // by a small motion that keeps the loops closed
-    (*evaluate_)(world_->state_);
+    (*evaluate_)(state());
     int place = 0;
     while (tree.loops()[static_cast<std::size_t>(place)].id().index != s.joint) ++place;
-    double* const u = world_->workspace_.impulse.get();
+    double* const u = workspace().impulse.get();
     const double missing = limit - coordinate(s);
-    const double unit = strike_loop(tree, world_->state_.q().data(), world_->workspace_, place, s.dof, u);
-    const State::Edit edit = world_->state_.edit();
+    const double unit = strike_loop(tree, state().q().data(), workspace(), place, s.dof, u);
+    const State::Edit edit = state().edit();
     detail::displace(tree, u, missing / unit, edit.q.data());
     return;
   }
-  world_->state_.edit().q[static_cast<std::size_t>(tree.first_q(tree.carrier(s.joint)) + s.dof)] = limit;
+  state().edit().q[static_cast<std::size_t>(tree.first_q(tree.carrier(s.joint)) + s.dof)] = limit;
 }
 
 // A joint that is at the stop, not moving away: rounding must not make this an impact.
 bool Stops::touches(const Side& s) const { return at_stop(s) && speed(s) >= -no_speed * s.rest_speed; }
 
 std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, double h, std::span<const Watch> watches) {
-  (*evaluate_)(world_->state_);
+  (*evaluate_)(state());
   watched_.clear();
   bool holding = false;
   for (Side& s : sides_) {
@@ -294,12 +294,12 @@ std::optional<double> Stops::step(Integrator& method, EnergyLedger& ledger, doub
     holding = holding || holds(s);
   }
   if (holding && method.adaptive() && method.dense()) {
-    accelerate(world_->tree_, world_->state_, world_->workspace_);
+    accelerate(world_->tree(), state(), workspace());
     for (Watched& w : watched_)
       if (w.held) w.q = pull(*w.side);
   }
   for (const Watch& watch : watches) watched_.push_back({nullptr, &watch});
-  start_ = world_->state_;
+  start_ = state();
   Trial trial{*world_, *evaluate_, method, ledger, start_, ledger, holding, 0, 0, end_};
   method.note_start();
   bool fine = trial.first(h);

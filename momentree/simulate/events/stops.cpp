@@ -18,21 +18,21 @@ namespace {
 constexpr int most_impacts = 1000;
 
 const Joint& joint_of(const Tree& tree, int joint) {
-  return is_loop({joint}) ? tree.find_loop({joint})->joint : tree.joint(tree.carrier(joint));
+  return is_loop({joint}) ? tree.loops().find({joint})->joint : tree.joint(tree.carrier(joint));
 }
 
 }  // namespace
 
 bool Stops::any() {
-  if (revision_ != world_->tree_.revision()) find();
+  if (revision_ != world_->tree().revision()) find();
   return !sides_.empty();
 }
 
 void Stops::find() {
-  revision_ = world_->tree_.revision();
+  revision_ = world_->tree().revision();
   const std::vector<DeeperStop> before = deeper();
   sides_.clear();
-  const Tree& tree = world_->tree_;
+  const Tree& tree = world_->tree();
   for (const int b : tree.order()) {
     const JointParameters* p = tree.parameters(b);
     if (p == nullptr || !p->limits.hard()) continue;
@@ -53,7 +53,7 @@ void Stops::find() {
   }
   std::stable_sort(sides_.begin(), sides_.end(), [](const Side& a, const Side& b) { return a.joint < b.joint; });
   make_deeper(before);
-  world_->forget_active_limits();
+  world_->edit().forget_active_limits();
 }
 
 std::vector<DeeperStop> Stops::deeper() const {
@@ -77,51 +77,50 @@ void Stops::set_deeper(std::span<const DeeperStop> stops) {
 
 double Stops::coordinate(const Side& s) const {
   if (is_loop({s.joint})) return world_->joint({s.joint}).q[static_cast<std::size_t>(s.dof)];
-  return world_->state_.q()[static_cast<std::size_t>(world_->tree_.first_q(world_->tree_.carrier(s.joint)) + s.dof)];
+  return state().q()[static_cast<std::size_t>(world_->tree().first_q(world_->tree().carrier(s.joint)) + s.dof)];
 }
 // The coordinate of a loop joint follows from the poses of its bodies, and is not exact on a stop.
 double Stops::rounding(const Side& s) { return is_loop({s.joint}) ? 1e-12 * (1 + std::fabs(s.limit)) : 0; }
 double Stops::speed(const Side& s) const {
   if (is_loop({s.joint})) return s.sign * world_->joint({s.joint}).v[static_cast<std::size_t>(s.dof)];
-  return s.sign * world_->workspace_.v[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.dof)];
+  return s.sign * workspace().v[static_cast<std::size_t>(world_->tree().first_p(world_->tree().carrier(s.joint)) + s.dof)];
 }
 double Stops::acceleration(const Side& s) const {
   if (is_loop({s.joint}))
-    return s.sign * loop_acceleration(world_->tree_, world_->state_.q().data(), world_->workspace_,
-                                      world_->tree_.loop_place({s.joint}), s.dof);
-  return s.sign * world_->workspace_.a[static_cast<std::size_t>(world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.dof)];
+    return s.sign *
+           loop_acceleration(world_->tree(), state().q().data(), workspace(), world_->tree().loops().place({s.joint}), s.dof);
+  return s.sign * workspace().a[static_cast<std::size_t>(world_->tree().first_p(world_->tree().carrier(s.joint)) + s.dof)];
 }
-bool Stops::locked(const Side& s) const { return (joint_of(world_->tree_, s.joint).locked >> s.dof & 1u) != 0; }
+bool Stops::locked(const Side& s) const { return (joint_of(world_->tree(), s.joint).locked >> s.dof & 1u) != 0; }
 bool Stops::is_stepped(const Side& s) const {
-  return steps_ != nullptr && !is_loop({s.joint}) && steps_->steps(world_->tree_.carrier(s.joint));
+  return steps_ != nullptr && !is_loop({s.joint}) && steps_->steps(world_->tree().carrier(s.joint));
 }
 bool Stops::stands(const Side& s) const {
   constexpr double touching = 1e-6;  // of 1 + |limit|: in rad or m
   return s.sign * (s.limit - coordinate(s)) <= touching * (1 + std::fabs(s.limit)) && speed(s) >= -s.rest_speed;
 }
 SteppedStop Stops::as_stop(const Side& s) const {
-  SteppedStop stop{s.joint, world_->tree_.carrier(s.joint), s.dof, s.sign, s.limit, s.restitution, s.rest_speed, stands(s)};
+  SteppedStop stop{s.joint, world_->tree().carrier(s.joint), s.dof, s.sign, s.limit, s.restitution, s.rest_speed, stands(s)};
   if (const SteppedContact* const known = steps_->points.at_stop(s.joint, s.dof, s.sign))
     stop.rests = known->rests, stop.force = known->force.x;
   return stop;
 }
-bool Stops::holds(const Side& s) const { return locked(s) && world_->held(s.joint, s.dof) == s.sign; }
+bool Stops::holds(const Side& s) const { return locked(s) && world_->constraints().held(s.joint, s.dof) == s.sign; }
 
 // The stop exerts the total force along the locked DoF, Eᵀ Tr, minus the force of its spring and its drive.
 double Stops::pull(const Side& s) const {
-  const Tree& tree = world_->tree_;
+  const Tree& tree = world_->tree();
   if (is_loop({s.joint})) {
     double size = 0;
-    const int place = tree.loop_place({s.joint});
-    const double stop = loop_holding_force(tree, world_->time(), world_->workspace_, place, s.dof, size);
+    const int place = tree.loops().place({s.joint});
+    const double stop = loop_holding_force(tree, world_->time(), workspace(), place, s.dof, size);
     return s.sign * stop - 1e-12 * size;
   }
   const int b = tree.carrier(s.joint);
   double force[6] = {}, passive[6] = {};
-  project(tree, b, joint_state(tree, world_->state_, world_->workspace_, b), transmitted_wrench(tree, world_->workspace_, b),
-          force);
-  unlocked_forces(tree, world_->time(), world_->state_.q().data(), world_->workspace_, b, passive);
-  if (tree.has_loops()) passive[0] += coupling_effort(tree, world_->workspace_, b);
+  project(tree, b, joint_state(tree, state(), workspace(), b), transmitted_wrench(tree, workspace(), b), force);
+  unlocked_forces(tree, world_->time(), state().q().data(), workspace(), b, passive);
+  if (tree.has_loops()) passive[0] += coupling_effort(tree, workspace(), b);
   const double stop = force[s.dof] - passive[s.dof];
   const double noise = 1e-12 * (std::fabs(force[s.dof]) + std::fabs(passive[s.dof]));
   return s.sign * stop - noise;
@@ -144,7 +143,7 @@ Event Stops::begin_event(const Side& s, LimitEvent deed) const {
   event.mechanisms_before = event.mechanisms_after = world_->mechanism_names();
   event.before = event.after = world_->totals();
   const std::string joint(world_->joint_name({s.joint}));
-  const int nv = info(joint_of(world_->tree_, s.joint).kind).nv;
+  const int nv = info(joint_of(world_->tree(), s.joint).kind).nv;
   const std::string side = (nv > 1 ? " [" + std::to_string(s.dof) + "]" : std::string()) + (s.sign > 0 ? " upper" : " lower");
   event.actions = {{verbs[static_cast<int>(deed)], joint + side, joint, {}, {}, {}}};
   return event;
@@ -161,7 +160,7 @@ void Stops::act(std::vector<Event>& events, const Side& s, LimitEvent deed, doub
   }
   event.after = world_->totals();
   editor.certify(event);
-  revision_ = world_->tree_.revision();  // locks change no limits
+  revision_ = world_->tree().revision();  // locks change no limits
   events.push_back(std::move(event));
 }
 
@@ -188,15 +187,15 @@ void Stops::share() {
     if (stepped) steps_->add_stop(stop);
   }
   if (!changed) return;
-  revision_ = world_->tree_.revision();
-  world_->take_variables(world_->own_variables());
-  (*evaluate_)(world_->state_);
+  revision_ = world_->tree().revision();
+  world_->edit().take_own_variables();
+  (*evaluate_)(state());
 }
 
 // A joint rests while its stop presses it without a rebound, and until it is seen to have left.
 void Stops::report_stepped(std::vector<Event>& events) {
   if (!any()) return;
-  (*evaluate_)(world_->state_);
+  (*evaluate_)(state());
   for (const Side& s : sides_) {
     if (!is_stepped(s) || locked(s)) continue;
     if (steps_->struck(s.joint, s.dof, s.sign)) {  // where it stays, it rests from the next step on
@@ -220,7 +219,7 @@ bool Stops::release_pulled(const std::vector<Event>& happened, std::vector<Event
     for (const Event& event : happened) {
       for (const auto& [name, S] : event.impulse) {
         if (world_->find_joint(name) != s.joint) continue;
-        const Joint& joint = joint_of(world_->tree_, s.joint);
+        const Joint& joint = joint_of(world_->tree(), s.joint);
         const Numbers q = world_->joint({s.joint}).q;
         const auto [v, w] = seen_from_child(joint, joint_dofs(spec_of(joint), q.data())[static_cast<std::size_t>(s.dof)]);
         through += dot(v, Vec3{S[0], S[1], S[2]}) + dot(w, Vec3{S[3], S[4], S[5]});
@@ -235,7 +234,7 @@ bool Stops::release_pulled(const std::vector<Event>& happened, std::vector<Event
       }
     if ((pressed ? std::fabs(through) : s.sign * through) > 1e-10 * size) act(events, s, LimitEvent::leave, 0);
   }
-  revision_ = world_->tree_.revision();
+  revision_ = world_->tree().revision();
   return events.size() != count;
 }
 
@@ -245,7 +244,7 @@ bool Stops::release_pushed(const std::vector<double>& forces, std::vector<Event>
   for (const double force : forces) size = std::max(size, std::fabs(force));
   for (const Side& s : sides_) {
     if (!holds(s) || is_loop({s.joint})) continue;
-    const int place = world_->tree_.first_p(world_->tree_.carrier(s.joint)) + s.dof;
+    const int place = world_->tree().first_p(world_->tree().carrier(s.joint)) + s.dof;
     if (s.sign * forces[static_cast<std::size_t>(place)] < -1e-10 * size) act(events, s, LimitEvent::leave, 0);
   }
   return events.size() != count;
@@ -254,7 +253,7 @@ bool Stops::release_pushed(const std::vector<double>& forces, std::vector<Event>
 std::vector<std::string> Stops::passed() const {
   constexpr double most = 1e-3;  // of 1 + |limit|: in rad or m
   std::vector<std::string> all;
-  if (revision_ != world_->tree_.revision()) return all;
+  if (revision_ != world_->tree().revision()) return all;
   for (const Side& s : sides_)
     if (const double beyond = s.sign * (coordinate(s) - s.limit); beyond > most * (1 + std::fabs(s.limit)))
       all.push_back("'" + std::string(world_->joint_name({s.joint})) + "' is " + detail::text(beyond) + " beyond its " +
@@ -266,13 +265,13 @@ bool Stops::at_stop(const Side& s) const { return s.sign * coordinate(s) - edge(
 
 // The fastest impact faster than its rest speed, or null.
 const Stops::Side* Stops::fastest_hit() {
-  (*evaluate_)(world_->state_);
+  (*evaluate_)(state());
   const Side* hit = nullptr;
   bool accelerated = false;
   for (const Side& s : sides_) {
     if (is_stepped(s) || locked(s) || !at_stop(s) || !(speed(s) > s.rest_speed) || (hit != nullptr && !(speed(s) > speed(*hit))))
       continue;
-    if (!accelerated) accelerate(world_->tree_, world_->state_, world_->workspace_);
+    if (!accelerated) accelerate(world_->tree(), state(), workspace());
     accelerated = true;
     if (speed(s) > rest_speed(s)) hit = &s;
   }
@@ -297,8 +296,8 @@ bool Stops::strike(std::vector<Event>& events) {
 void Stops::leave(std::vector<Event>& events, Side& s) {
   constexpr double deeper = 1e-8;  // of 1 + |limit|: in rad or m
   act(events, s, LimitEvent::leave, 0);
-  (*evaluate_)(world_->state_);
-  accelerate(world_->tree_, world_->state_, world_->workspace_);
+  (*evaluate_)(state());
+  accelerate(world_->tree(), state(), workspace());
   if (acceleration(s) > 0) s.edge = s.sign * coordinate(s) + deeper * (1 + std::fabs(s.limit));
 }
 
@@ -310,7 +309,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
   std::size_t count = events.size();
   const auto give_up = [&](const Side& side) {
     events.resize(count);
-    revision_ = world_->tree_.revision();
+    revision_ = world_->tree().revision();
     blocked_ = side.joint;
     return false;
   };
@@ -336,7 +335,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
       if (!release_pulled(last, events, blocked)) {
         if (blocked) return give_up(side);
         world_->restore(after);
-        revision_ = world_->tree_.revision();
+        revision_ = world_->tree().revision();
         events.push_back(last[0]);
         return true;
       }
@@ -348,7 +347,7 @@ bool Stops::one_thing(std::vector<Event>& events) {
   for (const Side& s : sides_)
     candidates = candidates || holds(s) || (!is_stepped(s) && !locked(s) && at_stop(s) && speed(s) >= -s.rest_speed);
   if (!candidates) return false;
-  accelerate(world_->tree_, world_->state_, world_->workspace_);
+  accelerate(world_->tree(), state(), workspace());
   for (Side& s : sides_) {
     if (!holds(s) || pull(s) <= 0) continue;
     leave(events, s);

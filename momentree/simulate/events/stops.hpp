@@ -13,7 +13,7 @@
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/simulate/events/condition.hpp>
 #include <momentree/simulate/world/topology_editor.hpp>
-#include <momentree/simulate/world/world.hpp>
+#include <momentree/simulate/world/world_edit.hpp>
 
 namespace momentree {
 
@@ -143,6 +143,9 @@ class Stops {
 
   /// Speeds below this fraction of rest_speed count as zero.
   static constexpr double no_speed = 1e-6;
+
+  State& state() const { return world_->edit().state(); }
+  Workspace<double>& workspace() const { return world_->edit().workspace(); }
 
   World* world_;
   Evaluator* evaluate_;

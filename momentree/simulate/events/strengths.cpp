@@ -19,10 +19,10 @@ struct Load : Quantity {
   bool is_load() const override { return true; }
   std::optional<double> value(const World& world, std::span<const Event>) const override {
     if (strength.spring >= 0) {
-      if (!world.tree().spring_acts(strength.spring)) return std::nullopt;
+      if (!spring_acts(world.tree(), strength.spring)) return std::nullopt;
       return std::fabs(world.spring({strength.spring}).tension);
     }
-    const bool exists = is_loop({strength.joint}) ? world.tree().find_loop({strength.joint}) != nullptr
+    const bool exists = is_loop({strength.joint}) ? world.tree().loops().find({strength.joint}) != nullptr
                                                   : world.tree().carrier(strength.joint) >= 0;
     if (!exists) return std::nullopt;
     const Wrench wrench = world.reaction({strength.joint});
@@ -34,7 +34,7 @@ struct Load : Quantity {
 
 bool has_strengths(const World& world) {
   const Tree& tree = world.tree();
-  if (!tree.strength_joints().empty() || tree.has_spring_strengths()) return true;
+  if (!tree.joints_with().strengths.empty() || has_spring_strengths(tree)) return true;
   for (const Loop& loop : tree.loops())
     if (loop.parameters.strength.any()) return true;
   return false;
@@ -43,7 +43,7 @@ bool has_strengths(const World& world) {
 std::vector<Strength> strengths(const World& world) {
   std::vector<Strength> all;
   const Tree& tree = world.tree();
-  for (const int b : tree.strength_joints()) {
+  for (const int b : tree.joints_with().strengths) {
     const JointStrength& s = tree.parameters(b)->strength;
     if (std::isfinite(s.force)) all.push_back({tree.joint_of(b), false, s.force});
     if (std::isfinite(s.torque)) all.push_back({tree.joint_of(b), true, s.torque});
@@ -53,9 +53,9 @@ std::vector<Strength> strengths(const World& world) {
     if (std::isfinite(s.force)) all.push_back({loop.id().index, false, s.force});
     if (std::isfinite(s.torque)) all.push_back({loop.id().index, true, s.torque});
   }
-  for (int s = 0; s < tree.spring_count(); ++s)
-    if (std::isfinite(tree.spring_law(s).strength) && tree.spring_acts(s))
-      all.push_back({-1, false, tree.spring_law(s).strength, s});
+  for (int s = 0; s < tree.springs().count(); ++s)
+    if (std::isfinite(tree.springs().law(s).strength) && spring_acts(tree, s))
+      all.push_back({-1, false, tree.springs().law(s).strength, s});
   return all;
 }
 

@@ -163,7 +163,7 @@ TEST_CASE("a world whose gravity changed keeps its topology, functions and undo"
   const SimulationSnapshot kept = simulation.snapshot();
   simulation.set_gravity({0, 0, 0});
   CHECK(simulation.world().mechanisms().size() == 2);
-  CHECK(simulation.world().tree().body_functions().size() == 1);
+  CHECK(simulation.world().tree().loads().functions.size() == 1);
   const double spin = simulation.world().joint({0}).v[0];
   CHECK(simulation.run_until(0.4) == Status::ok);
   // Only the torque on the arm, about its joint axis: m c² + I.

@@ -42,7 +42,7 @@ std::vector<bool> carried(const Tree& tree, const Islands& islands, std::span<co
 void RestingIslands::find_loose(const Tree& tree) {
   loose_.assign(place(tree.bodies()), false);
   for (const int b : tree.order()) loose_[place(b)] = tree.parameters(b) == nullptr || !tree.parameters(b)->any();
-  for (const int b : tree.loaded_bodies()) loose_[place(b)] = false;
+  for (const int b : tree.loads().bodies) loose_[place(b)] = false;
 }
 
 void RestingIslands::begin_step(const Tree& tree, const State& state, Workspace<double>& workspace,

@@ -170,7 +170,7 @@ void StepImpulses::solve(const std::vector<SteppedContact>& before, double h) {
 
 bool StepImpulses::jammed() {
   constexpr double most = 0.01;  // of the fastest approach
-  if (world_->tree().driven_joints().empty() && world_->tree().loop_motions() == 0) return false;
+  if (world_->tree().joints_with().motions.empty() && world_->tree().loops().motions == 0) return false;
   double fastest = 0, left = 0;
   for (std::size_t i = 0; i < near.size() + stops.size(); ++i) {
     fastest = std::max(fastest, std::fabs(many.b[3 * i]));

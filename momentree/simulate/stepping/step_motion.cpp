@@ -18,7 +18,7 @@ void StepMotion::apply(StepImpulses& impulses, State& state, EnergyLedger& ledge
   const Tree& tree = world_->tree();
   contact::ManyPoints& many = impulses.many;
   free_q_.assign(state.q().begin(), state.q().end()), free_u_.assign(state.u().begin(), state.u().end());
-  const bool driven = !tree.driven_joints().empty() || (!impulses.near.empty() && impulses.rows.has_belts());
+  const bool driven = !tree.joints_with().motions.empty() || (!impulses.near.empty() && impulses.rows.has_belts());
   const double before = energy(), kinetic = driven ? world_->world().totals().kinetic : 0.0;
   {
     const State::Edit edit = state.edit();
@@ -71,7 +71,8 @@ double StepMotion::deepest_after(StepImpulses& impulses, const State& state, con
 // apply().
 void StepMotion::take_back_work(StepImpulses& impulses, double t, EnergyLedger& ledger, double h) {
   const Tree& tree = world_->tree();
-  if ((free_power_.dissipated == 0 && free_power_.work == 0) || !tree.driven_joints().empty() || tree.loop_motions() > 0) return;
+  if ((free_power_.dissipated == 0 && free_power_.work == 0) || !tree.joints_with().motions.empty() || tree.loops().motions > 0)
+    return;
   impulses.forget_bounces();
   packed_.assign(static_cast<std::size_t>(tree.nv()), 0.0);
   impulses.parts.add_to(tree, impulses.many, impulses.many.displacement(impulses.reached), packed_.data());

@@ -51,7 +51,7 @@ void World::remove(BodyId body) {
     return x == b;
   };
   for (const JointId loop : loops())
-    if (const Loop& each = *tree_.find_loop(loop); outboard(each.body) || outboard(each.to)) editor.break_off(loop.index);
+    if (const Loop& each = *tree_.loops().find(loop); outboard(each.body) || outboard(each.to)) editor.break_off(loop.index);
   const int joint = tree_.joint_of(b);
   if (can_break(tree_, tree_.inboard_joint(body))) {
     editor.break_off(joint);
@@ -69,8 +69,8 @@ void World::remove(BodyId body) {
   apply(Remove{body}, tree_, state_, workspace_);
   for (const int j : joints) names_.remove_joint(j);
   for (const int x : gone) names_.name_mechanism(x, {});
-  std::erase_if(active_limits_, [&](const ActiveLimit& h) {
-    return is_loop({h.joint}) ? tree_.find_loop({h.joint}) == nullptr : tree_.carrier(h.joint) < 0;
+  std::erase_if(constraints_.active_limits, [&](const ActiveLimit& h) {
+    return is_loop({h.joint}) ? tree_.loops().find({h.joint}) == nullptr : tree_.carrier(h.joint) < 0;
   });
 }
 

@@ -32,13 +32,13 @@ ActionResult TopologyEditor::can_be_stopped(int joint, const JointParameters& pa
 void TopologyEditor::note_ended_couplings(const std::vector<unsigned char>& before) {
   for (std::size_t c = 0; c < before.size(); ++c)
     if (before[c] != 0 && !tree().coupling_acts(static_cast<int>(c)))
-      event_->topology.ended_couplings.push_back(world_.coupling_names({static_cast<int>(c)}));
+      event_->topology.ended_couplings.push_back(coupling_names(world_, {static_cast<int>(c)}));
 }
 
 void TopologyEditor::book_coupling_impulses() {
   for (const CouplingImpulse& given : coupling_impulses_now_) {
     if (given.joint == 0 && given.follows == 0) continue;
-    const auto [joint, follows] = world_.coupling_names({given.coupling});
+    const auto [joint, follows] = coupling_names(world_, {given.coupling});
     Event::OfCoupling* booked = nullptr;
     for (Event::OfCoupling& each : event_->coupling_impulse)
       if (each.joint == joint && each.follows == follows) booked = &each;

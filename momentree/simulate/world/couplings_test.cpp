@@ -73,7 +73,7 @@ TEST_CASE("a prescribed motion drives what is coupled, and its effort moves both
     CHECK(world.joint({1}).q[0] == doctest::Approx(-s).epsilon(1e-9));
     CHECK(world.coupling({0}).effort == doctest::Approx(0.3 * w * w * s).epsilon(1e-7));
     double tau[2];
-    world.efforts(tau);
+    world.equations().efforts(tau);
     CHECK(tau[0] == doctest::Approx(-0.5 * w * w * s).epsilon(1e-7));  // of the motion alone
     CHECK(std::fabs(sim.energy().error) < 1e-8);
   }

@@ -7,7 +7,7 @@
 namespace momentree {
 
 const Loop& TopologyEditor::loop_of(int joint) const {
-  const Loop* const found = tree().find_loop({joint});
+  const Loop* const found = tree().loops().find({joint});
   MT_REQUIRE(found != nullptr, "the loop joint is in the world");
   return *found;
 }
@@ -31,13 +31,13 @@ ActionResult TopologyEditor::supports(int joint, const JointParameters& paramete
 
 ActionResult TopologyEditor::can_move() const {
   if (dry_run_) return ActionResult::done();
-  const std::optional<Error> error = conflicting_motions(tree(), world_.names_, world_.state_);
+  const std::optional<Error> error = conflicting_motions(tree(), edit_.names(), edit_.state());
   return error ? ActionResult::refused(error->where + ": " + error->problem, error->hint) : ActionResult::done();
 }
 
 Turns TopologyEditor::turns_of_loop(int joint) const {
-  const auto place = static_cast<std::size_t>(tree().loop_place({joint}));
-  const std::vector<Turns>& turns = world_.state_.turns();
+  const auto place = static_cast<std::size_t>(tree().loops().place({joint}));
+  const std::vector<Turns>& turns = edit_.state().turns();
   return place < turns.size() ? turns[place] : Turns{};
 }
 
@@ -54,9 +54,9 @@ ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec,
   MakeLoop change;
   change.loop.body = body, change.loop.to = to;
   change.loop.joint = detail::joint_of(whole);
-  const int made = world_.names_.loops_end();
+  const int made = edit_.names().loops_end();
   change.loop.number = made - first_loop;
-  world_.names_.add_loop(made, made_name_);
+  edit_.names().add_loop(made, made_name_);
   touch(made);
   carry_out(change, Nature::impact);
   if (spec.parameters.any()) {  // what a stretched spring stores comes from outside
@@ -71,7 +71,7 @@ ActionResult TopologyEditor::close_loop(int body, int to, const JointSpec& spec,
 void TopologyEditor::break_loop(JointId loop) {
   touch(loop.index);
   carry_out(BreakLoop{loop}, Nature::workless);
-  world_.names_.remove_joint(loop.index);
+  edit_.names().remove_joint(loop.index);
 }
 
 // A prescribed motion that a lock has suspended imposes its speed when it resumes.
@@ -117,17 +117,17 @@ void TopologyEditor::hold_by_loop(int body) {
     const int number = tree().joint_of(body);
     touch(loop.id().index);
     carry_out(BreakLoop{loop.id(), true}, Nature::workless);
-    world_.names_.remove_joint(loop.id().index);
+    edit_.names().remove_joint(loop.id().index);
     carry_out(change, Nature::workless);
-    world_.names_.name_joint(number, name);
-    for (ActiveLimit& limit : world_.active_limits_)
+    edit_.names().name_joint(number, name);
+    for (ActiveLimit& limit : edit_.constraints().active_limits)
       if (limit.joint == loop.id().index) limit.joint = number;
     if (other < 0)
-      world_.names_.move_mechanism(body, own);
+      edit_.names().move_mechanism(body, own);
     else
-      world_.names_.name_mechanism(body, {});
-    if (other < 0 && world_.names_.mechanism(own) == world_.model()[BodyId{body}].name)
-      world_.names_.name_mechanism(own, world_.model()[BodyId{own}].name);
+      edit_.names().name_mechanism(body, {});
+    if (other < 0 && edit_.names().mechanism(own) == world_.model()[BodyId{body}].name)
+      edit_.names().name_mechanism(own, world_.model()[BodyId{own}].name);
     if (loop.parameters.any()) {
       evaluate();
       carry_out(SetParameters{{number}, loop.parameters}, Nature::workless);

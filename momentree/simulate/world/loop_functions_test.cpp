@@ -166,7 +166,7 @@ TEST_CASE("functions in loop joints stay in snapshots, branches and undo, and wh
     });
     go(sim, 0.05);
     CHECK(calls > 20);
-    CHECK(sim.world().tree().has_functions());
+    CHECK(has_functions(sim.world().tree()));
     const std::vector<double> before = bits(sim.world());
     const SimulationSnapshot snapshot = sim.snapshot();
     sim.apply(break_joint("crane/barrel"), "cut");  // the cylinder holds the barrel
@@ -195,7 +195,7 @@ TEST_CASE("functions in loop joints stay in snapshots, branches and undo, and wh
     calls = 0;
     go(sim, 0.11);
     CHECK(calls == 0);
-    CHECK_FALSE(sim.world().tree().has_functions());
+    CHECK_FALSE(has_functions(sim.world().tree()));
     *counted = nullptr;
   }
 }
@@ -213,7 +213,7 @@ TEST_CASE("a start anew keeps each function at the joint of its name") {
     REQUIRE_FALSE(is_loop({sim.world().find_joint("cylinder")}));
     sim.restore(0, {}, {});
     const Tree& tree = sim.world().tree();
-    REQUIRE(tree.loop_function(tree.loop_place(cylinder_id)) != nullptr);
+    REQUIRE(tree.function(tree.loops().find(cylinder_id)->joint) != nullptr);
     CHECK(tree.function(1) == nullptr);  // that of the barrel ended with its joint
     Simulation other(crane(false), {.method = "rk4"});
     other.drive("cylinder", push);
@@ -228,7 +228,7 @@ TEST_CASE("any function reads the coordinates of loop joints at the stage, and a
   sim.drive("crane/boom", [&worst](const EvaluationContext& now) {
     CHECK(now.has_function({0}));
     CHECK_FALSE(now.has_function(cylinder_id));
-    const Vec3 pin = now.motion({0}).pose.position + Vec3{std::cos(now.q({0})[0]), 0, std::sin(now.q({0})[0])};
+    const Vec3 pin = prescribed_motion(now, {0}).pose.position + Vec3{std::cos(now.q({0})[0]), 0, std::sin(now.q({0})[0])};
     const double dx = pin.x, dz = pin.z + 0.8, length = std::sqrt(dx * dx + dz * dz);
     const double rate = (-dx * std::sin(now.q({0})[0]) + dz * std::cos(now.q({0})[0])) / length * now.v({0})[0];
     worst = std::max(worst, std::fabs(now.q(cylinder_id)[0] - length) + std::fabs(now.v(cylinder_id)[0] - rate));

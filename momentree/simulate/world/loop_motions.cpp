@@ -3,6 +3,7 @@
 
 #include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/simulate/assembly.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
@@ -20,7 +21,7 @@ struct Motions {
   int without = -1;  ///< number of a loop that is left out
 
   Motions(const Tree& all, const State& at) : tree(all), state(at) {
-    for (const int b : tree.driven_joints()) joints.push_back({tree.joint_of(b)});
+    for (const int b : tree.joints_with().motions) joints.push_back({tree.joint_of(b)});
     for (const Loop& loop : tree.loops())
       if (loop.driven()) joints.push_back(loop.id());
   }
@@ -34,17 +35,17 @@ struct Motions {
 
   int rank(const std::vector<JointId>& kept) const {
     Tree part = tree;
-    if (without >= 0) part.remove_loop(without);
+    if (without >= 0) part.edit().remove_loop(without);
     for (const JointId joint : joints) {
       bool keeps = false;
       for (const JointId each : kept) keeps = keeps || each == joint;
       if (keeps) continue;
       if (is_loop(joint)) {
-        const Loop loop = *tree.find_loop(joint);
-        part.set_loop(loop.number, loop.joint, without_motion(loop.parameters), loop.held);
+        const Loop loop = *tree.loops().find(joint);
+        part.edit().set_loop(loop.number, loop.joint, without_motion(loop.parameters), loop.held);
       } else {
         const int b = tree.carrier(joint).index;
-        part.set_parameters(b, without_motion(*tree.parameters(b)));
+        part.edit().set_parameters(b, without_motion(*tree.parameters(b)));
       }
     }
     Workspace<double> workspace(part);
@@ -66,7 +67,8 @@ int holding_weld(Motions motions, const std::vector<JointId>& moved) {
 }  // namespace
 
 std::optional<Error> conflicting_motions(const Tree& tree, const Names& names, const State& state) {
-  if (!tree.has_loops() || tree.driven_joints().size() + static_cast<std::size_t>(tree.loop_motions()) == 0) return std::nullopt;
+  if (!tree.has_loops() || tree.joints_with().motions.size() + static_cast<std::size_t>(tree.loops().motions) == 0)
+    return std::nullopt;
   const Motions motions(tree, state);
   if (motions.independent(motions.joints)) return std::nullopt;
   const auto quoted = [&](JointId joint) { return "'" + names.joint(joint.index) + "'"; };

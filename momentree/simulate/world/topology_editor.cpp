@@ -11,7 +11,11 @@
 
 namespace momentree {
 
-TopologyEditor::TopologyEditor(World& world, bool dry_run) : world_(world), dry_run_(dry_run) {}
+namespace {
+constexpr double motion_tolerance = 1e-6;  // the greatest distance of a joint from the start of its motion (rad, m)
+}  // namespace
+
+TopologyEditor::TopologyEditor(World& world, bool dry_run) : world_(world), edit_(world), dry_run_(dry_run) {}
 
 void TopologyEditor::begin(Event& event, std::string made_name) {
   event_ = &event;
@@ -20,13 +24,13 @@ void TopologyEditor::begin(Event& event, std::string made_name) {
 
 int TopologyEditor::body(std::string_view name) const {
   if (name == "ground") return -1;
-  if (!world_.model_.has_body(name)) return -2;
-  const BodyId body = world_.model_.body(name);
+  if (!world_.model().has_body(name)) return -2;
+  const BodyId body = world_.model().body(name);
   return world_.alive(body) ? body.index : -2;
 }
 
-std::string TopologyEditor::body_name(int body) const { return world_.model_.body_name({body}); }
-std::string TopologyEditor::mechanism_of(int body) const { return world_.names_.mechanism(root_of(tree(), {body}).index); }
+std::string TopologyEditor::body_name(int body) const { return world_.model().body_name({body}); }
+std::string TopologyEditor::mechanism_of(int body) const { return edit_.names().mechanism(root_of(tree(), {body}).index); }
 
 Values TopologyEditor::coordinates(int joint) const {
   if (is_loop({joint})) {
@@ -37,14 +41,14 @@ Values TopologyEditor::coordinates(int joint) const {
   const int b = tree().carrier(joint);
   Values q;
   for (int i = 0; i < info(tree().joint(b).kind).nq; ++i)
-    q.push_back(world_.state_.q()[static_cast<std::size_t>(tree().first_q(b) + i)]);
+    q.push_back(edit_.state().q()[static_cast<std::size_t>(tree().first_q(b) + i)]);
   return q;
 }
 
 Pose TopologyEditor::pose(int body) {
   if (body < 0) return {};
   evaluate();
-  return user_pose(tree(), locate_body(tree(), world_.state_, world_.workspace_, body), body);
+  return user_pose(tree(), locate_body(tree(), edit_.state(), edit_.workspace(), body), body);
 }
 
 Pose TopologyEditor::joint_pose(int joint) {
@@ -75,10 +79,10 @@ std::vector<Motion<double>> TopologyEditor::dofs(const Joint& joint, const Value
 // the impact is in before_.
 double TopologyEditor::work_of_motions() {
   double work = 0;
-  if (!tree().driven_joints().empty()) locate_bodies(tree(), world_.state_, world_.workspace_);
-  for (const int b : tree().driven_joints()) {
+  if (!tree().joints_with().motions.empty()) locate_bodies(tree(), edit_.state(), edit_.workspace());
+  for (const int b : tree().joints_with().motions) {
     const Force<double>&before = before_[static_cast<std::size_t>(b)],
-          after = to_user_frame(tree().frame(b), articulated_momentum(tree(), world_.state_, world_.workspace_, b));
+          after = to_user_frame(tree().frame(b), articulated_momentum(tree(), edit_.state(), edit_.workspace(), b));
     Force<double> through{after.l - before.l, after.h - before.h};
     for (std::size_t i = 0; i < loop_impulses_now_.size(); ++i) {  // contained in Pb, but no joint of the tree transmitted them
       const Loop& loop = tree().loops()[i];
@@ -91,13 +95,13 @@ double TopologyEditor::work_of_motions() {
       if (inboard(loop.to)) through += W;
     }
     double along[6];
-    project(tree(), b, joint_state(tree(), world_.state_, world_.workspace_, b), to_kernel_frame(tree().frame(b), through),
+    project(tree(), b, joint_state(tree(), edit_.state(), edit_.workspace(), b), to_kernel_frame(tree().frame(b), through),
             along);
     for (const CouplingImpulse& given : coupling_impulses_now_) {
-      const CouplingEnds& ends = tree().loop_links()[static_cast<std::size_t>(coupling_place(tree(), given.coupling))].ends;
+      const CouplingEnds& ends = tree().loops().links[static_cast<std::size_t>(coupling_place(tree(), given.coupling))].ends;
       along[0] -= (ends.joint == b ? given.joint : 0.0) + (ends.follows == b ? given.follows : 0.0);
     }
-    work += along[0] * world_.workspace_.v[static_cast<std::size_t>(tree().first_p(b))];
+    work += along[0] * edit_.workspace().v[static_cast<std::size_t>(tree().first_p(b))];
   }
   for (const LoopImpulse& loop : loop_impulses_now_) work += loop.motion * loop.motion_rate;
   return work;
@@ -105,9 +109,9 @@ double TopologyEditor::work_of_motions() {
 
 // None of the actions may act on a part that broke off instead.
 int TopologyEditor::joint(std::string_view name) const {
-  const int found = world_.names_.find_joint(name);
+  const int found = edit_.names().find_joint(name);
   if (found < 0 || loosened.contains(found)) return found;
-  return world_.is_broken(name, {found}) ? -1 : found;
+  return is_broken(world_, name, {found}) ? -1 : found;
 }
 
 ActionResult TopologyEditor::is_within(const Values& q, const JointLimits& limits, bool known) const {
@@ -134,21 +138,21 @@ void TopologyEditor::break_off(int joint) {
   const int b = tree().carrier(joint);
   const bool was_root = tree().parent(b) < 0;
   carry_out(Break{{joint}}, Nature::workless);
-  const std::string& body = world_.model_[BodyId{b}].name;
-  world_.names_.name_joint(joint, world_.names_.free_joint(body, joint));
-  if (!was_root) world_.names_.name_mechanism(b, body);
+  const std::string& body = world_.model()[BodyId{b}].name;
+  edit_.names().name_joint(joint, edit_.names().free_joint(body, joint));
+  if (!was_root) edit_.names().name_mechanism(b, body);
   if (tree().has_loops()) hold_by_loop(b);
 }
 
 void TopologyEditor::break_spring(int spring) {
   carry_out(BreakSpring{{spring}}, Nature::workless);
-  event_->topology.broken_springs.push_back(world_.model_.springs()[static_cast<std::size_t>(spring)].name);
+  event_->topology.broken_springs.push_back(world_.model().springs()[static_cast<std::size_t>(spring)].name);
 }
 
 ActionResult TopologyEditor::set_spring(int spring, const JointParameters& given) {
-  if (!tree().spring_acts(spring)) return ActionResult::skipped("the spring is broken");
-  Spring all = world_.model_.springs()[static_cast<std::size_t>(spring)];
-  const SpringLaw& now = tree().spring_law(spring);
+  if (!spring_acts(tree(), spring)) return ActionResult::skipped("the spring is broken");
+  Spring all = world_.model().springs()[static_cast<std::size_t>(spring)];
+  const SpringLaw& now = tree().springs().law(spring);
   const auto value = [](const Values& from, double kept) { return from.empty() ? kept : from[0]; };
   all.stiffness = value(given.stiffness, now.stiffness);
   all.damping = value(given.damping, now.damping);
@@ -174,10 +178,10 @@ ActionResult TopologyEditor::set_spring(int spring, const JointParameters& given
 
 void TopologyEditor::unlock(int joint, unsigned dofs) {
   touch(joint);
-  if (is_loop({joint})) return lock_loop(joint, loop_of(joint).joint.locked & ~(dofs & ~world_.held(joint)));
+  if (is_loop({joint})) return lock_loop(joint, loop_of(joint).joint.locked & ~(dofs & ~world_.constraints().held(joint)));
   const JointParameters* p = tree().parameters(tree().carrier(joint));
   const bool resumes = p != nullptr && p->drive != nullptr && p->drive->moves();
-  carry_out(Unlock{{joint}, dofs & ~world_.held(joint)}, resumes ? Nature::outside : Nature::workless);
+  carry_out(Unlock{{joint}, dofs & ~world_.constraints().held(joint)}, resumes ? Nature::outside : Nature::workless);
 }
 void TopologyEditor::lock(int joint, unsigned dofs) {
   touch(joint);
@@ -185,7 +189,8 @@ void TopologyEditor::lock(int joint, unsigned dofs) {
     lock_loop(joint, loop_of(joint).joint.locked | dofs);
   else
     carry_out(Lock{{joint}, dofs}, Nature::impact);
-  std::erase_if(world_.active_limits_, [&](const ActiveLimit& h) { return h.joint == joint && (dofs >> h.dof & 1u) != 0; });
+  std::erase_if(edit_.constraints().active_limits,
+                [&](const ActiveLimit& h) { return h.joint == joint && (dofs >> h.dof & 1u) != 0; });
 }
 
 void TopologyEditor::apply_restitution(int joint, int dof, double restitution) {
@@ -193,28 +198,28 @@ void TopologyEditor::apply_restitution(int joint, int dof, double restitution) {
 }
 void TopologyEditor::apply_contact_impulses(const std::vector<double>& generalised, std::span<const AppliedImpulse> applied,
                                             std::span<const AppliedImpulse> on_ground) {
-  MT_REQUIRE(world_.state_.variables() == Variables::velocities, "worlds with contacts are in velocities");
+  MT_REQUIRE(edit_.state().variables() == Variables::velocities, "worlds with contacts are in velocities");
   evaluate();
   const Totals before = world_.totals();
   remember_momenta();
   const auto start = std::chrono::steady_clock::now();
   std::vector<double> change = generalised;
   if (tree().has_loops())
-    solve_with_loops(tree(), world_.state_.q().data(), world_.workspace_, change.data());
+    solve_with_loops(tree(), edit_.state().q().data(), edit_.workspace(), change.data());
   else
-    solve_with_factors<double>(tree(), world_.state_.q().data(), world_.workspace_, change.data());
+    solve_with_factors<double>(tree(), edit_.state().q().data(), edit_.workspace(), change.data());
   {
-    const State::Edit edit = world_.state_.edit();
+    const State::Edit edit = edit_.state().edit();
     for (std::size_t i = 0; i < change.size(); ++i) edit.u[i] += change[i];
   }
   const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  seconds += taken;
+  account_.seconds += taken;
   event_->duration_ns += taken * 1e9;
   loop_impulses_now_.clear(), coupling_impulses_now_.clear();
   for (std::size_t i = 0; i < tree().loops().size(); ++i)
-    loop_impulses_now_.push_back(loop_impulse(tree(), world_.workspace_, static_cast<int>(i)));
-  for (std::size_t i = tree().loops().size(); i < tree().loop_links().size(); ++i)
-    coupling_impulses_now_.push_back(coupling_impulse(tree(), world_.workspace_, static_cast<int>(i)));
+    loop_impulses_now_.push_back(loop_impulse(tree(), edit_.workspace(), static_cast<int>(i)));
+  for (std::size_t i = tree().loops().size(); i < tree().loops().links.size(); ++i)
+    coupling_impulses_now_.push_back(coupling_impulse(tree(), edit_.workspace(), static_cast<int>(i)));
   evaluate();
   event_->lost += before.kinetic - world_.totals().kinetic;
   book_impulses(applied);
@@ -229,14 +234,14 @@ void TopologyEditor::engage_limit(int joint, int dof, int sign) {
     lock_loop(joint, loop_of(joint).joint.locked | 1u << dof);
   else
     carry_out(Lock{{joint}, 1u << dof}, Nature::impact);
-  world_.active_limits_.push_back({joint, dof, sign});
+  edit_.constraints().active_limits.push_back({joint, dof, sign});
 }
 void TopologyEditor::release_limit(int joint, int dof) {
   if (is_loop({joint}))
     lock_loop(joint, loop_of(joint).joint.locked & ~(1u << dof));
   else
     carry_out(Unlock{{joint}, 1u << dof}, Nature::workless);
-  std::erase_if(world_.active_limits_, [&](const ActiveLimit& h) { return h.joint == joint && h.dof == dof; });
+  std::erase_if(edit_.constraints().active_limits, [&](const ActiveLimit& h) { return h.joint == joint && h.dof == dof; });
 }
 
 void TopologyEditor::loosen(int joint, const JointPlan& plan) {
@@ -256,7 +261,7 @@ void TopologyEditor::reroot(int body) {
   const int root = root_of(tree(), {body}).index;
   touch(tree().joint_of(root));
   carry_out(Reroot{{body}}, Nature::workless);
-  world_.names_.move_mechanism(root, body);
+  edit_.names().move_mechanism(root, body);
 }
 
 void TopologyEditor::push(int body, const Vec3& force, const Vec3& torque, const Vec3& point) {
@@ -267,7 +272,7 @@ void TopologyEditor::push(int body, const Vec3& force, const Vec3& torque, const
 void TopologyEditor::leave_changed_stops(int joint, const JointLimits& limits) {
   const JointParameters* const own = parameters(joint);
   for (int dof = 0; own != nullptr && dof < info(declared(joint).kind).nv; ++dof) {
-    const int sign = world_.held(joint, dof);
+    const int sign = world_.constraints().held(joint, dof);
     const auto stop = [&](const JointLimits& of) {
       return !of.hard() ? sign * HUGE_VAL : sign > 0 ? of.upper_of(dof) : of.lower_of(dof);
     };
@@ -350,11 +355,11 @@ ActionResult TopologyEditor::attach(int body, int to, const JointSpec& spec, con
   touch(tree().joint_of(old_root));  // the free joint becomes the new joint
   carry_out(Join{{carrier}, {other}}, Nature::workless);
   if (other < 0)
-    world_.names_.move_mechanism(old_root, carrier);
+    edit_.names().move_mechanism(old_root, carrier);
   else
-    world_.names_.name_mechanism(old_root, {});
+    edit_.names().name_mechanism(old_root, {});
   change.joint = tree().inboard_joint({carrier});
-  world_.names_.name_joint(change.joint.index, made_name_);
+  edit_.names().name_joint(change.joint.index, made_name_);
   carry_out(change, Nature::impact);
   const int made = change.joint.index;
   const JointParameters parameters = begun(made, spec.parameters);

@@ -10,7 +10,7 @@
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/simulate/events/action.hpp>
 #include <momentree/simulate/events/event.hpp>
-#include <momentree/simulate/world/world.hpp>
+#include <momentree/simulate/world/world_edit.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/new_joint.hpp>
 
@@ -49,7 +49,7 @@ class TopologyEditor {
   void certify_part(const Event& part, Event& event);
 
   const World& world() const { return world_; }
-  const Tree& tree() const { return world_.tree_; }
+  const Tree& tree() const { return edit_.tree(); }
   /// Number of the joint that has that name now; −1: there is none.
   int joint(std::string_view name) const;
   /// The parameters of a joint, in the tree or closing a loop; null: there are none.
@@ -58,12 +58,8 @@ class TopologyEditor {
   int body(std::string_view name) const;
   /// Number of the spring of that name, broken or not; −1: there is none.
   int spring(std::string_view name) const { return world_.find_spring(name); }
-  const std::string& joint_name(int number) const { return world_.names_.joint(number); }
-  std::string body_name(int body) const;
   std::string mechanism_of(int body) const;
   const Joint& declared(int joint) const { return is_loop({joint}) ? loop_of(joint).joint : tree().joint(tree().carrier(joint)); }
-  /// The loop joint of that number, which must exist.
-  const Loop& loop_of(int joint) const;
   /// Whether a joint, which may close a loop, supports these parameters; otherwise the result of the action.
   ActionResult supports(int joint, const JointParameters& parameters) const;
   /// Whether coordinates of a joint are between the hard stops of these limits. In a dry run only those that are `known` count.
@@ -74,9 +70,8 @@ class TopologyEditor {
   ActionResult can_move() const;
   Values coordinates(int joint) const;
   /// Locked DoFs, except those that rest on a stop.
-  unsigned locked(int joint) const { return declared(joint).locked & ~world_.held(joint); }
-  /// User frame of a body (−1: the ground) in the world; pose of a joint's declared child in its declared parent.
-  Pose pose(int body);
+  unsigned locked(int joint) const { return declared(joint).locked & ~world_.constraints().held(joint); }
+  /// Pose of a joint's declared child in its declared parent.
   Pose joint_pose(int joint);
   /// Spatial velocities that a joint allows, except in locked DoFs: about the child's origin, in its axes.
   std::vector<Motion<double>> dofs(const Joint& joint, const Values& q) const;
@@ -116,14 +111,21 @@ class TopologyEditor {
   /// out; bodies that such a joint carries still count as held.
   std::map<const ActionBase*, JointPlan> plans;
   std::set<int> loosened;
-  double seconds = 0;  ///< time spent in changes alone
-  long changes = 0;
-  double brought = 0;  ///< kinetic energy from outside: from impulses, and from parameters such as an armature
-
-  /// Maximum distance of a joint from the start of its motion (rad, m).
-  static constexpr double motion_tolerance = 1e-6;
+  /// What the changes so far amount to.
+  struct Account {
+    double seconds = 0;  ///< time spent in changes alone
+    long changes = 0;
+    double brought = 0;  ///< kinetic energy from outside: from impulses, and from parameters such as an armature
+  };
+  const Account& account() const { return account_; }
 
  private:
+  const std::string& joint_name(int number) const { return edit_.names().joint(number); }
+  std::string body_name(int body) const;
+  /// The loop joint of that number, which must exist.
+  const Loop& loop_of(int joint) const;
+  /// User frame of a body (−1: the ground) in the world.
+  Pose pose(int body);
   void leave_changed_stops(int joint, const JointLimits& limits);
   bool drifts(int body) const;
   ActionResult close_loop(int body, int to, const JointSpec& spec, const std::optional<Pose>& at);
@@ -141,7 +143,7 @@ class TopologyEditor {
   void remember_momenta();
   void book_impulses(std::span<const AppliedImpulse> applied);
   void add_impulses(const Event& part, Event& event);
-  void evaluate() { world_.evaluate(); }
+  void evaluate() { edit_.evaluate(); }
   /// Call before the current event makes or changes that joint.
   void touch(int joint);
 
@@ -153,6 +155,8 @@ class TopologyEditor {
   Force<double> impulse_about(int b, const LoopImpulse& given) const;
 
   World& world_;
+  World::Edit edit_;
+  Account account_;
   bool dry_run_;
   Event* event_ = nullptr;
   std::string made_name_;

@@ -10,6 +10,7 @@
 #include <momentree/joint/motion.hpp>
 #include <momentree/model/start.hpp>
 #include <momentree/simulate/assembly.hpp>
+#include <momentree/tree/edit.hpp>
 #include <momentree/tree/lasting_function.hpp>
 
 namespace momentree {
@@ -18,8 +19,7 @@ World::World(const Model& model, Variables variables, Variables with_loops)
     : model_(model),
       variables_(model.has_equations() ? with_loops : variables),
       loop_variables_(with_loops),
-      first_bodies_(model.size()),
-      first_gravity_(model.gravity()) {
+      start_{model.size(), model.gravity()} {
   const std::vector<SingularJoint> singular = singular_joints(model_);
   if (!singular.empty()) {
     const BodySpec& body = model_[singular.front().body];
@@ -40,57 +40,59 @@ struct KeptFunction {
 
 // The free joint of a part that broke off is named after its body, and often the joint that broke has the same name. A free root
 // that was freed at its own frame is unchanged: neither a state document nor the motion can tell the difference.
-bool World::is_broken(std::string_view name, JointId found) const {
-  if (is_loop(found) || !model_.has_joint(name)) return false;
-  const int b = tree_.carrier(found.index);
+bool is_broken(const World& world, std::string_view name, JointId found) {
+  const Model& model = world.model();
+  const Tree& tree = world.tree();
+  if (is_loop(found) || !model.has_joint(name)) return false;
+  const int b = tree.carrier(found.index);
   if (b < 0) return false;
-  const Joint& now = tree_.joint(b);
+  const Joint& now = tree.joint(b);
   const auto moved = [](const Pose& pose) {
     const Quat& r = pose.rotation;
     return !(pose.position == Vec3{}) || r.w != 1 || r.x != 0 || r.y != 0 || r.z != 0;
   };
-  if (now.kind != Kind::free || tree_.parent(b) >= 0 || moved(now.at) || moved(now.child_at)) return false;
-  const JointId declared = model_.joint(name);
-  return model_.joint_spec(declared).kind != Kind::free || model_[BodyId{declared.index}].parent != ground;
+  if (now.kind != Kind::free || tree.parent(b) >= 0 || moved(now.at) || moved(now.child_at)) return false;
+  const JointId declared = model.joint(name);
+  return model.joint_spec(declared).kind != Kind::free || model[BodyId{declared.index}].parent != ground;
 }
 
 void World::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
   MT_REQUIRE(std::isfinite(time), "a finite time");
   std::vector<KeptFunction> functions;  // those of the model's joints stay
-  for (const int b : tree_.forced_joints())
+  for (const int b : tree_.joints_with().forces)
     if (const JointFunction* f = tree_.function(b))
       functions.push_back({names_.joint(tree_.joint_of(b)), tree_.joint(b).kind, std::make_shared<const JointFunction>(*f)});
   for (std::size_t i = 0; i < tree_.loops().size(); ++i)
-    if (const JointFunction* f = tree_.loop_function(static_cast<int>(i)))
+    if (const JointFunction* f = tree_.function(tree_.loops()[i].joint))
       functions.push_back(
           {names_.joint(tree_.loops()[i].id().index), tree_.loops()[i].joint.kind, std::make_shared<const JointFunction>(*f)});
-  const std::vector<Topology::Loaded> loads(tree_.body_functions().begin(), tree_.body_functions().end());
-  if (forest.places.size() < model_.bodies().size()) model_.keep(first_bodies_);
+  const std::vector<Topology::Loaded> loads(tree_.loads().functions.begin(), tree_.loads().functions.end());
+  if (forest.places.size() < model_.bodies().size()) model_.keep(start_.bodies);
   tree_ = model_.compiled();
-  former_contacts_.clear(), overlapping_ = forest.overlapping;
-  first_bodies_ = model_.size();
+  constraints_.former_contacts.clear(), constraints_.overlapping = forest.overlapping;
+  start_.bodies = model_.size();
   declared_ = names_ = Names(model_);
-  active_limits_ = forest.active_limits;
+  constraints_.active_limits = forest.active_limits;
   put_together(forest);
   put_springs(forest.springs);
   for (const int c : forest.ended_couplings)
-    if (tree_.coupling_acts(c)) tree_.end_coupling(c);
-  for (const ActiveLimit& h : active_limits_)
+    if (tree_.coupling_acts(c)) tree_.edit().end_coupling(c);
+  for (const ActiveLimit& h : constraints_.active_limits)
     MT_REQUIRE(is_loop({h.joint}) || (h.dof >= 0 && h.dof < info(tree_.joint(carrier({h.joint})).kind).nv),
                "a degree of freedom of the joint");
   for (KeptFunction& each : functions) {
     // By name: a loop joint that takes the place of a broken joint has the number of that one.
     const int joint = names_.find_joint(each.joint);
     if (joint < 0 || !model_.has_joint(each.joint) || model_.joint_spec(model_.joint(each.joint)).kind != each.kind) continue;
-    if (is_broken(each.joint, {joint})) continue;
-    const Loop* const loop = tree_.find_loop({joint});
+    if (is_broken(*this, each.joint, {joint})) continue;
+    const Loop* const loop = tree_.loops().find({joint});
     if (loop != nullptr && loop->joint.kind == each.kind)
-      tree_.set_loop_function(joint - first_loop, std::move(each.function));
+      tree_.edit().set_loop_function(joint - first_loop, std::move(each.function));
     else if (const int b = is_loop({joint}) ? -1 : tree_.carrier(joint); b >= 0 && tree_.joint(b).kind == each.kind)
-      tree_.set_function(b, std::move(each.function));
+      tree_.edit().set_function(b, std::move(each.function));
   }
   for (const Topology::Loaded& load : loads)
-    if (load.body < model_.size() && tree_.alive(load.body)) tree_.set_body_function(load.body, load.function);
+    if (load.body < model_.size() && tree_.alive(load.body)) tree_.edit().set_body_function(load.body, load.function);
   State state(tree_, own_variables());
   workspace_ = Workspace<double>(tree_);
   motions_.resize(static_cast<std::size_t>(model_.size()));
@@ -203,12 +205,12 @@ void World::put_together(const Forest& forest) {
     names_.add_loop(loop.id().index, each.name);
     for (ActiveLimit limit : each.active_limits) {
       limit.joint = loop.id().index;
-      active_limits_.push_back(limit);
+      constraints_.active_limits.push_back(limit);
     }
     topology.loops.push_back(std::move(loop));
   }
   std::sort(topology.loops.begin(), topology.loops.end(), [](const Loop& a, const Loop& b) { return a.number < b.number; });
-  tree_.restore(topology);
+  tree_.edit().restore(topology);
   for (int b = 0; b < model_.size(); ++b) names_.name_mechanism(b, {});
   for (const auto& [root, name] : forest.mechanisms) names_.name_mechanism(root, name);
 }
@@ -278,7 +280,7 @@ JointForces World::joint_forces(JointId number) const {
 bool World::loops_determine(JointId number) const {
   if (!tree_.has_loops()) return true;
   accelerate(tree_, state_, workspace_);
-  return is_loop(number) ? loop_determined(tree_, workspace_, tree_.loop_place(number))
+  return is_loop(number) ? loop_determined(tree_, workspace_, tree_.loops().place(number))
                          : joint_determined(tree_, workspace_, carrier(number));
 }
 
@@ -318,8 +320,8 @@ JointView World::joint(JointId number) const {
           reversed ? outer : inner,
           reversed ? inner : outer,
           reversed,
-          j.locked & ~held(number.index),
-          held(number.index) | rests_in_steps(number.index),
+          j.locked & ~constraints_.held(number.index),
+          constraints_.held(number.index) | rests_in_steps(number.index),
           driven,
           j.at,
           j.child_at,
@@ -333,18 +335,21 @@ JointView World::joint(JointId number) const {
           driven ? std::span(none, nv) : pdot().subspan(static_cast<std::size_t>(tree_.first_p(b)), nv)};
 }
 
-Model World::first_model() const {
-  Model model = model_;
-  model.keep(first_bodies_);
+Model first_model(const World& world) {
+  Model model = world.model();
+  model.keep(world.start().bodies);
   return model;
 }
 
 WorldSnapshot World::snapshot() const {
-  WorldSnapshot all{
-      take_snapshot(tree_, state_), {}, {}, active_limits_, {model_.bodies().begin() + first_bodies_, model_.bodies().end()}};
+  WorldSnapshot all{take_snapshot(tree_, state_),
+                    {},
+                    {},
+                    constraints_.active_limits,
+                    {model_.bodies().begin() + start_.bodies, model_.bodies().end()}};
   for (const Collider& collider : model_.colliders())
-    if (collider.body.index >= first_bodies_) all.added_colliders.push_back(collider);
-  all.former_contacts = former_contacts_, all.overlapping = overlapping_;
+    if (collider.body.index >= start_.bodies) all.added_colliders.push_back(collider);
+  all.former_contacts = constraints_.former_contacts, all.overlapping = constraints_.overlapping;
   all.gravity = model_.gravity();
   for (int k = 0; k < model_.size(); ++k) {
     if (names_.joint(k) != declared_.joint(k)) all.joint_names.emplace_back(k, names_.joint(k));
@@ -357,8 +362,8 @@ WorldSnapshot World::snapshot() const {
 
 void World::restore(const WorldSnapshot& snapshot) {
   momentree::restore(snapshot.engine, tree_, state_);
-  if (!snapshot.added.empty() || model_.size() != first_bodies_) {
-    model_.keep(first_bodies_);
+  if (!snapshot.added.empty() || model_.size() != start_.bodies) {
+    model_.keep(start_.bodies);
     for (const BodySpec& body : snapshot.added) model_.add_unjudged(body);
     for (const Collider& collider : snapshot.added_colliders) model_.add_collider(collider);
     declared_ = Names(model_);
@@ -366,8 +371,8 @@ void World::restore(const WorldSnapshot& snapshot) {
   }
   if (snapshot.gravity && !(*snapshot.gravity == model_.gravity())) set_gravity(*snapshot.gravity);
   names_ = declared_;
-  active_limits_ = snapshot.active_limits;
-  former_contacts_ = snapshot.former_contacts, overlapping_ = snapshot.overlapping;
+  constraints_.active_limits = snapshot.active_limits;
+  constraints_.former_contacts = snapshot.former_contacts, constraints_.overlapping = snapshot.overlapping;
   for (const auto& [number, name] : snapshot.joint_names)
     number >= first_loop ? names_.add_loop(number, name) : names_.name_joint(number, name);
   for (const auto& [root, name] : snapshot.mechanism_names) names_.name_mechanism(root, name);
@@ -376,17 +381,17 @@ void World::restore(const WorldSnapshot& snapshot) {
 void World::drive(int joint, JointFunction function) {
   const bool loop = is_loop({joint});
   function =
-      joined(loop ? tree_.loop_function(tree_.loop_place({joint})) : tree_.function(carrier({joint})), std::move(function));
+      joined(tree_.function(loop ? tree_.loops().find({joint})->joint : tree_.joint(carrier({joint}))), std::move(function));
   auto shared = function ? std::make_shared<const JointFunction>(std::move(function)) : nullptr;
   if (loop)
-    tree_.set_loop_function(joint - first_loop, std::move(shared));
+    tree_.edit().set_loop_function(joint - first_loop, std::move(shared));
   else
-    tree_.set_function(carrier({joint}), std::move(shared));
+    tree_.edit().set_function(carrier({joint}), std::move(shared));
   state_.replace(0, 0, {}, 0, 0, {}, tree_);
 }
 
 void World::load(int body, BodyFunction function) {
-  tree_.set_body_function(body, function ? std::make_shared<const BodyFunction>(std::move(function)) : nullptr);
+  tree_.edit().set_body_function(body, function ? std::make_shared<const BodyFunction>(std::move(function)) : nullptr);
   state_.replace(0, 0, {}, 0, 0, {}, tree_);
 }
 
@@ -399,12 +404,12 @@ void World::set_time(double time) {
 
 void World::set_gravity(Vec3 gravity) {
   model_.set_gravity(gravity);  // may throw
-  tree_.set_gravity(gravity);
+  tree_.edit().set_gravity(gravity);
   state_.replace(0, 0, {}, 0, 0, {}, tree_);
 }
 
-int World::held(int joint, int dof) const {
-  for (const ActiveLimit& h : active_limits_)
+int WorldConstraints::held(int joint, int dof) const {
+  for (const ActiveLimit& h : active_limits)
     if (h.joint == joint && h.dof == dof) return h.sign;
   return 0;
 }
@@ -417,18 +422,18 @@ unsigned World::rests_in_steps(int joint) const {
   return bits;
 }
 
-unsigned World::held(int joint) const {
+unsigned WorldConstraints::held(int joint) const {
   unsigned bits = 0;
-  for (const ActiveLimit& h : active_limits_)
+  for (const ActiveLimit& h : active_limits)
     if (h.joint == joint) bits |= 1u << h.dof;
   return bits;
 }
 
 // Active limits end when their joint, or its limits, are removed.
 void World::forget_active_limits() {
-  std::erase_if(active_limits_, [this](const ActiveLimit& h) {
+  std::erase_if(constraints_.active_limits, [this](const ActiveLimit& h) {
     if (is_loop({h.joint})) {
-      const Loop* const loop = tree_.find_loop({h.joint});
+      const Loop* const loop = tree_.loops().find({h.joint});
       return loop == nullptr || (loop->joint.locked >> h.dof & 1u) == 0 || !loop->parameters.limits.hard();
     }
     const int b = tree_.carrier(h.joint);

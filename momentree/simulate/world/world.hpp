@@ -9,6 +9,7 @@
 
 #include <momentree/base/numbers.hpp>
 #include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/equations.hpp>
 #include <momentree/dynamics/loops/loops.hpp>
 #include <momentree/dynamics/motion.hpp>
 #include <momentree/dynamics/workspace.hpp>
@@ -134,8 +135,8 @@ struct WorldSnapshot {
   std::vector<ActiveLimit> active_limits;
   std::vector<BodySpec> added{};            ///< bodies that were added after the start
   std::vector<Collider> added_colliders{};  ///< and what they touch with
-  std::vector<Contact> former_contacts{};   ///< World::former_contacts()
-  std::vector<int> overlapping{};           ///< World::overlapping()
+  std::vector<Contact> former_contacts{};   ///< as of WorldConstraints
+  std::vector<int> overlapping{};           ///< as of WorldConstraints
   std::optional<Vec3> gravity{};            ///< m/s²; absent: gravity stays as it is when the snapshot is restored
 };
 
@@ -166,8 +167,8 @@ struct Forest {
   std::vector<Topology::SpringChange> springs;  ///< that broke or whose law was set; also where places are empty
   std::vector<int> ended_couplings;             ///< the same
   std::vector<Contact> contacts;                ///< that were closed; their features and friction, which are unused, follow
-  std::vector<Contact> former_contacts{};       ///< the same of World::former_contacts()
-  std::vector<int> overlapping{};               ///< World::overlapping()
+  std::vector<Contact> former_contacts{};       ///< as of WorldConstraints
+  std::vector<int> overlapping{};               ///< as of WorldConstraints
 };
 
 /// The state of one joint in a state document: empty lists keep the start value. If p is given, it is used instead of v; in a
@@ -175,6 +176,49 @@ struct Forest {
 struct JointStart {
   JointId joint;
   Values q, v, p;
+};
+
+/// What a world was made with: the number of its bodies, and the gravity (m/s²).
+struct WorldStart {
+  int bodies = 0;
+  Vec3 gravity{};
+};
+
+/// Constraints of a world beside those of its tree.
+struct WorldConstraints {
+  std::vector<ActiveLimit> active_limits;  ///< DoFs that rest on stops
+  /// The contacts that were closed when the last run ended, if forces or the state have changed since: the next run finds out
+  /// which of them stay closed, and reports what changes. Empty otherwise.
+  std::vector<Contact> former_contacts;
+  /// Pairs of colliders that overlapped when the joint between their bodies ended: they pass through each other until they are
+  /// apart. By their numbers (pair_of_colliders()), in ascending order.
+  std::vector<int> overlapping;
+
+  /// The sign of the stop on which a DoF rests, or 0; a bit per DoF of a joint that rests on one.
+  int held(int joint, int dof) const;
+  unsigned held(int joint) const;
+};
+
+/// The equations of motion of a world in its present state: see dynamics/equations.hpp. M has nv·nv numbers, J 6·nv, the others
+/// nv. Valid until the world next changes.
+class WorldEquations {
+ public:
+  WorldEquations(const Tree& tree, const State& state, Workspace<double>& workspace)
+      : tree_(tree), state_(state), workspace_(workspace) {}
+  void mass_matrix(double* M) const { momentree::mass_matrix(tree_, state_, workspace_, M); }
+  void solve_mass(const double* r, double* u) const { momentree::solve_mass(tree_, state_, workspace_, r, u); }
+  void inverse_mass_matrix(double* inverse) const { momentree::inverse_mass_matrix(tree_, state_, workspace_, inverse); }
+  void bias(double* c) const { momentree::bias(tree_, state_, workspace_, c); }
+  void efforts(double* tau) const { momentree::efforts(tree_, state_, workspace_, tau); }
+  void inverse_dynamics(const double* a, double* effort) const {
+    momentree::inverse_dynamics(tree_, state_, workspace_, a, effort);
+  }
+  void point_jacobian(BodyId body, Vec3 point, double* J) const;
+
+ private:
+  const Tree& tree_;
+  const State& state_;
+  Workspace<double>& workspace_;
 };
 
 /// Evaluates its state lazily, when a result is requested: a world may be used by one thread at a time, even for reading.
@@ -185,11 +229,8 @@ class World {
   explicit World(const Model& model, Variables variables = Variables::momenta, Variables with_loops = Variables::velocities);
 
   const Model& model() const { return model_; }
-  /// The model without the bodies that were added to the world.
-  Model first_model() const;
-  /// The number of its bodies, and the gravity (m/s²) that the world was made with; that of model() is the present one.
-  int first_bodies() const { return first_bodies_; }
-  Vec3 first_gravity() const { return first_gravity_; }
+  /// What the world was made with.
+  const WorldStart& start() const { return start_; }
   const Tree& tree() const { return tree_; }
   const State& state() const;
   double time() const { return state().time(); }
@@ -215,7 +256,7 @@ class World {
   std::optional<BodyGap> gap(BodyId one, BodyId other) const;
   /// The least gap of a body of each set. Bodies that pass through each other count only if all do.
   std::optional<BodyGap> gap(const ContactBodies& one, const ContactBodies& other) const;
-  int springs() const { return tree_.spring_count(); }
+  int springs() const { return tree_.springs().count(); }
   /// Number of the spring of that name, broken or not; −1 if there is none.
   int find_spring(std::string_view name) const;
   /// The same for repeated look-ups: `number`, −1 at first, caches the result.
@@ -223,16 +264,11 @@ class World {
   /// A coupling of the model, with its effort. Costs accelerations(), like joint_forces().
   CouplingView coupling(CouplingId coupling) const;
   int couplings() const { return static_cast<int>(tree_.couplings().size()); }
-  /// Names of its joints in the model; the second one is empty if there is none.
-  std::pair<std::string, std::string> coupling_names(CouplingId coupling) const;
   /// Coordinate (rad, m) and velocity (rad/s, m/s) of a joint with one DoF; nothing for other joints.
   std::optional<std::pair<double, double>> single_dof(JointId joint) const;
   /// Number of the joint that has that name now; −1 if there is none.
   int find_joint(std::string_view name) const { return names_.find_joint(name); }
   int find_joint(std::string_view name, std::atomic<int>& number) const { return names_.find_joint(name, number); }
-  /// True if the model's joint of that name broke, and `found`, which now has the name, is the free joint of the part that broke
-  /// off. Actions and conditions mean the joint that broke.
-  bool is_broken(std::string_view name, JointId found) const;
   /// The loop joints, in the order in which they were made, and the state of their equations and those of couplings.
   std::vector<JointId> loops() const;
   LoopStatus loop_status() const;
@@ -254,15 +290,8 @@ class World {
   /// one and its velocity 0. Throws Error for lists of other lengths, numbers that are not finite, and quaternions that differ
   /// from unit length by more than 1e-6.
   std::vector<double> momenta_of(std::span<const double> q, std::span<const double> v, std::optional<double> time = {}) const;
-  /// The equations of motion M v̇ + c = τ in the present state: see dynamics/equations.hpp. M has nv·nv numbers, J 6·nv, the
-  /// others nv.
-  void mass_matrix(double* M) const;
-  void solve_mass(const double* r, double* u) const;
-  void inverse_mass_matrix(double* inverse) const;
-  void bias(double* c) const;
-  void efforts(double* tau) const;
-  void inverse_dynamics(const double* a, double* effort) const;
-  void point_jacobian(BodyId body, Vec3 point, double* J) const;
+  /// The equations of motion M v̇ + c = τ in the present state.
+  WorldEquations equations() const { return {tree_, state_, workspace_}; }
 
   /// Present mechanisms, in the order of their root's body number.
   std::vector<Mechanism> mechanisms() const;
@@ -284,25 +313,13 @@ class World {
   /// is outboard of itself.
   void restore(double time, const Forest& forest, std::span<const JointStart> joints);
 
-  /// The first instant after t (s) at which a table bends, or infinity: steps end there.
-  double next_bend(double t) const { return tree_.next_bend(t); }
+  const WorldConstraints& constraints() const { return constraints_; }
 
-  /// The contacts that were closed when the last run ended, if forces or the state have changed since: the next run finds out
-  /// which of them stay closed, and reports what changes. Empty otherwise.
-  std::span<const Contact> former_contacts() const { return former_contacts_; }
-
-  /// Pairs of colliders that overlapped when the joint between their bodies ended: they pass through each other until they are
-  /// apart. By their numbers (pair_of_colliders()), in ascending order.
-  std::span<const int> overlapping() const { return overlapping_; }
-
-  /// DoFs that rest on stops.
-  std::span<const ActiveLimit> active_limits() const { return active_limits_; }
+  /// Write access, for what runs the world (world/world_edit.hpp).
+  class Edit;
+  Edit edit();
 
  private:
-  friend class Simulation;
-  friend class TopologyEditor;
-  friend class Stops;
-  friend class ContactWorld;
   void put_together(const Forest& forest);
   void put_springs(const std::vector<Topology::SpringChange>& changes);
   void set_values(double time, std::span<const double> q, std::span<const double> y, Variables given);
@@ -327,8 +344,6 @@ class World {
   }
   void take_variables(Variables variables);
   void set_gravity(Vec3 gravity);
-  int held(int joint, int dof) const;
-  unsigned held(int joint) const;
   unsigned rests_in_steps(int joint) const;  // on stops that are stepped through, which lock nothing
   void forget_active_limits();
   const Connections& connections() const {
@@ -339,13 +354,10 @@ class World {
 
   Model model_;
   Variables variables_ = Variables::momenta, loop_variables_ = Variables::velocities;
-  int first_bodies_ = 0;    // number of bodies that the world was made with
-  Vec3 first_gravity_;      // and the gravity
+  WorldStart start_;
   Names declared_, names_;  // as in the model, and now
-  std::vector<ActiveLimit> active_limits_;
-  std::vector<Contact> former_contacts_;
+  WorldConstraints constraints_;
   mutable std::vector<int> open_joints_;  // by redundant contacts
-  std::vector<int> overlapping_;
   Tree tree_;
   State state_;
   mutable Workspace<double> workspace_;
@@ -359,5 +371,13 @@ class World {
   };
   mutable std::vector<LoopValues> loop_values_;  // by loop, for the views of loop joints
 };
+
+/// The model without the bodies that were added to the world.
+Model first_model(const World& world);
+/// Names of the joints of a coupling in the model; the second one is empty if there is none.
+std::pair<std::string, std::string> coupling_names(const World& world, CouplingId coupling);
+/// True if the model's joint of that name broke, and `found`, which now has the name, is the free joint of the part that broke
+/// off. Actions and conditions mean the joint that broke.
+bool is_broken(const World& world, std::string_view name, JointId found);
 
 }  // namespace momentree

@@ -9,6 +9,7 @@
 #include <momentree/simulate/arguments.hpp>
 #include <momentree/simulate/assembly.hpp>
 #include <momentree/simulate/world/world.hpp>
+#include <momentree/tree/edit.hpp>
 #include <momentree/tree/packed.hpp>
 
 namespace momentree {
@@ -42,15 +43,7 @@ Numbers World::a() const {
   return {workspace_.a.get(), count(tree_.nv())};
 }
 
-void World::mass_matrix(double* M) const { momentree::mass_matrix(tree_, state_, workspace_, M); }
-void World::solve_mass(const double* r, double* u) const { momentree::solve_mass(tree_, state_, workspace_, r, u); }
-void World::inverse_mass_matrix(double* inverse) const { momentree::inverse_mass_matrix(tree_, state_, workspace_, inverse); }
-void World::bias(double* c) const { momentree::bias(tree_, state_, workspace_, c); }
-void World::efforts(double* tau) const { momentree::efforts(tree_, state_, workspace_, tau); }
-void World::inverse_dynamics(const double* a, double* effort) const {
-  momentree::inverse_dynamics(tree_, state_, workspace_, a, effort);
-}
-void World::point_jacobian(BodyId body, Vec3 point, double* J) const {
+void WorldEquations::point_jacobian(BodyId body, Vec3 point, double* J) const {
   momentree::point_jacobian(tree_, state_, workspace_, body, point, J);
 }
 
@@ -71,7 +64,7 @@ std::vector<double> World::momenta_of(std::span<const double> q, std::span<const
   std::vector<double> coordinates(q.begin(), q.end()), rates(v.begin(), v.end()), p(v.size());
   normalise_quaternions(tree_, coordinates, name);
   std::vector<std::pair<std::size_t, double>> released;  // DoFs that no longer rest on a stop, with their velocities
-  for (const ActiveLimit& h : active_limits_)
+  for (const ActiveLimit& h : constraints_.active_limits)
     if (!is_loop({h.joint}) && !stays_resting(h, coordinates, rates)) {
       const std::size_t i = count(tree_.first_p(tree_.carrier(h.joint)) + h.dof);
       released.emplace_back(i, rates[i]);
@@ -100,19 +93,19 @@ void World::set_values(double time, std::span<const double> q, std::span<const d
   normalise_quaternions(tree_, coordinates, name);
   std::optional<WorldSnapshot> before;  // loops may stay open
   if (tree_.has_loops()) before = snapshot();
-  std::erase_if(active_limits_, [&](const ActiveLimit& h) {
+  std::erase_if(constraints_.active_limits, [&](const ActiveLimit& h) {
     if (stays_resting(h, coordinates, rates)) return false;
-    if (const Loop* const loop = is_loop({h.joint}) ? tree_.find_loop({h.joint}) : nullptr) {
+    if (const Loop* const loop = is_loop({h.joint}) ? tree_.loops().find({h.joint}) : nullptr) {
       const Loop held = *loop;
       Joint joint = held.joint;
       joint.locked &= ~(1u << h.dof);
-      tree_.set_loop(held.number, joint, held.parameters, held.held);
+      tree_.edit().set_loop(held.number, joint, held.parameters, held.held);
       return true;
     }
     const int b = tree_.carrier(h.joint);
     Joint joint = tree_.joint(b);
     joint.locked &= ~(1u << h.dof);
-    tree_.set_joint(b, joint);
+    tree_.edit().set_joint(b, joint);
     return true;
   });
   clear_locked(tree_, rates.data());
@@ -127,7 +120,7 @@ void World::set_values(double time, std::span<const double> q, std::span<const d
 
 // Sets a state in velocities, or one in momenta from momenta.
 void World::assign(double time, std::span<const double> q, std::span<const double> y, Variables given) {
-  if (!tree_.contacts().empty()) tree_.set_contacts({});  // the next run finds those of the new coordinates
+  if (!tree_.contacts().empty()) tree_.edit().set_contacts({});  // the next run finds those of the new coordinates
   if (given == state_.variables()) return state_.assign(time, q, y, tree_);
   State momenta(tree_);
   momenta.assign(time, q, y, tree_);

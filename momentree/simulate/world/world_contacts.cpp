@@ -94,7 +94,8 @@ bool World::pass_through(int one_collider, int other_collider) const {
   const Connections& now = connections();
   return model_.contact_law(one, other).off || now.are_welded(one.index, other.index) ||
          (now.are_joined(one.index, other.index) && !model_.touch_while_joined(one, other)) ||
-         std::binary_search(overlapping_.begin(), overlapping_.end(), pair_of_colliders(model_, one_collider, other_collider));
+         std::binary_search(constraints_.overlapping.begin(), constraints_.overlapping.end(),
+                            pair_of_colliders(model_, one_collider, other_collider));
 }
 
 std::optional<BodyGap> World::gap(BodyId one, BodyId other) const {

@@ -5,9 +5,10 @@
 namespace momentree {
 
 // Names of the model: joints that broke have others.
-std::pair<std::string, std::string> World::coupling_names(CouplingId coupling) const {
-  const Coupling& law = model_.couplings()[static_cast<std::size_t>(coupling.index)];
-  return {model_[law.joint].joint_name, law.leads() ? model_[law.follows].joint_name : std::string()};
+std::pair<std::string, std::string> coupling_names(const World& world, CouplingId coupling) {
+  const Model& model = world.model();
+  const Coupling& law = model.couplings()[static_cast<std::size_t>(coupling.index)];
+  return {model[law.joint].joint_name, law.leads() ? model[law.follows].joint_name : std::string()};
 }
 
 CouplingView World::coupling(CouplingId number) const {
@@ -16,7 +17,8 @@ CouplingView World::coupling(CouplingId number) const {
   if (view.ended) return view;
   accelerate(tree_, state_, workspace_);
   const int place = coupling_place(tree_, number.index);
-  view.effort = workspace_.loops->lambda[static_cast<std::size_t>(tree_.loop_links()[static_cast<std::size_t>(place)].first_row)];
+  view.effort =
+      workspace_.loops->lambda[static_cast<std::size_t>(tree_.loops().links[static_cast<std::size_t>(place)].first_row)];
   view.determined = loop_determined(tree_, workspace_, place);
   return view;
 }

@@ -18,7 +18,7 @@ std::vector<JointId> World::loops() const {
 LoopStatus World::loop_status() const { return momentree::loop_status(tree_, state_, workspace_); }
 
 JointView World::loop_view(JointId number) const {
-  const int place = tree_.loop_place(number);
+  const int place = tree_.loops().place(number);
   MT_REQUIRE(place >= 0, "the joint is in this world");
   const auto i = static_cast<std::size_t>(place);
   evaluate();
@@ -31,7 +31,7 @@ JointView World::loop_view(JointId number) const {
   view.name = joint_name(number);
   view.kind = loop.joint.kind;
   view.child = {loop.body}, view.parent = {loop.to};
-  view.locked = loop.joint.locked & ~held(number.index), view.resting = held(number.index);
+  view.locked = loop.joint.locked & ~constraints_.held(number.index), view.resting = constraints_.held(number.index);
   view.at = loop.joint.at, view.child_at = loop.joint.child_at;
   view.axis = loop.joint.axis, view.axis2 = loop.joint.axis2, view.pitch = loop.joint.pitch;
   view.parameters = &loop.parameters;
@@ -43,7 +43,7 @@ JointView World::loop_view(JointId number) const {
 }
 
 JointForces World::loop_forces(JointId number) const {
-  const int i = tree_.loop_place(number);
+  const int i = tree_.loops().place(number);
   MT_REQUIRE(i >= 0, "the joint is in this world");
   accelerate(tree_, state_, workspace_);
   const Loop& loop = tree_.loops()[static_cast<std::size_t>(i)];

@@ -2,13 +2,14 @@
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/springs.hpp>
 #include <momentree/simulate/world/world.hpp>
+#include <momentree/tree/edit.hpp>
 
 namespace momentree {
 
 void World::put_springs(const std::vector<Topology::SpringChange>& changes) {
   for (const Topology::SpringChange& change : changes) {
-    tree_.set_spring_law(change.spring, change.law);
-    if (change.broken) tree_.break_spring(change.spring);
+    tree_.edit().set_spring_law(change.spring, change.law);
+    if (change.broken) tree_.edit().break_spring(change.spring);
   }
 }
 
@@ -31,9 +32,9 @@ int World::find_spring(std::string_view name, std::atomic<int>& number) const {
 
 SpringView World::spring(SpringId number) const {
   const int s = number.index;
-  MT_REQUIRE(s >= 0 && s < tree_.spring_count(), "the world has a spring of that number");
+  MT_REQUIRE(s >= 0 && s < tree_.springs().count(), "the world has a spring of that number");
   const Spring& spring = model_.springs()[static_cast<std::size_t>(s)];
-  SpringView view{spring.name, spring.from, spring.to, tree_.spring_law(s), !tree_.spring_acts(s), 0, 0,
+  SpringView view{spring.name, spring.from, spring.to, tree_.springs().law(s), !spring_acts(tree_, s), 0, 0,
                   0,           {},          {},        spring.inextensible};
   for (const SpringEnd* end : {&spring.from, &spring.to})
     if (end->body != ground && !alive(end->body)) return view;

@@ -1,4 +1,4 @@
-#include <momentree/tree/links.hpp>
+#include <momentree/tree/parts/links.hpp>
 
 #include <functional>
 
