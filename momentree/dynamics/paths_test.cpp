@@ -112,7 +112,7 @@ void compare(const Tree& tree, const State& state, Seen& seen) {
   const std::vector<Counted> cq(q.begin(), q.end()), cp(p.begin(), p.end());
   evaluate_rates(tree, cq.data(), cp.data(), early);
   Tree with_rotors, in_pieces = tree;
-  with_rotors.copy_with_armatures(tree), in_pieces.edit().use_generic_kernels();
+  with_rotors.edit().copy_with_armatures(tree), in_pieces.edit().use_generic_kernels();
   Workspace<double> rotors(with_rotors), pieces(in_pieces);
   poison(with_rotors, rotors), poison(in_pieces, pieces);
   evaluate_rates(with_rotors, q.data(), p.data(), rotors);

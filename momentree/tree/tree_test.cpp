@@ -61,7 +61,7 @@ TEST_CASE("equal links are stored once; a changed tree and its copies do not sha
     CHECK(&tree.joint(b) == &tree.joint(1));
   }
   Tree changed = tree;
-  changed.detach(10);
+  changed.edit().detach(10);
   CHECK(tree.joint(10).kind == Kind::revolute);
   CHECK(changed.joint(10).kind == Kind::free);
   CHECK(&changed.link(3) == &tree.link(3));
@@ -70,7 +70,7 @@ TEST_CASE("equal links are stored once; a changed tree and its copies do not sha
   copy = changed;
   CHECK(&copy.link(3) == &tree.link(3));
   CHECK(&copy.link(10) != &changed.link(10));
-  copy.detach(5);
+  copy.edit().detach(5);
   CHECK(changed.joint(5).kind == Kind::revolute);
   changed.restore(tree.topology());
   for (int b = 0; b < 20; ++b) CHECK(&changed.link(b) == &tree.link(b));

@@ -5,6 +5,7 @@
 #include <momentree/dynamics/momentum.hpp>
 #include <momentree/integrate/integrator.hpp>
 #include <momentree/topology/change.hpp>
+#include <momentree/tree/edit.hpp>
 #include <tests/misuse.hpp>
 #include <tests/oracle/random_model.hpp>
 
@@ -70,7 +71,7 @@ TEST_CASE("a change accepts only a workspace of the same state") {
   check_stopped("a state of another topology", "the state belongs to this tree as it is now", [&] {
     Scene s;
     Tree other(s.model);
-    other.detach(joint.index);
+    other.edit().detach(joint.index);
     forward_dynamics(other, s.state, s.workspace);
   });
   check_stopped("a momentum read from a stale work", stale, [&] {
