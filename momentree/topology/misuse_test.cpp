@@ -217,7 +217,7 @@ TEST_CASE("misuse: a tree, state or workspace that do not belong together") {
       of_scene("a change of a copy after the tree changed", stale,
                [](Scene& s) {
                  Tree copy = s.tree;
-                 copy.detach(3);
+                 copy.edit().detach(3);
                  apply(Break{copy.inboard_joint({1})}, copy, s.state, s.workspace);
                }),
       of_scene("a momentum read on another tree", stale,

@@ -72,7 +72,7 @@ TEST_CASE("equal links are stored once; a changed tree and its copies do not sha
   CHECK(&copy.link(10) != &changed.link(10));
   copy.edit().detach(5);
   CHECK(changed.joint(5).kind == Kind::revolute);
-  changed.restore(tree.topology());
+  changed.edit().restore(tree.topology());
   for (int b = 0; b < 20; ++b) CHECK(&changed.link(b) == &tree.link(b));
 }
 

@@ -3,6 +3,7 @@
 # Written by tools/python_vocabulary from the library's lists.
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Union
 
 from momentree import _core
@@ -88,3 +89,36 @@ class Elements(_core.ModelBase):
             Error: A value is impossible or a name unknown or used twice; the model is unchanged.
         """
         self._add_element("cable", name, {"from": _end(start), "to": _end(end), **given(length=length, restitution=restitution, strength=strength)})
+
+    def add_coupling(
+        self,
+        joint: str,
+        follows: str | None = None,
+        *,
+        multiplier: Number | None = None,
+        offset: Number | None = None,
+        polynomial: Sequence[float] | None = None,
+        stiffness: Number | None = None,
+        damping: Number | None = None,
+    ) -> None:
+        """Add a coupling, which makes a joint follow another, exactly or by a spring between their coordinates.
+
+        The joint is at multiplier·q(follows) + offset. At the start a joint that follows exactly takes the position and
+        velocity that follow; ``sim.world.couplings`` has the effort of an exact coupling. With a stiffness it follows by a
+        spring and a damper. A coupling ends when one of the joints breaks, becomes free or is changed.
+
+        Args:
+            joint: Full name of the joint that follows; it has one DoF.
+            follows: Full name of the joint that leads; it has one DoF. Without it the joint is held at ``offset``.
+            multiplier: The joint is at multiplier·q + offset, where q is its leader's coordinate.
+            offset: Offset (rad or m).
+            polynomial: a0 … a4: the joint is at a0 + a1·q + a2·q² + a3·q³ + a4·q⁴, in SI units; instead of multiplier and
+                offset.
+            stiffness: Stiffness of a spring by which the joint follows; without it, it follows exactly (N m/rad or N/m of the
+                joint).
+            damping: Damping of the spring (N m s/rad or N s/m of the joint).
+
+        Raises:
+            Error: A value is impossible or a name unknown or used twice; the model is unchanged.
+        """
+        self._add_element("coupling", "", given(joint=joint, follows=follows, multiplier=multiplier, offset=offset, polynomial=polynomial, stiffness=stiffness, damping=damping))

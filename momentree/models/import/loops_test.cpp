@@ -241,9 +241,10 @@ TEST_CASE("MJCF: an inactive equality is left out, one of joints is a joint that
   CHECK(said(result, Severity::warning)
             .find("m.xml:10:1: warning: <tendon> in <equality> is left out: connect, weld and joint are read") !=
         std::string::npos);
-  REQUIRE(result.scenario->couplings.size() == 1);
-  CHECK(result.scenario->couplings[0].multiplier == 2);
-  CHECK(result.scenario->couplings[0].offset == 0.1);
+  REQUIRE(result.scenario->model.elements().size() == 1);
+  const auto& spring = std::get<elements::SpringCoupling>(result.scenario->model.elements()[0]);
+  CHECK(spring.multiplier == 2);
+  CHECK(spring.offset == 0.1);
   CHECK(result.scenario->model.loops().size() == 1);
   CHECK(result.scenario->model.couplings().size() == 2);  // that no spring can replace
 }

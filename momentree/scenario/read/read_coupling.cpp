@@ -83,9 +83,10 @@ constinit const KeyTable coupling_table{
     .definition = "coupling",
     .about = "A coupling, which makes a joint follow another, exactly or by a spring between their coordinates",
     .own = coupling_entries,
-    .details = "The joint is at multiplier·q(follows) + offset. At the start a joint that follows exactly takes the position and "
-               "velocity that follow; ``sim.world.couplings`` has the effort of an exact coupling. With a stiffness it follows by a "
-               "spring and a damper. A coupling ends when one of the joints breaks, becomes free or is changed."};
+    .details =
+        "The joint is at multiplier·q(follows) + offset. At the start a joint that follows exactly takes the position and "
+        "velocity that follow; ``sim.world.couplings`` has the effort of an exact coupling. With a stiffness it follows by a "
+        "spring and a damper. A coupling ends when one of the joints breaks, becomes free or is changed."};
 
 void read_coupling_spring(Fields& fields, bool along_axis, elements::SpringCoupling& spring) {
   const Dimension effort = along_axis ? dimension::force : dimension::torque,

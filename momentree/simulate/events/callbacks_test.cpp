@@ -271,8 +271,7 @@ TEST_CASE("functions that drive a joint or act on a body read the given moment, 
     };
   };
   check_fine("what a moment has", asks([](const EvaluationContext& now) {
-               static_cast<void>(now.q({0})[0] + now.v({1})[0] + prescribed_motion(now, {1}).angular.x +
-                                 prescribed_motion(now, ground).linear.x);
+               static_cast<void>(now.q({0})[0] + now.v({1})[0] + now.motion({1}).angular.x + now.motion(ground).linear.x);
              }));
   for (const int b : {-1, 2, 99}) {
     check_stopped("q of no joint", "the tree has a joint of that number",
@@ -280,8 +279,7 @@ TEST_CASE("functions that drive a joint or act on a body read the given moment, 
     check_stopped("v of no joint", "the tree has a joint of that number",
                   asks([b](const EvaluationContext& now) { now.v({b}); }));
     if (b > 0)
-      check_stopped("motion of no body", "a body of that number",
-                    asks([b](const EvaluationContext& now) { prescribed_motion(now, {b}); }));
+      check_stopped("motion of no body", "a body of that number", asks([b](const EvaluationContext& now) { now.motion({b}); }));
   }
   check_stopped("a coordinate that there is not", "an index below size()",
                 asks([](const EvaluationContext& now) { now.q({0})[1]; }));

@@ -228,7 +228,7 @@ TEST_CASE("any function reads the coordinates of loop joints at the stage, and a
   sim.drive("crane/boom", [&worst](const EvaluationContext& now) {
     CHECK(now.has_function({0}));
     CHECK_FALSE(now.has_function(cylinder_id));
-    const Vec3 pin = prescribed_motion(now, {0}).pose.position + Vec3{std::cos(now.q({0})[0]), 0, std::sin(now.q({0})[0])};
+    const Vec3 pin = now.motion({0}).pose.position + Vec3{std::cos(now.q({0})[0]), 0, std::sin(now.q({0})[0])};
     const double dx = pin.x, dz = pin.z + 0.8, length = std::sqrt(dx * dx + dz * dz);
     const double rate = (-dx * std::sin(now.q({0})[0]) + dz * std::cos(now.q({0})[0])) / length * now.v({0})[0];
     worst = std::max(worst, std::fabs(now.q(cylinder_id)[0] - length) + std::fabs(now.v(cylinder_id)[0] - rate));
