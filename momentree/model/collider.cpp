@@ -94,9 +94,10 @@ ContactLaw Model::contact_law(BodyId one, BodyId other) const {
   return rule != nullptr ? rule->law : ContactLaw{};
 }
 
-bool Model::touch_while_joined(BodyId one, BodyId other) const {
-  for (std::size_t i = contact_rules_.size(); i-- > 0;) {
-    const ContactRule& rule = contact_rules_[i];
+bool touch_while_joined(const Model& model, BodyId one, BodyId other) {
+  const std::vector<ContactRule>& rules = model.contact_rules();
+  for (std::size_t i = rules.size(); i-- > 0;) {
+    const ContactRule& rule = rules[i];
     const bool names_both = !rule.one.empty() && !rule.other.empty();
     if ((names_both || rule.law.off) && applies(rule, one, other)) return !rule.law.off;
   }

@@ -104,8 +104,6 @@ class Model {
   /// or has a prescribed motion, the same joint twice, numbers outside of their ranges.
   void add_element(JointElement element);
   const std::vector<JointElement>& elements() const { return elements_; }
-  /// True with loop joints or couplings: the model has equations beside its tree.
-  bool has_equations() const { return !loops_.empty() || !couplings_.empty(); }
   /// Adds a spring between two points of different bodies of this model, or of the ground. Throws Error: no name, or one that
   /// another spring or a joint has; no such body; an end that is not finite, or both ends on one body; a negative stiffness,
   /// damping or rest length; a strength that is not positive; neither stiffness nor damping.
@@ -133,8 +131,6 @@ class Model {
   const ContactRule* contact_rule(BodyId one, BodyId other) const;
   /// Its law; without a rule the default law.
   ContactLaw contact_law(BodyId one, BodyId other) const;
-  /// True if two bodies also touch while a joint connects them: a rule names both.
-  bool touch_while_joined(BodyId one, BodyId other) const;
 
   /// Reserves space for that many bodies in total.
   void reserve(int count);
@@ -205,6 +201,11 @@ class Model {
   detail::CopyOnWrite<Numbers> by_body_, by_joint_, by_mechanism_;  // the last: the first root with that name
   std::shared_ptr<detail::CompiledOnce> compiled_ = detail::not_compiled();
 };
+
+/// True with loop joints or couplings: the model has equations beside its tree.
+inline bool has_equations(const Model& model) { return !model.loops().empty() || !model.couplings().empty(); }
+/// True if two bodies also touch while a joint connects them: a rule names both.
+bool touch_while_joined(const Model& model, BodyId one, BodyId other);
 
 /// A fault of a single body other than its inertia. `field` is the scenario key at fault, of the body or of its joint.
 struct BodyProblem {

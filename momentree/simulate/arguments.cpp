@@ -54,7 +54,7 @@ Variables Integration::state_variables() const { return variables.value_or(defau
 
 Variables Integration::state_variables(const Model& model) const {
   if (model.has_contact()) return Variables::velocities;
-  return model.has_equations() ? loop_variables() : state_variables();
+  return has_equations(model) ? loop_variables() : state_variables();
 }
 
 Variables Integration::loop_variables() const {

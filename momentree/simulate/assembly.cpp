@@ -329,7 +329,7 @@ std::optional<Error> beyond_stops(const Tree& tree, const Names& names, const St
 }
 
 std::optional<Error> check_assembly(const Model& model) {
-  if (!model.has_equations()) return std::nullopt;
+  if (!has_equations(model)) return std::nullopt;
   const Tree& tree = model.compiled();
   State state = start_state(model, tree, Variables::velocities);
   const Names names(model);

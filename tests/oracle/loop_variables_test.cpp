@@ -74,7 +74,7 @@ TEST_CASE("momenta with armatures, motions and couplings: rates of 1500 random m
     const Model open = with_loops(seed, options, seed % 8 > 5);
     if (dofs(open) == 0 || check_assembly(open)) continue;
     const Model model = completed(open, seed, seed % 3 == 0);
-    if (!model.has_equations() || check_assembly(model)) continue;
+    if (!has_equations(model) || check_assembly(model)) continue;
     const World velocities(model, Variables::velocities);
     const World momenta(model, Variables::momenta, Variables::momenta);
     const Tree& tree = momenta.tree();
@@ -194,7 +194,7 @@ TEST_CASE("momenta with armatures, motions and couplings: runs go where those in
     const Model open = with_loops(seed, options, seed % 8 == 2);
     if (dofs(open) == 0 || check_assembly(open)) continue;
     const Model model = completed(open, seed, seed % 4 == 1);
-    if (!model.has_equations() || check_assembly(model)) continue;
+    if (!has_equations(model) || check_assembly(model)) continue;
     const World start(model, Variables::velocities);
     if (amplification(start, as_vector(start.p())) > 1e3) continue;
     const double until = 0.1;

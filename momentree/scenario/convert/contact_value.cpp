@@ -98,7 +98,7 @@ bool begins_with_rule_of_floor(const Model& model) {
 // True if a body and its parent do not touch, but would if a rule named both.
 bool joint_keeps_apart(const Model& model, BodyId one, BodyId other) {
   if (one == ground || other == ground || (model[one].parent != other && model[other].parent != one)) return false;
-  return !model.contact_law(one, other).off && !model.touch_while_joined(one, other);
+  return !model.contact_law(one, other).off && !touch_while_joined(model, one, other);
 }
 
 // The pairs to which a rule applies unless a later one does.

@@ -114,7 +114,7 @@ void read_loop(const Value& table, Reading& reading) {
 
 bool loops_fit(Reading& reading) {
   const Model& model = reading.scenario.model;
-  if (!model.has_equations()) return true;
+  if (!has_equations(model)) return true;
   std::vector<long> depth;  // number of bodies from the ground
   depth.reserve(static_cast<std::size_t>(model.size()));
   const auto depth_of = [&depth](BodyId body) { return body == ground ? 0 : depth[static_cast<std::size_t>(body.index)]; };
@@ -176,7 +176,7 @@ void check_strengths(const World& world, Reading& reading) {
 
 void check_loops(Reading& reading) {
   const Model& model = reading.scenario.model;
-  if (!model.has_equations()) return;
+  if (!has_equations(model)) return;
   Integration& how = reading.scenario.integration;
   how.variables = how.loop_variables();
   const std::optional<Error> error = check_assembly(model);

@@ -77,7 +77,7 @@ const ContactPair& ContactPairs::operator[](int number) const {
   if (pair.one->body == ground) std::swap(pair.one, pair.other);
   const BodyId one = pair.one->body, other = pair.other->body;
   pair.a = one.index, pair.b = other.index;
-  pair.law = model.contact_law(one, other), pair.while_joined = model.touch_while_joined(one, other);
+  pair.law = model.contact_law(one, other), pair.while_joined = touch_while_joined(model, one, other);
   if (!pair.other->plane) pair.thickness = std::min(pair.one->solid.thickness, pair.other->solid.thickness);
   if (const ContactRule* const rule = model.contact_rule(one, other)) pair.law_name = rule->name;
   return known_.emplace(number, std::move(pair)).first->second;

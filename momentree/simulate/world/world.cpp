@@ -17,7 +17,7 @@ namespace momentree {
 
 World::World(const Model& model, Variables variables, Variables with_loops)
     : model_(model),
-      variables_(model.has_equations() ? with_loops : variables),
+      variables_(has_equations(model) ? with_loops : variables),
       loop_variables_(with_loops),
       start_{model.size(), model.gravity()} {
   const std::vector<SingularJoint> singular = singular_joints(model_);

@@ -93,7 +93,7 @@ bool World::pass_through(int one_collider, int other_collider) const {
                other = model_.colliders()[static_cast<std::size_t>(other_collider)].body;
   const Connections& now = connections();
   return model_.contact_law(one, other).off || now.are_welded(one.index, other.index) ||
-         (now.are_joined(one.index, other.index) && !model_.touch_while_joined(one, other)) ||
+         (now.are_joined(one.index, other.index) && !touch_while_joined(model_, one, other)) ||
          std::binary_search(constraints_.overlapping.begin(), constraints_.overlapping.end(),
                             pair_of_colliders(model_, one_collider, other_collider));
 }
