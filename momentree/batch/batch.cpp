@@ -29,7 +29,7 @@ Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
     : impl_(std::make_unique<Impl>(with_bodies(model), options, threads_of(options))) {
   if (worlds < 1) throw_error({"a batch has at least one world", "", "give the number of worlds"});
   if (!model.elements().empty())
-    throw_error({"a batch has no couplings by springs and other elements between joints, which the model has", "",
+    throw_error({"a batch can't step couplings by springs or other elements between joints, and the model has some", "",
                  "let the joints of couplings follow exactly, without a stiffness, or use a sweep"});
   const Tree& tree = impl_->basis.declared;
   impl_->check(tree);

@@ -48,6 +48,7 @@ JointElement with_joints(JointElement element, const std::function<JointId(Joint
 
 std::vector<ElementProblem> check_element(const JointElement& element, const Model& model) {
   std::vector<ElementProblem> problems;
+  if (joints_of(element).empty()) return {{"element", "has no joints", "give one of the kinds in momentree/model/elements"}};
   std::vector<JointId> before;
   each_member(element, [&](const char* key, const auto& member, const Field& field) {
     const auto problem = [&](std::string what, std::string hint) { problems.push_back({key, std::move(what), std::move(hint)}); };
@@ -59,13 +60,13 @@ std::vector<ElementProblem> check_element(const JointElement& element, const Mod
       if (member.index < 0 || member.index >= model.size())
         return problem("is not a joint of this model", "give the joint of a body that was added before");
       if (std::find(before.begin(), before.end(), member) != before.end())
-        problem("a joint cannot follow itself", "name another one of the same world");
+        problem("names a joint that the element has already", "name another one of the same world");
       before.push_back(member);
       const BodySpec& spec = model[member];
       if (info(spec.joint.kind).nv != 1)
         problem("joint '" + spec.joint_name + "' is " + std::string(info(spec.joint.kind).name) +
                     ", and does not have one degree of freedom",
-                "couple revolute, prismatic and helical joints");
+                "name revolute, prismatic and helical joints");
       else if (spec.joint.parameters.drive && spec.joint.parameters.drive->moves())
         problem("the motion of joint '" + spec.joint_name + "' is prescribed",
                 "drive it by position control: drive = { pd = { … } }");

@@ -42,13 +42,14 @@ TEST_CASE("a model accepts elements between different joints with one DoF, with 
   const auto says = [](const std::string& error, const std::string& what) { return error.find(what) != std::string::npos; };
   CHECK(says(w.error({joint(w.a), {7}}), "follows: is not a joint of this model"));
   CHECK(says(w.error({{-1}, joint(w.a)}), "joint: is not a joint of this model"));
-  CHECK(says(w.error({joint(w.a), joint(w.a)}), "follows: a joint cannot follow itself"));
+  CHECK(says(w.error({joint(w.a), joint(w.a)}), "follows: names a joint that the element has already"));
   CHECK(says(w.error({joint(ball), joint(w.a)}), "joint 'm/c' is ball, and does not have one degree of freedom"));
   CHECK(says(w.error({joint(w.a), joint(moved)}), "the motion of joint 'm/d' is prescribed"));
   CHECK(says(w.error({joint(w.a), loop}), "a joint that closes a loop can't be coupled"));
   CHECK(says(w.error({joint(w.a), joint(w.b), std::nan("")}), "multiplier: must be finite"));
   CHECK(says(w.error({joint(w.a), joint(w.b), 1, 0, -1}), "stiffness: must be positive"));
   CHECK(says(w.error({joint(w.a), joint(w.b), 1, 0, 1, -1}), "damping: must not be negative"));
+  CHECK(says(error_of([&] { w.model.add_element({}); }), "has no joints"));
   CHECK(w.model.elements().empty());
   w.model.add_element(SpringCoupling{joint(w.a), joint(w.b), 1, 0, 1});
   CHECK(w.model.elements().size() == 1);
@@ -83,6 +84,20 @@ TEST_CASE("an element acts in every simulation of the model, until one of its jo
   sim.restore(whole);
   REQUIRE(sim.run_until(1.5) == Status::ok);
   CHECK(sim.world().joint(joint(w.a)).v[0] == there);
+}
+
+TEST_CASE("another joint with the number of one that ended is none of the element's") {
+  Wheels w;
+  const auto joint = [&](BodyId body) { return w.model.inboard_joint(body); };
+  w.model.add_element(SpringCoupling{joint(w.b), joint(w.a), 1, 0.3, 40});
+  Simulation sim(w.model, {.method = "rk4", .step = 1e-3});
+  sim.drive("m/a", [](const EvaluationContext&) { return 0.5; });
+  sim.apply({break_joint("m/b")});
+  sim.apply({attach("m/b", "ground", Revolute{{1, 0, 0}}, {}, "again")});
+  sim.drive("again", [](const EvaluationContext&) { return 0.0; });
+  const double before = sim.world().joint(joint(w.a)).v[0];
+  REQUIRE(sim.run_until(0.1) == Status::ok);
+  CHECK(sim.world().joint(joint(w.a)).v[0] - before == doctest::Approx(0.5 / 0.1 * 0.1).epsilon(1e-12));
 }
 
 TEST_CASE("with_joints gives an element other joints") {

@@ -134,7 +134,8 @@ CouplingId Model::add_coupling(const Coupling& coupling) {
 
 void Model::add_element(JointElement element) {
   for (const ElementProblem& problem : check_element(element, *this)) {
-    const JointId first = joints_of(element).front();
+    const std::vector<JointId> joints = joints_of(element);
+    const JointId first = joints.empty() ? JointId{} : joints.front();
     const bool known = first.index >= 0 && first.index < size();
     throw_error({problem.field + ": " + problem.what, known ? "element of '" + (*this)[first].joint_name + "'" : "element",
                  problem.hint});

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include <momentree/joint/kinds.hpp>
 #include <momentree/results/session.hpp>
 #include <momentree/results/summary.hpp>
 #include <momentree/scenario/convert/convert.hpp>
@@ -51,6 +52,23 @@ TEST_CASE("two coupled wheels swing about their gear as two masses on a spring d
   const double left = p(run, 0);
   REQUIRE(run.run_until(1) == Status::ok);
   CHECK(p(run, 0) == left);
+}
+
+TEST_CASE("a coupling by a spring that ended stays ended after a restart") {
+  const ReadResult read = read_scenario_text(
+      wheels + "[[coupling]]\njoint = \"m/b\"\nfollows = \"m/a\"\nmultiplier = -0.5\nstiffness = 500\n[integrate]\nstep = 1e-4\n",
+      "s.toml");
+  REQUIRE(read.scenario);
+  Simulation run(read.scenario->model, read.scenario->integration);
+  REQUIRE(run.run_until(0.01) == Status::ok);
+  run.apply({change_joint("m/b", Revolute{{1, 0, 0}})});
+  Simulation again(read.scenario->model, read.scenario->integration);
+  restore(again, {read_state(state_json(run.world(), {}, step_memory(run)), "s.json", first_model(again.world()))});
+  const double left = p(run, 0);
+  for (Simulation* each : {&run, &again}) {
+    REQUIRE(each->run_until(0.1) == Status::ok);
+    CHECK(p(*each, 0) == left);
+  }
 }
 
 TEST_CASE("functions that drive coupled joints act beside the springs, and end with them") {

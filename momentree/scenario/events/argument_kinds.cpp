@@ -2,6 +2,7 @@
 #include <momentree/scenario/events/argument_kinds.hpp>
 
 #include <algorithm>
+#include <array>
 
 #include <momentree/scenario/events/argument_reader.hpp>
 #include <momentree/scenario/keys/described.hpp>
@@ -290,9 +291,9 @@ void read(const Argument&, const argument::Parameters& parameters, ArgumentReade
 ArgumentDescription described(const Argument&, const argument::Parameters&) { return {.parameters = true}; }
 
 template <class... T>
-std::vector<ArgumentKind> list_of_kinds() {
-  return {{&typeid(T), [](const Argument& a, ArgumentReader& in) { read(a, *a.as<T>(), in); },
-           [](const Argument& a) { return described(a, *a.as<T>()); }}...};
+std::array<ArgumentKind, sizeof...(T)> list_of_kinds() {
+  return {ArgumentKind{&typeid(T), [](const Argument& a, ArgumentReader& in) { read(a, *a.as<T>(), in); },
+                       [](const Argument& a) { return described(a, *a.as<T>()); }}...};
 }
 
 }  // namespace

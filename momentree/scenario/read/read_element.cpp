@@ -1,5 +1,5 @@
 // The tables of elements between bodies or joints, and the readers of the kinds that have tables of their own.
-#include <vector>
+#include <array>
 
 #include <momentree/scenario/keys/described.hpp>
 #include <momentree/scenario/scenario_parts.hpp>
@@ -21,6 +21,7 @@ class ElementReader : public FieldReader {
   }
   void operator()(const char* key, double& x, const Field& field) {
     if (field.required != nullptr) fields_.require(key);
+    if (field.of_joint && !complete_) return static_cast<void>(fields_.find(key));  // its unit is not known
     x = (field.of_joint ? fields_.number(key, along_ ? field.along : field.dimension) : fields_.number(key)).value_or(x);
   }
   /// False if a joint is missing, wrong, or of a mechanism with errors.
@@ -57,20 +58,22 @@ void read(const Value& table, Reading& reading) {
 }
 
 template <class... Kinds>
-std::vector<ElementTable> list_tables(const std::variant<std::monostate, Kinds...>*) {
-  std::vector<ElementTable> all{{&spring_table, read_spring}, {&cable_table, read_cable}};
-  const auto add = [&all]<class Kind>(const Kind*) {
-    if constexpr (has_table<Kind>) all.push_back({&keys_of_kind<Kind>, read<Kind>});
+auto list_tables(const std::variant<std::monostate, Kinds...>*) {
+  std::array<ElementTable, 3 + (std::size_t{has_table<Kinds>} + ... + 0)> all{ElementTable{&spring_table, read_spring},
+                                                                              {&cable_table, read_cable}};
+  std::size_t next = 2;
+  const auto add = [&]<class Kind>(const Kind*) {
+    if constexpr (has_table<Kind>) all[next++] = {&keys_of_kind<Kind>, read<Kind>};
   };
   (add(static_cast<const Kinds*>(nullptr)), ...);
-  all.push_back({&coupling_table, read_coupling});
+  all[next] = {&coupling_table, read_coupling};
   return all;
 }
 
 }  // namespace
 
 std::span<const ElementTable> element_tables() {
-  static const std::vector<ElementTable> all = list_tables(static_cast<const JointElement*>(nullptr));
+  static const auto all = list_tables(static_cast<const JointElement*>(nullptr));
   return all;
 }
 

@@ -10,6 +10,7 @@
 #include <momentree/joint/motion.hpp>
 #include <momentree/model/start.hpp>
 #include <momentree/simulate/assembly.hpp>
+#include <momentree/simulate/world/world_elements.hpp>
 #include <momentree/tree/edit.hpp>
 #include <momentree/tree/lasting_function.hpp>
 
@@ -58,14 +59,15 @@ bool is_broken(const World& world, std::string_view name, JointId found) {
 
 void World::restore(double time, const Forest& forest, std::span<const JointStart> joints) {
   MT_REQUIRE(std::isfinite(time), "a finite time");
-  std::vector<KeptFunction> functions;  // those of the model's joints stay
-  for (const int b : tree_.joints_with().forces)
-    if (const JointFunction* f = tree_.function(b))
-      functions.push_back({names_.joint(tree_.joint_of(b)), tree_.joint(b).kind, std::make_shared<const JointFunction>(*f)});
-  for (std::size_t i = 0; i < tree_.loops().size(); ++i)
-    if (const JointFunction* f = tree_.function(tree_.loops()[i].joint))
-      functions.push_back(
-          {names_.joint(tree_.loops()[i].id().index), tree_.loops()[i].joint.kind, std::make_shared<const JointFunction>(*f)});
+  std::vector<KeptFunction> functions;  // those that a user gave to the model's joints stay
+  const auto keep = [&functions](const std::string& joint, Kind kind, const JointFunction* function) {
+    if (function == nullptr) return;
+    const LastingFunction* const lasting = is_lasting(function) ? function->target<LastingFunction>() : nullptr;
+    const JointFunction& given = lasting != nullptr ? lasting->replaceable : *function;  // elements are attached anew
+    if (given) functions.push_back({joint, kind, std::make_shared<const JointFunction>(given)});
+  };
+  for (const int b : tree_.joints_with().forces) keep(names_.joint(tree_.joint_of(b)), tree_.joint(b).kind, tree_.function(b));
+  for (const Loop& loop : tree_.loops()) keep(names_.joint(loop.id().index), loop.joint.kind, tree_.function(loop.joint));
   const std::vector<Topology::Loaded> loads(tree_.loads().functions.begin(), tree_.loads().functions.end());
   if (forest.places.size() < model_.bodies().size()) model_.keep(start_.bodies);
   tree_ = model_.compiled();
@@ -381,8 +383,10 @@ void World::restore(const WorldSnapshot& snapshot) {
 
 void World::drive(int joint, JointFunction function) {
   const bool loop = is_loop({joint});
-  function =
-      joined(tree_.function(loop ? tree_.loops().find({joint})->joint : tree_.joint(carrier({joint}))), std::move(function));
+  const JointFunction* const now = loop ? tree_.function(tree_.loops().find({joint})->joint) : tree_.function(carrier({joint}));
+  // A joint with elements has their function until it breaks or becomes another. That one is none of theirs.
+  if (!loop && !is_lasting(now) && function.target<LastingFunction>() == nullptr) end_elements(tree_, {joint});
+  function = joined(now, std::move(function));
   auto shared = function ? std::make_shared<const JointFunction>(std::move(function)) : nullptr;
   if (loop)
     tree_.edit().set_loop_function(joint - first_loop, std::move(shared));

@@ -1,4 +1,7 @@
 // Elements between joints in a world: they act as functions of their joints, and end with them.
+#include <momentree/simulate/world/world_elements.hpp>
+
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -6,11 +9,14 @@
 
 #include <momentree/dynamics/forces/evaluation_context.hpp>
 #include <momentree/simulate/world/world.hpp>
+#include <momentree/tree/edit.hpp>
 #include <momentree/tree/lasting_function.hpp>
 
 namespace momentree {
 
 namespace {
+
+constexpr std::size_t most_joints = 8;
 
 // What an element does to one of its joints.
 struct End {
@@ -19,8 +25,7 @@ struct End {
   std::size_t place;
 
   double effort(const EvaluationContext& context) const noexcept {
-    constexpr std::size_t most = 8;
-    double q[most], v[most], efforts[most] = {};
+    double q[most_joints], v[most_joints], efforts[most_joints] = {};
     const std::size_t count = joints->size();
     for (std::size_t k = 0; k < count; ++k) {
       // A joint that broke or was changed no longer has its function. Another joint with its number is none of the element's.
@@ -30,6 +35,14 @@ struct End {
     }
     with_kind(*element, [&](const auto& kind) { kind.efforts({q, count}, {v, count}, {efforts, count}); });
     return efforts[place];
+  }
+};
+
+// The elements of a joint, as a function that drives it.
+struct Acting {
+  std::vector<End> ends;
+  void operator()(const EvaluationContext& context, std::span<double> efforts) const {
+    for (const End& end : ends) efforts[0] += end.effort(context);
   }
 };
 
@@ -62,14 +75,30 @@ void World::attach_elements() {
   for (const JointElement& element : model_.elements()) {
     const auto shared = std::make_shared<const JointElement>(element);
     const auto joints = std::make_shared<const std::vector<JointId>>(joints_of(element));
+    MT_REQUIRE(joints->size() <= most_joints, "an element has at most 8 joints");
     // If one joint no longer exists, the others stay, as in a run: the element then has no effect.
     for (std::size_t k = 0; k < joints->size(); ++k)
       if (as_in_the_model((*joints)[k])) ends[(*joints)[k].index].push_back({shared, joints, k});
   }
-  for (auto& [joint, acting] : ends)
-    drive(joint, lasting([all = std::move(acting)](const EvaluationContext& context, std::span<double> efforts) {
-            for (const End& end : all) efforts[0] += end.effort(context);
-          }));
+  for (auto& [joint, acting] : ends) drive(joint, lasting(Acting{std::move(acting)}));
+}
+
+void end_elements(Tree& tree, JointId joint) {
+  const std::vector<int> bodies(tree.joints_with().forces.begin(), tree.joints_with().forces.end());
+  for (const int b : bodies) {
+    const JointFunction* const now = tree.function(b);
+    const LastingFunction* const there = is_lasting(now) ? now->target<LastingFunction>() : nullptr;
+    const Acting* const acting = there == nullptr ? nullptr : there->lasting->target<Acting>();
+    if (acting == nullptr) continue;
+    const auto of_joint = [joint](const End& end) {
+      return std::find(end.joints->begin(), end.joints->end(), joint) != end.joints->end();
+    };
+    if (std::none_of(acting->ends.begin(), acting->ends.end(), of_joint)) continue;
+    Acting others = *acting;
+    std::erase_if(others.ends, of_joint);
+    tree.edit().set_function(b, std::make_shared<const JointFunction>(LastingFunction{
+                                    std::make_shared<const JointFunction>(std::move(others)), there->replaceable}));
+  }
 }
 
 }  // namespace momentree
