@@ -7,7 +7,7 @@ import type { Page } from "playwright-core";
 import { drawGallery } from "./gallery";
 import { launch, open, openReport, report, scenario, settled, temporary } from "../tests/browser";
 import { builtPage, pendulumSweep, sweepPage } from "../tests/pendulum_sweep";
-import { webp } from "./webp";
+import { animation, webp } from "./webp";
 
 const folder = new URL("../../docs/pictures/", import.meta.url).pathname;
 
@@ -57,6 +57,38 @@ for (const { name, scenario: file, time, dark, width, height } of pictures) {
   console.log(`docs/pictures/${name}.webp: ${Math.round(image.length / 1000)} kB`);
   await page.context().close();
 }
+/** The picture of README: the pin of an excavator breaks, at half the speed. */
+async function drawMotion() {
+  const [from, to, end] = [0.8, 2.2, 3];
+  const [width, height, rate] = [860, 480, 12];
+  const folderOfRun = report(scenario("excavator_pin.toml"), "--reactions", "--until", String(end));
+  const { page, complaints } = await openReport(browser, folderOfRun, { width: 1560, height: 900 }, 1.4);
+  await page.locator(".stage canvas").focus();
+  for (const key of "gt++") await page.keyboard.press(key); // no ghosts and no trails, and nearer
+  await page.evaluate(() => (document.activeElement as HTMLElement).blur());
+  const frames: { image: Buffer; duration: number }[] = [];
+  for (let time = from; time <= to; time += 0.5 / rate) {
+    await page.getByLabel("Time", { exact: true }).evaluate(
+      (slider, value) => {
+        (slider as HTMLInputElement).value = String(value);
+        slider.dispatchEvent(new Event("input"));
+      },
+      (1000 * time) / end,
+    );
+    await settled(page);
+    const box = (await page.locator(".stage canvas").boundingBox())!;
+    const clip = { x: box.x + (box.width - width) / 2, y: box.y + (box.height - height) / 2, width, height };
+    const last = time + 0.5 / rate > to;
+    frames.push({ image: await webp(encoder, await page.screenshot({ clip }), 0.7), duration: last ? 1500 : 1000 / rate });
+  }
+  if (complaints.length > 0) throw new Error(complaints.join("\n"));
+  const file = animation(frames, width, height);
+  writeFileSync(join(folder, "excavator_pin.webp"), file);
+  console.log(`docs/pictures/excavator_pin.webp: ${Math.round(file.length / 1000)} kB`);
+  await page.context().close();
+}
+await drawMotion();
+
 /** The sweep's page with three of its measures, which leaves room for the scatter plot. */
 async function drawSweep() {
   const data = pendulumSweep({ failing: [], animated: Array.from({ length: 600 }, (_none, world) => world) });
