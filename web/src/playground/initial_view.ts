@@ -1,5 +1,5 @@
-// The initial view, before the motion is known: it includes all bodies and everything that attached mechanisms can
-// reach.
+// The initial view, before the motion is known: it includes all bodies, and some room around the joints that attach mechanisms
+// to the ground. The camera follows what leaves it.
 import * as THREE from "three";
 import type { LiveRecording } from "../engine/live";
 import type { Vec3 } from "../recording";
@@ -16,8 +16,8 @@ export function initialView(run: LiveRecording, frame: number, shapes: Pick<Shap
   const inboard = inboardJoints(joints);
   const view = viewOf(run, (body) => shapes.bounds(body));
   const along = (["x", "y", "z"] as const).filter((axis) => Math.abs(view.direction[axis]) > 0.99);
-  // The box around a ball has corners outside the ball: seen obliquely, it is much wider.
-  const corners = along.length > 0 ? 1 : 0.65;
+  /** The room around the joint at the ground, as a share of the length of the stretched mechanism. */
+  const room = along.length > 0 ? 0.5 : 0.25;
   const box = new THREE.Box3();
   const at = new THREE.Vector3();
   const include = (point: readonly number[], radius: number) => {
@@ -25,6 +25,7 @@ export function initialView(run: LiveRecording, frame: number, shapes: Pick<Shap
     box.expandByPoint(at.clone().addScalar(radius));
     box.expandByPoint(at.addScalar(-radius));
   };
+  const anchors: { at: Vec3; length: number }[] = [];
   bodies.forEach((body, b) => {
     include(pointOf(poses, b, body.com), 0);
     for (const line of body.extent) for (const end of line) include(pointOf(poses, b, end), 0);
@@ -32,26 +33,25 @@ export function initialView(run: LiveRecording, frame: number, shapes: Pick<Shap
     let length = shapes.reach(b);
     for (const line of body.extent) length = Math.max(length, distance(...line));
     let joint = inboard.get(b);
-    let count = 1;
-    for (; joint && joint.parent >= 0 && count <= bodies.length; count++) {
+    for (let count = 1; joint && joint.parent >= 0 && count <= bodies.length; count++) {
       const next = inboard.get(joint.parent);
       length += distance(joint.at, next?.childAt ?? [0, 0, 0]);
       joint = next;
     }
-    // Long chains are seldom fully stretched: half of the length is enough.
-    const share = corners * (0.5 + 0.5 * Math.min(1, 4 / count));
-    if (joint && joint.kind !== "free") include(pointOf(poses, joint.child, joint.childAt), share * length);
-    else for (const { x, y, z } of cornersOf(shapes.bounds(b))) include(pointOf(poses, b, [x, y, z]), 0);
+    for (const { x, y, z } of cornersOf(shapes.bounds(b))) include(pointOf(poses, b, [x, y, z]), 0);
+    if (joint && joint.kind !== "free") anchors.push({ at: pointOf(poses, joint.child, joint.childAt), length });
   });
+  const heights = cornersOf(box).map((corner) => corner.dot(view.up));
+  const [bottom, top] = [Math.min(...heights), Math.max(...heights)];
+  const stands = anchors.some(({ at: [x, y, z] }) => at.set(x, y, z).dot(view.up) < bottom + 0.25 * (top - bottom));
+  for (const anchor of anchors) include(anchor.at, room * anchor.length);
   // A planar motion that is seen along its normal needs no depth.
   for (const axis of along) {
     box.min[axis] = view.box.min[axis];
     box.max[axis] = view.box.max[axis];
   }
-  // The floor is below everything that is in the picture.
-  const lowest = [box.min, box.max].reduce((sum, corner) => sum.add(corner), new THREE.Vector3()).dot(view.up) / 2;
-  const size = box.getSize(new THREE.Vector3());
-  const half = 0.5 * size.toArray().reduce((sum, extent, k) => sum + extent * Math.abs(view.up.getComponent(k)), 0);
-  const radius = Math.max(0.5 * size.length(), 1e-3);
-  return { ...view, box, radius, lowest: lowest - half, centre: box.getCenter(new THREE.Vector3()) };
+  // The floor is where mechanisms stand on it, or else below everything that is in the picture.
+  const lowest = stands ? bottom : Math.min(...cornersOf(box).map((corner) => corner.dot(view.up)));
+  const radius = Math.max(0.5 * box.getSize(new THREE.Vector3()).length(), 1e-3);
+  return { ...view, box, radius, lowest, centre: box.getCenter(new THREE.Vector3()) };
 }

@@ -19,12 +19,16 @@ export interface Aim {
 const settling = 0.13;
 /** Longer times between two pictures count as this (s): not all of a pause. */
 const longest = 1;
+/** The farthest that the camera stays behind what moves fast, relative to its distance: the middle third of the picture. */
+const farthestBehind = 0.1;
 
 /** How far the camera has come from `present` to `aim` after a time (s), however many pictures were drawn in it. */
 export function stepTowards(present: Aim, aim: Aim, seconds: number): Aim {
   const share = 1 - Math.exp(-Math.min(Math.max(seconds, 0), longest) / settling);
+  const behind = present.target.clone().sub(aim.target);
+  behind.clampLength(0, farthestBehind * aim.distance).multiplyScalar(1 - share);
   return {
-    target: present.target.clone().lerp(aim.target, share),
+    target: behind.add(aim.target),
     distance: present.distance + share * (aim.distance - present.distance),
   };
 }
@@ -46,14 +50,22 @@ export function spheresOf(
   });
 }
 
-/** The spheres that are not farther from the main group than `room`; the group begins with those near `home`. */
+/**
+ * The spheres that are not farther from the main group than `room`; the group begins with those near `home`. When everything has
+ * left, the camera goes with the largest.
+ */
 export function gathered(spheres: readonly (Sphere | null)[], home: THREE.Vector3, room: number): Sphere[] {
   const present = spheres.filter((each): each is Sphere => each !== null);
   const near = present.filter(({ at }) => at.distanceTo(home) <= room);
   if (near.length > 0) return near;
-  // Everything has left: the camera goes with the nearest.
-  const [first] = [...present].sort((a, b) => a.at.distanceTo(home) - b.at.distanceTo(home));
+  const [first] = [...present].sort((a, b) => b.radius - a.radius);
   return first ? present.filter(({ at }) => at.distanceTo(first.at) <= room) : [];
+}
+
+/** The sphere nearest to a point; −1: there is none. */
+export function nearestTo(point: THREE.Vector3, spheres: readonly (Sphere | null)[]): number {
+  const distance = (sphere: Sphere | null) => (sphere ? sphere.at.distanceTo(point) : Infinity);
+  return spheres.reduce((best, sphere, i) => (distance(sphere) < distance(spheres[best] ?? null) ? i : best), -1);
 }
 
 /** What the camera shows. */

@@ -5,7 +5,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Model, Phase, Motion } from "../recording";
 import { distanceFor, upOf, viewOf, type View } from "./camera";
 import { Floor, lengthText, Sun } from "./floor";
-import { aimAt, gathered, spheresOf, stepTowards } from "./follow";
+import { aimAt, gathered, nearestTo, spheresOf, stepTowards } from "./follow";
 import { themeOf, type Theme } from "./colours";
 import { MechanismsView, type Hit } from "./mechanisms";
 import { Pace } from "./pace";
@@ -41,6 +41,8 @@ export class Stage {
   private readonly themeListeners: ((theme: Theme) => void)[] = [];
   private readonly followListeners: ((on: boolean) => void)[] = [];
   private follows = false;
+  /** The body that the reader moved the camera to, and its centre at the last picture: the camera goes with it. */
+  private chosen: { body: number; at: THREE.Vector3 } | null = null;
   /** When the camera last followed (s). */
   private followed = 0;
   private readonly pace = new Pace();
@@ -81,7 +83,7 @@ export class Stage {
     this.controls.addEventListener("end", () => {
       const after = aim();
       const moved = after.target.distanceTo(before.target) + Math.abs(after.distance - before.distance);
-      if (this.follows && moved > 0.02 * after.distance) this.following = false;
+      if (this.follows && moved > 0.02 * after.distance) this.goWith(this.controls.target);
     });
     for (const [name, lost] of [
       ["webglcontextlost", true],
@@ -153,16 +155,27 @@ export class Stage {
     this.drawListeners.push(listener);
   }
 
-  /** Whether the camera follows what moves: a zoom or a shift by the reader ends it. */
+  /** Whether the camera follows what moves: everything or, after a zoom or a shift by the reader, the body in the middle. */
   get following() {
     return this.follows;
   }
   set following(on: boolean) {
     this.follows = on;
+    this.chosen = null;
     for (const listener of this.followListeners) listener(on);
   }
   onFollowChange(listener: (on: boolean) => void) {
     this.followListeners.push(listener);
+  }
+
+  private spheres() {
+    return this.state ? spheresOf(this.model, this.state.poses, (body) => this.shapes.sphere(body)) : [];
+  }
+
+  private goWith(point: THREE.Vector3) {
+    const spheres = this.spheres();
+    const body = nearestTo(point, spheres);
+    this.chosen = body < 0 ? null : { body, at: spheres[body]!.at };
   }
 
   /** Moves the camera a part of the way that it must go to keep the bodies in the picture. */
@@ -172,10 +185,19 @@ export class Stage {
     this.followed = now;
     if (!this.follows || !this.view || !this.state) return;
     const { camera, controls } = this;
+    const spheres = this.spheres();
+    const at = this.chosen && spheres[this.chosen.body]?.at;
+    if (this.chosen && at) {
+      const moved = at.clone().sub(this.chosen.at);
+      this.chosen.at = at;
+      controls.target.add(moved);
+      camera.position.add(moved);
+      camera.updateMatrixWorld();
+      return;
+    }
     const offset = camera.position.clone().sub(controls.target);
     const distance = offset.length();
     const direction = offset.divideScalar(distance);
-    const spheres = spheresOf(this.model, this.state.poses, (body) => this.shapes.sphere(body));
     const near = gathered(spheres, this.view.centre, 4 * this.view.radius);
     const present = { target: controls.target, distance };
     const lens = { fov: camera.fov, aspect: camera.aspect, above: this.shareAbove() };
@@ -281,6 +303,7 @@ export class Stage {
     this.controls.target.copy(this.aim(this.camera, view, view.direction, this.shareAbove()));
     this.controls.update();
     this.home = this.controls.getDistance();
+    this.chosen = null;
     this.draw();
   }
 
