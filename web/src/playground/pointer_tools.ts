@@ -1,6 +1,7 @@
 // The pointer in the picture: it grabs and throws bodies; a click with another tool selects a joint or a body.
 import * as THREE from "three";
 import type { Triple } from "../../../wasm/host.mjs";
+import { Arrows } from "../viewer/arrows";
 import { inboardJoints, pointOf } from "../viewer/frames";
 import { shownJoint } from "../viewer/joints";
 import type { Joint, Phase } from "../recording";
@@ -33,7 +34,7 @@ export class PointerTools {
   enabled = true;
   private drag: { pointer: number; plane: THREE.Plane } | null = null;
   private pressed: { pointer: number; x: number; y: number } | null = null;
-  private readonly line = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ depthTest: false }));
+  private readonly arrow = new Arrows();
   private grip: { body: number; point: Triple; target: Triple } | null = null;
 
   constructor(
@@ -41,11 +42,8 @@ export class PointerTools {
     private readonly scene: PointerScene,
     private readonly actions: PointerActions,
   ) {
-    this.line.renderOrder = 20;
-    this.line.frustumCulled = false;
-    this.line.visible = false;
-    stage.scene.add(this.line);
-    stage.onThemeChange((theme) => this.line.material.color.set(theme.ink));
+    stage.scene.add(this.arrow.group);
+    stage.onDraw((camera, height) => this.arrow.fit(camera, height));
     const { canvas } = stage;
     // Runs before the camera controls: a press on a body must not rotate the picture.
     canvas.addEventListener("pointerdown", (event) => this.press(event), { capture: true });
@@ -77,12 +75,11 @@ export class PointerTools {
     return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height };
   }
 
-  /** Draws the line from the grabbed point to the pointer. */
+  /** Draws an arrow from the grabbed point to the pointer. */
   show() {
-    this.line.visible = this.grip !== null;
-    if (!this.grip) return;
+    if (!this.grip) return this.arrow.set([], 1, this.stage.theme.ink);
     const from = new THREE.Vector3(...pointOf(this.scene.poses(), this.grip.body, this.grip.point));
-    this.line.geometry.setFromPoints([from, new THREE.Vector3(...this.grip.target)]);
+    this.arrow.set([{ from, vector: new THREE.Vector3(...this.grip.target).sub(from) }], 1, this.stage.theme.ink);
   }
 
   private press(event: PointerEvent) {

@@ -137,6 +137,8 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     tool = next;
     first = -1;
     if (pointer) pointer.tool = next;
+    if (stage) stage.mechanisms.showsJoints = next === "cut" || next === "lock";
+    draw();
     for (const each of toolButtons) each.button.setAttribute("aria-pressed", String(each.tool === next));
     hint.textContent = tools.find((each) => each.tool === next)?.hint ?? "";
   };

@@ -1,5 +1,5 @@
-// All bodies at one instant: shapes, rods for bodies without shapes, joints, and a small disk where a mechanism is
-// attached to the ground.
+// All bodies at one instant: shapes, rods for bodies without shapes, joints, and small disks where mechanisms are
+// attached to the ground and, for tools that take joints, at all joints.
 import * as THREE from "three";
 import type { Body, Model, Phase, Vec3 } from "../recording";
 import { mechanismColour, mixed, shapeColour, type Theme } from "./colours";
@@ -72,6 +72,8 @@ export class MechanismsView {
   private readonly jointColours = new Map<string, string>();
   /** Body under the pointer or selected; −1: none. */
   highlighted = -1;
+  /** Whether every joint has a disk, also within the shapes that hide it: for tools that take joints. */
+  showsJoints = false;
   /**
    * Shows shapes in their own colours if they have any, outlined if there are several mechanisms; otherwise all in the
    * colours of their mechanisms.
@@ -185,7 +187,7 @@ export class MechanismsView {
       else if (this.lines[joint.child].length > 0) this.rods.ball(at, body, 1); // fills the bend
     }
     this.springs.place(poses, phase, theme);
-    this.placeDisks(phase, theme);
+    this.placeDisks(phase, poses, theme);
   }
 
   private line(body: number, from: THREE.Vector3, to: THREE.Vector3, colour: THREE.Color) {
@@ -193,11 +195,11 @@ export class MechanismsView {
     this.drawnLines.push({ body, from, to });
   }
 
-  private placeDisks(phase: Phase, theme: Theme) {
+  private placeDisks(phase: Phase, poses: ArrayLike<number>, theme: Theme) {
     this.rim.color.set(mixed(theme.ink, theme.ground, this.style.faded));
     this.face.color.set(theme.ground);
-    const grounded = phase.joints.filter(({ parent, kind }) => parent < 0 && kind !== "free");
-    while (this.disks.length < 2 * grounded.length) {
+    const marked = phase.joints.filter(({ parent, kind }) => kind !== "free" && (parent < 0 || this.showsJoints));
+    while (this.disks.length < 2 * marked.length) {
       const rim = new THREE.Mesh(this.circle, this.rim);
       const face = new THREE.Mesh(this.circle, this.face);
       for (const disk of [rim, face]) {
@@ -208,9 +210,9 @@ export class MechanismsView {
       face.renderOrder = 11;
     }
     this.disks.forEach((disk, i) => {
-      const joint = grounded[i >> 1];
+      const joint = marked[i >> 1];
       disk.visible = joint !== undefined && this.style.joints;
-      if (joint) disk.position.set(...joint.at);
+      if (joint) disk.position.set(...(joint.parent < 0 ? joint.at : shownJoint(this.model, joint, poses).at));
     });
   }
 
