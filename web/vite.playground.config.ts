@@ -1,5 +1,5 @@
 // Builds web/dist/playground.html: a single file that contains the engine. Its policy also allows it to compile the
-// engine and to run its own worker.
+// engine, to run its own worker, and to load the scenario at an address that is in the page's own.
 import { defineConfig } from "vite";
 import { viteSingleFile } from "vite-plugin-singlefile";
 import { contentPolicy } from "./content_policy";
@@ -9,7 +9,7 @@ export default defineConfig({
   plugins: [
     packedModule(),
     viteSingleFile({ removeViteModuleLoader: true }),
-    contentPolicy({ script: " 'wasm-unsafe-eval' blob:" }),
+    contentPolicy({ script: " 'wasm-unsafe-eval' blob:", connect: "'self' https:" }),
   ],
   server: { fs: { allow: [".."] } },
   build: {

@@ -11,15 +11,16 @@ export interface Example {
 
 const first = [
   ...[
-    "breaking_chain_accurate",
-    "hanging_boxes_fall",
+    "excavator_pin",
     "humanoid_loses_a_forearm",
     "capture",
-    "four_bar",
     "crane",
     "panda_lets_go",
+    "hanging_boxes_fall",
+    "four_bar",
+    "breaking_chain_accurate",
   ],
-  ...["blade_loss", "trapeze_catch", "debris_tug", "hexapod", "climbing_robot", "solar_array_jam", "excavator_pin"],
+  ...["blade_loss", "trapeze_catch", "debris_tug", "hexapod", "climbing_robot", "solar_array_jam"],
   ...["chain_to_ring", "knee_ligament", "line_cascade", "hand_over"],
   ...["falling_chimney", "quadruped_knee", "modular_robot", "tree_of_joints"],
 ];

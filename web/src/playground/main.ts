@@ -18,7 +18,7 @@ import { showModel } from "../posing/page";
 import { App } from "./app";
 import { gallery } from "./gallery";
 import { showPlayground } from "./page";
-import { bytesOf, inflated, linkOf } from "./share";
+import { bytesOf, inflated, linkOf, textAt, type Link } from "./share";
 
 /** What the page is given: a model, or a scenario, with the meshes that it names. */
 interface Content {
@@ -43,18 +43,31 @@ async function begin(page: HTMLElement) {
   const playground = showPlayground(page, app);
   Object.assign(window, { playground: { app, placeOf: playground.placeOf, frameRate: playground.frameRate } });
   const own = scenario ?? gallery[0].text;
-  /** Opens the scenario in the address, and nothing else in its place. */
-  const follow = async (otherwise: string | null) => {
-    const link = await linkOf(location.hash);
-    if (link.content === "error") playground.showProblem(link.message, own);
+  /** Opens the scenario that the page's address gives, and nothing else in its place. */
+  const open = async (link: Link) => {
+    const fail = (message: string) => playground.showProblem(message, own);
+    if (link.content === "error") fail(link.message);
     else if (link.content === "scenario") playground.start(link.text, { from: "The scenario in this link", floor: link.floor });
-    else if (otherwise !== null) playground.start(otherwise);
+    else if (link.content === "name") {
+      const example = gallery.find(({ name }) => name === link.name);
+      if (example) playground.start(example.text);
+      else fail(`The gallery has no scenario “${link.name}”.`);
+    } else if (link.content === "address") {
+      try {
+        playground.start(await textAt(link.address, location.href), { from: "The scenario at this address" });
+      } catch (error) {
+        const reason = error instanceof TypeError ? "its server can't be reached, or does not allow it (CORS)" : String(error);
+        fail(`The scenario at ${link.address} can't be loaded: ${reason.replace(/^Error: /, "")}.`);
+      }
+    }
   };
   window.addEventListener("hashchange", async () => {
     const link = await linkOf(location.hash);
-    if (link.content !== "scenario" || link.text !== app.text || link.floor !== app.floor) await follow(null);
+    if (link.content !== "scenario" || link.text !== app.text || link.floor !== app.floor) await open(link);
   });
-  await follow(own);
+  const first = await linkOf(location.hash);
+  if (first.content === "nothing") playground.start(own);
+  else await open(first);
 }
 
 begin(document.getElementById("page")!).catch((error: unknown) => {

@@ -1,6 +1,6 @@
 import { deflateSync } from "node:zlib";
 import { describe, expect, it } from "vitest";
-import { fragmentOf, linkOf, scopeOf } from "./share";
+import { fragmentOf, linkOf, scopeOf, textAt } from "./share";
 
 describe("a link", () => {
   it("contains any text", async () => {
@@ -33,6 +33,15 @@ describe("a link", () => {
       if (link.content === "scenario") expect(link.text).toBe('format = 1\ntitle = "A pendulum"\n');
       else expect(link, fragment).toMatchObject({ content: "error", message: expect.stringContaining("Ask for it again") });
     }
+  });
+
+  it("names a scenario of the gallery, or the address of a file", async () => {
+    expect(await linkOf("#scenario=crane")).toEqual({ content: "name", name: "crane" });
+    expect(await linkOf("#url=https%3A%2F%2Fexample.org%2Fa.toml")).toEqual({
+      content: "address",
+      address: "https://example.org/a.toml",
+    });
+    await expect(textAt("file:///a.toml", "https://example.org/")).rejects.toThrow("https://");
   });
 
   it("of a newer version is reported, and so is one that inflates to too much", async () => {

@@ -1,4 +1,5 @@
-// A scenario as a link: compressed, in the fragment, which is never sent to a server.
+// A scenario as a link: in the fragment, which is never sent to a server. It has the scenario's text, compressed, or the name of one
+// of the gallery, or the address of a file.
 
 /** Larger than any scenario; a few bytes can inflate to any size. */
 const mostBytes = 32e6;
@@ -41,6 +42,8 @@ export async function fragmentOf(text: string, floor = false): Promise<string> {
 export type Link =
   | { readonly content: "nothing" }
   | { readonly content: "scenario"; readonly text: string; readonly floor: boolean }
+  | { readonly content: "name"; readonly name: string }
+  | { readonly content: "address"; readonly address: string }
   | { readonly content: "error"; readonly message: string };
 
 /** The version of links to scenarios with the floor of this page. */
@@ -48,8 +51,30 @@ const onFloor = "1";
 
 const damaged = "It may have been cut off or changed when it was copied or sent. Ask for it again.";
 
+function decoded(text: string): string {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
+}
+
+/** The text of a scenario at an address, which may be relative to the page. Throws if it can't be loaded. */
+export async function textAt(address: string, page: string): Promise<string> {
+  const url = new URL(address, page);
+  if (!/^https?:$/.test(url.protocol)) throw new Error("addresses begin with https://");
+  const response = await fetch(url);
+  if (!response.ok) throw new Error(`the server answered ${response.status} ${response.statusText}`.trim());
+  const bytes = await response.arrayBuffer();
+  if (bytes.byteLength > mostBytes) throw new Error("the file is too large");
+  return new TextDecoder().decode(bytes);
+}
+
 export async function linkOf(fragment: string): Promise<Link> {
   if (fragment === "" || fragment === "#") return { content: "nothing" };
+  const elsewhere = /^#(scenario|url)=(.+)$/s.exec(fragment);
+  if (elsewhere?.[1] === "scenario") return { content: "name", name: decoded(elsewhere[2]) };
+  if (elsewhere) return { content: "address", address: decoded(elsewhere[2]) };
   const found = /^#s(\d*)=([\w-]*)(.*)$/s.exec(fragment);
   if (!found) return { content: "error", message: `This address does not end with a scenario. ${damaged}` };
   const [, version, base64, rest] = found;
