@@ -40,23 +40,17 @@ Principal principal_of(const Sym3& I) {
   return {{a[0][0], a[1][1], a[2][2]}, {v[0][0], v[0][1], v[0][2], v[1][0], v[1][1], v[1][2], v[2][0], v[2][1], v[2][2]}};
 }
 
-/// The ellipsoid of uniform density with the body's mass and inertia, as the report draws it; nothing for a point mass, and for
-/// an inertia that is the same about all axes of a body with lines.
+/// The ellipsoid of uniform density with the body's mass and inertia, as the report draws it; nothing for a point mass, and for a
+/// body that its lines show.
 std::optional<Solid> ellipsoid_of(const RecordedBody& body) {
-  if (!body.inertia || !(body.mass > 0)) return std::nullopt;
+  if (!body.inertia || !(body.mass > 0) || !body.extent.empty()) return std::nullopt;
   const auto [moments, axes] = principal_of(*body.inertia);
-  const auto [smallest, largest] = std::minmax_element(moments.begin(), moments.end());
-  if (!(*largest > 0)) return std::nullopt;
-  if (!body.extent.empty() && *largest - *smallest < 1e-6 * *largest) return std::nullopt;
+  if (!(*std::ranges::max_element(moments) > 0)) return std::nullopt;
   const double sum = moments[0] + moments[1] + moments[2];
   std::array<double, 3> half{};
   for (std::size_t k = 0; k < 3; ++k) half[k] = std::sqrt(std::max(2.5 / body.mass * (sum - 2 * moments[k]), 0.0));
-  // Identified inertias are often not those of any body: none is drawn much longer than the body is.
-  double most = 0;
-  for (const auto& [from, to] : body.extent) most = std::max(most, 0.55 * norm(to - from));
-  double bound = *std::max_element(half.begin(), half.end());
-  if (most > 0) bound = std::min(bound, most);
-  for (double& length : half) length = std::clamp(length, 0.12 * bound, bound);
+  const double longest = *std::ranges::max_element(half);
+  for (double& length : half) length = std::max(length, 0.12 * longest);  // of inertias that are not those of any body, too
   return Solid{
       .kind = Solid::Kind::ellipsoid, .size = {2 * half[0], 2 * half[1], 2 * half[2]}, .at = {body.com, quaternion_of(axes)}};
 }

@@ -105,7 +105,7 @@ async function drawSweep() {
   await page.context().close();
 }
 await drawSweep();
-await drawGallery(browser, folder, (png) => webp(encoder, png));
+await drawGallery(browser, folder, encoder);
 
 const { page } = await open(browser, new URL("../dist/playground.html", import.meta.url).href, { width: 1280, height: 800 });
 await cutByHand(page);

@@ -53,7 +53,7 @@ describe("the ellipsoid of a body's inertia", () => {
         expect(m[r].reduce((s, x, c) => s + x * axes[c][k], 0)).toBeCloseTo(moments[k] * axes[r][k], 12);
   });
 
-  it("does not exist for point masses, and for equal moments of a body that is drawn by a line", () => {
+  it("does not exist for point masses, and for bodies that are drawn by lines", () => {
     const line: Body["extent"] = [
       [
         [0, 0, 0],
@@ -63,7 +63,6 @@ describe("the ellipsoid of a body's inertia", () => {
     expect(ellipsoidOf(body(1, [0, 0, 0, 0, 0, 0]))).toBeNull();
     expect(ellipsoidOf(body(1, [0.1, 0.1, 0.1, 0, 0, 0], line))).toBeNull();
     expect(ellipsoidOf(body(1, [0.1, 0.1, 0.1, 0, 0, 0]))!.semi[0]).toBeCloseTo(0.5, 12);
-    expect(Math.max(...ellipsoidOf(body(1, [9, 9, 0.1, 0, 0, 0], line))!.semi)).toBeCloseTo(0.55, 12); // no longer than the body
   });
 
   it("of a placeholder inertia is small beside the neighbours; a disc that fits between them is drawn as it is", () => {

@@ -66,28 +66,24 @@ export function roomAround(model: Model, body: number): number {
 const placeholder = 0.2;
 
 /**
- * null for a point mass, and for an inertia that is the same about all axes of a body drawn by lines: it tells no shape. `room`:
- * a body without lines that would be larger is drawn small, as its inertia is a placeholder.
+ * null for a point mass, and for a body that its lines show. `room`: a body that would be larger is drawn small, as its inertia is
+ * a placeholder.
  */
 export function ellipsoidOf(body: Body, room = Infinity): Ellipsoid | null {
   const { mass, inertia } = body;
-  if (!inertia || !(mass > 0)) return null;
+  if (!inertia || !(mass > 0) || body.extent.length > 0) return null;
   const { moments, axes } = principal(inertia);
   const [i, j, k] = moments;
-  const largest = Math.max(i, j, k);
-  if (!(largest > 0)) return null;
-  if (body.extent.length > 0 && largest - Math.min(i, j, k) < 1e-6 * largest) return null;
+  if (!(Math.max(i, j, k) > 0)) return null;
   const half = (sum: number) => Math.sqrt(Math.max((2.5 / mass) * sum, 0));
   const semi = [half(j + k - i), half(i + k - j), half(i + j - k)];
-  // Identified inertias are often not those of any body: none is drawn much longer than the body is.
-  const most = 0.55 * Math.max(0, ...lengthsOf(body));
-  const bound = Math.min(most > 0 ? most : Math.max(...semi) > room ? placeholder * room : Infinity, Math.max(...semi));
-  const least = 0.12 * bound;
+  const longest = Math.max(...semi);
+  const bound = longest > room ? placeholder * room : longest;
   const basis = new THREE.Matrix4().makeBasis(
     new THREE.Vector3(axes[0][0], axes[1][0], axes[2][0]),
     new THREE.Vector3(axes[0][1], axes[1][1], axes[2][1]),
     new THREE.Vector3(axes[0][2], axes[1][2], axes[2][2]),
   );
-  const clamp = (x: number) => Math.min(Math.max(x, least), bound);
+  const clamp = (x: number) => Math.min(Math.max(x, 0.12 * bound), bound);
   return { semi: [clamp(semi[0]), clamp(semi[1]), clamp(semi[2])], turn: new THREE.Quaternion().setFromRotationMatrix(basis) };
 }

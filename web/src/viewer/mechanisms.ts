@@ -48,6 +48,13 @@ function shownLines(model: Model, shapes: ShapeLibrary, body: Body, b: number, m
   );
 }
 
+/** The mechanism with the largest mass. */
+function heaviest(model: Model, phase: Phase): number {
+  const masses = new Map<number, number>();
+  model.bodies.forEach(({ mass }, b) => masses.set(phase.mechanism[b], (masses.get(phase.mechanism[b]) ?? 0) + mass));
+  return [...masses].reduce((a, b) => (b[1] > a[1] ? b : a), [-1, -Infinity])[0];
+}
+
 export class MechanismsView {
   readonly group = new THREE.Group();
   private readonly rods: Rods;
@@ -75,8 +82,8 @@ export class MechanismsView {
   /** Whether every joint has a disk, also within the shapes that hide it: for tools that take joints. */
   showsJoints = false;
   /**
-   * Shows shapes in their own colours if they have any, outlined if there are several mechanisms; otherwise all in the
-   * colours of their mechanisms.
+   * Shows shapes in their own colours if they have any, outlined in those of their mechanisms except for the heaviest one;
+   * otherwise all in the colours of their mechanisms.
    */
   ownColours = true;
 
@@ -137,7 +144,7 @@ export class MechanismsView {
   place(poses: ArrayLike<number>, phase: Phase, theme: Theme) {
     this.rods.clear();
     this.drawnLines = [];
-    const several = this.ownColours && Array.from(phase.mechanism).some((mechanism) => mechanism !== phase.mechanism[0]);
+    const main = heaviest(this.model, phase);
     const colours = new Map<number, THREE.Color>();
     const colourOf = (mechanism: number) => {
       let colour = colours.get(mechanism);
@@ -159,9 +166,9 @@ export class MechanismsView {
           mesh.renderOrder = this.style.faded > 0 ? 0 : 5;
         }
         for (const mesh of shapes.outlines) {
-          mesh.visible = several;
+          mesh.visible = this.ownColours && mechanism !== main;
           mesh.renderOrder = 4;
-          if (several) mesh.material = this.outline(theme, mechanism);
+          if (mesh.visible) mesh.material = this.outline(theme, mechanism);
         }
       }
       for (const [from, to] of this.lines[b])

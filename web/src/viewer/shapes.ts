@@ -49,7 +49,7 @@ export function meshesOf(shape: Shape, material: THREE.Material): THREE.Mesh[] {
 /** A body without shapes, by its inertia; null if there is nothing to draw. */
 function inertiaOf(model: Model, b: number, material: THREE.Material): THREE.Mesh | null {
   const body = model.bodies[b];
-  const ellipsoid = ellipsoidOf(body, body.extent.length > 0 ? Infinity : roomAround(model, b));
+  const ellipsoid = ellipsoidOf(body, roomAround(model, b));
   if (!ellipsoid) return null;
   const geometry = new THREE.SphereGeometry(1, 20, 14).scale(...ellipsoid.semi);
   geometry.applyQuaternion(ellipsoid.turn).translate(...body.com);
