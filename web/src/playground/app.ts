@@ -22,8 +22,8 @@ export class App implements Clock {
   /** The frame that is shown; null: the last one. */
   shownFrame: number | null = null;
   notice = "";
-  /** Time that the engine used for the last frame (s). */
-  engineSeconds = 0;
+  /** The number of the joint that was last clicked in the picture. */
+  chosenJoint: number | null = null;
   private listeners: ((changed: Changed) => void)[] = [];
   private requested: string | null = null;
   /** Whether the world has the floor of this page, or is about to have it. */
@@ -174,7 +174,6 @@ export class App implements Clock {
         // What a program tells first is its world after the last event: a page that is opened later begins with the present.
         if (this.live && run.frames === 1 && message.frame.time > run.last.time + longestStart) run.beginAt(message.frame);
         else run.addFrame(message.frame);
-        if (message.seconds > 0) this.engineSeconds = message.seconds;
         if (this.live && run.frames >= mostFrames) {
           run.forget(mostFrames / 4);
           if (this.shownFrame !== null) this.shownFrame = Math.max(0, this.shownFrame - mostFrames / 4);

@@ -58,11 +58,12 @@ export function showPlayground(page: HTMLElement, app: App) {
   );
   app.listen(() => floor.setAttribute("aria-pressed", String(app.floor)));
   const world = showWorldPage(page, app, {
-    name: "momentree playground",
+    name: "momentree",
+    namesWorld: true,
     header: [choice, share],
     about,
     help: sections,
-    controls: [jointControls(app), weldControls(app), connections(app), sliders(app), history(app)],
+    controls: [history(app), jointControls(app), weldControls(app), connections(app), sliders(app)],
     tabs: [{ name: "Scenario", content: editor.element }],
     restart,
     tool: { button: floor, key: "d" },

@@ -36,7 +36,12 @@ export function jointControls(app: App): HTMLElement {
     state.textContent = [joint.kind, ...(joint.locked ? ["locked"] : []), ...(joint.loop ? ["closes a loop"] : [])].join(", ");
   };
   let shown: unknown = null;
+  let chosen: number | null = null;
   const show = () => {
+    if (chosen !== app.chosenJoint) {
+      chosen = app.chosenJoint;
+      if ([...choice.options].some(({ value }) => value === String(chosen))) choice.value = String(chosen);
+    }
     if (shown === app.topology) return update();
     shown = app.topology;
     const before = choice.value;

@@ -1,14 +1,11 @@
 // Numerical data of the running world: plots of energy and momentum, and the momenta at the instant shown.
 import type { LiveRecording } from "../engine/live";
 import { h } from "../panels/dom";
-import type { FrameRate } from "../panels/frame_rate";
 import { digits } from "../panels/numbers";
 import { momentumScale, reachOf } from "../panels/scales";
 import { massOf } from "../recording";
 import type { Theme } from "../viewer/colours";
 import { Chart } from "./chart";
-
-const rateText = (rate: number) => `${rate.toFixed(rate < 10 ? 1 : 0)} frames/s`;
 
 /** Minimum time between two redraws while frames arrive (ms). */
 const pause = 120;
@@ -61,8 +58,7 @@ export class Readings {
     momentumIn,
   );
   private readonly readout = h("dl", { class: "readout", "aria-label": "Momentum" });
-  private readonly drawing = h("p", { class: "drawing" });
-  readonly element = h("div", { class: "plots" }, this.energy.element, this.momentum.element, this.readout, this.drawing);
+  readonly element = h("div", { class: "plots" }, this.energy.element, this.momentum.element, this.readout);
   private drawn = 0;
 
   setTheme(theme: Theme) {
@@ -71,7 +67,7 @@ export class Readings {
   }
 
   /** Updates up to a frame; without `immediately`, at most as often as a reader can follow. */
-  show(run: LiveRecording, frame: number, engineSeconds: number, picture: FrameRate | null, immediately: boolean) {
+  show(run: LiveRecording, frame: number, immediately: boolean) {
     const now = performance.now();
     if (!immediately && now - this.drawn < pause) return;
     this.drawn = now;
@@ -85,12 +81,7 @@ export class Readings {
       ["Angular momentum (N m s)", vector(angular, size * reachOf(run.model, run.poses(frame)))],
       ["Energy balance, error (J)", balanceText(balance.error, run.totals(0).balance.error, kinetic, potential)],
       ...(balance.projection === 0 ? [] : [["By loops, overlaps (J)", digits(balance.projection, 3)] as [string, string]]),
-      ["Engine, per frame", `${(1000 * engineSeconds).toFixed(1)} ms`],
     ];
-    const drawing = picture && Number.isFinite(picture.rate) ? picture : null;
-    this.drawing.textContent = drawing
-      ? `Picture: ${rateText(drawing.rate)}, ${(1000 * drawing.duration).toFixed(1)} ms of the page for each`
-      : "";
     this.readout.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
   }
 }

@@ -27,7 +27,7 @@ import { initialView } from "./initial_view";
 
 const click = matchMedia("(pointer: coarse)").matches ? "Tap" : "Click";
 const tools: readonly { tool: Tool; label: string; key: string; hint: string }[] = [
-  { tool: "grab", label: "Grab", key: "g", hint: "Drag a body and throw it" },
+  { tool: "grab", label: "Grab", key: "g", hint: "Drag a body and throw it, or break a joint: Cut" },
   { tool: "cut", label: "Cut", key: "c", hint: `${click} a joint: its outboard bodies become a separate mechanism` },
   { tool: "lock", label: "Lock", key: "l", hint: `${click} a joint to lock or unlock it` },
   {
@@ -42,6 +42,8 @@ const tools: readonly { tool: Tool; label: string; key: string; hint: string }[]
 export interface Shell {
   /** Of the page, while the world has no title. */
   readonly name: string;
+  /** The header names the world, so that the title need not. */
+  readonly namesWorld?: boolean;
   /** Between the title and the buttons for help and colours. */
   readonly header: readonly HTMLElement[];
   readonly about: string;
@@ -187,6 +189,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     joint: (name: string) => {
       const joint = app.topology?.joints.find((each) => each.name === name);
       if (!joint || joint.kind === "free") return app.showNotice("There is no joint here");
+      app.chosenJoint = joint.number;
       if (tool === "cut") app.act({ action: "cut", joint: joint.number });
       else app.act({ action: joint.locked ? "unlock" : "lock", joint: joint.number });
     },
@@ -271,8 +274,9 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
   app.listen((changed) => {
     if (changed === "world" && app.run) {
       showWorld(app.run.model);
-      title.textContent = app.run.model.title || shell.name;
-      document.title = `${title.textContent} – momentree`;
+      const name = app.run.model.title || shell.name;
+      if (!shell.namesWorld) title.textContent = name;
+      document.title = `${name} – momentree`;
     }
     if (!app.run && app.notice) placeholder.show("Nothing to show", app.notice);
     const text = app.run ? app.notice : "";
@@ -280,7 +284,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     notice.textContent = text;
     if (acts === app.ended) showActing();
     if (changed !== "status" || noticed) draw(); // labels at the edge make way for the notice
-    if (app.run) readings.show(app.run, app.frame, app.engineSeconds, frameRate, changed !== "frame" || !app.playing);
+    if (app.run) readings.show(app.run, app.frame, changed !== "frame" || !app.playing);
   });
   onThemeChange((next) => {
     theme = next;
