@@ -254,7 +254,10 @@ describe("with a thumb", () => {
   });
 
   it("a body follows a finger, and the page stays where it is", async () => {
-    const { page, complaints } = await open(browser, playgroundAddress, { ...phone, scale: 1 });
+    const { page, complaints } = await open(browser, `${playgroundAddress}#scenario=breaking_chain_accurate`, {
+      ...phone,
+      scale: 1,
+    });
     await ready(page);
     const session = await page.context().newCDPSession(page); // touches as the screen sends them
     const from = await place(page, 60);

@@ -44,7 +44,7 @@ it("the picture is saved as a PNG of what is shown", async () => {
   const { page, complaints } = await open(browser, playgroundAddress, desktop);
   await page.waitForFunction(() => Boolean(window.playground?.app.run));
   const { name, bytes } = await saved(page, () => page.keyboard.press("p"));
-  expect(name).toBe("breaking-chain-accurate.png");
+  expect(name).toBe("excavator-the-pin-of-the-boom-cylinder-breaks.png");
   expect(bytes.subarray(1, 4).toString()).toBe("PNG");
   const box = (await page.locator(".stage canvas").boundingBox())!;
   expect(Math.abs(bytes.readUInt32BE(16) - box.width)).toBeLessThan(1);
@@ -61,7 +61,7 @@ it("the playground records a video from a press to the next", async () => {
   await page.waitForFunction(() => window.playground.app.run!.last.time > 0.4);
   await page.waitForTimeout(1500);
   const { name, bytes } = await saved(page, () => page.getByRole("button", { name: "Stop and save" }).click());
-  expect(name).toMatch(/^breaking-chain-accurate\.(mp4|webm)$/);
+  expect(name).toMatch(/^excavator-the-pin-of-the-boom-cylinder-breaks\.(mp4|webm)$/);
   const { width, height, length } = await measured(bytes, name.endsWith("mp4") ? "video/mp4" : "video/webm");
   expect([width, height].every((size) => size > 300)).toBe(true);
   expect(length).toBeGreaterThan(0.8);
@@ -83,7 +83,7 @@ it("the playground counts its pictures while it plays", async () => {
   await page.waitForFunction(() => Boolean(window.playground?.app.run));
   await page.getByRole("button", { name: "Play", exact: true }).click();
   await expect
-    .poll(() => page.locator(".drawing").innerText(), { timeout: 150_000 })
-    .toMatch(/^Picture: [\d.]+ frames\/s, [\d.]+ ms of the page for each$/);
+    .poll(() => page.evaluate(() => window.playground.frameRate()?.rate ?? 0), { timeout: 150_000 })
+    .toBeGreaterThan(0);
   expect(complaints).toEqual([]);
 });

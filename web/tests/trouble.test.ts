@@ -69,7 +69,8 @@ describe("without WebGL", () => {
   });
 
   it("the playground says so, plays, and offers nothing that needs the picture", async () => {
-    const { page, complaints } = await open(plain, playgroundAddress, desktop, ".plot canvas");
+    const address = `${playgroundAddress}#scenario=breaking_chain_accurate`;
+    const { page, complaints } = await open(plain, address, desktop, ".plot canvas");
     await ready(page);
     expect(await instead(page)).toContain("No 3D picture");
     for (const name of ["Grab", "Weld", "Forces", "Fit"])
@@ -254,7 +255,7 @@ axis = [0, 1, 0]
       if (fragment === "#s=garbage") await keep(page, "link_damaged");
       await page.getByRole("button", { name: "instead" }).click();
       await ready(page);
-      expect(await page.title()).toContain("Breaking chain");
+      expect(await page.title()).toContain("Excavator");
       expect(await page.evaluate(() => location.hash)).toBe(""); // a reload shows it again
       expect(await page.locator(".timeline").evaluate((e) => (e as HTMLElement).inert)).toBe(false);
       expect(complaints).toEqual([]);

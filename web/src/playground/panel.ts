@@ -47,7 +47,9 @@ export function jointControls(app: App): HTMLElement {
     const before = choice.value;
     const joints = (app.topology?.joints ?? []).filter(({ kind }) => kind !== "free");
     choice.replaceChildren(...joints.map(({ number, name }) => h("option", { value: number }, name)));
-    if (joints.some(({ number }) => String(number) === before)) choice.value = before;
+    const former = joints.find(({ number }) => String(number) === before);
+    const shownFirst = former ?? joints.find(({ kind }) => kind !== "weld") ?? joints[0];
+    if (shownFirst) choice.value = String(shownFirst.number);
     update();
   };
   app.listen(show);
