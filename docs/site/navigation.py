@@ -4,6 +4,8 @@ NAVIGATION = [
     (
         "Start",
         [
+            "docs/cookbook",
+            "docs/cookbook-runs",
             "The guide <docs/guide>",
             "docs/gallery",
             "docs/examples/README",

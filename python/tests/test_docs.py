@@ -21,6 +21,7 @@ PAGES = [
     "docs/coming-from/drake.md",
     "docs/coming-from/mujoco.md",
     "docs/cookbook.md",
+    "docs/cookbook-runs.md",
     "docs/guide.md",
     "docs/howto/export.md",
     "docs/howto/live-view.md",

@@ -1,5 +1,5 @@
-// A scenario as a link: in the fragment, which is never sent to a server. It has the scenario's text, compressed, or the name of one
-// of the gallery, or the address of a file.
+// A scenario as a link: in the fragment, which is never sent to a server. It has the scenario's text, compressed, or the name of
+// one of the gallery, or the address of a file.
 
 /** Larger than any scenario; a few bytes can inflate to any size. */
 const mostBytes = 32e6;

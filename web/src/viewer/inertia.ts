@@ -66,8 +66,8 @@ export function roomAround(model: Model, body: number): number {
 const placeholder = 0.2;
 
 /**
- * null for a point mass, and for a body that its lines show. `room`: a body that would be larger is drawn small, as its inertia is
- * a placeholder.
+ * null for a point mass, and for a body that its lines show. `room`: a body that would be larger is drawn small, as its inertia
+ * is a placeholder.
  */
 export function ellipsoidOf(body: Body, room = Infinity): Ellipsoid | null {
   const { mass, inertia } = body;
