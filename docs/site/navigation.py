@@ -25,6 +25,9 @@ NAVIGATION = [
             "docs/limits",
             "docs/accuracy-and-speed",
             "docs/install",
+            "docs/conventions",
+            "docs/troubleshooting",
+            "docs/glossary",
         ],
     ),
     (
@@ -90,7 +93,7 @@ NAVIGATION = [
     ),
     (
         "Project",
-        ["ARCHITECTURE", "CHANGELOG", "CONTRIBUTING", "SECURITY", "packaging/README", "wasm/npm/README", "tests/data/README"],
+        ["ARCHITECTURE", "CHANGELOG", "CONTRIBUTING", "CODE_OF_CONDUCT", "SECURITY", "packaging/README", "wasm/npm/README", "tests/data/README"],
     ),
 ]
 

@@ -20,6 +20,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = [
     "docs/coming-from/drake.md",
     "docs/coming-from/mujoco.md",
+    "docs/conventions.md",
     "docs/cookbook.md",
     "docs/cookbook-runs.md",
     "docs/guide.md",
