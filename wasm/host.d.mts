@@ -169,7 +169,7 @@ export class World {
   /** Energies (J), momenta about the origin of the world, and the energy balance since the start. */
   totals(): WorldTotals;
   /** Removes a joint. The part that comes off becomes a mechanism of its own. */
-  cut(joint: number): Outcome;
+  break(joint: number): Outcome;
   /** Turns a joint into one with six degrees of freedom; the part stays in its mechanism. */
   free(joint: number): Outcome;
   /** Stops a joint by a plastic impact, and holds it. */

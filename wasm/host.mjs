@@ -203,7 +203,7 @@ export class World {
     return totalsOf(this.engine.numbers(this.calls.mt_totals(this.handle), 17));
   }
 
-  cut(joint) {
+  break(joint) {
     return this.done(this.calls.mt_break(this.handle, joint));
   }
   free(joint) {

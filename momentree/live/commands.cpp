@@ -71,7 +71,7 @@ void View::Impl::act(const Value& action) {
   }
   const std::optional<std::string> joint = io::joint_name(world, index_of(action, "joint"));
   if (!joint) return refuse("the joint no longer exists");
-  if (what == "cut") return apply({break_joint(*joint)});
+  if (what == "break") return apply({break_joint(*joint)});
   if (what == "free") return apply({free_joint(*joint)});
   if (what == "lock") return apply({lock(*joint)});
   if (what == "unlock") return apply({unlock(*joint)});

@@ -123,7 +123,7 @@ TEST_CASE("live: what the reader does happens between two steps, each with its c
   page.next("playing");
   CHECK(page.act(R"({"type": "act", "action": {"action": "lock", "joint": 1}})") == "204");
   CHECK(page.act(R"({"type": "act", "action": {"action": "weld", "body": 1, "to": -1}})") == "204");
-  CHECK(page.act(R"({"type": "act", "action": {"action": "cut", "joint": 0}})") == "204");
+  CHECK(page.act(R"({"type": "act", "action": {"action": "break", "joint": 0}})") == "204");
   CHECK(page.act(R"({"type": "gravity", "value": [0, 0, -1.5]})") == "204");
   CHECK(sim.events().empty());  // the program has not looked
   view.exchange();
@@ -131,7 +131,7 @@ TEST_CASE("live: what the reader does happens between two steps, each with its c
   CHECK(sim.world().model().gravity() == Vec3{0, 0, -1.5});
   CHECK(page.next("topology")["topology"]["joints"].is_array());
   CHECK(page.next("events")["events"].size() == 3);
-  page.act(R"({"type": "act", "action": {"action": "cut", "joint": 7}})");
+  page.act(R"({"type": "act", "action": {"action": "break", "joint": 7}})");
   view.exchange();
   CHECK(page.next("refused")["message"].get<std::string>().find("no longer exists") != std::string::npos);
   CHECK(sim.events().size() == 3);

@@ -18,7 +18,7 @@ _FRAME = 1 / 60  # s
 class LiveView:
     """A page that shows a simulation while the program runs it; ``Simulation.show`` makes one.
 
-    The page can pause the run, slow it down, cut, lock, weld and grab, and move the program's sliders. All of that happens in
+    The page can pause the run, slow it down, break, lock, weld and grab, and move the program's sliders. All of that happens in
     ``update`` and ``run``, between two steps. The page is served on this machine alone, until the view is closed.
     """
 

@@ -27,7 +27,7 @@ def test_an_example_is_complete(page: Path) -> None:
     assert f"(../../scenarios/{name}.toml)" in text
     assert f"momentree run scenarios/{name}.toml" in text
     assert f"(pictures/{name}.webp)" in text
-    for part in ("Question", "Model", "What is seen", "Answer", "Vary it", "Sources"):
+    for part in ("Question", "Model", "What happens", "Answer", "Vary it", "Sources"):
         assert f"**{part}" in text
     assert f"({name}.md)" in (page.parent / "README.md").read_text(encoding="utf-8")
 

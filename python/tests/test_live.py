@@ -46,7 +46,7 @@ def test_page_shows_the_simulation_and_changes_it() -> None:
     with sim.show(title="Chain", browser=False) as view:
         page = Page(view)
         assert page.next("loaded")["world"]["model"]["title"] == "Chain"
-        page.act(type="act", action={"action": "cut", "joint": 1})
+        page.act(type="act", action={"action": "break", "joint": 1})
         assert view.update()
         assert [event.actions[0].kind for event in sim.events] == ["break"]
         assert len(page.next("topology")["topology"]["mechanisms"]) == 2

@@ -41,7 +41,7 @@ assert.ok(read.scenario, JSON.stringify(read.diagnostics));
 assert.equal(world.run(0.4).status, status.ok);
 const before = world.totals();
 const joint = world.topology().joints.find(({ name }) => name === "m/b");
-assert.equal(world.cut(joint.number).status, status.ok);
+assert.equal(world.break(joint.number).status, status.ok);
 const after = world.totals();
 for (const [x, y] of [
   [before.kinetic, after.kinetic],
@@ -68,7 +68,7 @@ near(energy(a), swing);
 assert.equal(world.events().length, 1);
 
 // Errors of users are answers, not exceptions.
-assert.equal(world.cut(99).status, status.refused);
+assert.equal(world.break(99).status, status.refused);
 assert.notEqual(world.weld(0, 0).message, "");
 assert.equal(world.load("format = 1\nmechanisms = 1\n").diagnostics[0].line, 2);
 assert.ok(EngineFailure.prototype instanceof Error);

@@ -7,7 +7,7 @@ const lines: number[] = diagnostics.map(({ line }) => line);
 const step: number | undefined = scenario?.step;
 const topology: Topology = world.topology();
 for (const joint of topology.joints) {
-  const done: Outcome = world.cut(joint.number);
+  const done: Outcome = world.break(joint.number);
   if (done.status === status.refused) console.log(done.message, lines, step);
 }
 const totals: WorldTotals = world.totals();

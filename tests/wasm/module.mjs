@@ -40,7 +40,7 @@ assert.equal(world.bodies, 6);
 assert.equal(world.run(0.4).status, status.ok);
 const before = world.totals();
 const revision = world.revision;
-assert.equal(world.cut(3).status, status.ok);
+assert.equal(world.break(3).status, status.ok);
 const after = world.totals();
 nearAll(before.linear, after.linear);
 nearAll(before.angular, after.angular);
@@ -66,7 +66,7 @@ assert.match(again.message, /already joined/);
 assert.equal(world.weld(3, 2).status, status.ok);
 assert.equal(world.topology().mechanisms.length, 1);
 assert.equal(world.attach(5, 0, "no such kind", [0, 0, 1]).status, status.refused);
-assert.equal(world.cut(99).status, status.refused);
+assert.equal(world.break(99).status, status.refused);
 
 // Welding two bodies of one mechanism closes a loop: a joint in addition, with a row of its own, that can be locked and cut.
 const openLoop = world.snapshot();
@@ -81,10 +81,10 @@ const { loops } = world.events().at(-1).after;
 assert.ok(loops.rows === 6 && loops.rank > 0 && loops.residual < 1e-9);
 assert.equal(world.run(world.time + 0.1).status, status.ok);
 const turning = world.totals().linear;
-assert.equal(world.cut(loop.number).status, status.ok);
+assert.equal(world.break(loop.number).status, status.ok);
 nearAll(turning, world.totals().linear);
 assert.equal(world.topology().joints.some((joint) => joint.loop), false);
-assert.equal(world.cut(loop.number).status, status.refused);
+assert.equal(world.break(loop.number).status, status.refused);
 assert.equal(world.undo(world.eventCount - 1).status, status.ok);
 assert.equal(world.topology().joints.filter((joint) => joint.loop).length, 1);
 const withLoop = world.branch();
@@ -113,7 +113,7 @@ assert.deepEqual([...there.motions()], at);
 there.destroy();
 world.drop(earlier);
 const count = world.eventCount;
-world.cut(5);
+world.break(5);
 assert.equal(world.undo(count).status, status.ok);
 assert.equal(world.eventCount, count);
 assert.equal(world.undo(count).status, status.refused);
@@ -149,7 +149,7 @@ near(row[27], 0.1962);
 world.load(chain(6));
 const use = () => {
   const snapshot = world.snapshot();
-  world.cut(3);
+  world.break(3);
   world.weld(3, 2);
   world.grab(1, [0, 0, 0]);
   world.weld(3, 2); // refused

@@ -242,7 +242,7 @@ describe("with a thumb", () => {
     };
     const events = () => page.evaluate(() => window.playground.app.run!.events.length);
     const before = await mechanisms();
-    await page.getByRole("button", { name: "Cut", exact: true }).first().tap();
+    await page.getByRole("button", { name: "Break", exact: true }).first().tap();
     await tap(2);
     await expect.poll(events, { timeout: 20_000 }).toBe(1);
     expect(await mechanisms()).toBe(before); // a loop still held the bar

@@ -67,7 +67,7 @@ it("pauses, cuts and welds in the program", async () => {
   await page.waitForFunction(() => !window.live.app.playing);
   const before = await page.evaluate(() => window.live.app.topology.mechanisms.length);
   await page.getByLabel("Joint", { exact: true }).selectOption({ index: 5 });
-  await page.locator("fieldset.joint").getByRole("button", { name: "Cut", exact: true }).click();
+  await page.locator("fieldset.joint").getByRole("button", { name: "Break", exact: true }).click();
   await page.waitForFunction((n) => window.live.app.topology.mechanisms.length === n + 1, before, patience);
   await page.getByRole("button", { name: "Play", exact: true }).click();
   await moving(page);
@@ -95,7 +95,7 @@ it("ends with Stop, and the page says so", async () => {
   await page.getByRole("button", { name: "Stop", exact: true }).click();
   expect(await end).toBe(0);
   await page.waitForFunction(() => document.body.innerText.includes("The program has ended"), undefined, patience);
-  for (const name of ["Grab", "Cut", "Play"])
+  for (const name of ["Grab", "Break", "Play"])
     expect(await page.getByRole("button", { name, exact: true }).first().isDisabled(), name).toBe(true);
   expect(await page.getByLabel("Time", { exact: true }).isEnabled()).toBe(true); // what it showed can be seen again
 });

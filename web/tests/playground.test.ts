@@ -75,7 +75,7 @@ test("a click on a joint cuts it, and no momentum jumps", async () => {
   await playTo(page, 0.3);
   const before = await totals(page);
   const readout = await page.getByLabel("Momentum", { exact: true }).innerText();
-  await page.keyboard.press("c");
+  await page.keyboard.press("b");
   await clickJoint(page, 1);
   await page.waitForFunction(() => window.playground.app.topology.mechanisms.length === 2);
   const after = await totals(page);
@@ -108,7 +108,7 @@ test("welding two bodies; a weld of two bodies that a joint joins is refused wit
   const { page, complaints } = await playground();
   await load(page, three);
   await page.getByLabel("Joint", { exact: true }).selectOption("arm/3");
-  await page.getByRole("button", { name: "Cut", exact: true }).last().click();
+  await page.getByRole("button", { name: "Break", exact: true }).last().click();
   await page.waitForFunction(() => window.playground.app.topology.mechanisms.length === 2);
   const middle = async (body: number) => {
     const [a, b] = await page.evaluate((n) => [window.playground.placeOf(n), window.playground.placeOf(n + 1)], body);
@@ -146,7 +146,7 @@ test("a weld of two bodies of one mechanism closes a loop; a click on its mark c
     await page.getByLabel("Joint", { exact: true }).selectOption(weld);
     expect(await page.locator(".joint-state").innerText()).toBe("weld, closes a loop");
     await keep(page, `playground-loop-${name}`);
-    await page.getByRole("button", { name: "Cut", exact: true }).first().click();
+    await page.getByRole("button", { name: "Break", exact: true }).first().click();
     const at = await page.evaluate((joint) => window.playground.placeOf(joint), weld);
     await page.mouse.click(at.x, at.y);
     await expect.poll(loops, patience).toEqual([]);
@@ -180,7 +180,7 @@ test("undo returns to before a cut; the other branch can be continued; a past in
   await load(page, three);
   await playTo(page, 0.2);
   const cut = await page.evaluate(() => window.playground.app.run!.last.time);
-  await page.keyboard.press("c");
+  await page.keyboard.press("b");
   await clickJoint(page, 1);
   await page.waitForFunction(() => window.playground.app.topology.mechanisms.length === 2);
   await playTo(page, cut + 0.3);
@@ -244,12 +244,12 @@ test("keys do nothing behind the help", async () => {
   const pressed = () => page.locator(".tools [aria-pressed=true]").allInnerTexts();
   const before = await pressed();
   await page.keyboard.press("?");
-  for (const key of ["c", "f", "v"]) await page.keyboard.press(key);
+  for (const key of ["b", "f", "v"]) await page.keyboard.press(key);
   expect(await pressed()).toEqual(before);
   await page.keyboard.press("Escape");
   expect(await page.locator("dialog[open]").count()).toBe(0);
-  await page.keyboard.press("c");
-  expect(await pressed()).toContain("Cut");
+  await page.keyboard.press("b");
+  expect(await pressed()).toContain("Break");
 });
 
 test("on a phone, the menu View hides no tool, and closes after a press elsewhere", async () => {
@@ -294,7 +294,7 @@ test("loops and springs are listed; a loop joint is cut there, and bodies are we
   await page.waitForFunction(() => document.title.startsWith("Two arms"));
   const list = page.getByRole("list", { name: "Loops, springs and couplings" });
   await expect.poll(() => list.innerText(), patience).toMatch(/right grip\s+revolute, left\/bar to right\/fore/);
-  await page.getByRole("button", { name: "Cut right grip" }).click();
+  await page.getByRole("button", { name: "Break right grip" }).click();
   await expect.poll(() => list.isVisible(), patience).toBe(false);
   await page.getByLabel("Body to weld").selectOption("left/bar");
   await page.getByLabel("Weld to").selectOption("left/upper");

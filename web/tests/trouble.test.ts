@@ -77,7 +77,7 @@ describe("without WebGL", () => {
       expect(await page.getByRole("button", { name, exact: true }).isVisible(), name).toBe(false);
     await page.getByRole("button", { name: "Play", exact: true }).click();
     await page.waitForFunction(() => window.playground.app.run!.last.time > 0.1);
-    await page.getByRole("button", { name: "Cut", exact: true }).click();
+    await page.getByRole("button", { name: "Break", exact: true }).click();
     await page.waitForFunction(() => window.playground.app.topology.mechanisms.length === 2);
     await page.getByLabel("Scenario", { exact: true }).first().selectOption("capture");
     await page.waitForFunction(() => window.playground.app.run!.frames === 1);

@@ -25,8 +25,8 @@ const pictures: readonly Picture[] = [
   { name: "report_crane", scenario: "crane.toml", time: 4.0, dark: true, width: 1280, height: 800 },
 ];
 
-/** Just after a link of the swinging chain was cut by hand. */
-async function cutByHand(page: Page) {
+/** Just after a joint of the swinging chain was broken by hand. */
+async function breakByHand(page: Page) {
   const playTo = async (time: number) => {
     await page.getByRole("button", { name: "Play", exact: true }).click();
     await page.waitForFunction((t) => window.playground.app.run!.last.time >= t, time);
@@ -36,9 +36,9 @@ async function cutByHand(page: Page) {
   await page.getByLabel("Speed").selectOption("0.25");
   await playTo(0.4);
   await page.getByRole("combobox", { name: "Joint" }).selectOption("chain/31");
-  await page.getByRole("group", { name: "Joint" }).getByRole("button", { name: "Cut", exact: true }).click();
+  await page.getByRole("group", { name: "Joint" }).getByRole("button", { name: "Break", exact: true }).click();
   await page.waitForFunction(() => window.playground.app.topology.mechanisms.length === 2);
-  await playTo((await page.evaluate(() => window.playground.app.run!.last.time)) + 0.3); // a slow machine cuts later
+  await playTo((await page.evaluate(() => window.playground.app.run!.last.time)) + 0.3); // a slow machine is later
 }
 
 const browser = await launch();
@@ -107,9 +107,10 @@ async function drawSweep() {
 await drawSweep();
 await drawGallery(browser, folder, encoder);
 
-const { page } = await open(browser, new URL("../dist/playground.html", import.meta.url).href, { width: 1280, height: 800 });
-await cutByHand(page);
+const address = `${new URL("../dist/playground.html", import.meta.url).href}#scenario=breaking_chain_accurate`;
+const { page } = await open(browser, address, { width: 1280, height: 800 });
+await breakByHand(page);
 await settled(page);
-writeFileSync(join(folder, "playground_cut.webp"), await webp(encoder, await page.screenshot()));
-console.log("docs/pictures/playground_cut.webp");
+writeFileSync(join(folder, "playground_break.webp"), await webp(encoder, await page.screenshot()));
+console.log("docs/pictures/playground_break.webp");
 await browser.close();

@@ -154,7 +154,7 @@ damping = 0.0002
     const height = planes[0].point[2];
     expect(height).toBeLessThan(-0.8);
     play(30);
-    session.handle({ type: "act", action: { action: "cut", joint: 0 } });
+    session.handle({ type: "act", action: { action: "break", joint: 0 } });
     session.handle({ type: "grab", body: 4, point: [0, 0, 0], target: [0, 0, 0.3] });
     play(30, (i) => session.handle({ type: "pull", target: [0.02 * i, 0, 0.3] }));
     session.handle({ type: "release" });

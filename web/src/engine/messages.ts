@@ -5,7 +5,7 @@ import type { ModelFile } from "../result_files";
 
 /** An action on joints and bodies, which have the numbers that the engine gives them. */
 export type UserAction =
-  | { action: "cut" | "free" | "lock" | "unlock"; joint: number }
+  | { action: "break" | "free" | "lock" | "unlock"; joint: number }
   | { action: "weld"; body: number; to: number };
 
 /** A number of the program, on the page of a live view. */

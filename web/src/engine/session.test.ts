@@ -148,7 +148,7 @@ describe("a session", () => {
     play(6);
     expect(apart()).toBeCloseTo(distance, 5);
     expect(loadColours(run!.last, run!.topology).colours.has(weld.name)).toBe(true);
-    session.handle({ type: "act", action: { action: "cut", joint: weld.number } });
+    session.handle({ type: "act", action: { action: "break", joint: weld.number } });
     expect(loops()).toEqual([]);
     play(6);
     const end = run!.last;
@@ -170,7 +170,7 @@ describe("a session", () => {
     const held = joints.filter(({ wasLoop }) => wasLoop);
     expect(held).toHaveLength(1);
     const { number } = run!.topology.joints.find(({ name }) => name === held[0].name)!;
-    session.handle({ type: "act", action: { action: "cut", joint: number } });
+    session.handle({ type: "act", action: { action: "break", joint: number } });
     expect(run!.topology.mechanisms).toHaveLength(2);
   });
 

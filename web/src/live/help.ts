@@ -3,7 +3,7 @@ import type { HelpSection } from "../panels/help";
 import { sections as playground } from "../playground/help";
 
 export const about =
-  "This page shows the simulation of a program that is running. Drag a body to throw it; cut, lock and weld while it moves. " +
+  "This page shows the simulation of a program that is running. Drag a body to throw it; break, lock and weld while it moves. " +
   "All of it happens in the program, between two of its steps.";
 
 export const sections: readonly HelpSection[] = playground.map((section) =>

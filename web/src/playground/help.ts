@@ -2,7 +2,7 @@
 import { viewRows, type HelpSection } from "../panels/help";
 
 export const about =
-  "The mechanisms in the picture are simulated in this page. Drag a body to throw it; cut, lock and weld while they move. " +
+  "The mechanisms in the picture are simulated in this page. Drag a body to throw it; break, lock and weld while they move. " +
   "With a floor below them they land on it. " +
   "The plots show what that does to energy and momentum.";
 
@@ -11,7 +11,7 @@ export const sections: readonly HelpSection[] = [
     title: "Tools",
     rows: [
       ["G", "Grab: drag a body, release it while it moves to throw it"],
-      ["C", "Cut: click a joint; what is beyond it breaks off"],
+      ["B", "Break: click a joint; what is beyond it detaches"],
       ["L", "Lock: click a joint to lock it, and again to unlock it"],
       ["W", "Weld: click two bodies; two of one mechanism close a loop"],
       ["D", "Floor: the scenario starts again above a floor, on which all bodies land"],

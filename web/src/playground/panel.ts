@@ -8,11 +8,11 @@ import type { App } from "./app";
 /** Joints by name, without a pointer: the same actions as the tools. */
 export function jointControls(app: App): HTMLElement {
   const choice = h("select", { "aria-label": "Joint", onchange: () => app.run && update() });
-  const button = (label: string, action: "cut" | "free" | "lock" | "unlock", title: string) =>
+  const button = (label: string, action: "break" | "free" | "lock" | "unlock", title: string) =>
     h("button", { type: "button", title, onclick: () => app.act({ action, joint: Number(choice.value) }) }, label);
   const lock = button("Lock", "lock", "Fixes the joint in its present position by an impulse");
   const unlock = button("Unlock", "unlock", "Releases the lock");
-  const cut = button("Cut", "cut", "The bodies beyond it break off");
+  const breaks = button("Break", "break", "The bodies beyond it detach");
   const free = button("Free", "free", "It becomes a joint with six degrees of freedom in the same mechanism");
   const state = h("p", { class: "joint-state" });
   const field = (parameter: "damping" | "stiffness", unit: string) => {
@@ -26,7 +26,7 @@ export function jointControls(app: App): HTMLElement {
   const fields = [field("damping", "N m s, N s/m"), field("stiffness", "N m, N/m")];
   const update = () => {
     const joint = app.topology?.joints.find(({ number }) => number === Number(choice.value));
-    for (const each of [lock, unlock, cut, free]) each.disabled = !joint;
+    for (const each of [lock, unlock, breaks, free]) each.disabled = !joint;
     for (const { input } of fields) input.disabled = !joint || joint.kind === "weld";
     if (!joint) return;
     for (const { parameter, input } of fields)
@@ -58,7 +58,7 @@ export function jointControls(app: App): HTMLElement {
     { class: "joint" },
     h("legend", {}, "Joint"),
     choice,
-    h("div", { class: "buttons" }, cut, lock, unlock, free),
+    h("div", { class: "buttons" }, breaks, lock, unlock, free),
     ...fields.map(({ label }) => label),
     state,
   );

@@ -7,7 +7,7 @@ import { shownJoint } from "../viewer/joints";
 import type { Joint, Phase } from "../recording";
 import type { Stage } from "../viewer/stage";
 
-export type Tool = "grab" | "cut" | "lock" | "weld";
+export type Tool = "grab" | "break" | "lock" | "weld";
 
 export interface PointerScene {
   poses(): ArrayLike<number>;

@@ -27,8 +27,8 @@ import { initialView } from "./initial_view";
 
 const click = matchMedia("(pointer: coarse)").matches ? "Tap" : "Click";
 const tools: readonly { tool: Tool; label: string; key: string; hint: string }[] = [
-  { tool: "grab", label: "Grab", key: "g", hint: "Drag a body and throw it, or break a joint: Cut" },
-  { tool: "cut", label: "Cut", key: "c", hint: `${click} a joint: its outboard bodies become a separate mechanism` },
+  { tool: "grab", label: "Grab", key: "g", hint: "Drag a body and throw it, or break a joint" },
+  { tool: "break", label: "Break", key: "b", hint: `${click} a joint: its outboard bodies become a separate mechanism` },
   { tool: "lock", label: "Lock", key: "l", hint: `${click} a joint to lock or unlock it` },
   {
     tool: "weld",
@@ -139,7 +139,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     tool = next;
     first = -1;
     if (pointer) pointer.tool = next;
-    if (stage) stage.mechanisms.showsJoints = next === "cut" || next === "lock";
+    if (stage) stage.mechanisms.showsJoints = next === "break" || next === "lock";
     draw();
     for (const each of toolButtons) each.button.setAttribute("aria-pressed", String(each.tool === next));
     hint.textContent = tools.find((each) => each.tool === next)?.hint ?? "";
@@ -190,7 +190,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
       const joint = app.topology?.joints.find((each) => each.name === name);
       if (!joint || joint.kind === "free") return app.showNotice("There is no joint here");
       app.chosenJoint = joint.number;
-      if (tool === "cut") app.act({ action: "cut", joint: joint.number });
+      if (tool === "break") app.act({ action: "break", joint: joint.number });
       else app.act({ action: joint.locked ? "unlock" : "lock", joint: joint.number });
     },
     body: (body: number) => {
@@ -211,7 +211,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     for (const each of host.querySelectorAll(".placeholder")) each.remove();
     for (const part of [over, timeline.element, panel]) part.inert = false;
     stage = mountStage(host, model, [
-      "The simulation, the plots and the panel work without it: joints can be cut and locked by name.",
+      "The simulation, the plots and the panel work without it: joints can be broken and locked by name.",
     ]);
     pointer = stage && new PointerTools(stage, scene, actions);
     over.hidden = stage === null;
