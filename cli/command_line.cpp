@@ -39,7 +39,7 @@ class CommandLine {
  private:
   CLI::App* command(const char* name, const char* does, std::function<int()> action);
   void add_run();
-  void add_replay();
+  void add_compare();
   void add_sweep();
   void add_readers();
   void add_writers();
@@ -63,7 +63,7 @@ class CommandLine {
   CLI::App app_{"momentree: dynamics of mechanisms whose topology changes while they move", "momentree"};
   RunOptions run_;
   SweepOptions sweep_;
-  ReplayOptions replay_;
+  CompareOptions compare_;
   CheckOptions check_;
   EvaluateOptions evaluate_;
   ExplainOptions explain_;
@@ -119,7 +119,7 @@ CommandLine::CommandLine(Bench bench, std::string_view commit) : measure_(bench)
   app_.allow_extras();
   add_run();
   add_sweep();
-  add_replay();
+  add_compare();
   add_readers();
   add_writers();
   add_pages();
@@ -215,18 +215,19 @@ void CommandLine::add_sweep() {
   sub->add_flag("--json", sweep_.json, "Print sweep.json and nothing else");
 }
 
-void CommandLine::add_replay() {
+void CommandLine::add_compare() {
   CLI::App* sub =
-      command("replay", "Compare two results: the first row and body in which they differ", [this] { return replay(replay_); });
-  sub->add_option("first", replay_.one, "A result directory of `momentree run`, also one that ends in .partial")
+      command("compare", "Compare two results: the first row and body where they differ", [this] { return compare(compare_); });
+  sub->alias("replay");
+  sub->add_option("first", compare_.one, "A result directory of `momentree run`, also one that ends in .partial")
       ->required()
       ->type_name("DIR");
-  sub->add_option("second", replay_.other, "The other one")->required()->type_name("DIR");
+  sub->add_option("second", compare_.other, "The other one")->required()->type_name("DIR");
   sub->add_option_function<std::string>(
-         "--tolerance", [this](const std::string& text) { replay_.tolerance = tolerance_argument("--tolerance", text); },
+         "--tolerance", [this](const std::string& text) { compare_.tolerance = tolerance_argument("--tolerance", text); },
          "Numbers may differ by this much, or by this part of the larger one; default 0")
       ->type_name("X");
-  sub->add_flag("--json", replay_.json, "Print one JSON document and nothing else");
+  sub->add_flag("--json", compare_.json, "Print one JSON document and nothing else");
 }
 
 void CommandLine::add_writers() {
@@ -287,7 +288,7 @@ void CommandLine::add_pages() {
   verbose(view_command, view_.verbose);
 
   CLI::App* play_command =
-      command("play", "Play with a scenario or a model in the browser: cut, lock, weld, throw", [this] { return play(play_); });
+      command("play", "Play with a scenario or a model in the browser: break, lock, weld, throw", [this] { return play(play_); });
   source(play_command, "source", play_.source, "SCENARIO|MODEL",
          "A scenario (.toml) or a model (.urdf, .sdf, .xml); - is standard input; default: a gallery");
   overrides(play_command, play_.overrides);

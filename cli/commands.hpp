@@ -37,13 +37,13 @@ struct SweepOptions {
 };
 int sweep(const SweepOptions& options);
 
-struct ReplayOptions {
+struct CompareOptions {
   std::string one, other;  ///< result folders
   double tolerance = 0;
   bool json = false;
 };
 /// Returns `done` if the results are equal, `failed` if they differ.
-int replay(const ReplayOptions& options);
+int compare(const CompareOptions& options);
 
 struct CheckOptions {
   std::vector<std::string> files;

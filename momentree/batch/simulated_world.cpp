@@ -22,13 +22,13 @@ bool follows_motion(const Tree& tree, int body) {
 }  // namespace
 
 Integration integration_of(const Model& model, const BatchOptions& options) {
-  if (!supports_contact(options.contact_method)) {
+  if (!supports_contact(method_named(options.contact_method))) {
     std::string known;
     for (const std::string& name : integration_methods())
       if (supports_contact(name)) known += (known.empty() ? "\"" : ", \"") + name + '"';
     throw_error({"batches can't step contact by the method '" + options.contact_method + "'", "", "use one of " + known});
   }
-  Integration how{.method = model.has_contact() ? options.contact_method : "rk4", .variables = options.variables};
+  Integration how{.method = model.has_contact() ? method_named(options.contact_method) : "rk4", .variables = options.variables};
   how.step = options.step;
   return how;
 }

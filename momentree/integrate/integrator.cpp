@@ -179,6 +179,33 @@ std::optional<Variables> variables_of(std::string_view name) {
 }
 std::vector<std::string> variable_names() { return {name_of(Variables::momenta), name_of(Variables::velocities)}; }
 
+namespace {
+template <class Method>
+constexpr std::string_view other_name() {
+  if constexpr (requires { Method::other_name; })
+    return Method::other_name;
+  else
+    return {};
+}
+}  // namespace
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> all = integration_methods();
+#define MOMENTREE_METHOD(name, Type) \
+  if (!other_name<Type>().empty()) all.emplace_back(other_name<Type>());
+  MOMENTREE_METHODS(MOMENTREE_METHOD)
+#undef MOMENTREE_METHOD
+  return all;
+}
+
+std::string method_named(std::string_view name) {
+#define MOMENTREE_METHOD(method, Type) \
+  if (!name.empty() && name == other_name<Type>()) return #method;
+  MOMENTREE_METHODS(MOMENTREE_METHOD)
+#undef MOMENTREE_METHOD
+  return std::string(name);
+}
+
 std::vector<std::string> integration_methods() {
   return {
 #define MOMENTREE_METHOD(name, Type) #name,

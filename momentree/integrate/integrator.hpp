@@ -197,6 +197,10 @@ std::optional<Variables> variables_of(std::string_view name);
 std::vector<std::string> variable_names();
 /// Names of all methods.
 std::vector<std::string> integration_methods();
+/// The same, and what the literature calls some of them.
+std::vector<std::string> method_names();
+/// The method of one of these names; an unknown name as it is.
+std::string method_named(std::string_view name);
 
 /// Completes a step ending at time t (s): normalises quaternions, sets prescribed motions to their curves.
 void end_step(const Tree& tree, double t, double* q, double* y) noexcept;

@@ -288,6 +288,13 @@ std::vector<double> RunRecord::energies() const {
   return all;
 }
 
+std::string RunRecord::contact_table() const {
+  std::string text;
+  contact_header(text);
+  for (const std::string& rows : contacts_) text += rows;
+  return text;
+}
+
 std::string RunRecord::write(const std::string& folder, const ReportPage& report, const std::string& meshes) const {
   const bool with_contacts = reactions_ && !model_.colliders().empty();
   const TableChoice choice{.joints = joint_kinds()};
@@ -309,12 +316,7 @@ std::string RunRecord::write(const std::string& folder, const ReportPage& report
   for (const Event& event : events_) tables->add(event);
   tables->events().close(false);
   for (RunTables::File& table : tables->tables()) table.file.close(false);
-  if (with_contacts) {  // reactions are not computed anew
-    std::string text;
-    contact_header(text);
-    for (const std::string& rows : contacts_) text += rows;
-    directory.write("contacts.csv", text);
-  }
+  if (with_contacts) directory.write("contacts.csv", contact_table());  // reactions are not computed anew
   directory.write("final.json", final_);
   if (report) directory.write("report.html", report(directory.working(), summary_));
   directory.write("summary.json", summary_);

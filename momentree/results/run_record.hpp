@@ -62,6 +62,9 @@ class RunRecord {
   /// The run at a row, with its events and its energy balance, which the simulation can be restored to.
   [[nodiscard]] SimulationSnapshot snapshot(std::size_t row) const;
 
+  /// The text of contacts.csv: only its header without reactions.
+  [[nodiscard]] std::string contact_table() const;
+
   /// Writes the files that `momentree run` writes. `report`: the content of report.html; empty: no report. `meshes`: that of
   /// meshes.json; empty: none. Returns the folder.
   std::string write(const std::string& folder, const ReportPage& report, const std::string& meshes = {}) const;

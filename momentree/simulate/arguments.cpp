@@ -20,10 +20,11 @@ std::string detail::text(double x) {
 
 using detail::text;
 
-const Integration& checked(const Integration& how) {
+Integration checked(Integration how) {
   const std::vector<std::string> methods = integration_methods();
+  how.method = method_named(how.method);
   if (std::find(methods.begin(), methods.end(), how.method) == methods.end())
-    throw_error({"unknown integration method '" + how.method + "'", "", did_you_mean(how.method, methods)});
+    throw_error({"unknown integration method '" + how.method + "'", "", did_you_mean(how.method, method_names())});
   if (how.variables == Variables::velocities && !takes_velocities(how.method))
     throw_error({"the method '" + how.method + "' integrates momenta", "", "leave out variables = \"velocities\""});
   const auto positive = [](double x) { return x > 0 && std::isfinite(x); };

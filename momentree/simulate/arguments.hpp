@@ -21,8 +21,8 @@ namespace detail {
 std::string text(double x);
 }  // namespace detail
 
-/// Returns its argument, or throws Error.
-const Integration& checked(const Integration& how);
+/// Its argument, with the name of the method that the engine uses; or throws Error.
+Integration checked(Integration how);
 
 /// The error of a period that is not positive and finite, or that is too short to advance a clock at `clock` (s); nothing if the
 /// period is valid. `what` names the period in the message.

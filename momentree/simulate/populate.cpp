@@ -32,9 +32,9 @@ void Simulation::Impl::populate(const char* what, const std::string& body, Act a
   event.mechanisms_before = world.mechanism_names();
   event.before = world.totals();
   std::optional<SimulationSnapshot> past;
-  if (history.keeps) past = snapshot();
+  if (history.keeps()) past = snapshot();
   act();  // throws if nothing happened
-  if (past) history.instants.push_back({events.size(), std::move(*past), {}});
+  if (past) history.keep({events.size(), std::move(*past), {}});
   world.edit().take_own_variables();
   std::vector<SteppedContact> points = contact.steps.points.all();
   make_methods();

@@ -88,8 +88,14 @@ struct RunHistory {
     SimulationSnapshot before;
     std::vector<std::size_t> places;  ///< places in the queue of the events that were due
   };
-  bool keeps = false;
+  std::size_t most = 0;  ///< instants that are kept: the last ones
   std::vector<Past> instants;
+
+  bool keeps() const { return most > 0; }
+  void keep(Past past) {
+    if (instants.size() >= most) instants.erase(instants.begin());
+    instants.push_back(std::move(past));
+  }
 
   /// The snapshot from before the instant of that event, of so many; null: none was kept.
   const Past* before(std::size_t event, std::size_t events) const {

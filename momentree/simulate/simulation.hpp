@@ -2,6 +2,7 @@
 // A simulation: a running world with its state, event queue and energy ledger.
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -302,8 +303,8 @@ class Simulation {
   /// Events scheduled after the snapshot stay scheduled unless their time is past. Observers stay. The snapshot must be of a
   /// simulation of the same model.
   void restore(const SimulationSnapshot& snapshot);
-  /// From now on, keeps a snapshot from before every instant at which something happens.
-  void keep_history();
+  /// From now on, keeps a snapshot from before every instant at which something happens; at most the last `most` of them.
+  void keep_history(std::size_t most = std::numeric_limits<std::size_t>::max());
   /// Returns to just before the `number`-th of events() happened. Throws Error if the history was not kept. The actions scheduled
   /// for that instant do not happen again unless `again` is true: the run then takes another branch.
   void undo(std::size_t number, bool again = false);

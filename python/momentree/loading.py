@@ -39,6 +39,13 @@ def load(
     return simulation
 
 
+def source_of(path: str | os.PathLike[str], options: Mapping[str, Any]) -> tuple[Any, ...]:
+    """What a simulation of that file is made of, with the options of :class:`Simulation` that are not their defaults."""
+    standard = {"method": "rk4", "step": 1e-3}
+    changed = {f"integrate.{key}": value for key, value in options.items() if value not in (None, standard.get(key))}
+    return anywhere(("file", os.fspath(path), overrides(changed), "", None))
+
+
 _NAMES = {"robot": "model.urdf", "sdf": "model.sdf", "mujoco": "model.xml"}  # by the root element
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import os
 import tempfile
@@ -19,6 +21,20 @@ from momentree._world import Columns
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+
+
+# What the columns of a plot are, by the last part of their names.
+_MEANINGS = {
+    **dict.fromkeys(("energy", "kinetic", "gravity", "elastic", "dissipated", "lost", "released", "work", "error"), "energy (J)"),
+    **dict.fromkeys(("reaction", "force"), "force (N)"),
+    "torque": "torque (N m)",
+    "position": "position (m)",
+    "linear": "velocity (m/s)",
+    "angular": "angular velocity (rad/s)",
+    "tension": "tension (N)",
+    "length": "length (m)",
+    "rate": "rate (m/s)",
+}
 
 
 class JointRows:
@@ -161,6 +177,31 @@ class Run:
         self.springs: Mapping[str, SpringRows] = Columns(record.spring_names, self._spring)
         """Lengths and tensions of the springs, by name."""
         self._energy: NDArray[np.void] | None = None
+        self._contacts: NDArray[np.void] | None = None
+
+    @property
+    def contacts(self) -> NDArray[np.void]:
+        """The points at which bodies touched, a structured array with a row for each of them and each of ``time``.
+
+        ``run.contacts["force"]`` is the force on ``one`` (N), shape (rows, 3); ``normal`` points from ``other`` to ``one``. Also
+        ``time``, ``one``, ``other``, ``point`` (m) and ``slip``, the speed along the surface (m/s); all in world axes.
+
+        Raises:
+            Error: The run was made without ``reactions=True``.
+        """
+        if not self.has_reactions:
+            raise Error("contacts are recorded with reactions only", hint="sim.run(until, reactions=True)")
+        if self._contacts is None:
+            lines = csv.reader(io.StringIO(self._recorded().contacts))
+            next(lines)  # the header
+            vectors = [(name, float, 3) for name in ("point", "normal", "force")]
+            layout = np.dtype([("time", float), ("one", object), ("other", object), *vectors, ("slip", float)])
+            rows = [
+                (float(time), one, other, *(tuple(map(float, numbers[i : i + 3])) for i in (0, 3, 6)), float(numbers[9]))
+                for time, one, other, *numbers in lines
+            ]
+            self._contacts = np.array(rows, dtype=layout)
+        return self._contacts
 
     def _recorded(self) -> _Record:
         if self._record is None:
@@ -322,6 +363,7 @@ class Run:
         ):
             return self.energy[name][:, None], [name]
         owner, _, field = name.rpartition(".")
+        field = {"reaction": "force"}.get(field, field)
         if owner in self.joints and field in ("q", "v", "p", "a"):
             values: Array = getattr(self.joints[owner], field)
         elif owner in self.joints and field in ("force", "torque"):
@@ -333,7 +375,7 @@ class Run:
         else:
             raise Error(
                 f"the run has no column '{name}'",
-                hint="for example 'energy', 'kinetic', 'arm/elbow.q', 'arm/elbow.v', 'arm/hand.position', 'rope.tension'",
+                hint="for example 'energy', 'arm/elbow.q', 'arm/elbow.force', 'arm/hand.position', 'rope.tension'",
             )
         width = values.shape[1]
         letters = "wxyz" if width == 4 else "xyz" if field not in ("q", "v", "p", "a") else "0123456"
@@ -367,8 +409,9 @@ class Run:
             for event in self.events[:50]:
                 ax.axvline(event.time, color="0.6", linewidth=0.8, linestyle="--", zorder=0)
         ax.set_xlabel("time (s)")
-        if set(columns) <= {"energy", "kinetic", "gravity", "elastic", "dissipated", "lost", "released", "work", "error"}:
-            ax.set_ylabel("energy (J)")
+        fields = {_MEANINGS.get(column.rpartition(".")[2], "") for column in columns or ("energy",)}
+        if len(fields) == 1:
+            ax.set_ylabel(fields.pop())
         ax.legend(fontsize="small")
         return ax
 
@@ -401,6 +444,8 @@ class Run:
         state = dict(self.__dict__)
         if self._record is not None:
             state["_energy"] = self.energy
+            if self.has_reactions:
+                state["_contacts"] = self.contacts
             state["joints"] = {name: self.joints[name] for name in self.joints}
             state["bodies"] = {name: self.bodies[name] for name in self.bodies}
             state["springs"] = {name: self.springs[name] for name in self.springs}

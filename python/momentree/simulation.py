@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
@@ -78,7 +79,7 @@ class Simulation(_core.SimulationBase):
     propagate; the simulation is then at the last instant that it reached, and can go on.
 
     Args:
-        model: What moves. Later changes of the model do not affect the simulation.
+        model: What moves. Later changes of the model do not affect the simulation. Or the path of a file: see :func:`load`.
         method: ``"rk4"``, ``"midpoint"``, ``"damped"`` and ``"stepping"`` (through contacts) have fixed steps; ``"dopri5"`` and ``"dop853"`` are adaptive.
         variables: Of the state, ``"momenta"`` or ``"velocities"``; default: velocities for adaptive methods, else momenta.
         step: s; the first step of adaptive methods.
@@ -101,7 +102,7 @@ class Simulation(_core.SimulationBase):
 
     def __init__(
         self,
-        model: Model,
+        model: Model | str | os.PathLike[str],
         *,
         method: str = "rk4",
         variables: str | None = None,
@@ -114,6 +115,12 @@ class Simulation(_core.SimulationBase):
     ) -> None:
         options = {"method": method, "step": step, "rtol": rtol, "atol": atol, "max_step": max_step}
         options |= {"variables": variables, "event_tolerance": event_tolerance, "resolve": resolve}
+        if isinstance(model, (str, os.PathLike)):
+            from momentree.loading import source_of
+
+            source = source_of(model, options)
+            _core.SimulationBase.__init__(self, *source[1:])
+            return self._begin(source)
         super().__init__(checked(model), options)
         self._begin(("model", model.copy(), options))
 
@@ -123,6 +130,7 @@ class Simulation(_core.SimulationBase):
         self._event_cache = []
         self._functions = []  # the engine borrows them
         self.last_run = None
+        self.keep_history(100)
 
     # What it is made of
 
@@ -206,6 +214,23 @@ class Simulation(_core.SimulationBase):
             options.get("locate") != "per step",
         )
         return Scheduled(self, scheduled, ("when", (condition,)))
+
+    def value(self, quantity: Quantity) -> float:
+        """The present value of a quantity, as conditions see it, in its SI unit; NaN if there is none, as for a joint that broke.
+
+        Args:
+            quantity: ``momentree.height("crane/load")``, ``momentree.reaction("crane/hook").force`` …
+
+        Raises:
+            Error: A name is unknown, or closed loops leave the reaction open.
+        """
+        if not isinstance(quantity, Quantity):
+            raise Error(f"expected a quantity, found {type(quantity).__name__}", hint="for example momentree.height('crane/load')")
+        for handle in quantity._handles:
+            self._check_handle(handle)
+        if quantity.key == "function":
+            return float(quantity.value(self.world))
+        return self._value((quantity > 1.0).scenario_value())  # any threshold
 
     def after(self, event: str, delay: Number = 0.0) -> Scheduled:
         """Schedule actions ``delay`` seconds after the event with the name ``event``, each time that it happens."""
@@ -297,7 +322,7 @@ class Simulation(_core.SimulationBase):
         self._event_cache = []
 
     def undo(self, number: int = -1, again: bool = False) -> None:
-        """Undo an event that happened, exactly: the world is as it was just before. Needs :meth:`keep_history`.
+        """Undo one of the last 100 events, or of those that :meth:`keep_history` kept: the world is exactly as it was just before.
 
         Args:
             number: Its place in :attr:`events`; negative numbers count from the last.
@@ -448,9 +473,9 @@ class Simulation(_core.SimulationBase):
         if self._has_functions:
             raise TypeError("a simulation with Python functions as drives or forces can't be pickled")
         if self._has_other_bodies:
-            raise TypeError("a simulation in which bodies were added or removed can't be pickled: no state document describes it")
-        state = {"source": self._source, "hash": self._hash, "state": self.state_json(), "schedule": schedule}
-        return {**state, "armed": self._armed(), "q": self.q, "effort": [float(x) for x in self.effort]}
+            raise TypeError("a simulation in which bodies were added or removed can't be pickled")
+        state = {"source": self._source, "hash": self._hash, "state": self._saved(), "schedule": schedule}
+        return {**state, "effort": [float(x) for x in self.effort]}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         kind, *arguments = state["source"]
@@ -458,7 +483,7 @@ class Simulation(_core.SimulationBase):
             super().__init__(*arguments)
         else:
             _core.SimulationBase.__init__(self, *arguments)
-            if self._hash != state.get("hash", self._hash):  # older pickles have none
+            if self._hash != state["hash"]:
                 raise Error("the scenario has changed since the simulation was pickled", where=arguments[0], hint="load it again")
         self._begin(state["source"])
         for entry in state["schedule"]:
@@ -467,8 +492,8 @@ class Simulation(_core.SimulationBase):
             if entry["name"] is not None:
                 scheduled.named(entry["name"])
             scheduled.then(*entry["actions"])
-        self._resume(state["state"], state["armed"], state["q"])
-        if any(state.get("effort", ())):
+        self._go_on_from(state["state"])
+        if any(state["effort"]):
             self.effort = state["effort"]
 
     def __repr__(self) -> str:

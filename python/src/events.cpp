@@ -1,4 +1,5 @@
 // Scheduling events, applying actions, and the records of events that happened.
+#include <cmath>
 #include <utility>
 
 #include "records.hpp"
@@ -90,6 +91,14 @@ std::shared_ptr<ScheduledObject> when(const SimulationPtr& self, nb::handle even
   return scheduled;
 }
 
+double value_now(const SimulationPtr& self, nb::handle event) {
+  const Use use(*self, Access::change);  // it may have to evaluate the world
+  const Simulation& sim = self->simulation();
+  const auto parts = io::PartReader("Simulation.value").triggers(to_value(event, "Simulation.value"), sim.world());
+  if (parts.size() != 1) refuse("a quantity of several joints or bodies has several values", "name one of them");
+  return parts.front().condition->what->value(sim.world(), {}).value_or(std::nan(""));
+}
+
 std::shared_ptr<ScheduledObject> when_measured(const SimulationPtr& self, nb::handle function, double threshold, bool exceeds,
                                                bool repeats, double hysteresis, double lasting, bool exact) {
   const Use use(*self, Access::schedule);
@@ -172,6 +181,7 @@ void register_events(nb::module_& m, SimulationClass& simulation) {
                         self->simulation().every(seconds_of(period, "Simulation.every"), seconds_of(start, "Simulation.every")));
            })
       .def("_when", &when)
+      .def("_value", &value_now)
       .def("_when_measured", &when_measured)
       .def("_apply", &apply_now)
       .def("_events", &events)

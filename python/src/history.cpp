@@ -1,14 +1,14 @@
 // Snapshots, history, branches, state documents, and runs that are recorded.
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <limits>
+#include <optional>
 #include <utility>
-
-#include <nanobind/stl/tuple.h>
 
 #include <cli/page.hpp>
 #include <momentree/export/export.hpp>
 #include <momentree/models/mesh/pack.hpp>
+#include <momentree/results/checkpoint/checkpoint.hpp>
 #include <momentree/results/model_json.hpp>
 #include <momentree/results/run_record.hpp>
 #include <momentree/scenario/state/state_document.hpp>
@@ -68,41 +68,30 @@ void restore_state(const SimulationPtr& self, const std::string& text, const std
   resume(self->simulation(), {}, state.memory);
 }
 
-using Status_ = std::tuple<double, int, bool, double, bool, double, double, double, double>;
-
-std::vector<Status_> armed(const SimulationPtr& self) {
+// What a checkpoint has of a run: the simulation goes on from it to the same bits.
+nb::bytes saved(const SimulationPtr& self) {
   const Use use(*self, Access::read);
-  std::vector<Status_> all;
-  for (const EventStatus& s : self->simulation().snapshot().armed)
-    all.emplace_back(s.time, s.fired, s.done, s.since, s.resting, s.excess, s.excess_before, s.looked, s.looked_before);
-  return all;
+  io::Checkpoint state;
+  state.run = self->simulation().run_state();
+  const std::string bytes = io::checkpoint_bytes(state);
+  return nb::bytes(bytes.data(), bytes.size());
 }
 
-// Continues as the simulation did that was written to this document.
-void resume(const SimulationPtr& self, const std::string& text, const std::vector<Status_>& armed, nb::handle q) {
-  const std::vector<double> coordinates = numbers_of(q, "q");
+void go_on_from(const SimulationPtr& self, const nb::bytes& bytes) {
   const Use use(*self, Access::change);
-  io::RestoredState state = io::read_state(text, "pickle", first_model(self->simulation().world()));
-  static_cast<void>(io::restore(self->simulation(), {state}));
-  std::vector<EventStatus> all;
-  for (const auto& [time, fired, done, since, resting, excess, excess_before, looked, looked_before] : armed)
-    all.push_back({time, fired, done, since, resting, excess, excess_before, looked, looked_before});
-  Simulation& sim = self->simulation();
-  const State& now = sim.world().state();
-  if (all.size() > sim.snapshot().armed.size() || coordinates.size() != now.q().size())
-    refuse("the pickled state is not one of this simulation");
-  // The document has quaternions with w >= 0, and the simulation may have their negatives.
-  if (!std::equal(coordinates.begin(), coordinates.end(), now.q().begin())) {
-    for (JointStart& start : state.joints) {
-      const Numbers of_joint = sim.world().joint(start.joint).q;
-      const auto first = coordinates.begin() + (of_joint.data() - now.q().data());
-      start.q = {};
-      for (std::size_t i = 0; i < of_joint.size(); ++i) start.q.push_back(first[static_cast<std::ptrdiff_t>(i)]);
-    }
-    static_cast<void>(io::restore(sim, {state}));
+  try {
+    io::Checkpoint state = io::read_checkpoint({bytes.c_str(), bytes.size()}, "pickle");
+    // Functions of the model's elements are there already; `effort` is set anew.
+    Topology& topology = state.run.world.engine.topology;
+    const int known = static_cast<int>(self->simulation().world().tree().topology().functions.size());
+    const auto keep_known = [known](Joint& joint) { joint.function = joint.function < known ? joint.function : -1; };
+    for (Topology::Changed& changed : topology.changed) keep_known(changed.as);
+    for (Loop& loop : topology.loops) keep_known(loop.joint);
+    io::require_fit(self->simulation(), state, "pickle");
+    io::continue_run(self->simulation(), state);
+  } catch (const Error& error) {
+    refuse("the pickled simulation can't go on: " + error.problem, "unpickle it with the version that pickled it");
   }
-  resume(sim, all, state.memory);
-  self->count_before(state.armed);
 }
 
 // Runs and records: (record, how the run ended, why). The record is complete whatever happens.
@@ -210,6 +199,7 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
                    })
       .def("spring",
            [](const RecordObject& r, const std::string& name) { return matrix(r.record->spring(name), r.record->rows(), 3); })
+      .def_prop_ro("contacts", [](const RecordObject& r) { return r.record->contact_table(); })
       .def_prop_ro("energy_columns", [](const RecordObject&) { return io::RunRecord::energy_columns(); })
       .def_prop_ro("events",
                    [](const RecordObject& r) {
@@ -236,17 +226,19 @@ void register_history(nb::module_& m, SimulationClass& simulation) {
       });
   simulation.def("_snapshot", &snapshot)
       .def("_restore", &restore, "snapshot"_a)
-      .def("_armed", &armed)
-      .def("_resume", &resume)
+      .def("_saved", &saved)
+      .def("_go_on_from", &go_on_from)
       .def(
           "keep_history",
-          [](const SimulationPtr& self) {
+          [](const SimulationPtr& self, std::optional<std::size_t> most) {
             const Use use(*self, Access::change);
-            self->simulation().keep_history();
+            self->simulation().keep_history(most.value_or(std::numeric_limits<std::size_t>::max()));
           },
-          "From now on, keep a snapshot from before every event, so that `undo` can return to it.")
+          "most"_a = nb::none(),
+          "From now on, keep a snapshot from before every event, so that `undo` can return to it.\n\n"
+          "Args:\n    most: Only before the last events; default: all. Without this call the last 100 are kept.")
       .def("undo", &undo, "number"_a = -1, "again"_a = false,
-           "Return to just before an event happened. Needs `keep_history` before that event.\n\n"
+           "Return to just before an event happened: one of the last 100, or of those that `keep_history` kept.\n\n"
            "Args:\n    number: Of the event in `events`; negative numbers count from the end.\n"
            "    again: Let the actions scheduled for that instant happen again; otherwise the run takes another branch.\n\n"
            "Raises:\n    Error: There is no such event, or the history does not reach back that far.")

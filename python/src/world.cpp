@@ -136,6 +136,15 @@ const BodyMotion& motion_of(const World& world, BodyId body) {
   return world.motions()[static_cast<std::size_t>(body.index)];
 }
 
+Mat3 rotation_of(const World& world, BodyId body) { return rotation_matrix(motion_of(world, body).pose.rotation); }
+
+nb::object from_matrix(const Mat3& m) {
+  NewArray array = new_array(3, 3);
+  const double numbers[] = {m.xx, m.xy, m.xz, m.yx, m.yy, m.yz, m.zx, m.zy, m.zz};
+  std::ranges::copy(numbers, array.data);
+  return std::move(array.object);
+}
+
 const BodyAcceleration& acceleration_of(const World& world, BodyId body) {
   (void)motion_of(world, body);
   return world.accelerations()[static_cast<std::size_t>(body.index)];
@@ -210,6 +219,22 @@ void register_body(nb::module_& m) {
                    "Origin of the body's frame in the world (m), shape (3,).")
       .def_prop_ro("quaternion", of_body([](const World& w, BodyId b) { return from_quat(motion_of(w, b).pose.rotation); }),
                    "Orientation of the body's frame in the world, unit quaternion (w, x, y, z), shape (4,).")
+      .def_prop_ro("rotation", of_body([](const World& w, BodyId b) { return from_matrix(rotation_of(w, b)); }),
+                   "Rotation matrix from the body's axes to those of the world, shape (3, 3).")
+      .def_prop_ro("com_position",
+                   of_body([](const World& w, BodyId b) { return from_vec3(motion_of(w, b).pose * w.model()[b].com); }),
+                   "Centre of mass in the world (m), shape (3,).")
+      .def_prop_ro("com_velocity", of_body([](const World& w, BodyId b) {
+                     const BodyMotion& motion = motion_of(w, b);
+                     return from_vec3(motion.linear + cross(motion.angular, rotation_of(w, b) * w.model()[b].com));
+                   }),
+                   "Velocity of the centre of mass (m/s), world axes, shape (3,).")
+      .def_prop_ro("inertia", of_body([](const World& w, BodyId b) {
+                     const Sym3 turned = rotate(rotation_of(w, b), w.model()[b].inertia);
+                     return from_matrix(
+                         {turned.xx, turned.xy, turned.xz, turned.xy, turned.yy, turned.yz, turned.xz, turned.yz, turned.zz});
+                   }),
+                   "Inertia about the centre of mass (kg m²), world axes, shape (3, 3).")
       .def_prop_ro("linear", of_body([](const World& w, BodyId b) { return from_vec3(motion_of(w, b).linear); }),
                    "Velocity of the frame's origin (m/s), world axes, shape (3,).")
       .def_prop_ro("angular", of_body([](const World& w, BodyId b) { return from_vec3(motion_of(w, b).angular); }),

@@ -231,8 +231,8 @@ def test_attributes_that_do_not_exist_name_the_one_that_was_meant() -> None:
 
 
 def test_a_model_is_not_a_file() -> None:
-    for act in (lambda: mt.Simulation("arm.toml"), lambda: mt.Batch(pathlib.Path("arm.toml"), 2)):  # type: ignore[arg-type]
-        refused(act, "expected a model", "momentree.load")
+    refused(lambda: mt.Simulation("arm.toml"), "arm.toml", "there is no such file")
+    refused(lambda: mt.Batch(pathlib.Path("arm.toml"), 2), "expected a model", "momentree.load")  # type: ignore[arg-type]
     for act in (lambda: mt.Simulation(5), lambda: mt.Batch(None, 2)):  # type: ignore[arg-type]
         refused(act, "expected a model", "momentree.Model")
 

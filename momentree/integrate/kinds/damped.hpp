@@ -24,6 +24,7 @@ class Damped final : public Integrator {
  public:
   static constexpr bool chooses_steps = false, takes_velocities = false, supports_contact = false, steps_through_contacts = false;
   static constexpr Variables default_variables = Variables::momenta;
+  static constexpr const char* other_name = "imex";
   // Dampers at any step; springs as in its explicit part.
   static constexpr double damper_limit = HUGE_VAL, spring_limit = 1.57;
   static constexpr double explicit_damper_limit = 2.14;  ///< of dampers of loop joints and of springs between points

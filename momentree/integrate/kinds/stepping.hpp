@@ -15,6 +15,7 @@ class Stepping final : public Integrator {
  public:
   static constexpr bool chooses_steps = false, takes_velocities = true, supports_contact = true, steps_through_contacts = true;
   static constexpr Variables default_variables = Variables::velocities;
+  static constexpr const char* other_name = "moreau";
   static constexpr double damper_limit = 2.785, spring_limit = 2.97;  // of rk4
   Stepping(const Tree& tree, const StepControl& control);
   bool step(Evaluator& evaluate, State& state, EnergyLedger& ledger, double h) noexcept override;

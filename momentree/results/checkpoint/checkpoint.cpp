@@ -10,7 +10,7 @@ namespace {
 
 // Like that of PNG: files that were changed by a transfer as text are recognised.
 constexpr std::string_view checkpoint_magic = "\x89MTCKPT\r\n\x1a\n";
-constexpr std::uint64_t checkpoint_format = 14;
+constexpr std::uint64_t checkpoint_format = 15;
 constexpr const char* damaged_checkpoint = "this checkpoint is damaged";
 constexpr const char* start_again = "run without --resume to start again from the beginning";
 

@@ -179,7 +179,7 @@ void fields(Archive& archive, Part<Archive, ActiveLimit>& l) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, WorldSnapshot>& w) {
-  archive(w.engine, w.joint_names, w.mechanism_names, w.active_limits, w.former_contacts, w.overlapping);
+  archive(w.engine, w.joint_names, w.mechanism_names, w.active_limits, w.former_contacts, w.overlapping, w.gravity);
 }
 
 }  // namespace momentree::io

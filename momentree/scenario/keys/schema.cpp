@@ -154,7 +154,7 @@ void Schema::add(const Key& key, Json& properties) {
       if (kind.*key.of_kinds) kinds.emplace_back(kind.name);
     about += ". For " + joined(kinds) + " joints";
   }
-  if (key.type.registry == &integration_methods) {
+  if (key.type.registry == &method_names) {
     std::vector<std::string> fixed, adaptive;
     for (const std::string& name : integration_methods()) (is_adaptive(name) ? adaptive : fixed).push_back(name);
     about += ". Fixed steps: " + joined(fixed) + "; adaptive steps: " + joined(adaptive);

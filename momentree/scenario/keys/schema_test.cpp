@@ -296,7 +296,7 @@ TEST_CASE("the reader accepts every word of every enumeration of the schema, and
   Keys of_loops = kinds();
   of_loops.erase("free");
   CHECK(whole.at("/definitions/loop/properties/kind/enum"_json_pointer).get<Keys>() == of_loops);
-  CHECK(whole.at("/properties/integrate/properties/method/enum"_json_pointer).get<Keys>() == set_of(integration_methods()));
+  CHECK(whole.at("/properties/integrate/properties/method/enum"_json_pointer).get<Keys>() == set_of(method_names()));
 }
 
 TEST_CASE("the reader accepts every quantity and every action of the schema, and these are all of them") {

@@ -24,7 +24,7 @@ constexpr Key world_entries[] = {
 std::vector<std::string> ways_to_share() { return {"together", "in_turn"}; }
 
 constexpr Key integrate_entries[] = {
-    {"method", choice(&integration_methods), "Integration method", R"("rk4")"},
+    {"method", choice(&method_names), "Integration method", R"("rk4")"},
     {"variables", choice(&variable_names), "What the state holds between events; default: what suits the method",
      R"("velocities")"},
     {"step", number(dimension::time, Range::positive), "Step; for adaptive methods the first one", "0.001"},
@@ -88,8 +88,8 @@ void read_integrate(const Value& table, Reading& reading) {
     };
     std::string all;
     for (const std::string& name : known) all += (all.empty() ? "this version has \"" : ", \"") + name + '"';
-    if (in(known)) {
-      integration.method = *method;
+    if (in(method_names())) {
+      integration.method = method_named(*method);
     } else {
       std::string hint = cure_of_method(*method);
       if (hint.empty()) hint = did_you_mean(*method, known);

@@ -22,9 +22,9 @@ bool Simulation::Impl::happen() {
     }
     std::vector<DueEvent> due;
     for (const std::size_t k : places) due.push_back(queue.at(k).event);
-    if (history.keeps) history.instants.push_back({events.size(), snapshot(), places});
+    if (history.keeps()) history.keep({events.size(), snapshot(), places});
     if (!carry_out_now(due)) {
-      if (history.keeps) history.instants.pop_back();
+      if (history.keeps()) history.instants.pop_back();
       return false;
     }
     for (const std::size_t k : places) queue.happened(k, world.time());
@@ -39,9 +39,9 @@ bool Simulation::Impl::act(std::span<const Action> actions, const std::string& n
   const During working(activity.doing, Doing::working);
   DueEvent due{name.empty() ? "#" + std::to_string(queue.entries.size() + events.size() + 1) : name, !name.empty(), {}};
   due.actions.assign(actions.begin(), actions.end());
-  if (history.keeps) history.instants.push_back({events.size(), snapshot(), {}});
+  if (history.keeps()) history.keep({events.size(), snapshot(), {}});
   const bool done = carry_out_now({&due, 1});
-  if (!done && history.keeps) history.instants.pop_back();
+  if (!done && history.keeps()) history.instants.pop_back();
   if (done ? contact.some_step() || contact.steps_through() : pending) contact.update_pending();
   if (!done) continues = continued, contact.keeps_closed = kept;
   return done;

@@ -115,6 +115,9 @@ class Measure {
   }
   [[nodiscard]] Condition exceeds(double threshold) const { return {what_, threshold, true}; }
   [[nodiscard]] Condition below(double threshold) const { return {what_, threshold, false}; }
+  /// Its present value, in its SI unit; nothing if its joint, body or mechanism no longer exists, and for impulses. Throws Error
+  /// for unknown names.
+  [[nodiscard]] std::optional<double> value(const World& world) const { return what_->value(world, {}); }
   [[nodiscard]] friend Condition operator>(const Measure& measure, double threshold) { return measure.exceeds(threshold); }
   [[nodiscard]] friend Condition operator<(const Measure& measure, double threshold) { return measure.below(threshold); }
 

@@ -22,7 +22,7 @@ struct Twice : Workplace {
   }
   std::string change(const char* file, const std::string& what, const std::string& with) const {
     io::write_text_file(path(file), replaced(text(file), what, with));
-    return call("replay a b").output;
+    return call("compare a b").output;
   }
   // The cell of a row and column of b/FILE, both from 0, is replaced; returns what it was.
   std::string change_cell(const char* file, int row, int column, const std::string& with) const {
@@ -39,7 +39,7 @@ struct Twice : Workplace {
 
 TEST_CASE("the results of one scenario are equal") {
   const Twice here;
-  const Outcome equal = here.call("replay a b");
+  const Outcome equal = here.call("compare a b");
   CHECK(equal.code == 0);
   CHECK(equal.output == "The runs are equal: 16 rows, 1 event\n");
   CHECK(nlohmann::json::parse(here.call("replay a b --json").output)["equal"] == true);
@@ -50,7 +50,7 @@ TEST_CASE("the first row, body and column in which two results differ") {
   const std::string later = here.change_cell("b/bodies.csv", 9, 2, "7"),
                     was = here.change_cell("b/bodies.csv", 4, 1 + 2 * 7 + 1, "0.5");
   CHECK(later != was);
-  const Outcome differs = here.call("replay a b");
+  const Outcome differs = here.call("compare a b");
   CHECK(differs.code == 1);
   CHECK(differs.output.starts_with("bodies.csv, row 5, t = 0.08 s: body 'chain/3', y: " + was + " and 0.5, "));
   CHECK(differs.output.find("row 10") == std::string::npos);
@@ -71,7 +71,7 @@ TEST_CASE("numbers within the tolerance are equal") {
   const std::string was = here.change_cell("b/joints.csv", 3, 1, "0.2000001");
   const double apart = std::abs(std::stod(was) - 0.2000001);
   REQUIRE(apart < 1);
-  CHECK(here.call("replay a b").says("joints.csv, row 4, t = 0.06 s: joint 'chain/1', q0: "));
+  CHECK(here.call("compare a b").says("joints.csv, row 4, t = 0.06 s: joint 'chain/1', q0: "));
   CHECK(here.call("replay a b --tolerance " + std::to_string(1.1 * apart)).code == 0);
   CHECK(here.call("replay a b --tolerance " + std::to_string(0.9 * apart)).code == 1);
   CHECK(here.call("replay a b --tolerance x").says("--tolerance x: error: expected a number of at least 0"));
@@ -88,7 +88,7 @@ TEST_CASE("events, without their wall-clock times, and the last state") {
         "final.json: joints chain/1 kind: 'revolute' and 'ball'\n");
   io::write_text_file(here.path("b/events.jsonl"), "");
   CHECK(
-      here.call("replay a b").output.starts_with("events.jsonl, event 1, t = 0.1 s: only the first run has the event 'snap'\n"));
+      here.call("compare a b").output.starts_with("events.jsonl, event 1, t = 0.1 s: only the first run has the event 'snap'\n"));
 }
 
 TEST_CASE("a run that is only longer, one that ended early, and another model") {
@@ -141,7 +141,7 @@ until = 0.1
 every = 0.05
 )");
   for (const char* out : {"a", "b"}) REQUIRE(here.call(std::string("run box.toml --quiet --reactions --out ") + out).code == 0);
-  CHECK(here.call("replay a b").code == 0);
+  CHECK(here.call("compare a b").code == 0);
   const std::string table = here.text("b/contacts.csv");
   REQUIRE(std::count(table.begin(), table.end(), '\n') == 1 + 3 * 4);  // four corners, at three instants
   const auto second_line = table.find('\n', table.find('\n') + 1);
@@ -149,11 +149,11 @@ every = 0.05
   std::string changed = third;
   changed.replace(changed.rfind(',') + 1, std::string::npos, "7");
   io::write_text_file(here.path("b/contacts.csv"), replaced(table, third, changed));
-  const Outcome different = here.call("replay a b");
+  const Outcome different = here.call("compare a b");
   CHECK(different.code == 1);
   CHECK(different.output.find("contact 'box/box and ground', slip: ") != std::string::npos);
   io::write_text_file(here.path("b/contacts.csv"), table.substr(0, table.rfind('\n', table.size() - 2) + 1));
-  CHECK(here.call("replay a b").output.find("only the first run has contacts from t = 0.1 s on") != std::string::npos);
+  CHECK(here.call("compare a b").output.find("only the first run has contacts from t = 0.1 s on") != std::string::npos);
 }
 
 TEST_CASE("folders that are no results are bad input") {
@@ -161,9 +161,9 @@ TEST_CASE("folders that are no results are bad input") {
   for (const char* arguments : {"replay a none", "replay none a", "replay a s.toml", "replay a .", "replay a", "replay"})
     CHECK_MESSAGE(here.call(arguments).code == 2, arguments);
   io::write_text_file(here.path("b/bodies.csv"), "");
-  CHECK(here.call("replay a b").code == 2);
+  CHECK(here.call("compare a b").code == 2);
   io::write_text_file(here.path("b/bodies.csv"), "time,x\nnow,1\n");
-  CHECK(here.call("replay a b").says("b/bodies.csv:2: error: column 'time': 'now' is not a number"));
+  CHECK(here.call("compare a b").says("b/bodies.csv:2: error: column 'time': 'now' is not a number"));
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ std::string difference_text(const io::Difference& d) {
 
 }  // namespace
 
-int replay(const ReplayOptions& options) {
+int compare(const CompareOptions& options) {
   const io::Comparison comparison = io::compare_results(options.one, options.other, options.tolerance);
   const int code = comparison.equal() ? done : failed;
   if (options.json) return std::fputs(comparison_json(comparison, options.tolerance).c_str(), stdout), code;
