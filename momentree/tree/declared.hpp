@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <momentree/joint/joint.hpp>
+#include <momentree/math/mass_properties.hpp>
 #include <momentree/model/model.hpp>
 #include <momentree/tree/distinct.hpp>
 #include <momentree/tree/parts/links.hpp>
@@ -30,13 +31,6 @@ inline JointSpec spec_of(const Joint& joint) {
   spec.kind = joint.kind, spec.axis = joint.axis, spec.axis2 = joint.axis2, spec.pitch = joint.pitch;
   return spec;
 }
-
-/// Mass (kg), centre of mass (m) and inertia about it (kg m²), in the user frame of the body.
-struct MassProperties {
-  double mass = 0;
-  Vec3 com{};
-  Sym3 inertia{};
-};
 
 namespace detail {
 

@@ -40,9 +40,10 @@ def _inertia(value: Any) -> Any:
 
 
 def body_fields(
-    mass: Number,
-    com: Vector,
-    inertia: Numbers,
+    mass: Number | None,
+    com: Vector | None,
+    inertia: Numbers | None,
+    density: Number | None,
     at: Pose | None,
     child_at: Pose | None,
     joint: JointSpec | None,
@@ -59,7 +60,8 @@ def body_fields(
     spec = joint.scenario_value() if joint is not None else {"kind": "weld"}
     bare = joint_name.rsplit("/", 1)[-1] if joint_name is not None else None
     table = {**spec, **given(at=pose(at), child_at=pose(child_at), q=q, v=v, name=bare)}
-    return given(mass=mass, com=com, inertia=_inertia(inertia), shape=shape, collision=collision, belt=belt, joint=table)
+    of_mass = given(mass=mass, com=com, inertia=_inertia(inertia), density=density)
+    return {**of_mass, **given(shape=shape, collision=collision, belt=belt, joint=table)}
 
 
 def checked(model: Any) -> Any:
@@ -90,9 +92,10 @@ class Model(Elements):
         self,
         name: str,
         *,
-        mass: Number,
-        com: Vector = (0.0, 0.0, 0.0),
-        inertia: Numbers = 0.0,
+        mass: Number | None = None,
+        com: Vector | None = None,
+        inertia: Numbers | None = None,
+        density: Number | None = None,
         parent: Parent = None,
         at: Pose | None = None,
         child_at: Pose | None = None,
@@ -109,9 +112,10 @@ class Model(Elements):
         Args:
             name: ``"mechanism/body"``.
             mass: kg.
-            com: Centre of mass in the body's frame (m), shape (3,).
+            com: Centre of mass in the body's frame (m), shape (3,); default: its origin.
             inertia: About the centre of mass, body axes (kg m²): one number, three principal moments, xx, yy, zz, xy, xz, yz, or
-                the symmetric matrix.
+                the symmetric matrix; default: 0, a point mass.
+            density: kg/m³, in place of ``mass``, ``com`` and ``inertia``, which are then those of ``shape``, or else ``collision``.
             parent: ``None`` or ``"ground"``, the name of a body that was added before, or what ``add`` returned for it.
             at: Placement of the joint's frame in the parent's frame: a position (m), or ``{"xyz": …, "quat": …}``; default: the
                 same frame.
@@ -132,7 +136,7 @@ class Model(Elements):
         Raises:
             Error: A value is impossible or a name unknown or used twice; the model is unchanged.
         """
-        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape, collision, belt)
+        fields = body_fields(mass, com, inertia, density, at, child_at, joint, q, v, joint_name, shape, collision, belt)
         return self._add(name, parent, fields)
 
     def add_floor(

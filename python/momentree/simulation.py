@@ -353,9 +353,10 @@ class Simulation(_core.SimulationBase):
         self,
         name: str,
         *,
-        mass: Number,
-        com: Vector = (0.0, 0.0, 0.0),
-        inertia: Numbers = 0.0,
+        mass: Number | None = None,
+        com: Vector | None = None,
+        inertia: Numbers | None = None,
+        density: Number | None = None,
         parent: Parent | Body = None,
         at: Pose | None = None,
         child_at: Pose | None = None,
@@ -372,13 +373,12 @@ class Simulation(_core.SimulationBase):
         The arguments are those of :meth:`Model.add`; ``parent`` may also be a handle of this simulation. With a ``collision`` it
         hits what it touches by the model's contact rules; what it overlaps is an Error or, with ``resolve``, pushed apart.
 
-        Returns:
-            The body's handle.
+        Returns the body's handle.
 
         Raises:
             Error: A value is impossible, a name unknown or used twice, or contact not supported; the world is unchanged.
         """
-        fields = body_fields(mass, com, inertia, at, child_at, joint, q, v, joint_name, shape, collision, belt)
+        fields = body_fields(mass, com, inertia, density, at, child_at, joint, q, v, joint_name, shape, collision, belt)
         self._add(name, parent, fields)
         return self.world.bodies[name]
 

@@ -139,12 +139,12 @@ std::array<double, 3> eigenvalues(const Sym3& m) {
   return {least, 3 * mean - most - least, most};
 }
 
-Mass read_inertial(XmlElement inertial, Reading& reading) {
+MassProperties read_inertial(XmlElement inertial, Reading& reading) {
   XmlFile& file = reading.file_of(inertial);
   check_attributes(inertial, {"pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mass", "diaginertia", "fullinertia"},
                    reading);
   Attributes attributes(inertial, "", reading);
-  Mass mass;
+  MassProperties mass;
   if (!attributes.has("mass")) file.error({inertial}, "<inertial> has no 'mass'", "in kg");
   if (!attributes.has("pos")) file.error({inertial}, "<inertial> has no 'pos'", "its centre of mass");
   const std::size_t errors = file.out().errors();
@@ -198,7 +198,7 @@ class BodyReader {
 
   /// Adds the body, and a carrier for each joint except the last; returns its index.
   int add(int parent) {
-    const Mass mass = mass_of();
+    const MassProperties mass = mass_of();
     ImportedBody body;
     body.spots = {&file_, element_, {}, inertial_ ? inertial_ : element_, {}};
     if (joints_.empty()) {
@@ -290,10 +290,10 @@ class BodyReader {
     }
   }
 
-  Mass mass_of() {
+  MassProperties mass_of() {
     using From = Compiler::FromGeoms;
     const From from = reading_.compiler.from_geoms;
-    Mass mass;
+    MassProperties mass;
     if (inertial_) mass = read_inertial(inertial_, reading_);
     if (from == From::always || (from == From::automatic && !inertial_)) {
       if (without_inertia_)
@@ -352,7 +352,7 @@ class BodyReader {
   std::string name_, childclass_;
   Pose pose_{};
   std::vector<Joint> joints_;
-  std::vector<Mass> masses_;
+  std::vector<MassProperties> masses_;
   std::vector<Shape> collision_;
   std::vector<CollisionMask> masks_;
   std::vector<std::pair<std::string, double>> paired_;  // geoms of <pair>, with their friction

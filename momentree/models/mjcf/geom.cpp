@@ -148,31 +148,8 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
   const contact::UniformBody solid = contact::uniform(geom.shape.primitive);
   if (!(solid.volume > 0)) return geom;  // reported
   const double scale = mass ? *mass / solid.volume : density.value_or(1000);
-  geom.mass.mass = scale * solid.volume;
-  geom.mass.com = placed.pose.position;
-  geom.mass.inertia = rotate(rotation_matrix(placed.pose.rotation),
-                             diagonal(scale * solid.moments.x, scale * solid.moments.y, scale * solid.moments.z));
+  geom.mass = mass_properties(geom.shape.primitive, placed.pose, scale);
   return geom;
-}
-
-Mass sum_of(const std::vector<Mass>& parts) {
-  Mass sum;
-  Vec3 moment{};
-  for (const Mass& part : parts) sum.mass += part.mass, moment += part.mass * part.com;
-  if (!(sum.mass > 0)) return {};
-  sum.com = (1 / sum.mass) * moment;
-  for (const Mass& part : parts) {
-    const Vec3 d = part.com - sum.com;
-    const double m = part.mass;
-    sum.inertia = sum.inertia + part.inertia +
-                  Sym3{m * (d.y * d.y + d.z * d.z),
-                       m * (d.x * d.x + d.z * d.z),
-                       m * (d.x * d.x + d.y * d.y),
-                       -m * d.x * d.y,
-                       -m * d.x * d.z,
-                       -m * d.y * d.z};
-  }
-  return sum;
 }
 
 }  // namespace momentree::io::mjcf

@@ -8,6 +8,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include <momentree/contact/uniform_mass.hpp>
 #include <momentree/models/import/importer.hpp>
 #include <momentree/models/xml/fields.hpp>
 
@@ -96,15 +97,9 @@ class Attributes {
 /// Reports attributes of the element that are not in `known`.
 void check_attributes(XmlElement element, std::initializer_list<std::string_view> known, Reading& reading);
 
-/// Mass (kg), centre of mass (m) and inertia about it (kg m²), in the axes of the body.
-struct Mass {
-  double mass = 0;
-  Vec3 com{};
-  Sym3 inertia{};
-};
 /// The mass of one geom (0 if it has none), and its shape for pictures.
 struct Geom {
-  Mass mass{};
+  MassProperties mass{};
   Shape shape{};
   bool without_inertia = false;  ///< a mesh, whose inertia is not computed
   CollisionMask mask{};          ///< contype and conaffinity
@@ -112,7 +107,6 @@ struct Geom {
   bool hidden = false;           ///< in a group from 3 on, which is for collisions
 };
 Geom read_geom(XmlElement element, const std::string& childclass, Reading& reading);
-Mass sum_of(const std::vector<Mass>& parts);
 
 /// Finds the geoms that the <pair> elements of <contact> name: they touch also if their masks are 0. Before bodies are read.
 void find_pairs(XmlElement contact, Reading& reading);

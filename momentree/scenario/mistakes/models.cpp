@@ -71,7 +71,7 @@ constexpr Mistake mistakes_in_models[] = {
     {"[[mechanism.body]]", "pos position pose at xyz origin orientation rpy quat location frame", "",
      "a body is placed by its joint: at = { xyz = [0, 0, 1] } in [mechanism.body.joint]"},
     {"[[mechanism.body]]", "parent kind type axis damping stiffness limits drive angle friction armature strength", "", in_joint},
-    {"[[mechanism.body]]", "density volume", "", "mass and inertia are given, not computed from shapes: mass = \"2 kg\""},
+    {"[[mechanism.body]]", "rho volume", "density", "density = \"2700 kg/m^3\", with a shape", false},
     {"[[mechanism.body]]", "velocity linearvelocity angularvelocity v omega speed", "",
      "bodies move with their joints: speed or v in [mechanism.body.joint]"},
     {"[[mechanism.body]]", "fixed static", "", "write kind = \"weld\" in its joint; a root body without a joint is fixed anyway"},

@@ -51,7 +51,8 @@ TEST_CASE("values of the wrong type, unit or range are refused") {
 TEST_CASE("impossible bodies are refused") {
   check({
       {head + "[[mechanism.body]]\nname = \"a\"\ninertia = 1\n",
-       "s.toml:4:1: error: [[mechanism.body]] has no 'mass'; in kg, or a string such as \"10 g\""},
+       "s.toml:4:1: error: [[mechanism.body]] has no 'mass'; in kg, or a string such as \"10 g\"; or density = \"2700 kg/m^3\" "
+       "and a shape"},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = -1\ninertia = 1\n", "s.toml:6:8: error: mass: must not be negative"},
       {head + "[[mechanism.body]]\nname = \"a\"\nmass = \"0 g\"\ninertia = 1\n",
        "s.toml:7:11: error: inertia: a body without mass has none; give a mass, or an inertia of 0"},

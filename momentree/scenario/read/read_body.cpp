@@ -11,12 +11,15 @@ using namespace type;
 
 constexpr Key body_entries[] = {
     {"name", string, "Name within the mechanism", nullptr, "for example name = \"arm\""},
-    {"mass", number(dimension::mass), "Mass", nullptr, "in kg, or a string such as \"10 g\""},
+    {"mass", number(dimension::mass), "Mass; required without a density"},
     {"com", vector(dimension::length), "Centre of mass in the body's axes", "[0, 0, 0]"},
     {"inertia", moments,
      "Moments of inertia about the centre of mass, in kg m^2 or strings with units: one number for all three axes, "
      "3 principal values, or xx, yy, zz, xy, xz, yz",
      "0"},
+    {"density", number(dimension::mass / (dimension::length * dimension::length * dimension::length), Range::positive),
+     "In place of mass, com and inertia, which are then those of its shapes, or else of its collision: of one material, added "
+     "up"},
     {"joint", table(joint_table), ""},
     {"shape", one_or_several(shape_table), "Shape for pictures: one, or a list of several"},
     {"collision",
@@ -24,6 +27,28 @@ constexpr Key body_entries[] = {
      "What it touches other bodies with: shapes, \"shape\" (those drawn) or \"none\"", R"("none")"},
     {"belt", table(belt_table), "The surface of its collision runs"},
 };
+
+// Mass, centre of mass and inertia of the shapes of a body, or else of what it touches with.
+void take_density(double density, const Fields& fields, BodyEntry& body, Diagnostics& out) {
+  const auto refuse = [&](const std::string& what, const std::string& hint) {
+    out.error(fields.place_of("density"), "density: " + what, hint);
+  };
+  std::vector<MassProperties> parts;
+  const auto add = [&](const Shape& shape) {
+    if (shape.kind == Shape::Kind::none) return;
+    if (const std::optional<MassProperties> mass = mass_of(shape, density, refuse)) parts.push_back(*mass);
+  };
+  const std::size_t errors = out.errors();
+  add(body.shape);
+  for (const Shape& shape : body.shape.more) add(shape);
+  if (body.shape.kind == Shape::Kind::none)
+    for (const Shape& shape : body.collision_shapes)
+      if (!shape.part) add(shape);
+  if (parts.empty() && errors == out.errors())
+    refuse("the body has no shape that it could be of", "give it a shape, or mass and inertia");
+  const MassProperties sum = sum_of(parts);
+  if (sum.mass > 0) body.spec.mass = sum.mass, body.spec.com = sum.com, body.spec.inertia = sum.inertia;
+}
 
 }  // namespace
 
@@ -59,7 +84,11 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
 
   const std::size_t errors = out.errors();
   BodySpec& spec = body.spec;
-  fields.require("mass");
+  const std::optional<double> density = fields.number("density");
+  if (!density) fields.require("mass", "in kg, or a string such as \"10 g\"; or density = \"2700 kg/m^3\" and a shape");
+  for (const char* key : {"mass", "com", "inertia"})
+    if (density && fields.has(key))
+      out.error(fields.place_of(key), std::string(key) + ": the density determines it", "leave out one of them");
   spec.mass = fields.number("mass").value_or(1);
   spec.com = fields.vec3("com").value_or(Vec3{});
   if (const Value* inertia = fields.find("inertia")) spec.inertia = read_inertia(*inertia, "inertia", out).value_or(Sym3{});
@@ -71,6 +100,7 @@ BodyEntry read_body(const Value& table, const std::string& mechanism, Reading& r
     body.rooted = true;
   if (const Value* shape = fields.find("shape")) body.shape = read_shape(*shape, reading);
   if (const Value* collision = fields.find("collision")) read_collision(*collision, body, reading);
+  if (density && errors == out.errors()) take_density(*density, fields, body, out);
   if (const Value* belt = fields.find("belt")) {
     const Vec3 runs = read_belt(*belt, out);
     for (contact::Solid& solid : body.collision) solid.belt = runs;

@@ -155,6 +155,21 @@ std::vector<contact::Solid> solids_of_mesh(const Shape& shape, const ShapeReport
 
 }  // namespace
 
+std::optional<MassProperties> mass_of(const Shape& shape, double density, const ReportOnShape& refuse) {
+  if (shape.kind == Shape::Kind::primitive) return mass_properties(shape.primitive, shape.at, density);
+  if (shape.kind != Shape::Kind::mesh) {
+    refuse("a plane has no volume", "give mass and inertia");
+    return std::nullopt;
+  }
+  const std::string name = "the mesh " + in_quotes(shape.mesh);
+  const std::optional<MeshPart> mesh = mesh_of(shape, name, refuse);
+  if (!mesh) return std::nullopt;
+  const MassProperties mass = mass_properties(moved(mesh->points, shape.at), mesh->triangles, density);
+  if (is_closed(mesh->points, mesh->triangles) && mass.mass > 0) return mass;
+  refuse(name + " is not closed, and has no volume", "give mass and inertia, or close it");
+  return std::nullopt;
+}
+
 std::vector<contact::Solid> solids_of(const Shape& shape, const ShapeReports& report) {
   switch (shape.kind) {
     case Shape::Kind::primitive:

@@ -9,9 +9,7 @@ sim = mt.Simulation(model)
 batch = mt.Batch(model, 4)
 condition = mt.reaction("a").force > 1
 
-model.add("a/b")  # type: ignore[call-arg]
 model.add("a/b", 1.0)  # type: ignore[call-arg]
-model.add("a/b", mass=None)  # type: ignore[arg-type]
 model.add("a/b", mass=1, joint="revolute")  # type: ignore[arg-type]
 model.add("a/b", mass=1, joint=mt.Revolute)  # type: ignore[arg-type]
 model.add("a/b", mass=1, parent=sim.world.bodies["a/b"])  # type: ignore[arg-type]
