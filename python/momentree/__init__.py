@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from momentree import _coacd, distributions, events, joints
+from momentree import _attributes, _coacd, distributions, events, joints
 from momentree._core import Body, Context, Joint, ModelBody, Snapshot, Spring, World, __version__
 from momentree._errors import Diagnostic, Error, RunError
 from momentree._records import (
@@ -97,6 +97,8 @@ __all__ += events.__all__
 __all__ += joints.__all__
 
 _coacd.locate()
+for _each in (Body, Context, Joint, ModelBody, Snapshot, Spring, World):
+    setattr(_each, "__setattr__", _attributes.assign)
 
 _LATER = ("bridge", "envs", "typing")  # imported when they are used first; the former two need other packages
 

@@ -5,6 +5,11 @@ from __future__ import annotations
 from difflib import get_close_matches
 from typing import Any
 
+_INSTEAD = {
+    "Joint": "assign the simulation's q, v or effort; parameters are the model's",
+    "Body": "the state of bodies follows from the joints: assign the simulation's q or v; parameters are the model's",
+}
+
 
 def assign(self: object, name: str, value: Any) -> None:
     """The ``__setattr__`` of a class whose public attributes are those that it declares. Subclasses may have others of their own.
@@ -21,5 +26,6 @@ def assign(self: object, name: str, value: Any) -> None:
     others = [each for each in dir(cls) if each != name and not each.startswith("_")]
     meant = [each for each in others if each.startswith("set_") or getattr(getattr(cls, each), "fset", None) is not None]
     problem = f"'{cls.__name__}.{name}' can't be assigned" if known else f"'{cls.__name__}' has no attribute '{name}'"
-    nearest = get_close_matches(name, meant, 1) or get_close_matches(name, others, 1)
-    raise AttributeError(problem + (f"; did you mean '{nearest[0]}'?" if nearest else ""))
+    nearest = get_close_matches(name, meant if known else meant + others, 1)
+    hint = f"did you mean '{nearest[0]}'?" if nearest else _INSTEAD.get(cls.__name__, "") if known else ""
+    raise AttributeError(problem + (f"; {hint}" if hint else ""))

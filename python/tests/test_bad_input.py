@@ -205,8 +205,11 @@ def test_attributes_that_do_not_exist_name_the_one_that_was_meant() -> None:
         (batch, "gravity", ("'Batch' has no attribute 'gravity'",)),
         (model, "gravitation", ("'Model'", "did you mean 'gravity'?")),
         (mt.Revolute(), "damping", ("'JointSpec'", "damping")),
-        (sim.world, "gravity", ("'World'",)),
-        (sim.world.joints["c/1"], "q", ("'Joint'",)),
+        (sim.world, "gravity", ("'World.gravity' can't be assigned",)),
+        (sim.world.joints["c/1"], "q", ("'Joint.q' can't be assigned", "assign the simulation's q")),
+        (sim.world.bodies["c/1"], "mass", ("'Body.mass' can't be assigned", "the model's")),
+        (sim.world.bodies["c/1"], "positon", ("'Body' has no attribute 'positon'", "did you mean 'position'?")),
+        (sim.snapshot(), "label", ("'Snapshot' has no attribute 'label'",)),
     ):
         with pytest.raises(AttributeError) as caught:
             setattr(of, name, 1.0)
