@@ -120,8 +120,8 @@ TEST_CASE("unknown keys are errors, with the nearest known key") {
        "s.toml:1:1: error: unknown key 'tittle' in a scenario; did you mean 'title'?"},
       {pinned + "dampng = 1\n", "s.toml:10:1: error: unknown key 'dampng' in [mechanism.body.joint]; did you mean 'damping'?"},
       {one_body + "colour_of_mass = 3\n[mechanism.body.joint]\nkind = \"revolute\"\n",
-       "s.toml:8:1: error: unknown key 'colour_of_mass' in [[mechanism.body]]; known here: name density mass com inertia joint shape "
-       "collision belt"},
+       "s.toml:8:1: error: unknown key 'colour_of_mass' in [[mechanism.body]]; known here: name density mass com inertia joint "
+       "shape collision belt"},
       {pinned + "[integrate]\nstp = 1\n", "s.toml:11:1: error: unknown key 'stp' in [integrate]; did you mean 'step'?"},
       {pinned + "[world]\ngravitiy = [0, 0, 0]\n",
        "s.toml:11:1: error: unknown key 'gravitiy' in [world]; did you mean 'gravity'?"},

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 import momentree as mt
 
-size = st.floats(0.05, 2.0)
-angle = st.floats(-1.5, 1.5)
-place = st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-1, 1))
+size = st.integers(50, 2000).map(lambda mm: mm / 1000)
+coordinate = st.integers(-1000, 1000).map(lambda mm: mm / 1000)
+angle = coordinate
+place = st.tuples(coordinate, coordinate, coordinate)
 
 
 def body_of(**fields: Any) -> mt.Body:
