@@ -305,8 +305,8 @@ it.each([
 async function fits(page: Page, view: View) {
   expect(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)).toBeLessThanOrEqual(0);
   const theme = themeOf(view.dark ?? false);
-  const [seen] = await pixelsLike(page, ".stage canvas", [mechanismColour(theme, 0)], 90);
-  expect(seen).toBeGreaterThan(150); // of long thin chains, too
+  const [seen, white] = await pixelsLike(page, ".stage canvas", [mechanismColour(theme, 0), "#e6e8ec"], 90);
+  expect(view.dark ? seen + white : seen).toBeGreaterThan(view.dark ? 150 : 50); // of long thin chains, too
   if (view.width < 1000) return;
   for (const box of await page.locator(".plots figure").evaluateAll((all) => all.map((e) => e.getBoundingClientRect())))
     expect([box.bottom <= view.height + 1, box.height > 120]).toEqual([true, true]); // beside the picture, not below the fold
