@@ -71,6 +71,7 @@ RunState Simulation::Impl::run_state() {
   all.statistics = statistics;
   all.within_run = activity.doing == Doing::watching;
   if (all.within_run) all.statistics.total_seconds[statistics.changes > 0 ? 1 : 0] += detail::seconds_since(lap);
+  all.keeps_closed = contact.keeps_closed;
   all.progress = progress.mark();
   all.observed = observers.observed, all.observed_at = observers.observed_at, all.next_observation = observers.next_look;
   all.events = events;
@@ -96,7 +97,7 @@ void Simulation::Impl::continue_from(const RunState& from) {
   evaluate.count = from.evaluations, evaluate.seconds = from.evaluation_seconds;
   statistics = from.statistics;
   progress.continue_from(from.progress);
-  continues = from.within_run;
+  continues = from.within_run, contact.keeps_closed = from.keeps_closed;
   observers.observed = from.observed, observers.observed_at = from.observed_at, observers.next_look = from.next_observation;
   events = from.events;
 }

@@ -45,6 +45,7 @@ struct RunState {
   RunStatistics statistics;        ///< including the wall-clock time up to now
   ProgressMonitor::Mark progress;  ///< where the run was when its progress was last checked
   bool within_run = false;         ///< run_until() was in progress: the next one continues it
+  bool keeps_closed = false;       ///< or the next one may begin with the closed contacts
   bool observed = false;           ///< the observer has been called,
   double observed_at = 0;          ///< last at this time (s)
   double next_observation = 0;     ///< s

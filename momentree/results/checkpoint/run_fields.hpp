@@ -118,7 +118,8 @@ void fields(Archive& archive, Part<Archive, SteppingState>& s) {
 template <class Archive>
 void fields(Archive& archive, Part<Archive, RunState>& r) {
   archive(r.world, r.queue, r.balance, r.dissipated, r.work, r.proposal, r.impacts, r.stepping, r.evaluated, r.evaluations,
-          r.evaluation_seconds, r.statistics, r.progress, r.within_run, r.observed, r.observed_at, r.next_observation, r.events);
+          r.evaluation_seconds, r.statistics, r.progress, r.within_run, r.keeps_closed, r.observed, r.observed_at,
+          r.next_observation, r.events);
 }
 
 }  // namespace momentree::io
