@@ -5,7 +5,9 @@ NAVIGATION = [
         "Start",
         [
             "docs/cookbook",
+            "docs/cookbook-changes",
             "docs/cookbook-runs",
+            "docs/cookbook-results",
             "The guide <docs/guide>",
             "docs/gallery",
             "docs/examples/README",

@@ -1,7 +1,7 @@
 """Runs the ```python blocks of the documents, each after the blocks before it.
 
-A ```text block that follows is what the block prints. `<!-- not run: why -->` on the last line before a block omits it, as in
-tools/doc_blocks.
+A ```text block that follows, also after blocks in other languages, is what the block prints. `<!-- not run: why -->` on the last
+line before a block omits it. Both are as in tools/doc_blocks.
 """
 
 from __future__ import annotations
@@ -21,8 +21,6 @@ PAGES = [
     "docs/coming-from/drake.md",
     "docs/coming-from/mujoco.md",
     "docs/conventions.md",
-    "docs/cookbook.md",
-    "docs/cookbook-runs.md",
     "docs/guide.md",
     "docs/howto/export.md",
     "docs/howto/live-view.md",
@@ -44,15 +42,18 @@ class Block:
 def blocks_of(text: str) -> list[Block]:
     found: list[Block] = []
     pattern = re.compile(r"^(?P<fence>```)(?P<language>\w*)[^\n]*\n(?P<code>.*?)^```$", re.M | re.S)
-    end = 0
+    end, last = 0, None
     for match in pattern.finditer(text):
         between = text[end : match.start()].strip()
         end = match.end()
+        if between:
+            last = None
         if match["language"] == "python":
             line = text.count("\n", 0, match.start()) + 2
-            found.append(Block(line, between.rpartition("\n")[2], match["code"]))
-        elif match["language"] == "text" and not between and found:
-            found[-1].printed = match["code"]
+            last = Block(line, between.rpartition("\n")[2], match["code"])
+            found.append(last)
+        elif match["language"] == "text" and last:
+            last.printed, last = match["code"], None
     return found
 
 
@@ -84,8 +85,8 @@ def test_blocks_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_blocks_and_what_they_print_are_found() -> None:
-    text = "```python\na = 1\n```\n\n```text\n1\n```\n\n<!-- not run: no network -->\n```python\nb\n```\ntext\n```text\n2\n```\n"
-    one, other = blocks_of(text)
+    one_block = "```python\na = 1\n```\n\n```cpp\nint a;\n```\n\n```text\n1\n```\n\n"
+    one, other = blocks_of(one_block + "<!-- not run: no network -->\n```python\nb\n```\ntext\n```text\n2\n```\n")
     assert (one.line, one.code, one.printed) == (2, "a = 1\n", "1\n")
     assert other.note == "<!-- not run: no network -->"
     assert other.printed is None
