@@ -70,7 +70,7 @@ void batch_step(benchmark::State& run, Model (*make)(int), Precision precision, 
     benchmark::ClobberMemory();
   }
   for (int world = 0; world < batch.worlds(); ++world)
-    if (batch.ran_away(world)) run.SkipWithError("a world ran away");
+    if (batch.diverged(world)) run.SkipWithError("a world ran away");
   count(run, bodies, batch.worlds(), 4, batch.isa());
 }
 

@@ -84,7 +84,11 @@ export interface Topology {
   /** Absent if the model has no springs. */
   readonly broken_springs?: readonly string[];
   /** Exact couplings of joints by name, "": no joint is followed; absent if the model has none. */
-  readonly couplings?: readonly { readonly joint: string; readonly follows: string; readonly ended: boolean }[];
+  readonly couplings?: readonly {
+    readonly joint: string;
+    readonly follows: string;
+    readonly ended: boolean;
+  }[];
 }
 
 export interface WorldTotals {
@@ -116,13 +120,26 @@ export class Engine {
   static of(source: BufferSource | WebAssembly.Module, log?: (text: string) => void): Promise<Engine>;
   /** An empty world: load a scenario next. */
   world(): World;
+  /** A world that plays in real time, for a page. `post` gets its messages; `bytes`: of the frame in it. */
+  session<To, From>(post: (message: From, bytes?: ArrayBuffer) => void): Session<To>;
   /** Size of the memory. */
   readonly bytes: number;
 }
 
-/** Arrays of numbers are valid until the next call. */
+/** Made by Engine.session(). web/src/engine/messages.ts has the types of its messages. */
+export class Session<To> {
+  private constructor();
+  send(message: To): void;
+  /** `seconds` of wall-clock time have passed. */
+  tick(seconds: number): void;
+}
+
+/** Arrays of numbers are valid until the next call. Joints and bodies have the names that the scenario gives them; "ground" is the
+ * ground. */
 export class World {
   private constructor();
+  /** Sends a message of the protocol (momentree/pages/README.md), and returns what is posted; `bytes`: of the frame in it. */
+  ask(message: object): { type: string; bytes?: ArrayBuffer }[];
   /** Reads a scenario (TOML). If it has errors, `scenario` is null and the world stays as it was. `floor`: all bodies land on a
    * floor below the mechanisms, or on that of the scenario. */
   load(
@@ -154,10 +171,12 @@ export class World {
   /** 15 numbers per point at which bodies touch: both bodies (−1: the ground), point, normal from the second to the first body,
    * force on the first one (N), velocity of slip, and 1 if it slips; world axes. */
   contacts(): Float64Array;
-  /** Of the loaded scenario at these coordinates of all joints of its tree, in the order of their numbers. */
+  /** Of the loaded scenario at these coordinates of all joints of its tree, in the order of their numbers. Loops are closed by the
+   * least change of the joints whose coordinates are as in the last call; if that is impossible, the result is that of the last
+   * call. The world does not change. */
   motionsAt(q: readonly number[]): Float64Array;
-  /** All `count` coordinates of the last motionsAt(): with closed loops others than it was given. */
-  posed(count: number): number[];
+  /** All coordinates of the last motionsAt(): with closed loops others than it was given. */
+  posed(): number[];
   /** The coordinates of the joint in that row. */
   coordinates(row: number): number[];
   /** Number of rows of joints(). */
@@ -168,40 +187,13 @@ export class World {
   joints(withReactions?: boolean): Float64Array;
   /** Energies (J), momenta about the origin of the world, and the energy balance since the start. */
   totals(): WorldTotals;
-  /** Removes a joint. The part that comes off becomes a mechanism of its own. */
-  break(joint: number): Outcome;
-  /** Turns a joint into one with six degrees of freedom; the part stays in its mechanism. */
-  free(joint: number): Outcome;
-  /** Stops a joint by a plastic impact, and holds it. */
-  lock(joint: number): Outcome;
-  /** Lets a locked joint move again. */
-  unlock(joint: number): Outcome;
-  /** Joins two bodies as they are; -1 is the ground. */
-  weld(body: number, to: number): Outcome;
-  /** Joins two bodies as they are by a joint of this kind ("revolute"); `axis` in the frame of `to`. */
-  attach(body: number, to: number, kind: string, axis: Triple): Outcome;
-  /** Changes the kind of a joint; its axes stay. */
-  change(joint: number, kind: string): Outcome;
-  /** An impulse (N s) in world axes at a point of the body (m). */
-  impulse(body: number, force: Triple, point: Triple): Outcome;
-  /** Damping (N m s or N s/m), stiffness (N m or N/m) and strength (N, N m) of all DoFs of a joint; absent: unchanged. */
-  set(
-    joint: number,
-    parameters: {
-      damping?: number;
-      stiffness?: number;
-      force?: number;
-      torque?: number;
-    },
-  ): Outcome;
-  /** Sets the damping of every joint to its initial one times `factor`, plus `offset` (N m s) where it can rotate. */
-  setDamping(factor: number, offset: number): Outcome;
-  /** Every joint breaks at this force (N), or at that of the scenario if it is smaller. */
-  limitStrength(force: number): Outcome;
+  /** Actions at this instant, as an event of a scenario has them (docs/scenario.md): `{ break: "chain/4" }`,
+   * `{ attach: { body: "a", to: "b", kind: "revolute", axis: [0, 0, 1] } }`, `{ set: { joint: "hip", damping: 0.1 } }`. */
+  act(action: Readonly<Record<string, unknown>>): Outcome;
   /** m/s² */
   setGravity(gravity: Triple): Outcome;
   /** Holds a point of a body (m, in its frame) by a spring and a damper, of which there is one. */
-  grab(body: number, point: Triple, strength?: number): Outcome;
+  grab(body: string, point: Triple, strength?: number): Outcome;
   /** Where the grabbed point is pulled to (m, world). */
   pull(target: Triple): void;
   releaseGrip(): void;

@@ -1,5 +1,4 @@
-// JavaScript interface of the module for browsers, workers and Node. Types are in host.d.mts; engine.h documents the
-// functions with their units and array layouts.
+// JavaScript interface of the module for browsers, workers and Node. Types and units are in host.d.mts.
 
 export const motionSize = 13;
 export const jointSize = 29;
@@ -65,6 +64,8 @@ export class Engine {
         fail: (at, length) => {
           throw new EngineFailure(text(at, length));
         },
+        post: (at, length, frame, bytes) =>
+          engine.receive(JSON.parse(text(at, length)), bytes > 0 ? memory().buffer.slice(frame, frame + bytes) : undefined),
       },
     });
     engine.exports = instance.exports;
@@ -73,34 +74,60 @@ export class Engine {
   }
 
   world() {
-    return new World(this, this.exports.mt_create());
+    return new World(this, this.exports.mt_open());
+  }
+  session(post) {
+    return new Session(this, this.exports.mt_open(), post);
   }
 
   get bytes() {
     return this.exports.memory.buffer.byteLength;
   }
 
-  /** Calls `use` with a text in the module's memory. */
-  withText(text, use) {
-    const bytes = new TextEncoder().encode(text);
-    const at = this.exports.mt_allocate(bytes.length || 1);
-    new Uint8Array(this.exports.memory.buffer, at, bytes.length).set(bytes);
-    const result = use(at, bytes.length);
-    this.exports.mt_release(at);
-    return result;
-  }
+  /** Gets what the module posts during a call. */
+  receive() {}
 
-  /** Numbers in the module's memory: valid until the module runs again. */
-  numbers(at, count) {
-    return new Float64Array(this.exports.memory.buffer, at, count);
+  /** Sends a message through `call`; `receive` gets what is posted. */
+  send(call, handle, message, receive) {
+    this.receive = receive;
+    const bytes = new TextEncoder().encode(JSON.stringify(message));
+    const at = this.exports.mt_allocate(bytes.length);
+    new Uint8Array(this.exports.memory.buffer, at, bytes.length).set(bytes);
+    call(handle, at, bytes.length);
+    this.exports.mt_release(at);
   }
 }
 
-/** The numbers of mt_totals by name. */
+/** A world that plays in real time, with the messages of web/src/engine/messages.ts. */
+export class Session {
+  constructor(engine, handle, post) {
+    this.engine = engine;
+    this.handle = handle;
+    this.post = post;
+  }
+  send(message) {
+    this.engine.send(this.engine.exports.mt_send, this.handle, message, this.post);
+  }
+  tick(seconds) {
+    this.engine.receive = this.post;
+    this.engine.exports.mt_tick(this.handle, seconds);
+  }
+}
+
+/** The totals by name. */
 export function totalsOf(numbers) {
   const [time, kinetic, potential, ...rest] = numbers;
   const [initial, final, dissipated, work, lost, released, error, projection] = rest.slice(6);
-  const balance = { initial, final, dissipated, work, lost, released, error, projection };
+  const balance = {
+    initial,
+    final,
+    dissipated,
+    work,
+    lost,
+    released,
+    error,
+    projection,
+  };
   return {
     time,
     kinetic,
@@ -111,162 +138,136 @@ export function totalsOf(numbers) {
   };
 }
 
+/** As the module numbers them. */
+const kinds = ["state", "motions", "joints", "reactions", "totals", "contacts", "pose", "posed"];
+
 export class World {
-  constructor(engine, handle) {
+  constructor(engine, handle, loaded = null) {
     this.engine = engine;
     this.handle = handle;
-    this.calls = engine.exports;
+    this.loaded = loaded;
   }
 
-  text() {
-    const at = this.calls.mt_text(this.handle);
-    const bytes = new Uint8Array(this.calls.memory.buffer, at, this.calls.mt_text_length(this.handle));
-    return new TextDecoder().decode(bytes);
+  /** The messages that answer one; `bytes`: of the frame in it. */
+  ask(message) {
+    const posted = [];
+    this.engine.send(this.engine.exports.mt_ask, this.handle, message, (text, bytes) => posted.push({ ...text, bytes }));
+    return posted;
   }
-  done(code) {
-    return code === status.ok || code === status.interrupted
-      ? { status: code, message: "" }
-      : { status: code, message: this.text() };
+  /** Of a message to which there is an answer only if it was not carried out. */
+  outcome(message) {
+    const [answer] = this.ask(message);
+    return {
+      status: status[answer?.type] ?? status.ok,
+      message: answer?.message ?? "",
+    };
+  }
+  numbers(kind) {
+    const { memory, mt_numbers } = this.engine.exports;
+    const found = mt_numbers(this.handle, kinds.indexOf(kind));
+    const [at, count] = new Uint32Array(memory.buffer, found, 2);
+    return new Float64Array(memory.buffer, at, count);
   }
 
   load(scenario, { floor = false } = {}) {
-    const load = floor ? this.calls.mt_load_on_floor : this.calls.mt_load;
-    this.engine.withText(scenario, (at, length) => load(this.handle, at, length));
-    const answer = JSON.parse(this.text());
-    return {
-      scenario: answer.scenario ?? null,
-      diagnostics: answer.diagnostics,
-    };
+    const [{ world, diagnostics }] = this.ask({
+      type: "load",
+      text: scenario,
+      floor,
+    });
+    this.loaded = world ?? this.loaded;
+    return { scenario: world?.scenario ?? null, diagnostics };
   }
   model() {
-    this.calls.mt_model(this.handle);
-    return JSON.parse(this.text());
+    return this.loaded.model;
   }
   kinds() {
-    this.calls.mt_kinds(this.handle);
-    return JSON.parse(this.text());
+    return this.loaded.kinds;
   }
   topology() {
-    this.calls.mt_topology(this.handle);
-    return JSON.parse(this.text());
+    return this.ask({ type: "topology" })[0].topology;
   }
   events(first = 0) {
-    this.calls.mt_events(this.handle, first);
-    return JSON.parse(this.text());
-  }
-  get revision() {
-    return this.calls.mt_revision(this.handle);
-  }
-  get eventCount() {
-    return this.calls.mt_event_count(this.handle);
+    return this.ask({ type: "events", first })[0].events;
   }
   get time() {
-    return this.calls.mt_time(this.handle);
+    return this.numbers("state")[0];
+  }
+  get revision() {
+    return this.numbers("state")[1];
+  }
+  get eventCount() {
+    return this.numbers("state")[2];
   }
   get bodies() {
-    return this.calls.mt_bodies(this.handle);
+    return this.numbers("state")[3];
+  }
+  get jointRows() {
+    return this.numbers("state")[4];
   }
 
   run(time, budget = Infinity) {
-    return this.done(this.calls.mt_run(this.handle, time, Math.min(budget, 1e6)));
+    return this.outcome({ type: "run", time, budget: Math.min(budget, 1e6) });
   }
   motions() {
-    return this.engine.numbers(this.calls.mt_motions(this.handle), this.bodies * motionSize);
+    return this.numbers("motions");
   }
-  get jointRows() {
-    return this.calls.mt_joint_rows(this.handle);
-  }
-  /** `q`: the coordinates of all joints of the tree. */
   motionsAt(q) {
-    const at = this.calls.mt_allocate(8 * q.length || 1);
-    this.engine.numbers(at, q.length).set(q);
-    const motions = this.calls.mt_motions_at(this.handle, at);
-    this.calls.mt_release(at);
-    return this.engine.numbers(motions, this.bodies * motionSize);
+    const { message } = this.outcome({ type: "pose", q });
+    if (message) throw new Error(message);
+    return this.numbers("pose");
   }
-  /** The coordinates of the last motionsAt(). */
-  posed(count) {
-    return Array.from(this.engine.numbers(this.calls.mt_posed(this.handle), count));
+  posed() {
+    return Array.from(this.numbers("posed"));
   }
   coordinates(row) {
-    const numbers = this.joints().subarray(jointSize * row);
-    return Array.from(numbers.subarray(2, 2 + numbers[0]));
+    const all = this.joints();
+    return Array.from(all.subarray(jointSize * row + 2, jointSize * row + 2 + all[jointSize * row]));
   }
   joints(withReactions = false) {
-    return this.engine.numbers(this.calls.mt_joints(this.handle, withReactions ? 1 : 0), this.jointRows * jointSize);
+    return this.numbers(withReactions ? "reactions" : "joints");
   }
   contacts() {
-    const count = this.calls.mt_contacts(this.handle);
-    return this.engine.numbers(this.calls.mt_contact_numbers(this.handle), count * contactSize);
+    return this.numbers("contacts");
   }
   totals() {
-    return totalsOf(this.engine.numbers(this.calls.mt_totals(this.handle), 17));
+    return totalsOf(this.numbers("totals"));
   }
 
-  break(joint) {
-    return this.done(this.calls.mt_break(this.handle, joint));
+  act(action) {
+    return this.outcome({ type: "act", action });
   }
-  free(joint) {
-    return this.done(this.calls.mt_free(this.handle, joint));
-  }
-  lock(joint) {
-    return this.done(this.calls.mt_lock(this.handle, joint));
-  }
-  unlock(joint) {
-    return this.done(this.calls.mt_unlock(this.handle, joint));
-  }
-  weld(body, to) {
-    return this.done(this.calls.mt_weld(this.handle, body, to));
-  }
-  attach(body, to, kind, axis) {
-    return this.done(this.engine.withText(kind, (at, n) => this.calls.mt_attach(this.handle, body, to, at, n, ...axis)));
-  }
-  change(joint, kind) {
-    return this.done(this.engine.withText(kind, (at, n) => this.calls.mt_change(this.handle, joint, at, n)));
-  }
-  impulse(body, force, point) {
-    return this.done(this.calls.mt_impulse(this.handle, body, ...force, ...point));
-  }
-  set(joint, { damping = NaN, stiffness = NaN, force = NaN, torque = NaN }) {
-    return this.done(this.calls.mt_set(this.handle, joint, damping, stiffness, force, torque));
-  }
-  setDamping(factor, offset) {
-    return this.done(this.calls.mt_set_damping(this.handle, factor, offset));
-  }
-  limitStrength(force) {
-    return this.done(this.calls.mt_limit_strength(this.handle, force));
-  }
-  setGravity(gravity) {
-    return this.done(this.calls.mt_set_gravity(this.handle, ...gravity));
+  setGravity(value) {
+    return this.outcome({ type: "gravity", value });
   }
 
   grab(body, point, strength = 1) {
-    return this.done(this.calls.mt_grab(this.handle, body, ...point, strength));
+    return this.outcome({ type: "grab", body, point, strength });
   }
   pull(target) {
-    this.calls.mt_pull(this.handle, ...target);
+    this.outcome({ type: "pull", target });
   }
   releaseGrip() {
-    this.calls.mt_release_grip(this.handle);
+    this.outcome({ type: "release" });
   }
 
   snapshot() {
-    return this.calls.mt_snapshot(this.handle);
+    return this.ask({ type: "snapshot" })[0].snapshot;
   }
   restore(snapshot) {
-    return this.done(this.calls.mt_restore(this.handle, snapshot));
+    return this.outcome({ type: "restore", snapshot });
   }
   drop(snapshot) {
-    this.calls.mt_drop(this.handle, snapshot);
+    this.outcome({ type: "drop", snapshot });
   }
   undo(event, again = false) {
-    return this.done(this.calls.mt_undo(this.handle, event, again ? 1 : 0));
+    return this.outcome({ type: "undo", event, again });
   }
   branch() {
-    return new World(this.engine, this.calls.mt_branch(this.handle));
+    return new World(this.engine, this.engine.exports.mt_branch(this.handle), this.loaded);
   }
   destroy() {
-    this.calls.mt_destroy(this.handle);
+    this.engine.exports.mt_close(this.handle);
     this.handle = 0;
   }
 }

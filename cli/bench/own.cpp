@@ -70,7 +70,7 @@ class Own {
     }
     row.batch = shortest(budget, [&] { batch->step(1e-6); }) / (4 * worlds);
     for (int world = 0; world < worlds; ++world)
-      if (batch->ran_away(world)) wrong("a world of the batch diverged");
+      if (batch->diverged(world)) wrong("a world of the batch diverged");
   }
 
   void evaluate_generated(const KernelCache& kernels, double budget) {

@@ -8,6 +8,7 @@
 // that calls the visitor with each member, in the order of documents. Readers, writers, archives, hashes, the schema and the
 // bindings are visitors. Defaults are the values of a new object.
 #include <concepts>
+#include <limits>
 #include <type_traits>
 
 #include <momentree/base/units.hpp>
@@ -31,6 +32,7 @@ struct Field {
   const char* absent = nullptr;    ///< what an absent member means, if that is not the value of a new object
   Dimension along{};               ///< its dimension if the first joint of the element is along its axis, not about it
   bool of_joint = false;           ///< it has that other dimension
+  double left_out = std::numeric_limits<double>::quiet_NaN();  ///< the value with which it is not in JSON; NaN: none
 
   constexpr Field needed(const char* hint) const {
     Field field = *this;
@@ -45,6 +47,11 @@ struct Field {
   constexpr Field or_along(const Dimension& other) const {
     Field field = *this;
     field.along = other, field.of_joint = true;
+    return field;
+  }
+  constexpr Field left_out_at(double value) const {
+    Field field = *this;
+    field.left_out = value;
     return field;
   }
   constexpr Field or_infinite() const {

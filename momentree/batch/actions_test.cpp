@@ -201,6 +201,6 @@ TEST_CASE("worlds in float have actions, too") {
   const Event event = batch.apply(2, std::vector<Action>{break_joint("turn/2"), lock("turn/0")}, "both");
   CHECK(event.lost > 0);
   for (int k = 0; k < 10; ++k) batch.step(1e-3);
-  CHECK_FALSE(batch.ran_away(2));
+  CHECK_FALSE(batch.diverged(2));
   CHECK(batch.time(2) == batch.time(1));
 }

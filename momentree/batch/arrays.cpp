@@ -132,20 +132,20 @@ void Batch::Impl::read_velocities(Group& group, std::span<const int> worlds, dou
   const int nq = group.tree().nq(), nv = group.tree().nv(), lanes_of_group = group.lanes();
   const auto slot_of = [&](std::size_t row) { return seats[static_cast<std::size_t>(worlds[row])].slot; };
   // Blocks that contain one of the worlds, by their first place in `rows`.
-  tasks.clear();
+  call.tasks.clear();
   std::vector<std::size_t>& first = call.firsts;
   first.clear();
   for (std::size_t k = 0; k < call.rows.size(); ++k) {
     const int block = slot_of(static_cast<std::size_t>(call.rows[k])) / lanes_of_group;
-    if (tasks.empty() || tasks.back().block != block) tasks.push_back({&group, block}), first.push_back(k);
+    if (call.tasks.empty() || call.tasks.back().block != block) call.tasks.push_back({&group, block}), first.push_back(k);
   }
   first.push_back(call.rows.size());
   const auto width = static_cast<std::size_t>(lanes_of_group);
   for (Scratch& each : call.scratches) each.lanes.resize(width * static_cast<std::size_t>(nq + 2 * nv));
-  pool.run(static_cast<int>(tasks.size()), [&](int thread, int i) {
+  pool.run(static_cast<int>(call.tasks.size()), [&](int thread, int i) {
     double* const rates = call.scratches[static_cast<std::size_t>(thread)].lanes.data();
     double* const velocities = rates + width * static_cast<std::size_t>(nq + nv);
-    const batch::Block block = group.block(tasks[static_cast<std::size_t>(i)].block);
+    const batch::Block block = group.block(call.tasks[static_cast<std::size_t>(i)].block);
     steppers.trees[static_cast<std::size_t>(thread)]->rates(group.tree(), group.plan(), block.q, block.y, rates,
                                                             rates + width * static_cast<std::size_t>(nq), velocities);
     for (std::size_t k = first[static_cast<std::size_t>(i)]; k < first[static_cast<std::size_t>(i) + 1]; ++k) {
@@ -203,7 +203,7 @@ void Batch::write(std::span<const int> worlds, const double* time, const double*
     const double now = take(row, scratch);
     const int slot = impl.seat(worlds[row]).slot;
     group.set_values(slot, now, scratch.q.data(), converts ? impl.call.converted.data() + place(row, nv) : scratch.v.data());
-    group.set_ran_away(slot, false);
+    group.set_diverged(slot, false);
     impl.changed(worlds[row]);
   }
 }
@@ -232,7 +232,7 @@ void Batch::Impl::write_closed(std::span<const int> worlds, Variables given,
   for (std::size_t row = 0; row < worlds.size(); ++row) {
     const int slot = seat(worlds[row]).slot;
     group.set_state(slot, states[row]);
-    group.set_ran_away(slot, false);
+    group.set_diverged(slot, false);
     changed(worlds[row]);
   }
 }

@@ -346,7 +346,7 @@ TEST_CASE("worlds in float can be read and written") {
     CHECK(difference(same, p) < 1e-4);
     if (variables == Variables::momenta) CHECK(difference(same, p) > 0);
     batch.write(worlds, nullptr, q.data(), p.data());
-    CHECK_FALSE(batch.ran_away(0));
+    CHECK_FALSE(batch.diverged(0));
   }
 }
 
@@ -357,11 +357,11 @@ TEST_CASE("writing a world that diverged lets it continue") {
   batch.read(one, nullptr, q.data(), p.data(), nullptr);
   batch.write(one, nullptr, nullptr, wild.data());
   for (int k = 0; k < 3; ++k) batch.step(1e-3);
-  CHECK(batch.ran_away(1));
+  CHECK(batch.diverged(1));
   const double start = 0;
   batch.write(one, &start, q.data(), p.data());
-  CHECK_FALSE(batch.ran_away(1));
+  CHECK_FALSE(batch.diverged(1));
   batch.step(1e-3);
   CHECK(batch.time(1) == 1e-3);
-  CHECK_FALSE(batch.ran_away(1));
+  CHECK_FALSE(batch.diverged(1));
 }

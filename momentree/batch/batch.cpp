@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <thread>
 
 #include <momentree/base/error.hpp>
 #include <momentree/simulate/assembly.hpp>
+#include <momentree/simulate/stepping/overlap.hpp>
 
 namespace momentree {
 
@@ -34,19 +36,46 @@ Batch::Batch(const Model& model, int worlds, const BatchOptions& options)
   const Tree& tree = impl_->basis.declared;
   impl_->check(tree);
   impl_->seats.resize(static_cast<std::size_t>(worlds));
-  impl_->tasks.reserve(impl_->seats.size());  // at most a block for each world
+  impl_->call.tasks.reserve(impl_->seats.size());  // at most a block for each world
   impl_->efforts.resize(static_cast<std::size_t>(worlds));
   Group& group = impl_->group_of(tree);
-  if (impl_->basis.one_by_one)
-    impl_->make_simulations(worlds);
-  else if (tree.has_loops())
+  if (impl_->basis.one_by_one) {
+    if (const std::optional<Overlap> worst = deepest_overlap(model))
+      throw_error(
+          {worst->text() + " at the start", "", "move one of them, or let them pass through each other by a contact rule"});
+    std::vector<int> all(static_cast<std::size_t>(worlds));
+    std::iota(all.begin(), all.end(), 0);
+    impl_->simulated.resize(all.size());
+    impl_->make_simulations(all);
+  } else if (tree.has_loops()) {
     impl_->trial.simulation = std::make_unique<Simulation>(impl_->basis.model, impl_->basis.integration);  // closes them
-  const State start = impl_->basis.one_by_one ? impl_->simulated[0]->simulation().world().state()
-                      : tree.has_loops()      ? impl_->trial.simulation->world().state()
-                                              : start_state(model, tree, impl_->basis.variables);
+  }
+  impl_->at_start = impl_->basis.one_by_one ? impl_->simulated[0]->simulation().world().state()
+                    : tree.has_loops()      ? impl_->trial.simulation->world().state()
+                                            : start_state(model, tree, impl_->basis.variables);
   for (int world = 0; world < worlds; ++world) {
     impl_->sit(world, group);
-    group.set_state(impl_->seat(world).slot, start);
+    group.set_state(impl_->seat(world).slot, impl_->at_start);
+  }
+}
+
+void Batch::reset(std::span<const int> worlds) {
+  Impl& impl = changing();
+  for (const int world : worlds) impl.seat(world);
+  if (impl.basis.one_by_one) impl.make_simulations(worlds);
+  for (const int world : worlds) {
+    const Impl::Seat from = impl.seat(world);
+    Group& first = impl.group_of(impl.basis.declared);
+    if (&first != from.group) {
+      impl.sit(world, first);
+      impl.leave(from);
+    }
+    const int slot = impl.seat(world).slot;
+    impl.efforts[static_cast<std::size_t>(world)].clear();
+    impl.named.erase(world);
+    first.set_efforts(slot, {});
+    first.set_state(slot, impl.at_start);
+    first.set_diverged(slot, false);
   }
 }
 
@@ -112,9 +141,9 @@ double Batch::time(int world) const {
   return seat.group->time(seat.slot);
 }
 
-bool Batch::ran_away(int world) const {
+bool Batch::diverged(int world) const {
   const Impl::Seat& seat = impl().seat(world);
-  return seat.group->ran_away(seat.slot);
+  return seat.group->diverged(seat.slot);
 }
 
 const Tree& Batch::tree(int world) const { return impl().seat(world).group->tree(); }
@@ -138,7 +167,7 @@ void Batch::set_state(int world, const State& state) {
   } else {
     impl_->set_state(seat, state);
   }
-  seat.group->set_ran_away(seat.slot, false);
+  seat.group->set_diverged(seat.slot, false);
   impl_->changed(world);
 }
 
@@ -225,9 +254,9 @@ void Batch::put_back(int world) {
     impl_->drop_efforts(world, from.group->tree(), out.tree);
     Group& to = impl_->group_of(out.tree);
     if (&to != from.group) {
-      const bool away = from.group->ran_away(from.slot);
+      const bool away = from.group->diverged(from.slot);
       impl_->sit(world, to);
-      to.set_ran_away(impl_->seat(world).slot, away);
+      to.set_diverged(impl_->seat(world).slot, away);
       impl_->leave(from);
     }
     to.set_efforts(impl_->seat(world).slot, impl_->efforts[static_cast<std::size_t>(world)]);

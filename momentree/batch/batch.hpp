@@ -89,7 +89,7 @@ class Batch {
   double time(int world) const;
   /// True for a world whose last step diverged, ended where its loops cannot be closed, or was impossible, such as from a state
   /// in which bodies overlap by more than 1 mm: it keeps its state from before that step until its state is set.
-  [[nodiscard]] bool ran_away(int world) const;
+  [[nodiscard]] bool diverged(int world) const;
   /// Why, and what to do about it; empty if it did not.
   [[nodiscard]] std::string message(int world) const;
   /// The world's topology, without closed contacts; joints that rest on stops are free in it. Valid until the next edit, and with
@@ -101,6 +101,9 @@ class Batch {
   /// tree(world): from state() of this world or of one with the same topology, or made from that tree. One in the other variables
   /// is converted. Throws Error if its loops cannot be closed.
   void set_state(int world, const State& state);
+
+  /// Returns worlds to the model's start state, time and topology, without extra efforts.
+  void reset(std::span<const int> worlds);
 
   /// Sets an extra effort, finite, on one DoF of a joint (N m, N), until it is set again. It has no effect
   /// on a locked DoF. It stays with the joint as long as the joint's kind does not change. Throws Error for a joint that closes a

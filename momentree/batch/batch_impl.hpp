@@ -60,10 +60,10 @@ struct Batch::Impl {
   std::vector<Seat> seats;                                              // by world
   std::vector<std::unique_ptr<batch::SimulatedWorld>> simulated;        // by world; empty: worlds are stepped in lanes
   std::vector<std::vector<batch::ExtraEffort>> efforts;                 // by world
-  std::vector<Task> tasks;                                              // of the current step
   bool had_loops = false;                                               // a world had a loop joint
   batch::Pool pool;
   Out out;
+  State at_start;  // of each world
   bool editing = false;
   /// Names of a world that differ from the model's, as of its last action, and the number of its events.
   struct Named {
@@ -90,6 +90,7 @@ struct Batch::Impl {
     }
   };
   struct Call {
+    std::vector<Task> tasks;  // of the current step
     std::vector<Scratch> scratches;
     std::vector<double> converted;    // rows of the current call, in the batch's variables
     std::vector<int> rows;            // of the current call, in the order of slots
@@ -135,12 +136,12 @@ struct Batch::Impl {
   }
 
   void run() noexcept {
-    tasks.clear();
+    call.tasks.clear();
     for (const auto& [key, group] : groups)
-      for (int i = 0; i < group->blocks(); ++i) tasks.push_back({group.get(), i});
-    pool.run(static_cast<int>(tasks.size()), [this](int thread, int i) {
-      Group& group = *tasks[static_cast<std::size_t>(i)].group;
-      const batch::Block block = group.block(tasks[static_cast<std::size_t>(i)].block);
+      for (int i = 0; i < group->blocks(); ++i) call.tasks.push_back({group.get(), i});
+    pool.run(static_cast<int>(call.tasks.size()), [this](int thread, int i) {
+      Group& group = *call.tasks[static_cast<std::size_t>(i)].group;
+      const batch::Block block = group.block(call.tasks[static_cast<std::size_t>(i)].block);
       steppers.step(thread, group, block);
     });
   }
@@ -176,7 +177,7 @@ struct Batch::Impl {
   WorldSnapshot snapshot_of(int world) const;
 
   // Of worlds that are stepped one by one: simulated_worlds.cpp.
-  void make_simulations(int worlds);
+  void make_simulations(std::span<const int> worlds);
   void step_simulations(const std::function<double(int)>& step_of) noexcept;
   /// Makes the simulation of a world ready to go on from the state of the batch.
   void prepare_simulation(int world, batch::SimulatedWorld::Use use);

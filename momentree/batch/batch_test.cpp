@@ -299,7 +299,7 @@ TEST_CASE("bodies can be added to worlds of a batch") {
     CHECK(batch.tree(1).bodies() == model.size() + 1);
     for (int k = 0; k < 5; ++k) batch.step(h);
     CHECK(batch.time(1) == batch.time(0));
-    CHECK_FALSE(batch.ran_away(1));
+    CHECK_FALSE(batch.diverged(1));
   }
 }
 
@@ -338,11 +338,11 @@ TEST_CASE("a world that diverges keeps its last state, and the others continue")
     batch.set_state(2, state);
     const State before = batch.state(2);
     for (int k = 0; k < 3; ++k) batch.step(h), other.step(h);
-    CHECK(batch.ran_away(2));
+    CHECK(batch.diverged(2));
     CHECK(difference(batch.state(2), before) == 0);
     CHECK(difference(batch.state(1), other.state(1)) == 0);
     batch.set_state(2, batch.state(1));
-    CHECK_FALSE(batch.ran_away(2));
+    CHECK_FALSE(batch.diverged(2));
     batch.step(h);
     CHECK(difference(batch.state(2), batch.state(1)) == 0);
   }

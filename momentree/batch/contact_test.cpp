@@ -136,7 +136,7 @@ TEST_CASE("worlds with contact have the bits of simulations, for any number of t
       for (int world = 0; world < worlds; ++world) {
         CAPTURE(world);
         const Simulation& sim = sims[static_cast<std::size_t>(world)];
-        REQUIRE_FALSE(batch.ran_away(world));
+        REQUIRE_FALSE(batch.diverged(world));
         CHECK(same_bits(batch.state(world), sim.world().state()));
         const std::vector<ContactPoint> points = batch.contacts(world), others = sim.world().contacts();
         REQUIRE(points.size() == others.size());
@@ -169,7 +169,7 @@ TEST_CASE("a world whose state is set goes on as one that starts there") {
       for (Batch* batch : {&used, &fresh}) batch->step(0.01);
     for (int world = 0; world < 3; ++world) {
       CAPTURE(world);
-      REQUIRE_FALSE(used.ran_away(world));
+      REQUIRE_FALSE(used.diverged(world));
       CHECK(same_bits(used.state(world), fresh.state(world)));
       CHECK(used.contacts(world).size() == fresh.contacts(world).size());
     }
@@ -210,7 +210,7 @@ TEST_CASE("actions in a world with contact are those of its simulation, and it j
     batch.apply(2, Remove{{0}});
     CHECK(std::isnan(force_on(batch, 2, {0})[2]));
     batch.step(0.01);
-    for (int world = 0; world < 4; ++world) CHECK_FALSE(batch.ran_away(world));
+    for (int world = 0; world < 4; ++world) CHECK_FALSE(batch.diverged(world));
   }
 }
 
@@ -331,10 +331,10 @@ TEST_CASE("batches with contact: errors, and worlds that can't go on") {
     sunk.edit().q[2] = 0.05;
     batch.set_state(0, sunk);
     batch.step(0.01);
-    CHECK(batch.ran_away(0));
+    CHECK(batch.diverged(0));
     CHECK(batch.message(0).find("'ball' and 'ground' overlap by 0.05 m") != std::string::npos);
     CHECK(same_bits(batch.state(0), sunk));
-    CHECK_FALSE(batch.ran_away(1));
+    CHECK_FALSE(batch.diverged(1));
     CHECK(batch.message(1).empty());
     batch.step(0.01);
     CHECK(batch.time(0) == 0);

@@ -115,7 +115,7 @@ Group::Group(Topology topology, const Tree& tree, int lanes, Variables variables
 void Group::resize(std::size_t slots) {
   q_.resize(slots * at(tree_.nq())), y_.resize(slots * at(tree_.nv())), effort_.resize(slots * at(tree_.nv()));
   turns_.resize(slots * tree_.loops().size());
-  time_.resize(slots), h_.resize(slots), ran_away_.resize(slots);
+  time_.resize(slots), h_.resize(slots), diverged_.resize(slots);
 }
 
 int Group::add(int world) {
@@ -132,7 +132,7 @@ void Group::copy_slot(int from, int to) {
     effort_[place(to, tree_.nv(), i)] = effort_[place(from, tree_.nv(), i)];
   }
   std::copy_n(turns_.data() + turn(from), tree_.loops().size(), turns_.data() + turn(to));
-  time_[at(to)] = time_[at(from)], h_[at(to)] = h_[at(from)], ran_away_[at(to)] = ran_away_[at(from)];
+  time_[at(to)] = time_[at(from)], h_[at(to)] = h_[at(from)], diverged_[at(to)] = diverged_[at(from)];
 }
 
 int Group::remove(int slot) {
@@ -188,7 +188,7 @@ Block Group::block(int number) {
           efforts_ ? effort_.data() + y : nullptr,
           time_.data() + at(first),
           h_.data() + at(first),
-          ran_away_.data() + at(first),
+          diverged_.data() + at(first),
           turns_.data() + turn(first)};
 }
 

@@ -61,11 +61,11 @@ class Group {
   /// State::turns() of a world.
   std::span<const Turns> turns(int slot) const { return {turns_.data() + turn(slot), tree_.loops().size()}; }
   double time(int slot) const { return time_[at(slot)]; }
-  bool ran_away(int slot) const { return ran_away_[at(slot)] != 0; }
-  void set_ran_away(int slot, bool yes) { ran_away_[at(slot)] = yes ? 1 : 0; }
+  bool diverged(int slot) const { return diverged_[at(slot)] != 0; }
+  void set_diverged(int slot, bool yes) { diverged_[at(slot)] = yes ? 1 : 0; }
   void set_efforts(int slot, std::span<const ExtraEffort> efforts);
   /// Sets the next step (s). The world does not change if it is 0, or if the world diverged.
-  void set_step(int slot, double h) { h_[at(slot)] = ran_away(slot) ? 0 : h; }
+  void set_step(int slot, double h) { h_[at(slot)] = diverged(slot) ? 0 : h; }
   Block block(int number);
   int lanes() const { return lanes_; }
   /// The group's number among all groups, given by the batch.
@@ -91,7 +91,7 @@ class Group {
   std::vector<int> world_;
   std::vector<double> q_, y_, effort_, time_, h_;
   std::vector<Turns> turns_;
-  std::vector<unsigned char> ran_away_;
+  std::vector<unsigned char> diverged_;
 };
 
 }  // namespace momentree::batch

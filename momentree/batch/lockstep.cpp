@@ -96,7 +96,7 @@ bool Lockstep::board(Member& member) {
     member.group = member.home;
     member.slot = member.group->add(static_cast<int>(&member - members_.data()));
     member.group->set_state(member.slot, impl.world.state());
-    member.group->set_ran_away(member.slot, false);
+    member.group->set_diverged(member.slot, false);
     member.group->set_efforts(member.slot, {});
     member.unseen = 0;
     set_step(member);
@@ -135,7 +135,7 @@ void Lockstep::take_state(Member& member) {
 void Lockstep::after_step(Member& member) {
   Simulation::Impl& impl = *member.impl;
   const double until = member.run->until;
-  if (member.group->ran_away(member.slot)) {  // the simulation repeats the step alone and reports why
+  if (member.group->diverged(member.slot)) {  // the simulation repeats the step alone and reports why
     take_state(member);
     leave(member);
     member.status = impl.advance(until, Status::ok);

@@ -28,7 +28,7 @@ void LoopStepper::step(const Tree& tree, const Block& block) noexcept {
   evaluate(state_);
   EnergyLedger ledger;
   if (!rk4_->step(evaluate, state_, ledger, h)) {
-    *block.ran_away = 1;
+    *block.diverged = 1;
     return;
   }
   *block.time = state_.time();

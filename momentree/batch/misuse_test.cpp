@@ -89,7 +89,7 @@ TEST_CASE("misuse: invalid worlds, steps and efforts") {
     CAPTURE(world);
     const Misuse all[] = {
         {"time", no_world, [&] { static_cast<void>(batch.time(world)); }},
-        {"ran_away", no_world, [&] { static_cast<void>(batch.ran_away(world)); }},
+        {"diverged", no_world, [&] { static_cast<void>(batch.diverged(world)); }},
         {"tree", no_world, [&] { static_cast<void>(batch.tree(world)); }},
         {"state", no_world, [&] { static_cast<void>(batch.state(world)); }},
         {"set_state", no_world, [&] { batch.set_state(world, batch.state(0)); }},

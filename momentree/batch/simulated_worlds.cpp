@@ -5,29 +5,27 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/batch/batch_impl.hpp>
-#include <momentree/simulate/stepping/overlap.hpp>
 
 namespace momentree {
 
 using batch::SimulatedWorld;
 
-// Those of later worlds cannot fail for another reason than that there is no more memory.
-void Batch::Impl::make_simulations(int worlds) {
-  if (const std::optional<Overlap> worst = deepest_overlap(basis.model))
-    throw_error({worst->text() + " at the start", "", "move one of them, or let them pass through each other by a contact rule"});
-  simulated.resize(static_cast<std::size_t>(worlds));
-  simulated[0] = std::make_unique<SimulatedWorld>(basis.model, basis.integration);
+// Those after the first cannot fail for another reason than that there is no more memory.
+void Batch::Impl::make_simulations(std::span<const int> worlds) {
+  std::vector<std::unique_ptr<SimulatedWorld>> made(worlds.size());
+  if (!made.empty()) made[0] = std::make_unique<SimulatedWorld>(basis.model, basis.integration);
   std::exception_ptr failed;
   std::mutex mutex;
-  pool.run(worlds - 1, [&](int, int i) {
+  pool.run(static_cast<int>(worlds.size()) - 1, [&](int, int i) {
     try {
-      simulated[static_cast<std::size_t>(i) + 1] = std::make_unique<SimulatedWorld>(basis.model, basis.integration);
+      made[static_cast<std::size_t>(i) + 1] = std::make_unique<SimulatedWorld>(basis.model, basis.integration);
     } catch (...) {
       const std::lock_guard lock(mutex);
       failed = std::current_exception();
     }
   });
   if (failed) std::rethrow_exception(failed);
+  for (std::size_t i = 0; i < made.size(); ++i) simulated[static_cast<std::size_t>(worlds[i])] = std::move(made[i]);
 }
 
 void Batch::Impl::prepare_simulation(int world, SimulatedWorld::Use use) {
@@ -46,7 +44,7 @@ void Batch::Impl::step_simulations(const std::function<double(int)>& step_of) no
 void Batch::Impl::step_simulation(int world, double h) noexcept {
   SimulatedWorld& run = *simulated[static_cast<std::size_t>(world)];
   const Seat at = seat(world);
-  if (h == 0 || at.group->ran_away(at.slot)) return;
+  if (h == 0 || at.group->diverged(at.slot)) return;
   try {
     prepare_simulation(world, SimulatedWorld::Use::step);
     run.message = run.step(h);
@@ -54,7 +52,7 @@ void Batch::Impl::step_simulation(int world, double h) noexcept {
     run.message = error.what();
   }
   if (run.message.empty()) return copy_to_group(world);
-  at.group->set_ran_away(at.slot, true);
+  at.group->set_diverged(at.slot, true);
   run.changed();  // the simulation ended somewhere else
 }
 
@@ -69,7 +67,7 @@ void Batch::Impl::change_group(int world) {
   SimulatedWorld& run = *simulated[static_cast<std::size_t>(world)];
   const Seat from = seat(world);
   const World& now = run.simulation().world();
-  const bool away = from.group->ran_away(from.slot);
+  const bool away = from.group->diverged(from.slot);
   run.moves = false;
   Named names = names_in(now, names_now(world), run.made_loops);
   Group& to = group_of(run.topology(), now.tree());
@@ -77,7 +75,7 @@ void Batch::Impl::change_group(int world) {
   sit(world, to);
   leave(from);
   const int slot = seat(world).slot;
-  to.set_ran_away(slot, away);
+  to.set_diverged(slot, away);
   to.set_efforts(slot, efforts[static_cast<std::size_t>(world)]);
   to.set_state(slot, now.state());
   named[world] = std::move(names);
@@ -138,7 +136,7 @@ std::span<const Event> Batch::events(int world) const {
 }
 
 std::string Batch::message(int world) const {
-  if (!ran_away(world)) return {};
+  if (!diverged(world)) return {};
   if (!impl_->basis.one_by_one) return "the step diverged, or ended where loops can't be closed; use a shorter one";
   return impl_->simulated[static_cast<std::size_t>(world)]->message;
 }

@@ -77,7 +77,7 @@ TEST_CASE("worlds with what lanes do not have are stepped one by one, with the b
       std::vector<double> v(3 * nv), p(3 * nv);
       batch.read(worlds, nullptr, nullptr, p.data(), v.data());
       for (int world = 0; world < 3; ++world) {
-        REQUIRE_FALSE(batch.ran_away(world));
+        REQUIRE_FALSE(batch.diverged(world));
         CHECK(same_bits(batch.state(world), sim.world().state()));
       }
       for (std::size_t i = 0; i < nv; ++i) {

@@ -38,7 +38,7 @@ struct Block {
   const double* effort;       ///< extra efforts, packed as y; null: none
   double* time;               ///< s, by lane
   const double* h;            ///< s, by lane: the step of each world; 0: the world does not change, bit for bit
-  unsigned char* ran_away{};  ///< by lane: set if a step diverged; that world is left as before
+  unsigned char* diverged{};  ///< by lane: set if a step diverged; that world is left as before
   Turns* turns{};             ///< State::turns() of worlds with closed loops, those of one world consecutive
 };
 

@@ -152,7 +152,7 @@ void PackStepper<T, Base>::step(const Tree& tree, const TopologyPlan& plan, cons
     else if (plausible[lane] != 0)
       block.time[lane] = t[lane];
     else
-      block.ran_away[lane] = 1;
+      block.diverged[lane] = 1;
   }
   for (int i = 0; i < nq; ++i) select(plausible, q_[i], q0_[i]).store(block.q + i * N);
   for (int i = 0; i < nv; ++i) select(plausible, y_[i], y0_[i]).store(block.y + i * N);

@@ -64,7 +64,7 @@ Wrench reaction(const Tree& tree, const State& state, const Workspace<double>& w
   return on_declared_child(tree, state, workspace, b, transmitted_wrench(tree, workspace, b));
 }
 
-Wrench pure_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint) noexcept {
+Wrench bearing_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace, JointId joint) noexcept {
   const int b = tree.carrier(joint).index;
   MT_REQUIRE(accelerated_on(tree, state, workspace), stale_accelerations(state));
   const Force<double> Tr = transmitted_wrench(tree, workspace, b);

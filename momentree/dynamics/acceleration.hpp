@@ -23,8 +23,8 @@ void accelerate(const Tree& tree, const State& state, Workspace<double>& workspa
 /// (prismatic, cylindrical), as a torque in the plane of the two axes (universal), as any torque (ball); planar: a force in the
 /// plane through the origin of the joint's child side and a torque normal to the plane; free: force and torque about that origin.
 /// The force that holds a locked DoF is a constraint force and remains.
-[[nodiscard]] Wrench pure_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace,
-                                   JointId joint) noexcept;
+[[nodiscard]] Wrench bearing_reaction(const Tree& tree, const State& state, const Workspace<double>& workspace,
+                                      JointId joint) noexcept;
 
 /// Effort along each DoF of a joint, of drive, spring, damping and friction together (nv numbers, N m or N): Eᵀ Tr +
 /// armature·u̇ = τ. For a prescribed motion it is the effort that the motion needs; for a locked DoF, the effort that holds it.

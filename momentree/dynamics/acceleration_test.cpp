@@ -52,7 +52,7 @@ TEST_CASE("(30) (32) (47) a rod on a revolute joint: acceleration, and the wrenc
   const Force<double> W = as_force(reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({0})));
   check_near(W.l, {-m * l * w * w - m * g * std::sin(q), 0, -m * l * a + m * g * std::cos(q)});
   check_near(W.h, {0, tau - rotor * a, 0});
-  const Force<double> pure = as_force(pure_reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({0})));
+  const Force<double> pure = as_force(bearing_reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({0})));
   check_near(pure.l, W.l);
   check_near(pure.h, {});
   const BodyAcceleration b = body_acceleration(at.tree, at.state, at.workspace, BodyId{0});
@@ -133,7 +133,7 @@ TEST_CASE("the drive's effort is subtracted from the reaction along the joint's 
   const Machine at(model);
   const auto drive = [&](int b) {  // joint's child-side axes, about its origin
     const Force<double> W = as_force(reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({b}))) -
-                            as_force(pure_reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({b})));
+                            as_force(bearing_reaction(at.tree, at.state, at.workspace, at.tree.inboard_joint({b})));
     const Pose& side = model[{b}].child_at;
     const Mat3 R = rotation_matrix(side.rotation);
     return Force<double>{transpose_times(R, W.l), transpose_times(R, W.h - cross(side.position, W.l))};

@@ -13,20 +13,13 @@
 #include <momentree/results/model_json.hpp>
 #include <momentree/results/report/page.hpp>
 #include <momentree/scenario/scenario.hpp>
-#include <momentree/text/base64.hpp>
 #include <momentree/text/json_writer.hpp>
 
 namespace momentree::live {
 
 namespace {
 
-std::string message(std::string_view type, std::string_view key, std::string_view json) {
-  std::string text;
-  io::JsonWriter(text).begin_object().member("type", type).key(key).raw(json).end_object();
-  return text;
-}
-
-std::string playing_json(bool on) { return message("playing", "on", on ? "true" : "false"); }
+std::string playing_json(bool on) { return io::message_json("playing", "on", on ? "true" : "false"); }
 
 std::string gravity_json(const Vec3& gravity) {
   std::string text;
@@ -37,8 +30,8 @@ std::string gravity_json(const Vec3& gravity) {
 }  // namespace
 
 View::Impl::Impl(Simulation& simulation_, ViewOptions options_, const io::Scenario* given)
-    : simulation(simulation_), options(std::move(options_)), playing(!options.paused) {
-  pace.speed = options.speed;
+    : simulation(simulation_), options(std::move(options_)), controls(simulation) {
+  pace.playing = !options.paused, pace.speed = options.speed;
   if (!(pace.speed > 0) || !std::isfinite(pace.speed))
     throw_error({"the speed of a view must be positive and finite", "speed", "1 is real time"});
   scenario.title = options.title, scenario.until = HUGE_VAL, scenario.integration = simulation.integration();
@@ -60,7 +53,7 @@ View::Impl::Impl(Simulation& simulation_, ViewOptions options_, const io::Scenar
 void View::Impl::close() {
   ending = true;
   if (server.joinable()) server.join();
-  if (grip.body >= 0) release();
+  controls.release();
 }
 
 void View::Impl::serve(Listener listener, const std::string& meshes) {
@@ -70,36 +63,6 @@ void View::Impl::serve(Listener listener, const std::string& meshes) {
   server = std::thread([this, listener = std::move(listener), site = std::move(site)]() mutable {
     PageServer(std::move(listener), std::move(site)).run([this] { return ending.load(); });
   });
-}
-
-std::string View::Impl::frame() const {
-  std::vector<double> numbers, poses, loads;
-  io::fill_motions(simulation.world(), numbers);
-  for (std::size_t b = 0; b < numbers.size(); b += io::motion_size)
-    poses.insert(poses.end(), numbers.begin() + static_cast<std::ptrdiff_t>(b),
-                 numbers.begin() + static_cast<std::ptrdiff_t>(b) + 7);
-  io::fill_joints(simulation, thresholds, true, numbers);
-  for (std::size_t j = 0; j < numbers.size(); j += io::joint_size) {
-    const double* const row = numbers.data() + j;
-    const double none = std::nan("");
-    if (row[0] < 0)
-      loads.insert(loads.end(), {none, none, 1, none, none, none});
-    else
-      loads.insert(loads.end(), {row[27], std::hypot(row[21], row[22], row[23]), row[28], row[21], row[22], row[23]});
-  }
-  double totals[io::totals_size];
-  io::fill_totals(simulation, totals);
-  std::string poses_text, loads_text, text;
-  io::append_floats(poses_text, poses);
-  io::append_floats(loads_text, loads);
-  io::JsonWriter(text)
-      .begin_object()
-      .member("time", simulation.time())
-      .member("poses", poses_text)
-      .member("loads", loads_text)
-      .member("totals", std::span<const double>(totals))
-      .end_object();
-  return text;
 }
 
 std::string View::Impl::sliders_json() const {
@@ -119,53 +82,29 @@ std::string View::Impl::sliders_json() const {
 }
 
 std::vector<std::string> View::Impl::greeting() const {
-  std::string loaded;
-  io::JsonWriter json(loaded);
-  json.begin_object().member("type", "loaded").key("diagnostics").begin_array().end_array().key("world").begin_object();
-  json.key("scenario").raw(io::scenario_json(scenario, known.gravity)).key("model").raw(known.model_text);
-  json.key("topology").raw(known.topology_text).key("frame").raw(known.frame_text).end_object().end_object();
-  return {std::move(loaded), message("events", "events", "[" + known.events_text + "]"), sliders_json(), playing_json(playing)};
+  return {
+      io::loaded_json("[]", io::scenario_json(scenario, known.gravity), known.model_text, known.world.topology, known.frame_text),
+      io::message_json("events", "events", "[" + known.events_text + "]"), sliders_json(), playing_json(pace.playing)};
 }
 
 void View::Impl::reload() {
   const World& world = simulation.world();
   known.model_text = io::model_json(world, options.title, options.shapes);
-  known.topology_text = io::topology_json(world);
+  known.world.read(simulation);
   known.events_text = io::event_list(simulation.events(), 0);
-  known.frame_text = frame();
-  known.revision = world.tree().revision();
-  known.events = simulation.events().size();
+  known.frame_text = io::frame_json(io::frame_of(simulation, thresholds), true);
   known.bodies = world.model().size();
   known.time = simulation.time();
   known.gravity = world.model().gravity();
-  known.playing = playing, known.sliders_moved = false;
+  known.playing = pace.playing, known.sliders_moved = false;
   feed.greet(greeting(), true);
-}
-
-bool View::Impl::tell_topology() {
-  const World& world = simulation.world();
-  if (world.tree().revision() == known.revision) return false;
-  known.revision = world.tree().revision();
-  std::string now = io::topology_json(world);
-  if (now == known.topology_text) return false;  // other parameters, such as the target of a grip
-  known.topology_text = std::move(now);
-  std::string text;
-  io::JsonWriter(text)
-      .begin_object()
-      .member("type", "topology")
-      .member("time", simulation.time())
-      .key("topology")
-      .raw(known.topology_text)
-      .end_object();
-  feed.post(std::move(text));
-  return true;
 }
 
 void View::Impl::tell_frame(bool now) {
   if (!now && simulation.time() == known.time && Clock::now() - pace.framed < frame_time) return;
   pace.framed = Clock::now();
   known.time = simulation.time();
-  std::string text = frame();
+  std::string text = io::frame_json(io::frame_of(simulation, thresholds), true);
   if (text == known.frame_text) return;
   known.frame_text = std::move(text);
   std::string shown;
@@ -183,23 +122,19 @@ void View::Impl::tell() {
   const World& world = simulation.world();
   pace.told = Clock::now();
   // Bodies that were added, and a run that went back, are a new world for the pages.
-  if (world.model().size() != known.bodies || simulation.events().size() < known.events || simulation.time() < known.time)
+  if (world.model().size() != known.bodies || simulation.events().size() < known.world.events || simulation.time() < known.time)
     return reload();
-  bool news = tell_topology();
-  if (simulation.events().size() > known.events) {
-    const std::string more = io::event_list(simulation.events(), known.events);
-    known.events = simulation.events().size();
-    known.events_text += (known.events_text.empty() ? "" : ",") + more;
-    feed.post(message("events", "events", "[" + more + "]"));
-    news = true;
-  }
+  std::string lines;
+  bool news = known.world.tell(
+      simulation, [this](const std::string& text) { feed.post(text); }, lines);
+  if (!lines.empty()) known.events_text += (known.events_text.empty() ? "" : ",") + lines;
   if (!(world.model().gravity() == known.gravity)) {
     known.gravity = world.model().gravity();
     feed.post(gravity_json(known.gravity));
     news = true;
   }
   if (std::exchange(known.sliders_moved, false)) feed.post(sliders_json()), news = true;
-  if (playing != known.playing) feed.post(playing_json(known.playing = playing)), news = true;
+  if (pace.playing != known.playing) feed.post(playing_json(known.playing = pace.playing)), news = true;
   tell_frame(news);
   if (news) feed.greet(greeting(), false);
 }
@@ -212,11 +147,11 @@ View::~View() = default;
 
 const std::string& View::address() const { return impl_->address; }
 const std::vector<std::string>& View::warnings() const { return impl_->warnings; }
-bool View::playing() const { return impl_->playing; }
+bool View::playing() const { return impl_->pace.playing; }
 bool View::stopped() const { return impl_->stopped; }
 void View::close() { impl_->close(); }
 void View::abandon() {
-  impl_->grip = {};
+  impl_->controls.forget();
   impl_->close();
 }
 int View::pages() const { return impl_->feed.pages(); }
@@ -249,8 +184,8 @@ void View::exchange() {
 bool View::update() {
   Impl& view = *impl_;
   for (;;) {
-    if (!view.playing || view.feed.has_texts() || Impl::Clock::now() - view.pace.told >= Impl::frame_time) exchange();
-    if (view.playing || view.stopped) break;
+    if (!view.pace.playing || view.feed.has_texts() || Impl::Clock::now() - view.pace.told >= Impl::frame_time) exchange();
+    if (view.pace.playing || view.stopped) break;
     wait(std::chrono::milliseconds(100));
   }
   view.pace.paced = Impl::Clock::now();
@@ -275,11 +210,9 @@ void View::report(const RunResult& result) {
   Impl& view = *impl_;
   view.pace.spent += std::chrono::duration<double>(Impl::Clock::now() - view.pace.paced).count();  // next() has set it
   if (result || result == Status::interrupted) return;
-  view.playing = false;
+  view.pace.playing = false;
   view.tell();
-  std::string text;
-  io::JsonWriter(text).begin_object().member("type", "stopped").member("message", result.reason).end_object();
-  view.feed.post(std::move(text));
+  view.feed.post(io::report_json("stopped", result.reason));
 }
 
 RunResult View::run_until(double time, const std::function<bool()>& goes_on) {
@@ -289,7 +222,7 @@ RunResult View::run_until(double time, const std::function<bool()>& goes_on) {
   while (view.simulation.time() < time) {
     exchange();
     if (view.stopped || (goes_on && !goes_on())) return {Status::interrupted, ""};
-    if (!view.playing) {
+    if (!view.pace.playing) {
       wait(std::chrono::milliseconds(100));
       view.pace.paced = Impl::Clock::now();
       continue;

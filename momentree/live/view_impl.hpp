@@ -9,11 +9,10 @@
 #include <thread>
 #include <vector>
 
-#include <momentree/base/value.hpp>
 #include <momentree/live/feed.hpp>
 #include <momentree/live/listener.hpp>
 #include <momentree/live/view.hpp>
-#include <momentree/pages/page_world.hpp>
+#include <momentree/pages/page_session.hpp>
 #include <momentree/scenario/scenario.hpp>
 
 namespace momentree::live {
@@ -34,25 +33,13 @@ struct View::Impl {
   std::vector<std::string> greeting() const;
   /// What has changed since the last call, and the present frame.
   void tell();
-  bool tell_topology();
   void tell_frame(bool now);
-  std::string frame() const;
   std::string sliders_json() const;
 
   // commands.cpp: from the pages
   void obey(const std::string& text);
-  void carry_out(const Value& message);
-  void act(const Value& action);
-  void set_joint(const Value& message);
-  void apply(const std::vector<Action>& actions);
-  void grab(const Value& message);
-  void pull(const Value& message);
-  void release();
-  /// False if the program has replaced the function that applies the grip.
-  bool has_grip() const;
-  void apply_grip();
-  void move_slider(const Value& message);
-  void refuse(const std::string& why);
+  void move_slider(io::Message& message);
+  void stop();
 
   Simulation& simulation;
   ViewOptions options;
@@ -64,22 +51,19 @@ struct View::Impl {
   std::vector<std::string> warnings;
   std::string address;
 
-  bool playing = true, stopped = false;
+  bool stopped = false;
   /// How fast simulated time passes.
-  struct Pace {
-    double speed = 1, due = 0;  ///< simulated time that is due (s)
-    double spent = 0;           ///< on the steps since the last frame (s)
+  struct Pace : io::Pace {
+    double spent = 0;  ///< on the steps since the last frame (s)
     Clock::time_point paced = Clock::now(), told = Clock::now(), framed = Clock::now();
   };
   Pace pace;
-  io::Grip grip;
-  std::shared_ptr<const BodyFunction> grip_function;  ///< as the simulation has it
+  io::PageControls controls;
 
   /// What the pages know, as JSON where it is text.
   struct Known {
-    std::string model_text, topology_text, events_text, frame_text;
-    std::uint64_t revision = 0;
-    std::size_t events = 0;
+    std::string model_text, events_text, frame_text;
+    io::KnownWorld world;
     int bodies = 0;
     double time = 0;
     Vec3 gravity{};

@@ -36,6 +36,9 @@ struct BodyForce {
 struct Wrench {
   Vec3 force, torque;  ///< N, N m
 };
+/// Components of a reaction in the child's axes, as bits: force x, y, z, then torque x, y, z about the joint's frame.
+using ReactionParts = unsigned;
+inline constexpr ReactionParts force_parts = 0b111, torque_parts = 0b111000, all_parts = force_parts | torque_parts;
 
 class EvaluationContext;
 /// A wrench on a body as a function of the world: about the origin of the body's user frame, in world axes. Called at every stage

@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include <momentree/pages/floor.hpp>
-#include <momentree/pages/page_world.hpp>
+#include <momentree/pages/page_controls.hpp>
 #include <momentree/scenario/test_support.hpp>
 
 using namespace momentree;
@@ -127,13 +127,13 @@ TEST_CASE("strength of a page: a chain that hangs at rest breaks where its load 
   for (const double limit : {3.5, 4.5}) {
     Scenario scenario = read(chain(4, "strength = { force = 100 }\n"));
     Simulation sim(scenario.model, scenario.integration);
-    REQUIRE(sim.try_apply(limited_strength(sim.world(), scenario.model, limit * weight)) == Status::ok);
+    REQUIRE(sim.try_apply(limited_strength(sim.world(), limit * weight)) == Status::ok);
     CHECK(sim.world().joint({sim.world().find_joint("chain/1")}).parameters->strength.force == doctest::Approx(limit * weight));
     REQUIRE(sim.run_until(0.01));
     // The topmost joint carries all four links; the others would do.
     CHECK(sim.world().mechanisms().size() == 1);
     CHECK(sim.world().mechanisms()[0].grounded == (limit > 4));
-    REQUIRE(sim.try_apply(limited_strength(sim.world(), scenario.model, 1e6)) == Status::ok);
+    REQUIRE(sim.try_apply(limited_strength(sim.world(), 1e6)) == Status::ok);
     CHECK(sim.world().joint({sim.world().find_joint("chain/2")}).parameters->strength.force == 100);
   }
 }

@@ -1,11 +1,14 @@
-// Numerical data of a world, in the arrays that wasm/engine.h documents.
+// Numerical data of a world.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <momentree/pages/page_world.hpp>
 #include <momentree/results/columns/row_numbers.hpp>
 #include <momentree/simulate/events/topology_record.hpp>
+#include <momentree/text/base64.hpp>
+#include <momentree/text/json_writer.hpp>
 
 namespace momentree::io {
 
@@ -66,6 +69,56 @@ void fill_joints(const Simulation& simulation, const std::vector<Threshold>& thr
     if (!value) continue;
     row[27] = std::fmax(row[27], std::fabs(*value / each.condition.threshold));
   }
+}
+
+void fill_contacts(const World& world, std::vector<double>& all) {
+  all.clear();
+  for (const ContactPoint& point : world.contacts()) {
+    all.insert(all.end(), {double(point.one.index), double(point.other.index)});
+    for (const Vec3* v : {&point.point, &point.normal, &point.force, &point.slip}) all.insert(all.end(), {v->x, v->y, v->z});
+    all.push_back(point.slips ? 1 : 0);
+  }
+}
+
+PageFrame frame_of(const Simulation& simulation, const std::vector<Threshold>& thresholds) {
+  std::vector<float> floats;
+  const auto add = [&floats](std::initializer_list<double> numbers) {
+    for (const double each : numbers) floats.push_back(static_cast<float>(each));
+  };
+  PageFrame frame;
+  std::vector<double> rows;
+  fill_motions(simulation.world(), rows);
+  for (std::size_t b = 0; b < rows.size(); b += motion_size)
+    for (std::size_t i = b; i < b + 7; ++i) add({rows[i]});
+  frame.poses = floats.size();
+  fill_joints(simulation, thresholds, true, rows);
+  for (std::size_t j = 0; j < rows.size(); j += joint_size) {
+    const double* const row = rows.data() + j;
+    if (row[0] < 0)
+      add({none, none, 1, none, none, none});
+    else
+      add({row[27], std::hypot(row[21], row[22], row[23]), row[28], row[21], row[22], row[23]});
+  }
+  frame.loads = floats.size() - frame.poses;
+  for (const ContactPoint& each : simulation.world().contacts())
+    add({each.point.x, each.point.y, each.point.z, each.force.x, each.force.y, each.force.z});
+  frame.contacts = floats.size() - frame.poses - frame.loads;
+  double totals[totals_size];
+  fill_totals(simulation, totals);
+  frame.bytes.resize(sizeof totals + floats.size() * sizeof(float));
+  std::memcpy(frame.bytes.data(), totals, sizeof totals);
+  if (!floats.empty()) std::memcpy(frame.bytes.data() + sizeof totals, floats.data(), floats.size() * sizeof(float));
+  return frame;
+}
+
+std::string frame_json(const PageFrame& frame, bool with_numbers) {
+  std::string text, numbers;
+  JsonWriter json(text);
+  json.begin_object().member("poses", static_cast<long>(frame.poses)).member("loads", static_cast<long>(frame.loads));
+  json.member("contacts", static_cast<long>(frame.contacts));
+  if (with_numbers) append_base64(numbers, frame.bytes), json.member("numbers", numbers);
+  json.end_object();
+  return text;
 }
 
 void fill_totals(const Simulation& simulation, double* all) {

@@ -1,6 +1,7 @@
 // Structure of a world, as JSON.
 #include <algorithm>
 
+#include <momentree/pages/message.hpp>
 #include <momentree/pages/page_world.hpp>
 #include <momentree/results/summary.hpp>
 #include <momentree/scenario/state/joint_json.hpp>
@@ -32,6 +33,23 @@ std::string scenario_json(const Scenario& scenario, const Vec3& gravity, bool fl
     json.end_array().end_object();
   }
   json.end_array().end_object();
+  return text;
+}
+
+std::string loaded_json(std::string_view diagnostics, std::string_view scenario, std::string_view model,
+                        std::string_view topology, std::string_view frame) {
+  std::string text;
+  JsonWriter json(text);
+  json.begin_object().member("type", "loaded").key("diagnostics").raw(diagnostics).key("world");
+  if (model.empty()) {
+    json.null();
+  } else {
+    json.begin_object().key("scenario").raw(scenario).key("model").raw(model).key("topology").raw(topology);
+    json.key("frame").raw(frame).key("kinds");
+    write_kinds(json);
+    json.end_object();
+  }
+  json.end_object();
   return text;
 }
 
@@ -90,6 +108,34 @@ std::string topology_json(const World& world) {
   }
   json.end_object();
   return text;
+}
+
+void KnownWorld::read(const Simulation& simulation) {
+  topology = topology_json(simulation.world());
+  revision = simulation.world().tree().revision();
+  events = simulation.events().size();
+}
+
+bool KnownWorld::tell(const Simulation& simulation, const std::function<void(const std::string&)>& post, std::string& lines) {
+  bool news = false;
+  if (const std::uint64_t now = simulation.world().tree().revision(); now != revision) {
+    revision = now;
+    std::string text = topology_json(simulation.world());
+    if (text != topology) {  // the target of a grip is in none
+      topology = std::move(text), text.clear();
+      JsonWriter json(text);
+      json.begin_object().member("type", "topology").member("time", simulation.time()).key("topology").raw(topology).end_object();
+      post(text);
+      news = true;
+    }
+  }
+  if (simulation.events().size() > events) {
+    lines = event_list(simulation.events(), events);
+    post(message_json("events", "events", "[" + lines + "]"));
+    news = true;
+  }
+  events = simulation.events().size();
+  return news;
 }
 
 }  // namespace momentree::io

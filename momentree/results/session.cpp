@@ -164,11 +164,6 @@ void Session::resume() {
   momentree::resume(simulation_, armed, memory_);
 }
 
-void Session::count_before(const Armed& armed) {
-  for (const ArmedEvent& event : armed)
-    if (const auto place = by_name_.find(event.name); place != by_name_.end()) armed_at_start_[place->second].fired = event.fired;
-}
-
 Armed Session::armed(const Simulation& branch) const {
   Armed armed = armed_at_start_;
   for (const Event& event : branch.events())

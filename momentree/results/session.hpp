@@ -34,8 +34,6 @@ class Session {
   Armed armed() const { return armed(simulation_); }
   /// The same of a branch of the simulation.
   Armed armed(const Simulation& branch) const;
-  /// The simulation was brought to the state of a document whose run had this many of each event before.
-  void count_before(const Armed& armed);
   /// Runs to the end of the scenario.
   RunResult run();
   /// Every joint that exists, or that scheduled events will make.

@@ -68,7 +68,7 @@ TEST_CASE("docs/scenario.schema.json is the schema of this version") {
 TEST_CASE("the tables of the documentation list all kinds, methods, quantities and actions") {
   const std::string scenario = text_of("docs/scenario.md");
   CHECK(first_column(scenario, "### Kinds", "kind") == kinds());
-  const Keys of_models = first_column(text_of("docs/models.md"), "Writing maps as follows", "momentree");
+  const Keys of_models = first_column(text_of("docs/models.md"), "## Into another file", "momentree");
   for (const std::string& kind : kinds()) {
     CAPTURE(kind);
     CHECK(of_models.contains(kind));

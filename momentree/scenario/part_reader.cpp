@@ -1,6 +1,7 @@
 #include <momentree/scenario/part_reader.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -28,13 +29,35 @@ struct PartReading {
     for (const Mechanism& mechanism : world.mechanisms()) reading.mechanisms.emplace(mechanism.name, Place{});
   }
 
+  // The value of an action's key in an event, with the match of a wildcard in its condition, or null.
+  std::vector<Action> actions(const std::string& key, const Value& value, const TriggerMatch* match) {
+    ScenarioEvent event;
+    event.time = std::numeric_limits<double>::infinity();
+    event.after = "a trigger";  // all matches of a wildcard in the action happen together
+    std::vector<ScenarioEvent> wild;
+    read_actions(value, key, event, match, wild, reading);
+    for (const Reading::LateEntry& late : std::exchange(reading.late, {})) {
+      ArgumentReader reader(*late.value, *late.action, {"", late.match, late.match}, late.time, reading);
+      reader.kinds_of = [this](const std::string& joint) {
+        const auto found = kinds.find(joint);
+        return found == kinds.end() ? std::vector<const KindInfo*>() : std::vector<const KindInfo*>{found->second};
+      };
+      reader.read();
+    }
+    return std::move(event.actions);
+  }
+
   void check() {
     if (out.errors() > 0) throw_all();
   }
   [[noreturn]] void throw_all() {
     std::vector<Diagnostic> found = out.take();
     std::erase_if(found, [](const Diagnostic& each) { return each.severity != Severity::error; });
+#if defined(__cpp_exceptions)
     throw InputError(std::move(found));
+#else
+    throw_error(found.front().error());
+#endif
   }
 
   Scenario scenario;
@@ -150,21 +173,29 @@ std::vector<Action> PartReader::actions(const std::string& key, const Value& val
   if (std::find(known.begin(), known.end(), key) == known.end())
     throw_error({"unknown action '" + key + "'", "", did_you_mean(key, known)});
   PartReading part(what_, world);
-  ScenarioEvent event;
-  event.time = std::numeric_limits<double>::infinity();
-  event.after = "a trigger";  // all matches of a wildcard in the action happen together
-  std::vector<ScenarioEvent> wild;
-  read_actions(value, key, event, trigger.match.get(), wild, part.reading);
-  for (const Reading::LateEntry& late : part.reading.late) {
-    ArgumentReader reader(*late.value, *late.action, {"", late.match, late.match}, late.time, part.reading);
-    reader.kinds_of = [&](const std::string& joint) {
-      const auto found = part.kinds.find(joint);
-      return found == part.kinds.end() ? std::vector<const KindInfo*>() : std::vector<const KindInfo*>{found->second};
-    };
-    reader.read();
-  }
+  std::vector<Action> all = part.actions(key, value, trigger.match.get());
   part.check();
-  return std::move(event.actions);
+  return all;
+}
+
+std::vector<Action> actions_now(const Value& table, const World& world, std::string& problem) {
+  if (table.table() == nullptr || table.table()->empty())
+    problem = "an action is a table with its key, for example {\"break\": \"chain/41\"}";
+  PartReading part("", world);
+  const std::vector<std::string>& known = scenario_actions();
+  std::vector<Action> all;
+  for (std::size_t i = 0; problem.empty() && i < table.table()->size(); ++i) {
+    const auto& [key, place, value] = (*table.table())[i];
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      part.out.error(place, "unknown action '" + key + "'", did_you_mean(key, known));
+      continue;
+    }
+    std::vector<Action> read = part.actions(key, value, nullptr);
+    std::move(read.begin(), read.end(), std::back_inserter(all));
+  }
+  for (const Diagnostic& each : part.out.take())
+    if (problem.empty() && each.severity == Severity::error) problem = each.what + (each.hint.empty() ? "" : "; " + each.hint);
+  return all;
 }
 
 std::shared_ptr<momentree::Quantity> PartReader::quantity(const Value& table, const World& world,

@@ -73,4 +73,8 @@ class PartReader {
   std::string what_;
 };
 
+/// Actions as an event has them, `{"break": "hip", "lock": ["knee", "ankle"]}`, on what a world has now; names of joints are
+/// checked when they are carried out. An error is not thrown: `problem` is the first one, with its remedy.
+std::vector<Action> actions_now(const Value& table, const World& world, std::string& problem);
+
 }  // namespace momentree::io

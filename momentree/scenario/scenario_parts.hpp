@@ -13,6 +13,7 @@
 #include <momentree/base/wildcard.hpp>
 #include <momentree/contact/uniform_mass.hpp>
 #include <momentree/models/import/model_file.hpp>
+#include <momentree/models/import/solid_mesh.hpp>
 #include <momentree/scenario/keys/fields.hpp>
 #include <momentree/scenario/scenario.hpp>
 #include <momentree/simulate/stepping/overlap.hpp>
@@ -216,7 +217,6 @@ void read_collision(const Value& value, BodyEntry& body, Reading& reading);
 /// See contact::Solid::belt.
 Vec3 read_belt(const Value& value, Diagnostics& out);
 void add_colliders(BodyId body, const std::vector<contact::Solid>& solids, Model& model);
-using ReportOnShape = std::function<void(const std::string& what, const std::string& hint)>;
 struct ShapeReports {
   ReportOnShape refuse;    ///< it touches nothing: it has no volume, or cannot be read
   ReportOnShape warn;      ///< a mesh differs from what touches
@@ -226,9 +226,6 @@ struct ShapeReports {
 /// What a shape touches with, in the body's frame: one solid, or the parts of a mesh. Nothing, with a report, if it touches
 /// nothing.
 std::vector<contact::Solid> solids_of(const Shape& shape, const ShapeReports& report);
-/// Mass and inertia of a shape of uniform density (kg/m³), without its further ones. Nothing, with a report, for planes, and for
-/// meshes that cannot be read or are not closed.
-std::optional<MassProperties> mass_of(const Shape& shape, double density, const ReportOnShape& refuse);
 /// A plane, or what a shape touches with, as colliders of the ground; `pose`: of the shape's frame. Nothing: as solids_of().
 std::vector<Collider> ground_colliders(Shape shape, const Pose& pose, const ShapeReports& report);
 /// Adds the collision elements of model files and their friction, then the floor's friction. `[[contact]]` comes after it.

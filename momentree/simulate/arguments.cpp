@@ -144,14 +144,21 @@ void check_quantity(const World& world, const EventQueue& queue, const Quantity&
 
 std::optional<Error> open_reaction(const World& world, const Condition& condition) {
   const Quantity& what = *condition.what;
-  if (!what.is_reaction() || condition.least_norm || !world.tree().has_loops()) return std::nullopt;
+  const ReactionParts parts = what.reaction_parts();
+  if (parts == 0 || condition.least_norm || !world.tree().has_loops()) return std::nullopt;
   for (const std::string& name : what.joints()) {
     const int number = world.find_joint(name);
-    if (number >= 0 && !world.loops_determine({number}))
-      return Error{
-          std::string(what.key()) + ": the closed loops do not determine the reaction of joint '" + name + "'", "",
-          "add undetermined = \"least_norm\" to take the least of all possible reactions, or let loops block fewer "
-          "directions, for example by a ball and a universal joint instead of revolute ones (explain counts the equations)"};
+    if (number < 0 || world.loops_determine({number}, parts)) continue;
+    std::string determined;
+    for (unsigned part = 0; part < 6; ++part)
+      if (world.loops_determine({number}, 1u << part))
+        determined += std::string(determined.empty() ? "" : " ") + "fm"[part / 3] + "xyz"[part % 3];
+    return Error{
+        std::string(what.key()) + ": the closed loops do not determine the reaction of joint '" + name + "'" +
+            (determined.empty() ? "" : ", but its components " + determined),
+        "",
+        "add undetermined = \"least_norm\" to take the least of all possible reactions, or let loops block fewer "
+        "directions, for example by a ball and a universal joint instead of revolute ones (explain counts the equations)"};
   }
   return std::nullopt;
 }

@@ -76,6 +76,29 @@ std::string EnergyBalance::advice(const Integration& how) const {
          (adaptive ? tolerances : step + ", or an adaptive method: dop853");
 }
 
+namespace {
+
+// The first mechanism without a collision that has fallen below a plane of the ground; empty: none has.
+std::string fell_through(const World& world) {
+  const std::span<const Collider> colliders = world.model().colliders();
+  const auto is_plane = [](const Collider& each) { return each.plane && each.body == ground; };
+  if (std::ranges::none_of(colliders, is_plane)) return {};
+  for (const Mechanism& mechanism : world.mechanisms()) {
+    const auto is_part = [&](const Collider& each) {
+      return std::ranges::find(mechanism.bodies, each.body) != mechanism.bodies.end();
+    };
+    if (mechanism.grounded || std::ranges::any_of(colliders, is_part)) continue;
+    const auto root = static_cast<std::size_t>(mechanism.root.index);
+    for (const Collider& plane : colliders)
+      if (const double depth = dot(plane.point - world.motions()[root].pose.position, plane.normal); is_plane(plane) && depth > 0)
+        return "'" + world.model().bodies()[root].name + "' has no collision and is " + formatted("%.3g", depth) +
+               " m below the ground at the end; collision = \"shape\" lets its shape touch";
+  }
+  return {};
+}
+
+}  // namespace
+
 std::vector<std::string> Simulation::warnings() const {
   std::vector<std::string> all = impl().stops.passed();
   const bool forced = !all.empty() && has_motions(impl_->world.tree());
@@ -101,6 +124,7 @@ std::vector<std::string> Simulation::warnings() const {
   };
   if (const std::optional<Overlap> left = momentree::overlap(*this); left && left->depth > left_by_steps && is_left(*left))
     all.push_back("at the end " + left->text() + why);
+  if (std::string fallen = fell_through(impl_->world); !fallen.empty()) all.push_back(std::move(fallen));
   return all;
 }
 

@@ -106,7 +106,7 @@ std::string open_loops(const World& world) {
   return "near a singular position, loop " + names;
 }
 
-std::string what_ran_away(const World& world, const Integrator& method, double h) {
+std::string what_diverged(const World& world, const Integrator& method, double h) {
   const Tree& tree = world.tree();
   const std::string within = " within a step of " + text(h) + " s";
   if (const auto& away = method.runaway_coordinate()) {
@@ -147,7 +147,7 @@ std::string divergence_text(const World& world, const Integrator& method, const 
     return when + stiff->what(world.spring({stiff->spring}).name, h) + "; " + stiff->cure();
   if (method.loops_open() || (method.adaptive() && world.tree().has_loops()))
     if (const std::string what = out_of_reach(world, h, std::max(h, 10 * integration.step)); !what.empty()) return when + what;
-  return when + what_ran_away(world, method, h) + "; use " +
+  return when + what_diverged(world, method, h) + "; use " +
          (method.adaptive() ? "larger tolerances rtol and atol"
                             : "a smaller step, such as " + text(integration.step / 4) + " s") +
          ", or more damping or inertia at that joint" + cure_of_point_masses(world);

@@ -69,7 +69,7 @@ TEST_CASE("a pendulum: acceleration, joint reaction and the drive's share of it,
     // torque.
     const Vec3 pull{-drive / 2, 0, 3 * (9.81 * std::cos(q) + 2 * v * v)};
     CHECK(distance(forces.reaction, {pull, {0, drive, 0}}) < 1e-12 * norm(pull));
-    CHECK(distance(forces.pure, {pull, {}}) < 1e-12 * norm(pull));
+    CHECK(distance(forces.bearing, {pull, {}}) < 1e-12 * norm(pull));
     CHECK(norm(world.accelerations()[0].linear) < 1e-13);
     CHECK(norm(world.accelerations()[0].angular - Vec3{0, a, 0}) < 1e-13);
     CHECK(sim.step(0.1) == Status::ok);
@@ -94,7 +94,7 @@ TEST_CASE("torques of reactions are about the joint's frame: a pin has none abou
     REQUIRE(norm(forces.reaction.force) > 10);
     CHECK(std::fabs(hook ? norm(forces.reaction.torque) : dot(forces.reaction.torque, axis)) <
           1e-13 * norm(forces.reaction.force));
-    CHECK(distance(forces.pure, forces.reaction) < 1e-13 * norm(forces.reaction.force));
+    CHECK(distance(forces.bearing, forces.reaction) < 1e-13 * norm(forces.reaction.force));
     // About the centre of mass the same wrench turns the rod: Euler's equation.
     const BodyMotion& motion = sim.world().motions()[0];
     const Mat3 R = rotation_matrix(motion.pose.rotation);
@@ -149,8 +149,8 @@ TEST_CASE("reactions do not depend on the root; a lock transmits the effort alon
   const JointForces locked = sim.world().joint_forces({2});
   REQUIRE(locked.a.size() == 1);
   CHECK(locked.a[0] == 0);
-  CHECK(std::fabs(locked.pure.torque.y) > 0.01);
-  CHECK(distance(locked.pure, locked.reaction) == 0);
+  CHECK(std::fabs(locked.bearing.torque.y) > 0.01);
+  CHECK(distance(locked.bearing, locked.reaction) == 0);
 }
 
 TEST_CASE("joint forces belong to the state: after undo they are the same to the last bit; removed bodies have none") {

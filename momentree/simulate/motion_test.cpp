@@ -76,7 +76,7 @@ TEST_CASE("a driven joint follows its curve to rounding, by every method, and it
                         std::fabs(forces.a[0] - s.acceleration), std::fabs(hinge.p[0]), std::fabs(hinge.pdot[0])});
       worst_effort = std::max({worst_effort, std::fabs(forces.effort[0] - effort) / 100,
                                std::fabs(forces.reaction.torque.y - effort + armature * s.acceleration) / 100,
-                               std::fabs(forces.pure.torque.y) / 100});
+                               std::fabs(forces.bearing.torque.y) / 100});
       return true;
     });
     REQUIRE(sim.run_until(10) == Status::ok);

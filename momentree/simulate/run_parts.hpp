@@ -1,6 +1,7 @@
 #pragma once
 // Parts of a running simulation that have a subject of their own: its activity, callbacks, energy, history and outcome.
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -93,7 +94,7 @@ struct RunHistory {
 
   bool keeps() const { return most > 0; }
   void keep(Past past) {
-    if (instants.size() >= most) instants.erase(instants.begin());
+    if (instants.size() >= most) instants.erase(instants.begin(), instants.end() - static_cast<std::ptrdiff_t>(most - 1));
     instants.push_back(std::move(past));
   }
 

@@ -69,9 +69,10 @@ RunState Simulation::Impl::run_state() {
   all.evaluated = world.edit().workspace().evaluated == world.edit().state().stamp();
   all.evaluations = evaluate.count, all.evaluation_seconds = evaluate.seconds;
   all.statistics = statistics;
-  all.within_run = activity.doing == Doing::watching;
-  if (all.within_run) all.statistics.total_seconds[statistics.changes > 0 ? 1 : 0] += detail::seconds_since(lap);
-  all.keeps_closed = contact.keeps_closed;
+  all.within_run = continues || activity.doing == Doing::watching;
+  if (activity.doing == Doing::watching)
+    all.statistics.total_seconds[statistics.changes > 0 ? 1 : 0] += detail::seconds_since(lap);
+  all.keeps_closed = contact.keeps_closed || activity.doing == Doing::observing;
   all.progress = progress.mark();
   all.observed = observers.observed, all.observed_at = observers.observed_at, all.next_observation = observers.next_look;
   all.events = events;
@@ -100,6 +101,16 @@ void Simulation::Impl::continue_from(const RunState& from) {
   continues = from.within_run, contact.keeps_closed = from.keeps_closed;
   observers.observed = from.observed, observers.observed_at = from.observed_at, observers.next_look = from.next_observation;
   events = from.events;
+}
+
+const std::vector<EventQueue::Entry>& scheduled(const Simulation& simulation) {
+  return implementation(simulation, false).queue.entries;
+}
+
+void schedule(Simulation& simulation, std::vector<EventQueue::Entry> events) {
+  Simulation::Impl& impl = implementation(simulation, true);
+  impl.queue.entries = std::move(events);
+  impl.queue.look_ahead();
 }
 
 }  // namespace momentree

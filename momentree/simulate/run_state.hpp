@@ -12,10 +12,7 @@ namespace momentree {
 
 /// The status of all events of a queue, scheduled ones and strengths of joints, and what stops remember.
 struct QueueState {
-  struct Entry {
-    EventStatus status;
-    Approach nearest;
-  };
+  using Entry = EventQueue::Progress;
   /// The event of a joint's strength, with the names that it had when the strength was found.
   struct Borne {
     Strength strength{};
@@ -51,5 +48,10 @@ struct RunState {
   double next_observation = 0;     ///< s
   std::vector<Event> events;       ///< those that happened
 };
+
+/// The scheduled events, in the order of scheduling.
+const std::vector<EventQueue::Entry>& scheduled(const Simulation& simulation);
+/// Replaces them, before continue_from(). Names are not checked: the events may refer to what the run made later.
+void schedule(Simulation& simulation, std::vector<EventQueue::Entry> events);
 
 }  // namespace momentree

@@ -314,7 +314,7 @@ class Simulation {
   [[nodiscard]] Simulation branch() const;
 
   /// The run between two steps, to be continued later or in another process (simulate/run_state.hpp): outside of a run, or in the
-  /// callback of watch().
+  /// callback of observe() or watch(). From that of observe(), a new run begins.
   [[nodiscard]] RunState run_state() const;
   /// Continues a run: the next run_until() goes on as the run itself would have, to the last bit. Call it on a simulation of the
   /// same model at the start of its run, after everything has been scheduled and set that the run had: events, drives, forces,

@@ -242,10 +242,10 @@ TEST_CASE("misuse: a tree, state or workspace that do not belong together") {
                  accelerate(s.tree, s.state, s.workspace);
                  static_cast<void>(reaction(s.tree, s.state, s.workspace, {4}));
                }),
-      of_scene("pure_reaction of no joint", no_joint,
+      of_scene("bearing_reaction of no joint", no_joint,
                [](Scene& s) {
                  accelerate(s.tree, s.state, s.workspace);
-                 static_cast<void>(pure_reaction(s.tree, s.state, s.workspace, {-1}));
+                 static_cast<void>(bearing_reaction(s.tree, s.state, s.workspace, {-1}));
                }),
       of_scene("joint_effort of no joint", no_joint,
                [](Scene& s) {

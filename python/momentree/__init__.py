@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from momentree import _attributes, _coacd, distributions, events, joints
+from momentree import _attributes, _coacd, _core, distributions, events, joints
+from momentree._calls import explain_calls
 from momentree._core import Body, Context, Joint, ModelBody, Snapshot, Spring, World, __version__
 from momentree._errors import Diagnostic, Error, RunError
 from momentree._records import (
@@ -39,7 +40,7 @@ from momentree.loading import load, loads
 from momentree.model import Model
 from momentree.run import BodyRows, JointRows, Run, SpringRows
 from momentree.simulation import Scheduled, Simulation
-from momentree.sweeps import Share, Sweep, SweepResults
+from momentree.sweeps import Share, Sweep, SweepResults, load_sweep
 
 __all__: list[str] = [
     "Action",
@@ -89,6 +90,7 @@ __all__: list[str] = [
     "Wrench",
     "__version__",
     "load",
+    "load_sweep",
     "loads",
     "sweep",
 ]
@@ -97,6 +99,7 @@ __all__ += events.__all__
 __all__ += joints.__all__
 
 _coacd.locate()
+explain_calls(_core)
 for _each in (Body, Context, Joint, ModelBody, Snapshot, Spring, World):
     setattr(_each, "__setattr__", _attributes.assign)
 

@@ -29,3 +29,14 @@ def assign(self: object, name: str, value: Any) -> None:
     nearest = get_close_matches(name, meant if known else meant + others, 1)
     hint = f"did you mean '{nearest[0]}'?" if nearest else _INSTEAD.get(cls.__name__, "") if known else ""
     raise AttributeError(problem + (f"; {hint}" if hint else ""))
+
+
+def assign_once(self: object, name: str, value: Any) -> None:
+    """The ``__setattr__`` of a class whose public attributes are set when an object is made.
+
+    Raises:
+        AttributeError: The attribute has a value.
+    """
+    if not name.startswith("_") and (name in vars(self) or hasattr(type(self), name)):
+        raise AttributeError(f"'{type(self).__name__}.{name}' can't be assigned: it is a result")
+    object.__setattr__(self, name, value)

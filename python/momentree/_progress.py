@@ -1,4 +1,4 @@
-"""Progress of a run in the terminal or a notebook."""
+"""Progress of a run or a sweep in the terminal or a notebook."""
 
 from __future__ import annotations
 
@@ -10,34 +10,35 @@ from typing import Any
 Show = Callable[[float], None]
 
 
-def _bar(total: float) -> Any:
+def _bar(total: float, unit: str) -> Any:
     try:
         from tqdm.auto import tqdm
     except ImportError:
         return None
-    return tqdm(total=total, unit="s", bar_format="{l_bar}{bar}| {n:.3g}/{total:.3g} s [{elapsed}<{remaining}]")
+    form = "{l_bar}{bar}| {n:.6g}/{total:.6g} " + unit + " [{elapsed}<{remaining}]"
+    return tqdm(total=total, unit=unit, bar_format=form)
 
 
 @contextmanager
-def progress_bar(start: float, end: float, wanted: bool) -> Generator[Show | None, None, None]:
-    """A function to be called with the simulated time (s), or ``None`` if no display is wanted."""
+def progress_bar(start: float, end: float, wanted: bool, unit: str = "s") -> Generator[Show | None, None, None]:
+    """A function to be called with the simulated time (s), or the number of worlds, or ``None`` if no display is wanted."""
     if not wanted:
         yield None
         return
-    bar = _bar(end - start)
+    bar = _bar(end - start, unit)
     if bar is None:
 
-        def write(time: float) -> None:
-            share = (time - start) / (end - start) if end > start else 1.0
-            print(f"\r{100 * share:5.1f} %  t = {time:.3g} s", end="", file=sys.stderr, flush=True)
+        def write(now: float) -> None:
+            share = (now - start) / (end - start) if end > start else 1.0
+            print(f"\r{100 * share:5.1f} %  {now:.6g} {unit}", end="", file=sys.stderr, flush=True)
 
         yield write
         print(file=sys.stderr)
         return
     with bar:
 
-        def update(time: float) -> None:
-            bar.update(time - start - bar.n)
+        def update(now: float) -> None:
+            bar.update(now - start - bar.n)
 
         yield update
         bar.update(end - start - bar.n)

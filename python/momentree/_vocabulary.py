@@ -8,7 +8,7 @@ from typing import Any, Literal, Union, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from momentree._core import Body, Joint, ModelBody, World
+from momentree._core import Body, Joint, ModelBody, Spring, World
 from momentree._errors import Error
 
 Number = Union[float, int, str, np.floating[Any]]
@@ -111,6 +111,15 @@ class Action:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
+
+
+def break_spring(spring: str | Spring) -> Action:
+    """Breaks a spring, or parts a cable: it exerts no force from then on.
+
+    Args:
+        spring: Name of the spring or cable, or its handle.
+    """
+    return Action("break", {"joint": spring if isinstance(spring, str) else spring.name})
 
 
 class Condition:
@@ -263,12 +272,4 @@ def _plain(value: Any) -> Any:
         return {key: _plain(each) for key, each in cast("Mapping[str, Any]", value).items()}
     if isinstance(value, (list, tuple)):
         return [_plain(each) for each in cast("Sequence[Any]", value)]
-    return value
-
-
-def portable(value: Any) -> Any:
-    """A condition without handles, which can be pickled; anything else as it is."""
-    if isinstance(value, Condition):
-        quantity = Quantity(value.quantity.key, _plain(value.quantity.value), options=value.quantity.options)
-        return Condition(quantity, value.threshold, value.exceeds)._with(**value._options)
     return value

@@ -44,6 +44,9 @@ class Group(NamedTuple):
     p: Array
     """Canonical momenta (N m s, N s), shape (len(worlds), nv)."""
 
+    def __repr__(self) -> str:
+        return f"<momentree.Group: {len(self.worlds)} worlds, {self.q.shape[1]} coordinates, {self.v.shape[1]} degrees of freedom>"
+
 
 class JointColumns(NamedTuple):
     """A joint in all worlds; NaN where it is of another kind than in the model, or was removed. One that closes a loop has no p."""
@@ -195,6 +198,22 @@ class Batch(_core.BatchBase):
 
         self._write(numbers, rows(q, 2), rows(v, 2), rows(p, 2), rows(time, 1))
 
+    def reset(self, worlds: Worlds = None) -> None:
+        """Return worlds to the model's start state, time and topology, without extra efforts.
+
+        Args:
+            worlds: Which, of any topologies; default: all.
+
+        Raises:
+            Error: There is no such world.
+        """
+        numbers = self._numbers(worlds)
+        self._reset(numbers)
+        if worlds is None:
+            self._effort = None
+        elif self._effort is not None:
+            self._effort[numbers] = 0
+
     @property
     def effort(self) -> Array:
         """Extra efforts along the degrees of freedom (N m, N), shape (worlds, nv), as they were set last, a copy; assign an array.
@@ -213,24 +232,40 @@ class Batch(_core.BatchBase):
     def effort(self, values: ArrayLike) -> None:
         self.set_effort(values)
 
-    def set_effort(self, effort: ArrayLike, worlds: Worlds = None) -> None:
+    def set_effort(self, effort: ArrayLike | Mapping[str, ArrayLike], worlds: Worlds = None) -> None:
         """Set extra efforts of some worlds, which act until they are set again.
 
         Args:
-            effort: N m or N, shape (worlds, nv), or (nv,) for all of them.
+            effort: N m or N, shape (worlds, nv), or (nv,) for all of them; or by the names of joints, zero for others:
+                ``{"arm/elbow": 2.0}``, a number for all worlds, or shape (worlds,) or (worlds, nv of the joint).
             worlds: Which, of the same topology; default: all.
 
         Raises:
             Error: The worlds have different topologies, the shape is wrong, or a number is not finite; nothing has changed.
         """
         numbers = self._numbers(worlds)
-        array = np.asarray(effort)
+        array = np.asarray(effort) if not isinstance(effort, Mapping) else self._efforts_by_name(effort, numbers)
         if array.ndim == 1:
             array = np.broadcast_to(array, (len(numbers), *array.shape))
         self._set_efforts(numbers, array)
         if worlds is None or self._effort is None or self._effort.shape[1] != array.shape[1]:
             self._effort = np.zeros((len(self), array.shape[1]))
         self._effort[numbers] = array
+
+    def _efforts_by_name(self, efforts: Mapping[str, ArrayLike], worlds: list[int]) -> Array:
+        array = np.zeros((len(worlds), self._read(worlds, "v").shape[1]))
+        for name, given in efforts.items():
+            layout = self._layout(worlds[0], name) if worlds else None
+            if layout is None:
+                raise Error(f"effort: there is no joint {name!r} in the tree of these worlds", hint="batch.joints has their names")
+            first, width = layout[3], layout[4]
+            values = np.asarray(given, dtype=np.float64)
+            try:
+                array[:, first : first + width] = values[:, np.newaxis] if values.ndim == 1 else values
+            except ValueError:
+                shape = f"({len(worlds)},) or ({len(worlds)}, {width})"
+                raise Error(f"effort: {name!r} needs a number or an array of shape {shape}, found {values.shape}") from None
+        return array
 
     def apply(self, worlds: Worlds, *actions: Action, name: str | None = None) -> list[Event]:
         """Carry out actions now in some worlds, as one event in each.
@@ -324,4 +359,5 @@ class Batch(_core.BatchBase):
         return BodyColumns(rows[:, 0:3], rows[:, 3:7], rows[:, 7:10], rows[:, 10:13])
 
     def __repr__(self) -> str:
-        return f"<momentree.Batch: {len(self)} worlds, {int(self.group.max()) + 1} topologies>"
+        alone = "" if self.lanes > 1 else ", stepped one by one"
+        return f"<momentree.Batch: {len(self)} worlds, {int(self.group.max()) + 1} topologies{alone}>"

@@ -16,6 +16,7 @@ from momentree._vocabulary import (
     Condition,
     JointName,
     JointSpec,
+    Number,
     Numbers,
     Onset,
     Pose,
@@ -24,6 +25,7 @@ from momentree._vocabulary import (
     Signals,
     Undetermined,
     Vector,
+    break_spring,
     drive_of,
     given,
     measured,
@@ -33,6 +35,7 @@ from momentree._vocabulary import (
 __all__ = [
     "attach",
     "break_joint",
+    "break_spring",
     "change_joint",
     "contact_force",
     "contact_impulse",
@@ -48,6 +51,7 @@ __all__ = [
     "reaction",
     "reaction_impulse",
     "reroot",
+    "set_length",
     "set_parameters",
     "slip",
     "speed",
@@ -182,6 +186,19 @@ def set_parameters(
         drive: Drive: an effort, position control or a prescribed motion.
     """
     return Action("set", given(joint=joint, damping=damping, stiffness=stiffness, rest=rest, armature=armature, limits=limits, friction=friction, strength=strength, drive=drive_of(effort, drive)), [joint])
+
+
+def set_length(
+    cable: JointName,
+    length: Number,
+) -> Action:
+    """Sets the length of a cable, or the rest length of a spring.
+
+    Args:
+        cable: Its name, or its handle.
+        length: Its new length (m).
+    """
+    return Action("set_length", given(cable=cable, length=length), [cable])
 
 
 def unlock(

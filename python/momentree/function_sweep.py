@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from momentree._arguments import called
 from momentree._core import _draw
 from momentree._errors import Error
+from momentree._progress import Show, progress_bar
 from momentree._records import Array
 from momentree.distributions import Distribution
 from momentree.sweeps import Column, SweepResults, _index
@@ -32,8 +33,9 @@ def sweep(
     worlds: int | None = None,
     sampling: str = "random",
     seed: int = 0,
-    jobs: int = 1,
+    jobs: int = 0,
     executor: Executor | None = None,
+    progress: bool = False,
 ) -> SweepResults:
     """Call a Python function for each world of a sweep: ``function(**values)`` returns a number or a dictionary of numbers.
 
@@ -49,8 +51,10 @@ def sweep(
         worlds: Number of worlds. Values are then drawn, those of sequences with equal probabilities.
         sampling: How distributions are drawn: ``"random"``, ``"latin"`` (hypercube) or ``"sobol"``.
         seed: Determines the drawn values, and the seeds of the worlds if `parameters` is a number.
-        jobs: Threads; 0: one for each processor. They run side by side only where the function releases the GIL, as runs do.
+        jobs: Threads; 0: one for each processor. They run side by side only where the function releases the GIL, as runs do. With
+            ``jobs=1``, a function may use what is not safe for threads, such as one simulation for all worlds.
         executor: Computes the worlds instead: a ``ProcessPoolExecutor``, or ``mpi4py.futures.MPIPoolExecutor``.
+        progress: Show a progress bar (with tqdm, if it is installed).
 
     Returns:
         The results in the order of the worlds, whatever computed them.
@@ -65,8 +69,8 @@ def sweep(
     rows = _worlds(parameters, _index(seed, "seed"), None if worlds is None else _index(worlds, "worlds"), sampling)
     outcomes: list[Outcome | None] = [None] * len(rows)
     try:
-        with _pool(executor, count) as pool:
-            _map(pool, function, rows, outcomes)
+        with _pool(executor, count) as pool, progress_bar(0, len(rows), progress, "worlds") as show:
+            _map(pool, function, rows, outcomes, show)
     except BaseException as error:
         vars(error)["results"] = _results(rows, outcomes)
         raise
@@ -213,7 +217,11 @@ def _pool(executor: Executor | None, jobs: int) -> Generator[Executor | None, No
 
 
 def _map(
-    pool: Executor | None, function: Callable[..., Any], worlds: list[dict[str, Any]], outcomes: list[Outcome | None]
+    pool: Executor | None,
+    function: Callable[..., Any],
+    worlds: list[dict[str, Any]],
+    outcomes: list[Outcome | None],
+    show: Show | None,
 ) -> None:
     """Fills `outcomes` as far as it gets."""
     parameters = set(_names(worlds))
@@ -227,6 +235,8 @@ def _map(
                 raise Error(f"the function returns {clash!r}, which is a parameter", hint="rename one of them")
             first = first and bool(why)
             outcomes[k] = (why, returned) if clash is None else (f"the function returned {clash!r}, which is a parameter", {})
+        if show is not None:
+            show(start + len(found))
 
     if pool is None:
         for k, values in enumerate(worlds):

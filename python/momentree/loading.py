@@ -40,9 +40,8 @@ def load(
 
 
 def source_of(path: str | os.PathLike[str], options: Mapping[str, Any]) -> tuple[Any, ...]:
-    """What a simulation of that file is made of, with the options of :class:`Simulation` that are not their defaults."""
-    standard = {"method": "rk4", "step": 1e-3}
-    changed = {f"integrate.{key}": value for key, value in options.items() if value not in (None, standard.get(key))}
+    """What a simulation of that file is made of, with the options of :class:`Simulation` that are given."""
+    changed = {f"integrate.{key}": value for key, value in options.items() if value is not None}
     return anywhere(("file", os.fspath(path), overrides(changed), "", None))
 
 

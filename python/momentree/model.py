@@ -196,7 +196,7 @@ class Model(Elements):
         Raises:
             Error: A value is impossible or a name unknown; the model is unchanged.
         """
-        pair = None if between is None else [end if isinstance(end, str) else end.name for end in between]
+        pair = None if between is None else [getattr(end, "name", end) for end in between]
         self._add_contact(given(between=pair, friction=friction, restitution=restitution, off=off, name=name))
 
     def add_force(
@@ -222,7 +222,7 @@ class Model(Elements):
         Raises:
             Error: A value is impossible or the name unknown; the model is unchanged.
         """
-        name = body if isinstance(body, str) else body.name
+        name: Any = getattr(body, "name", body)
         self._add_force(name, given(body=name, force=force, torque=torque, point=point, axes=axes, drag=drag))
 
     def add_loop(
@@ -277,9 +277,7 @@ class Model(Elements):
         return f"<momentree.Model: {len(self)} bodies>"
 
 
-def _model_from_toml(
-    text: str, order: list[str], names: list[tuple[str, str]], contact: Any = ((), (), ())
-) -> Model:
+def _model_from_toml(text: str, order: list[str], names: list[tuple[str, str]], contact: bytes) -> Model:
     from momentree.loading import loads
 
     model = Model.__new__(Model)

@@ -7,12 +7,13 @@ import io
 import json
 import os
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from momentree._attributes import assign_once
 from momentree._core import Snapshot, _Record
 from momentree._errors import Error
 from momentree._records import Array, Event, Wrench
@@ -21,6 +22,8 @@ from momentree._world import Columns
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+
+    from momentree.simulation import Simulation
 
 
 # What the columns of a plot are, by the last part of their names.
@@ -42,6 +45,9 @@ class JointRows:
 
     Rows are NaN where the joint did not exist; columns are NaN where it had fewer coordinates.
     """
+
+    if not TYPE_CHECKING:  # a type checker would take any assignment for allowed
+        __setattr__ = assign_once
 
     def __init__(self, name: str, columns: Mapping[str, Array]) -> None:
         self.name: str = name
@@ -89,6 +95,9 @@ class JointRows:
 class BodyRows:
     """The motion of one body's frame, world axes, row by row of ``run.time``. Rows are NaN where the body was not in the world."""
 
+    if not TYPE_CHECKING:  # a type checker would take any assignment for allowed
+        __setattr__ = assign_once
+
     def __init__(self, name: str, rows: Array) -> None:
         self.name: str = name
         """Name of the body."""
@@ -121,6 +130,9 @@ class BodyRows:
 class SpringRows:
     """What a spring did in a run, row by row; NaN once it was broken."""
 
+    if not TYPE_CHECKING:  # a type checker would take any assignment for allowed
+        __setattr__ = assign_once
+
     def __init__(self, name: str, rows: Array) -> None:
         self.name: str = name
         """Name of the spring."""
@@ -152,9 +164,13 @@ class Run:
     ``run.time``.
     """
 
-    def __init__(self, record: _Record, functions: Sequence[Callable[..., Any]] = ()) -> None:
+    if not TYPE_CHECKING:  # a type checker would take any assignment for allowed
+        __setattr__ = assign_once
+
+    def __init__(self, record: _Record, simulation: Simulation) -> None:
         self._record: _Record | None = record
-        self._functions = list(functions)  # that states of rows refer to
+        self._simulation: Simulation | None = simulation
+        self._functions = list(simulation._functions)  # that states of rows refer to
         self.status: str = record.status
         """``"done"``, or why the run ended early."""
         self.time: Array = record.time
@@ -287,7 +303,7 @@ class Run:
         if not -count <= row < count:
             raise IndexError(f"row {row} of {count}")
         snapshot = self._recorded().state(row % count)
-        snapshot._functions = list(self._functions)
+        snapshot._functions, snapshot._simulation = list(self._functions), cast("Simulation", self._simulation)
         return snapshot
 
     # Files
@@ -449,7 +465,7 @@ class Run:
             state["joints"] = {name: self.joints[name] for name in self.joints}
             state["bodies"] = {name: self.bodies[name] for name in self.bodies}
             state["springs"] = {name: self.springs[name] for name in self.springs}
-        state["_record"] = None
+        state["_record"] = state["_simulation"] = None
         state["_functions"] = []
         return state
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import math
 import os
 from collections.abc import Callable, Sequence
@@ -27,7 +28,6 @@ from momentree._vocabulary import (
     Pose,
     Quantity,
     Vector,
-    portable,
 )
 from momentree.model import Belt, Collision, Model, Parent, Shape, body_fields, checked
 from momentree.run import Run
@@ -49,11 +49,9 @@ class Scheduled:
     if not TYPE_CHECKING:  # a type checker would take any assignment for allowed
         __setattr__ = assign
 
-    def __init__(self, simulation: Simulation, scheduled: Any, how: tuple[str, tuple[Any, ...]]) -> None:
+    def __init__(self, simulation: Simulation, scheduled: Any) -> None:
         self._simulation = simulation
         self._scheduled = scheduled
-        self._entry: dict[str, Any] = {"how": how, "actions": [], "name": None}
-        simulation._schedule.append(self._entry)
 
     def then(self, *actions: Action) -> Scheduled:
         """Add actions, which happen at one instant as one impact.
@@ -62,13 +60,11 @@ class Scheduled:
             Error: A name is unknown or a value impossible, or the event has happened; nothing was added.
         """
         self._scheduled._then(self._simulation._checked(actions))
-        self._entry["actions"] += actions
         return self
 
     def named(self, name: str) -> Scheduled:
         """Name the event, for ``after``, ``Event.name`` and reports; a joint that it makes then has that name, too."""
         self._scheduled._named(name)
-        self._entry["name"] = name
         return self
 
 
@@ -80,9 +76,9 @@ class Simulation(_core.SimulationBase):
 
     Args:
         model: What moves. Later changes of the model do not affect the simulation. Or the path of a file: see :func:`load`.
-        method: ``"rk4"``, ``"midpoint"``, ``"damped"`` and ``"stepping"`` (through contacts) have fixed steps; ``"dopri5"`` and ``"dop853"`` are adaptive.
+        method: ``"rk4"`` (default, unless a file says otherwise), ``"midpoint"``, ``"damped"`` and ``"stepping"`` (through contacts) have fixed steps; ``"dopri5"`` and ``"dop853"`` are adaptive.
         variables: Of the state, ``"momenta"`` or ``"velocities"``; default: velocities for adaptive methods, else momenta.
-        step: s; the first step of adaptive methods.
+        step: s, by default 1 ms unless a file says otherwise; the first step of adaptive methods.
         rtol: Relative error per step of adaptive methods.
         atol: Absolute error per step of adaptive methods.
         max_step: Longest step of adaptive methods, and of the motion between impulses of ``"stepping"`` (s).
@@ -90,7 +86,6 @@ class Simulation(_core.SimulationBase):
         resolve: True: bodies that overlap at the start are pushed apart, with the least motion; an Error if that is impossible.
     """
 
-    _schedule: list[dict[str, Any]]
     _source: tuple[Any, ...]
     _event_cache: list[Event]
     _functions: list[Callable[..., Any]]
@@ -104,9 +99,9 @@ class Simulation(_core.SimulationBase):
         self,
         model: Model | str | os.PathLike[str],
         *,
-        method: str = "rk4",
+        method: str | None = None,
         variables: str | None = None,
-        step: Number = 1e-3,
+        step: Number | None = None,
         rtol: float | None = None,
         atol: float | None = None,
         max_step: Number | None = None,
@@ -126,7 +121,6 @@ class Simulation(_core.SimulationBase):
 
     def _begin(self, source: tuple[Any, ...]) -> None:
         self._source = source
-        self._schedule = []
         self._event_cache = []
         self._functions = []  # the engine borrows them
         self.last_run = None
@@ -177,7 +171,7 @@ class Simulation(_core.SimulationBase):
         Raises:
             Error: The time is past or not finite.
         """
-        return Scheduled(self, self._at(time), ("at", (time,)))
+        return Scheduled(self, self._at(time))
 
     def when(self, condition: Trigger) -> Scheduled:
         """Schedule actions for when a condition is met.
@@ -200,7 +194,7 @@ class Simulation(_core.SimulationBase):
         for handle in condition.quantity._handles:
             self._check_handle(handle)
         if condition.quantity.key != "function":
-            return Scheduled(self, self._when(condition.scenario_value()), ("when", (condition,)))
+            return Scheduled(self, self._when(condition.scenario_value()))
         options = condition._options
         hysteresis = options.get("hysteresis")
         self._functions.append(condition.quantity.value)
@@ -213,7 +207,7 @@ class Simulation(_core.SimulationBase):
             number(options.get("for", 0.0), "lasting"),
             options.get("locate") != "per step",
         )
-        return Scheduled(self, scheduled, ("when", (condition,)))
+        return Scheduled(self, scheduled)
 
     def value(self, quantity: Quantity) -> float:
         """The present value of a quantity, as conditions see it, in its SI unit; NaN if there is none, as for a joint that broke.
@@ -234,11 +228,11 @@ class Simulation(_core.SimulationBase):
 
     def after(self, event: str, delay: Number = 0.0) -> Scheduled:
         """Schedule actions ``delay`` seconds after the event with the name ``event``, each time that it happens."""
-        return Scheduled(self, self._after(event, delay), ("after", (event, delay)))
+        return Scheduled(self, self._after(event, delay))
 
     def every(self, period: Number, start: Number = 0.0) -> Scheduled:
         """Schedule actions at ``start`` (s) and every ``period`` seconds from then on, without instants that are past."""
-        return Scheduled(self, self._every(period, start), ("every", (period, start)))
+        return Scheduled(self, self._every(period, start))
 
     def apply(self, *actions: Action, name: str | None = None) -> Event:
         """Carry out actions now, as one event: all of them at one instant are one impact.
@@ -304,7 +298,7 @@ class Simulation(_core.SimulationBase):
     def snapshot(self) -> Snapshot:
         """The complete state at this instant: restoring it is exact to the last bit, across any number of changes."""
         snapshot = self._snapshot()
-        snapshot._functions = list(self._functions)
+        snapshot._functions, snapshot._simulation = list(self._functions), self
         return snapshot
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -429,7 +423,7 @@ class Simulation(_core.SimulationBase):
         ended: list[tuple[str, str]] = []
 
         def finished(record: Any, status: str, reason: str) -> None:
-            found.append(Run(record, self._functions))
+            found.append(Run(record, self))
             ended.append((status, reason))
             self.last_run = found[0]
 
@@ -454,7 +448,6 @@ class Simulation(_core.SimulationBase):
         copy = type(self).__new__(type(self))
         _core.SimulationBase.__init__(copy, self)
         copy._begin(self._source)
-        copy._schedule = [dict(entry) for entry in self._schedule]
         copy._functions = list(self._functions)
         return copy
 
@@ -464,18 +457,9 @@ class Simulation(_core.SimulationBase):
         return self.branch()
 
     def __getstate__(self) -> dict[str, Any]:
-        schedule: list[dict[str, Any]] = []
-        for entry in self._schedule:
-            how, arguments = entry["how"]
-            if how == "when" and arguments[0].quantity.key == "function":
-                raise TypeError("a simulation whose events depend on Python functions can't be pickled")
-            schedule.append({**entry, "how": (how, tuple(portable(each) for each in arguments))})
         if self._has_functions:
-            raise TypeError("a simulation with Python functions as drives or forces can't be pickled")
-        if self._has_other_bodies:
-            raise TypeError("a simulation in which bodies were added or removed can't be pickled")
-        state = {"source": self._source, "hash": self._hash, "state": self._saved(), "schedule": schedule}
-        return {**state, "effort": [float(x) for x in self.effort]}
+            raise TypeError("a simulation with Python functions as drives, forces or conditions can't be pickled")
+        return {"source": self._source, "hash": self._hash, "state": self._saved()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         kind, *arguments = state["source"]
@@ -486,15 +470,17 @@ class Simulation(_core.SimulationBase):
             if self._hash != state["hash"]:
                 raise Error("the scenario has changed since the simulation was pickled", where=arguments[0], hint="load it again")
         self._begin(state["source"])
-        for entry in state["schedule"]:
-            how, given = entry["how"]
-            scheduled: Scheduled = getattr(self, how)(*given)
-            if entry["name"] is not None:
-                scheduled.named(entry["name"])
-            scheduled.then(*entry["actions"])
         self._go_on_from(state["state"])
-        if any(state["effort"]):
-            self.effort = state["effort"]
 
     def __repr__(self) -> str:
         return f"<momentree.Simulation: {len(self.world.bodies)} bodies, t = {self.time:.9g} s>"
+
+
+def _pickled(snapshot: Snapshot) -> tuple[Callable[[Simulation], Snapshot], tuple[Simulation]]:
+    """A snapshot is pickled as a simulation in that state."""
+    branch = snapshot._simulation.branch()
+    branch.restore(snapshot)
+    return Simulation.snapshot, (branch,)
+
+
+copyreg.pickle(Snapshot, _pickled)

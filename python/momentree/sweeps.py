@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from momentree import _core
+from momentree._attributes import assign_once
 from momentree._errors import Error
+from momentree._progress import progress_bar
 from momentree._records import Array
 from momentree.simulation import Simulation
 
@@ -71,14 +73,18 @@ class Sweep(_core.SweepBase):
         simulation._begin(("file", *arguments))
         return simulation
 
-    def run(self, jobs: int = 0, worlds: Iterable[int | np.integer[Any]] | None = None) -> SweepResults:
-        """Compute worlds in this process. Releases the GIL; Ctrl-C ends it.
+    def run(
+        self, jobs: int = 0, worlds: Iterable[int | np.integer[Any]] | None = None, *, progress: bool = False
+    ) -> SweepResults:
+        """Compute worlds in this process. Releases the GIL.
 
-        The results do not depend on `jobs`; they are those of the command ``momentree sweep``, to the bit.
+        The results do not depend on `jobs`; they are those of the command ``momentree sweep``, to the bit. The KeyboardInterrupt of
+        Ctrl-C has the finished worlds as its attribute ``results``.
 
         Args:
             jobs: Threads; 0: one for each processor.
             worlds: Which ones, in this order; default: all.
+            progress: Show a progress bar (with tqdm, if it is installed).
 
         Returns:
             The results. A world that fails has a status that says why.
@@ -87,7 +93,17 @@ class Sweep(_core.SweepBase):
             Error: There is no such world, or there is not enough memory for all results.
         """
         chosen = None if worlds is None else [_index(world) for world in worlds]
-        numbers, failures = self._compute(chosen, _index(jobs, "jobs"))
+        count = self.worlds if chosen is None else len(chosen)
+        with progress_bar(0, count, progress, "worlds") as show:
+            numbers, failures, interruption, rows = self._compute(chosen, _index(jobs, "jobs"), show)
+            if interruption is not None:
+                worlds = rows if chosen is None else [chosen[row] for row in rows]
+                failures = {k: failures[row] for k, row in enumerate(rows) if row in failures}
+                vars(interruption)["results"] = self._results(worlds, numbers[rows], failures)
+                raise interruption
+        return self._results(chosen, numbers, failures)
+
+    def _results(self, chosen: list[int] | None, numbers: Array, failures: Mapping[int, str]) -> SweepResults:
         world = np.arange(self.worlds, dtype=np.int64) if chosen is None else np.array(chosen, dtype=np.int64)
         values = {name: np.array(c) if isinstance(c, list) else c for name, c in self._columns(chosen).items()}
         measures: dict[str, Column] = {}
@@ -100,6 +116,18 @@ class Sweep(_core.SweepBase):
 
     def __repr__(self) -> str:
         return f"<momentree.Sweep '{self.name}': {self.worlds} worlds>"
+
+
+def load_sweep(path: str | os.PathLike[str]) -> Sweep:
+    """Load a sweep file (TOML). :func:`sweep` calls a Python function instead.
+
+    Args:
+        path: The file.
+
+    Raises:
+        Error: The file or its scenario has errors: ``diagnostics`` lists all of them, with line and column.
+    """
+    return Sweep(path)
 
 
 def _index(value: Any, what: str = "world") -> int:
@@ -128,6 +156,9 @@ class SweepResults:
     for example. Flags are 1 or 0: ``results["holds"] == 1`` are the worlds in which it is true, ``np.nanmean(results["holds"])`` is
     its share, and :meth:`share` adds an interval.
     """
+
+    if not TYPE_CHECKING:  # a type checker would take any assignment for allowed
+        __setattr__ = assign_once
 
     def __init__(
         self,

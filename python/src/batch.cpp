@@ -108,7 +108,7 @@ void write_rows(BatchObject& self, const Worlds& worlds, nb::handle q, nb::handl
 
 std::vector<bool> worlds_away(const Batch& batch) {
   std::vector<bool> all;
-  for (int world = 0; world < batch.worlds(); ++world) all.push_back(batch.ran_away(world));
+  for (int world = 0; world < batch.worlds(); ++world) all.push_back(batch.diverged(world));
   return all;
 }
 
@@ -116,7 +116,7 @@ std::vector<bool> worlds_away(const Batch& batch) {
 void warn_of_diverged(const Batch& batch, const std::vector<bool>& before) {
   int first = -1, count = 0;
   for (int world = batch.worlds() - 1; world >= 0; --world)
-    if (batch.ran_away(world) && !before[static_cast<std::size_t>(world)]) first = world, ++count;
+    if (batch.diverged(world) && !before[static_cast<std::size_t>(world)]) first = world, ++count;
   if (count == 0) return;
   const std::string others = count == 1 ? "" : count == 2 ? " and 1 other" : " and " + std::to_string(count - 1) + " others";
   const std::string text = "world " + std::to_string(first) + others + " stopped: " + batch.message(first) +
@@ -180,6 +180,12 @@ void set_efforts(BatchObject& self, const Worlds& worlds, nb::handle efforts) {
   const UseBatch use(self);
   const auto [nq, nv] = widths(self, worlds);
   if (!worlds.empty()) self.batch.set_efforts(worlds, rows_of(efforts, worlds.size(), nv, "effort").data());
+}
+
+void reset(BatchObject& self, const Worlds& worlds) {
+  const UseBatch use(self);
+  check_worlds(self, worlds);
+  self.batch.reset(worlds);
 }
 
 BodyId body_of(const BatchObject& self, const std::string& body) {
@@ -330,6 +336,7 @@ void register_batch(nb::module_& m) {
       .def("_write", &write_rows, "worlds"_a, "q"_a.none(), "v"_a.none(), "p"_a.none(), "time"_a.none())
       .def("_apply", &apply_in_worlds)
       .def("_set_efforts", &set_efforts)
+      .def("_reset", &reset)
       .def("_motions", &motions)
       .def("contacts", &contacts, "world"_a,
            "The points at which bodies touch in a world, with their forces: a list of `Contact`.\n\n"

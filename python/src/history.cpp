@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include <momentree/results/model_json.hpp>
 #include <momentree/results/run_record.hpp>
 #include <momentree/scenario/state/state_document.hpp>
+#include <momentree/tree/lasting_function.hpp>
 
 #include "records.hpp"
 #include "world_object.hpp"
@@ -23,8 +25,17 @@ namespace {
 struct SnapshotObject {
   SimulationSnapshot snapshot;
   SimulationObject::Inputs inputs;
-  std::weak_ptr<const io::Scenario> scenario;
+  std::shared_ptr<const io::Scenario> scenario;
 };
+
+// True for that of an unpickled simulation, too.
+bool of_same_model(const SnapshotObject& snapshot, const SimulationObject& sim) {
+  if (snapshot.scenario == sim.shared_scenario()) return true;
+  const Model &one = snapshot.scenario->model, &other = sim.scenario().model;
+  const auto same_name = [](const BodySpec& a, const BodySpec& b) { return a.name == b.name && a.joint_name == b.joint_name; };
+  return snapshot.snapshot.world.engine.topology.model == other.compiled().topology().model &&
+         std::ranges::equal(one.bodies(), other.bodies(), same_name) && one.colliders() == other.colliders();
+}
 
 struct RecordObject {
   std::shared_ptr<io::RunRecord> record;
@@ -39,7 +50,7 @@ SnapshotObject snapshot(const SimulationPtr& self) {
 
 void restore(const SimulationPtr& self, const SnapshotObject& to) {
   const Use use(*self, Access::change);
-  if (to.scenario.lock() != self->shared_scenario())
+  if (!of_same_model(to, *self))
     refuse("the snapshot is of a simulation of another model",
            "restore it in the simulation that made it, or in a branch of that");
   self->simulation().restore(to.snapshot);
@@ -50,8 +61,9 @@ void undo(const SimulationPtr& self, std::ptrdiff_t number, bool again) {
   const Use use(*self, Access::change);
   const auto count = static_cast<std::ptrdiff_t>(self->simulation().events().size());
   const std::ptrdiff_t event = number < 0 ? count + number : number;
+  if (count == 0) refuse("there is nothing to undo", "no event has happened");
   if (event < 0 || event >= count)
-    refuse("there is no event " + std::to_string(number) + " to undo", std::to_string(count) + " events have happened");
+    refuse("there is no event " + std::to_string(number) + " to undo", "the last one has number " + std::to_string(count - 1));
   self->simulation().undo(static_cast<std::size_t>(event), again);
   self->set_inputs(self->copy_inputs());
 }
@@ -68,30 +80,67 @@ void restore_state(const SimulationPtr& self, const std::string& text, const std
   resume(self->simulation(), {}, state.memory);
 }
 
-// What a checkpoint has of a run: the simulation goes on from it to the same bits.
+constexpr io::CheckpointWords pickle_words{"this pickle", "pickle it again", "unpickle it with the version that wrote it"};
+
+// Calls a function with each joint that a function drives, and the number of that.
+template <class Act>
+void each_driven(Topology& topology, Act act) {
+  for (Topology::Changed& each : topology.changed)
+    if (each.as.function >= 0) act(each.joint, each.as.function);
+  for (Loop& each : topology.loops)
+    if (each.joint.function >= 0) act(each.id().index, each.joint.function);
+}
+
+// In the bytes, the number of a function says which one the joint has: that of its elements, with an effort or without, or an
+// effort alone.
+enum : int { of_elements, of_effort };
+
+// The contents of a checkpoint: a simulation continues from them bitwise identically. Within a run, as a branch would.
 nb::bytes saved(const SimulationPtr& self) {
   const Use use(*self, Access::read);
-  io::Checkpoint state;
-  state.run = self->simulation().run_state();
-  const std::string bytes = io::checkpoint_bytes(state);
+  io::Checkpoint all{{MOMENTREE_VERSION, {}, {}}, 0, self->simulation().run_state(), {}};
+  Topology& topology = all.run.world.engine.topology;
+  each_driven(topology, [&](int, int& function) {
+    function = is_lasting(topology.functions[static_cast<std::size_t>(function)].get()) ? of_elements : of_effort;
+  });
+  all.scheduled = scheduled(self->simulation());
+  all.efforts = self->efforts();
+  const std::string bytes = io::checkpoint_bytes(all);
   return nb::bytes(bytes.data(), bytes.size());
 }
 
-void go_on_from(const SimulationPtr& self, const nb::bytes& bytes) {
+// In a simulation that was made as that one was.
+void go_on_from(const SimulationPtr& self, const nb::bytes& data) {
   const Use use(*self, Access::change);
-  try {
-    io::Checkpoint state = io::read_checkpoint({bytes.c_str(), bytes.size()}, "pickle");
-    // Functions of the model's elements are there already; `effort` is set anew.
-    Topology& topology = state.run.world.engine.topology;
-    const int known = static_cast<int>(self->simulation().world().tree().topology().functions.size());
-    const auto keep_known = [known](Joint& joint) { joint.function = joint.function < known ? joint.function : -1; };
-    for (Topology::Changed& changed : topology.changed) keep_known(changed.as);
-    for (Loop& loop : topology.loops) keep_known(loop.joint);
-    io::require_fit(self->simulation(), state, "pickle");
-    io::continue_run(self->simulation(), state);
-  } catch (const Error& error) {
-    refuse("the pickled simulation can't go on: " + error.problem, "unpickle it with the version that pickled it");
-  }
+  io::Checkpoint all = io::read_checkpoint({data.c_str(), data.size()}, "pickle", pickle_words);
+  if (all.input.version != MOMENTREE_VERSION)
+    throw_error({"this pickle was written by momentree " + all.input.version + ", and this is " MOMENTREE_VERSION, "pickle",
+                 pickle_words.other_version});
+  std::map<int, std::shared_ptr<SimulationObject::JointInput>> inputs;
+  for (auto& [joint, efforts] : all.efforts)
+    inputs[joint] = std::make_shared<SimulationObject::JointInput>(SimulationObject::JointInput{{}, std::move(efforts)});
+  Simulation& sim = self->simulation();
+  const Tree& start = sim.world().tree();
+  Topology& topology = all.run.world.engine.topology;
+  std::vector<int> others;  // took the numbers of joints that had elements, which end
+  each_driven(topology, [&](int joint, int& number) {
+    const int carrier = joint >= 0 && joint < start.bodies() ? start.carrier(joint) : -1;
+    const JointFunction* own = carrier >= 0 ? start.function(carrier) : nullptr;
+    if (number != of_elements && std::exchange(own, nullptr) != nullptr) others.push_back(joint);
+    const auto input = inputs.find(joint);
+    JointFunction function = joined(own, input == inputs.end() ? JointFunction() : drive_of(input->second));
+    number = function ? static_cast<int>(topology.functions.size()) : -1;
+    if (function) topology.functions.push_back(std::make_shared<const JointFunction>(std::move(function)));
+  });
+  schedule(sim, std::move(all.scheduled));
+  io::require_fit(sim, all, "pickle", pickle_words);
+  io::continue_run(sim, all);
+  SimulationObject::Inputs named;
+  for (const auto& [joint, input] : inputs) named.emplace(sim.world().joint_name({joint}), input);
+  for (const int joint : others)
+    if (const auto input = inputs.find(joint); input != inputs.end())
+      sim.drive_all(std::string(sim.world().joint_name({joint})), drive_of(input->second));
+  self->adopt(std::move(named));
 }
 
 // Runs and records: (record, how the run ended, why). The record is complete whatever happens.

@@ -219,14 +219,6 @@ void register_simulation(nb::module_& m) {
                      return self->has_functions();
                    })
       .def_prop_ro("_hash", [](const SimulationObject& self) { return self.scenario().hash; })
-      .def_prop_ro("_has_other_bodies",
-                   [](const SimulationPtr& self) {
-                     const Use use(*self, Access::read);
-                     const World& world = self->simulation().world();
-                     int there = 0;
-                     for (int b = 0; b < world.model().size(); ++b) there += world.alive({b}) ? 1 : 0;
-                     return there != world.model().size() || there != world.start().bodies;
-                   })
       .def("set_state", &set_state, nb::kw_only(), "q"_a = nb::none(), "v"_a = nb::none(), "p"_a = nb::none(),
            "time"_a = nb::none(),
            "Set coordinates, velocities or momenta, and time. What is not given stays; without `v` and `p` the velocities "

@@ -8,6 +8,8 @@
 
 #include <nanobind/ndarray.h>
 
+#include <momentree/simulate/run_state.hpp>
+
 namespace momentree::python {
 
 nb::object state_view(const std::shared_ptr<StateArrays>& arrays, std::vector<double>& numbers, const char* name) {
@@ -262,10 +264,19 @@ void SimulationObject::set_efforts(const std::vector<double>& packed) {
 
 bool SimulationObject::has_functions() {
   const World& world = simulation().world();
-  const Tree& tree = world.tree();
-  if (!tree.loads().functions.empty()) return true;
+  if (!world.tree().loads().functions.empty()) return true;
+  for (const EventQueue::Entry& event : scheduled(simulation()))
+    if (event.condition && make_quantity(event.condition->what->key()) == nullptr) return true;
   return std::any_of(inputs_.begin(), inputs_.end(),
                      [&](const auto& each) { return each.second->function.is_valid() && is_driven(world, each.first); });
+}
+
+std::vector<std::pair<int, std::vector<double>>> SimulationObject::efforts() {
+  const World& world = simulation().world();
+  std::vector<std::pair<int, std::vector<double>>> all;
+  for (const auto& [joint, input] : inputs_)
+    if (!input->extra.empty() && is_driven(world, joint)) all.emplace_back(world.find_joint(joint), input->extra);
+  return all;
 }
 
 SimulationObject::Inputs SimulationObject::copy_inputs() const {

@@ -62,8 +62,6 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   io::Armed armed() const { return branch_ ? session_->armed(*branch_) : session_->armed(); }
   std::vector<io::Diagnostic> warnings() const { return branch_ ? std::vector<io::Diagnostic>{} : session_->warnings; }
   void warn(io::Diagnostic warning) { session_->warnings.push_back(std::move(warning)); }
-  /// The simulation was brought to the state of a document whose run had this many of each event before.
-  void count_before(const io::Armed& armed) { session_->count_before(armed); }
 
   /// The arrays of the present topology.
   const std::shared_ptr<StateArrays>& arrays();
@@ -91,13 +89,17 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   };
   void set_drive(const std::string& joint, nb::handle function);
   void set_efforts(const std::vector<double>& packed);
-  /// True if Python functions drive joints or act on bodies.
+  /// True if Python functions drive joints, act on bodies or measure conditions.
   bool has_functions();
+  /// Extra efforts that act, by joint number.
+  std::vector<std::pair<int, std::vector<double>>> efforts();
   /// By the joint's name, which a joint that closes a loop keeps when it takes the place of a broken joint in the tree.
   using Inputs = std::map<std::string, std::shared_ptr<JointInput>, std::less<>>;
   /// Copies, for snapshots and branches: the engine's functions refer to inputs, so that two simulations must not share any.
   Inputs copy_inputs() const;
   void set_inputs(const Inputs& inputs);
+  /// Those to which the functions of the engine refer already.
+  void adopt(Inputs inputs) { inputs_ = std::move(inputs); }
 
   /// The simulation that is in use in this thread, which calls functions; null: none.
   static SimulationObject* current();

@@ -81,13 +81,16 @@ void check_memory(std::size_t rows, std::size_t columns) {
 // Threads that compute worlds into an array. The calling thread waits.
 class Computation {
  public:
-  Computation(const Sweep& sweep, const Rows& rows, double* out)
+  /// `progress`: a function that is called with the number of computed worlds, or None.
+  Computation(const Sweep& sweep, const Rows& rows, double* out, nb::object progress)
       : worlds_(sweep, lanes_for(sweep, sweep::lanes_of("auto")), &stop_),
         measures_(sweep.measures.size()),
         rows_(rows),
-        out_(out) {}
+        out_(out),
+        computed_(rows.size()),
+        progress_(std::move(progress)) {}
 
-  /// Without the GIL, which is taken to look for signals. Throws what a thread threw, or the exception of a signal handler.
+  /// Without the GIL, which is taken to look for signals and to show progress. Throws what a thread threw.
   void run(std::size_t threads) {
     std::vector<std::jthread> all;
     try {
@@ -109,16 +112,31 @@ class Computation {
     all.clear();
     if (failure_) std::rethrow_exception(failure_);
   }
+  /// The rows that were computed, if the exception of a signal handler or of `progress` ended the computation early.
+  std::vector<std::size_t> computed() const {
+    std::vector<std::size_t> rows;
+    for (std::size_t row = 0; row < computed_.size(); ++row)
+      if (computed_[row] != 0) rows.push_back(row);
+    return rows;
+  }
   Failures failures;
+  nb::object interruption = nb::none();  ///< that exception
 
  private:
   void wait() {
     std::unique_lock lock(mutex_);
     while (!ended_.wait_for(lock, 50ms, [this] { return running_ == 0; })) {
+      const std::size_t count = count_;
       lock.unlock();
       {
         const nb::gil_scoped_acquire held;
-        if (PyErr_CheckSignals() != 0) nb::raise_python_error();
+        try {
+          if (PyErr_CheckSignals() != 0) nb::raise_python_error();
+          if (!progress_.is_none() && !stop_) progress_(count);
+        } catch (const nb::python_error& error) {
+          stop_ = true;
+          interruption = nb::borrow(error.value());
+        }
       }
       lock.lock();
     }
@@ -140,18 +158,19 @@ class Computation {
   void compute(std::size_t first, std::size_t count) {
     std::vector<std::uint64_t> worlds(count);
     for (std::size_t i = 0; i < count; ++i) worlds[i] = rows_[first + i];
-    // Ended by `stop_`: nobody looks at the results.
+    // Ended by `stop_`: these worlds have no results.
     (void)worlds_.run(worlds, [&](std::size_t place, WorldResult result) { store(first + place, std::move(result)); });
   }
   void store(std::size_t row, WorldResult result) {
     double* const to = out_ + row * measures_;
-    if (result.done()) {
+    if (result.done())
       std::copy(result.measures.begin(), result.measures.end(), to);
-      return;
-    }
-    std::fill_n(to, measures_, std::numeric_limits<double>::quiet_NaN());
+    else
+      std::fill_n(to, measures_, std::numeric_limits<double>::quiet_NaN());
     const std::lock_guard lock(mutex_);
-    failures.emplace(row, std::move(result.failure));
+    computed_[row] = 1;
+    ++count_;
+    if (!result.done()) failures.emplace(row, std::move(result.failure));
   }
 
   std::atomic<bool> stop_ = false;
@@ -162,25 +181,31 @@ class Computation {
   double* out_;
   std::mutex mutex_;
   std::condition_variable ended_;
-  std::size_t running_ = 0;
+  std::size_t running_ = 0, count_ = 0;
+  std::vector<char> computed_;  ///< by row
   std::exception_ptr failure_;
+  nb::object progress_;
 };
 
-// The measures, shape (rows, measures), and why worlds failed, by row.
-nb::tuple compute(const SweepObject& self, nb::handle given, int jobs) {
+// The measures, shape (rows, measures); why worlds failed, by row; and if an exception ended the sweep, that and the rows that
+// have results.
+nb::tuple compute(const SweepObject& self, nb::handle given, int jobs, nb::object progress) {
   if (jobs < 0) refuse("jobs: expected the number of threads, found " + std::to_string(jobs), "0: one for each processor");
   const Rows rows(self.sweep, given);
   check_memory(rows.size(), self.sweep.measures.size());
   NewArray array = new_array(rows.size(), self.sweep.measures.size());
   const std::size_t wanted = jobs > 0 ? static_cast<std::size_t>(jobs) : std::max(std::thread::hardware_concurrency(), 1u);
-  Computation computation(self.sweep, rows, array.data);
+  Computation computation(self.sweep, rows, array.data, std::move(progress));
   {
     const nb::gil_scoped_release free;
     computation.run(std::min(wanted, rows.size()));
   }
   nb::dict failures;
   for (const auto& [row, why] : computation.failures) failures[nb::int_(row)] = why;
-  return nb::make_tuple(array.object, failures);
+  nb::list computed;
+  if (!computation.interruption.is_none())
+    for (const std::size_t row : computation.computed()) computed.append(row);
+  return nb::make_tuple(array.object, failures, computation.interruption, computed);
 }
 
 // By name: an array of numbers, or a list of texts.
@@ -317,7 +342,7 @@ void register_sweep(nb::module_& m) {
                    })
       .def("_overrides", [](const SweepObject& self, double world) { return self.sweep.overrides(checked(self.sweep, world)); })
       .def("_columns", &columns, nb::arg().none())
-      .def("_compute", &compute, nb::arg().none(), nb::arg())
+      .def("_compute", &compute, nb::arg().none(), nb::arg(), nb::arg().none())
       .def("_summary", &summary);
 }
 

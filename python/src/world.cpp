@@ -287,7 +287,7 @@ void register_joint(nb::module_& m) {
           "reaction", of_joint([](const World& w, JointId j) { return wrench(w.joint_forces(j).reaction); }),
           "Wrench of the parent on the child through the joint, drive and spring included: about the origin of the joint's "
           "frame on the child (N, N m), in the child's axes, each of shape (3,). Equation (32) of the paper.")
-      .def_prop_ro("bearing", of_joint([](const World& w, JointId j) { return wrench(w.joint_forces(j).pure); }),
+      .def_prop_ro("bearing", of_joint([](const World& w, JointId j) { return wrench(w.joint_forces(j).bearing); }),
                    "The reaction without the effort along the joint's degrees of freedom: what its bearings and locks carry (N, "
                    "N m), each of "
                    "shape (3,).")

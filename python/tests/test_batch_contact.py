@@ -126,3 +126,57 @@ def test_mistakes():
             call()
     with pytest.raises(mt.Error, match="did you mean 'one/box'"):
         batch.contact_forces("one/boxx")
+
+
+def four_bar():
+    model = mt.Model(gravity=(0, 0, -9.81))
+    for name, parent, at, q in (("bar/a", None, (0, 0, 0), 0.4), ("bar/b", "bar/a", (1, 0, 0), 0.9), ("bar/c", "bar/b", (1, 0, 0), 0.8)):
+        model.add(name, mass=1, com=(0.5, 0, 0), inertia=0.1, parent=parent, at=at, joint=mt.Revolute((0, 1, 0)), q=q)
+    model.add_loop("bar/close", body="bar/c", joint=mt.Revolute((0, 1, 0)), at=(0.8, 0, -1), child_at=(1, 0, 0))
+    return model
+
+
+@pytest.mark.parametrize("make", [boxes_above_floor, arm_above_floor, four_bar])
+@pytest.mark.parametrize("every", [True, False])
+def test_worlds_that_are_reset_begin_again(make, every):
+    model = make()
+    fresh, batch = mt.Batch(model, worlds=5), mt.Batch(model, worlds=5)
+    names = list(mt.Simulation(model).world.joints)
+    batch.effort = np.full((5, batch.v.shape[1]), 0.3)
+    batch.apply([1, 3], mt.break_joint(names[-1]) if len(names) > 1 else mt.free_joint(names[0]))
+    batch.apply([2], mt.lock(names[0]))
+    batch.run(0.01, steps=20)
+    worlds = [0, 1, 2, 3, 4] if every else [3, 2, 0, 3]
+    batch.reset(None if every else worlds)
+    np.testing.assert_array_equal(batch.joints[names[0]].q[worlds], fresh.joints[names[0]].q[worlds])
+    for each in (fresh, batch):
+        each.apply([2], mt.lock(names[0]), name="again")
+        each.run(0.01, steps=20)
+    for name in names:
+        for one, other in zip(fresh.joints[name], batch.joints[name]):
+            np.testing.assert_array_equal(one[worlds], other[worlds])
+    if every:
+        np.testing.assert_array_equal(batch.group, fresh.group)
+    with pytest.raises(mt.Error, match="no world 5"):
+        batch.reset([5])
+
+
+def test_efforts_by_the_names_of_joints():
+    model = mt.Model()
+    model.add("arm/a", mass=1, com=(0, 0, -0.5), inertia=0.1, joint=mt.Revolute((0, 1, 0)))
+    model.add("arm/b", mass=1, com=(0, 0, -0.5), inertia=0.1, parent="arm/a", at=(0, 0, -1), joint=mt.Ball())
+    one, other = mt.Batch(model, 3), mt.Batch(model, 3)
+    one.set_effort({"arm/b": [[1, 2, 3]] * 3, "arm/a": [5, 6, 7]})
+    other.effort = [[5, 1, 2, 3], [6, 1, 2, 3], [7, 1, 2, 3]]
+    for each in (one, other):
+        each.apply([1], mt.break_joint("arm/b"))
+    one.set_effort({"arm/a": 2.5}, [1])
+    other.set_effort([2.5, *[0] * 6], [1])
+    for each in (one, other):
+        each.run(0.01, 10)
+    np.testing.assert_array_equal(one.joints["arm/a"].q, other.joints["arm/a"].q)
+    with pytest.raises(mt.Error, match="no joint 'arm/c'"):
+        one.set_effort({"arm/c": 1}, [0, 2])
+    with pytest.raises(mt.Error, match=r"needs a number or an array of shape \(2,\) or \(2, 1\), found \(3,\)"):
+        one.set_effort({"arm/a": [1, 2, 3]}, [0, 2])
+    assert "one by one" not in repr(one) and "stepped one by one" in repr(mt.Batch(boxes_above_floor(), 2))

@@ -384,3 +384,12 @@ def test_a_state_in_which_bodies_overlap_is_refused_by_stepping_too() -> None:
         sim.run(0.1)
     sim.q[2] = 0.3
     sim.run(0.1)
+
+
+def test_what_falls_through_the_floor_for_lack_of_a_collision_is_a_warning() -> None:
+    model = mt.Model()
+    model.add("box/box", density=1000, shape={"box": [0.2, 0.2, 0.2]}, joint=mt.Free(), q=[0, 0, 1, 1, 0, 0, 0])
+    model.add_floor()
+    (warning,) = mt.Simulation(model).run(1).warnings
+    assert "'box/box' has no collision and is 3.9" in warning and 'collision = "shape"' in warning
+    assert mt.Simulation(model).run(0.1).warnings == []

@@ -79,6 +79,33 @@ def test_a_mesh_has_the_mass_of_its_volume(tmp_path: Path) -> None:
         mt.load(tmp_path / "gap.toml")
 
 
+@given(st.lists(coordinate, min_size=12, max_size=12), place, angle, angle, angle, st.booleans())
+def test_meshes_of_mjcf_have_the_mass_that_mujoco_computes(
+    numbers: list[float], at: Any, x: float, y: float, z: float, by_mass: bool
+) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    corners = np.array(numbers).reshape(4, 3) + np.vstack([np.zeros(3), 3 * np.eye(3)])
+
+    def text(numbers: Any) -> str:
+        return " ".join(repr(float(each)) for each in numbers)
+
+    own = 'mass="3"' if by_mass else 'density="700"'
+    xml = f"""<mujoco><compiler angle="radian" eulerseq="XYZ"/>
+      <asset><mesh name="m" vertex="{text(corners.ravel())}" face="0 2 1 0 1 3 0 3 2 1 2 3" scale="0.5 1 2"/></asset>
+      <worldbody><body name="b"><freejoint/>
+      <geom type="mesh" mesh="m" pos="{text(at)}" euler="{text((x, y, z))}" {own}/>
+      <geom size="0.3" density="1200"/></body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(xml)
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, model.body_iquat[1])
+    turn = turn.reshape(3, 3)
+    body = mt.loads(xml, name="m.xml").world.bodies["m.xml/b"]
+    assert body.mass == pytest.approx(model.body_mass[1], rel=1e-6)
+    assert np.allclose(body.com, model.body_ipos[1], atol=1e-6)
+    inertia = turn @ np.diag(model.body_inertia[1]) @ turn.T
+    assert np.allclose(body.inertia, inertia, atol=1e-6 * np.trace(inertia))
+
+
 @pytest.mark.parametrize(
     ("fields", "problem"),
     [

@@ -20,6 +20,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = [
     "docs/coming-from/drake.md",
     "docs/coming-from/mujoco.md",
+    "docs/contact.md",
     "docs/conventions.md",
     "docs/guide.md",
     "docs/howto/export.md",

@@ -191,13 +191,69 @@ def test_a_document_of_before_bodies_were_added_removes_them() -> None:
     assert fingerprint(sim) == fingerprint(other)
 
 
-def test_simulations_with_other_bodies_than_the_model_are_refused() -> None:
-    sim, other = start(1), start(1)
-    sim.remove(list(sim.world.bodies)[-1])
-    other.add("new/one", mass=1, inertia=0.1, joint=mt.Revolute())
-    for each in (sim, other):
-        with pytest.raises(TypeError, match="added or removed"):
-            pickle.dumps(each)
+def record(sim: mt.Simulation) -> tuple[Any, ...]:
+    """What happened in a simulation, and what is still to come."""
+    return [(event.time, event.lost, event.work, str(event)) for event in sim.events], sim.energy_balance, str(sim.missed)
+
+
+@given(seeds, st.sampled_from(["rk4", "dopri5", "stepping"]))
+def test_bodies_that_were_added_and_removed_are_kept(seed: int, method: str) -> None:
+    model = random_model(seed, 4)
+    model.gravity = (0, 0, -9.81)
+    model.add_floor(friction=0.5, height=-3)
+    sim = mt.Simulation(model, method=method)
+    for k in range(2):
+        sim.add(f"new/{k}", mass=1, inertia=0.1, joint=mt.Revolute(damping=0.1), parent=list(sim.world.bodies)[-1], v=0.3)
+        sim.when(mt.speed(f"new/{k}") > 0.35).then(mt.lock(f"new/{k}")).named(f"fast{k}")
+        sim.run(sim.time + 0.01)
+    sim.add("ball/ball", mass=1, inertia=0.01, joint=mt.Free(), q=[9, 9, -2.85, 1, 0, 0, 0], v=[1, 0, -2, 0, 0, 0],
+            collision={"sphere": 0.1})  # fmt: skip
+    sim.remove("new/1")
+    sim.at(sim.time + 0.015).then(mt.weld("ball/ball", "new/0")).named("joined")
+    for _ in range(3):
+        copied = again(again(sim))
+        assert list(copied.world.bodies) == list(sim.world.bodies) and "new/1" not in copied.world.bodies
+        end = sim.time + 0.01
+        for each in (sim, copied):
+            each.run(end)
+        assert fingerprint(copied) == fingerprint(sim) and record(copied) == record(sim)
+
+
+def test_events_refer_to_what_a_run_made() -> None:
+    model = mt.Model()
+    for name in ("a", "b"):
+        model.add(f"m/{name}", mass=1, inertia=0.1, joint=mt.Free(), q=[ord(name), 0, 0, 1, 0, 0, 0], v=[0, 0, 0, 1, 0, 0])
+    sim = mt.Simulation(model)
+    sim.apply(mt.attach("m/a", "m/b", mt.Revolute()), name="made")
+    sim.when((mt.position("made") > 0.01).lasting(0.001)).then(mt.break_joint("made"), mt.impulse("m/a", force=(1, 2, 3)))
+    sim.every(0.01, 0.005).then(mt.impulse("m/b", force=(0, 0, 0.1)))
+    sim.run(0.02)
+    copied = again(sim)
+    for each in (sim, copied):
+        each.run(0.3)
+    assert fingerprint(copied) == fingerprint(sim) and record(copied) == record(sim)
+
+
+def test_damaged_pickles_and_those_of_others_are_refused() -> None:
+    sim = start(8)
+    sim.at(0.01).then(mt.lock(next(iter(sim.world.joints))))
+    state = sim.__getstate__()
+
+    def refusal(**changed: Any) -> str:
+        with pytest.raises(mt.Error) as caught:
+            mt.Simulation.__new__(mt.Simulation).__setstate__({**state, **changed})
+        return str(caught.value)
+
+    run = state["state"]
+    assert "this pickle is damaged" in refusal(state=run[:99] + bytes([run[99] ^ 1]) + run[100:])
+    assert "incomplete" in refusal(state=run[:-1]) and "not a checkpoint" in refusal(state=b"")
+    assert "of another model" in refusal(source=("model", random_model(9, 4), {"method": "rk4"}))
+
+
+def test_free_roots_without_start_coordinates_are_written() -> None:
+    model = mt.Model()
+    model.add("m/a", mass=1, inertia=1, joint=mt.Free(), v=[1, 2, 3, 4, 5, 6])
+    assert again(model).to_toml() == model.to_toml()
 
 
 def test_runs_keep_their_columns_and_events() -> None:
@@ -255,6 +311,37 @@ def test_what_python_functions_drive_cannot_be_pickled_and_says_so() -> None:
         pickle.dumps(other)
 
 
+@pytest.mark.parametrize("method", ["rk4", "dopri5", "stepping"])
+def test_an_observer_can_pickle_what_it_sees(method: str) -> None:
+    model = mt.Model()
+    model.add("box/box", mass=2, inertia=0.02, joint=mt.Free(), q=[0, 0, 0.3, 1, 0, 0, 0], collision={"box": [0.4, 0.4, 0.2]})
+    model.add_floor(friction=0.2)
+    sim = mt.Simulation(model, method=method)
+    pickles: list[bytes] = []
+    branches: list[mt.Simulation] = []
+
+    def observe(world: mt.World) -> None:
+        pickles.append(pickle.dumps(sim))
+        branches.append(sim.branch())
+
+    sim.run(0.5, record_every=0.1, observe=observe)
+    assert len(pickles) >= 5
+    for bytes_then, branch in zip(pickles, branches):
+        other = pickle.loads(bytes_then)
+        assert other.time == branch.time and np.array_equal(other.q, branch.q)
+        other.run(0.6)
+        branch.run(0.6)
+        np.testing.assert_array_equal(other.q, branch.q)
+
+
+def test_a_free_root_with_velocities_and_no_coordinates() -> None:
+    model = mt.Model()
+    model.add("a/a", mass=1, inertia=0.1, joint=mt.Free(), v=[1, 2, 3, 4, 5, 6])
+    for other in (mt.loads(model.to_toml()).model, again(model)):
+        np.testing.assert_allclose(mt.Simulation(other).v, [1, 2, 3, 4, 5, 6], rtol=1e-15)
+        np.testing.assert_array_equal(mt.Simulation(other).q, [0, 0, 0, 1, 0, 0, 0])
+
+
 def test_views_and_records_are_plain_when_pickled() -> None:
     sim = start(6)
     view = again(sim.q)
@@ -285,3 +372,26 @@ def test_names_without_a_mechanism():
         sim.run(1)
         np.testing.assert_array_equal(sim.q, one.q)
     assert len(one.events) == len(other.events) > 0
+
+
+def test_snapshots_are_restored_in_other_processes() -> None:
+    sim = start(12)
+    sim.at(0.015).then(mt.break_joint(next(iter(sim.world.joints))))
+    sim.effort = [0.1] * len(sim.effort)
+    snapshot = sim.snapshot()
+    run = sim.run(0.02, record_every=0.005)
+    later = run.state(2)
+    for state, end in ((snapshot, 0.02), (later, 0.02)):
+        other = again(start(12))
+        other.at(0.015).then(mt.break_joint(next(iter(other.world.joints))))
+        other.restore(again(state))
+        sim.restore(state)
+        assert other.time == sim.time
+        for each in (sim, other):
+            each.run(end)
+        assert fingerprint(other) == fingerprint(sim)
+    with pytest.raises(mt.Error, match="another model"):
+        start(3).restore(again(snapshot))
+    sim.force(next(iter(sim.world.bodies)), lambda context: ((0, 0, 0), (0, 0, 0)))
+    with pytest.raises(TypeError, match="functions"):
+        pickle.dumps(sim.snapshot())

@@ -31,6 +31,9 @@ def test_a_path_in_place_of_a_model_is_loaded() -> None:
     two.run(0.1)
     assert np.array_equal(one.q, two.q)
     assert mt.Simulation(str(SCENARIOS / "pendulum.toml"), step="2 ms").integration["step"] == 2e-3
+    adaptive = SCENARIOS / "bicycle.toml"
+    assert mt.Simulation(adaptive).integration["method"] == "dop853"
+    assert mt.Simulation(adaptive, method="rk4", step=1e-3).integration["method"] == "rk4"
     with pytest.raises(mt.Error, match="no such file"):
         mt.Simulation("nothing.toml")
 
@@ -106,6 +109,13 @@ def test_the_last_events_can_be_undone_without_notice() -> None:
     with pytest.raises(mt.Error, match="was not kept"):
         sim.undo(0)
     sim.undo(-100)
+    for most, count in ((10, 6), (3, 1)):
+        sim.keep_history(most)
+        for _ in range(count):
+            sim.apply(mt.set_parameters("crane/rail", damping=2))
+    with pytest.raises(mt.Error, match="was not kept"):
+        sim.undo(-4)
+    sim.undo(-3)
 
 
 def test_pickles_have_events_and_the_energy_ledger() -> None:
@@ -120,7 +130,7 @@ def test_pickles_have_events_and_the_energy_ledger() -> None:
     assert np.array_equal(copied.q, sim.q) and copied.energy_balance == sim.energy_balance
     state = sim.__getstate__()
     state["state"] = state["state"][:-9] + b"x" + state["state"][-8:]
-    with pytest.raises(mt.Error, match="the pickled simulation can't go on"):
+    with pytest.raises(mt.Error, match="this pickle is damaged"):
         mt.Simulation.__new__(mt.Simulation).__setstate__(state)
 
 

@@ -222,11 +222,26 @@ def test_ctrl_c_ends_it_and_other_threads_run(tmp_path: Path) -> None:
 
     thread = threading.Thread(target=count)
     thread.start()
-    threading.Timer(0.1, stop.set).start()
-    with pytest.raises(KeyboardInterrupt):
+    threading.Timer(0.5, stop.set).start()
+    with pytest.raises(KeyboardInterrupt) as ended:
         sweep.run(jobs=2)
     thread.join()
     assert counted[0] > 0
+    kept = ended.value.results  # type: ignore[attr-defined]
+    assert 0 < len(kept) < 1_000_000
+    some = kept.world[:: max(1, len(kept) // 20)]
+    again = sweep.run(worlds=some)
+    for name in sweep.parameters + sweep.measures:
+        np.testing.assert_array_equal(kept[name][np.isin(kept.world, some)], again[name])
+
+
+@pytest.mark.parametrize("sweeps_functions", [True, False])
+def test_progress_is_shown_as_worlds(tmp_path: Path, capsys: pytest.CaptureFixture[str], sweeps_functions: bool) -> None:
+    if sweeps_functions:
+        mt.sweep(double_of, {"seed": range(300)}, progress=True)
+    else:
+        mt.Sweep(folder_of(tmp_path, SWEEP.replace("worlds = 12", "worlds = 3000"))).run(progress=True)
+    assert "worlds" in capsys.readouterr().err
 
 
 # Functions of the worlds; processes import them from this file.
@@ -359,7 +374,7 @@ def test_a_name_that_clashes_is_found_in_the_first_world() -> None:
         return {"x": 1}
 
     with pytest.raises(mt.Error, match="which is a parameter"):
-        mt.sweep(function, {"x": range(100)})
+        mt.sweep(function, {"x": range(100)}, jobs=1)
     assert called == [0]
     late = mt.sweep(lambda x: {"y" if x < 3 else "x": x}, {"x": [1, 2, 3]})
     assert late.status == ["done", "done", "failed: the function returned 'x', which is a parameter"]

@@ -66,7 +66,7 @@ def test_annotations_can_be_evaluated(name: str) -> None:
     if isinstance(thing, type) and thing.__module__ == "momentree._core" or isinstance(thing, str):
         return  # an extension has stubs instead
     optional: dict[str, typing.Any] = {"pd": SimpleNamespace(DataFrame=object), "Any": typing.Any, "StateView": momentree.StateView}
-    optional |= {"Run": momentree.Run} | dict.fromkeys(("Axes", "_StateArrays"), typing.Any)
+    optional |= {"Run": momentree.Run, "Simulation": momentree.Simulation} | dict.fromkeys(("Axes", "_StateArrays"), typing.Any)
     parts: list[typing.Any] = [thing, *(vars(thing).values() if isinstance(thing, type) else [])]
     for part in parts:
         function = part.fget if isinstance(part, property) else part

@@ -229,7 +229,7 @@ void InstantLaws::require_contact_law(const World& world, bool stepped) {
   const std::vector<ContactPoint> points = world.contacts();
   double size = small(world);
   for (const ContactPoint& point : points) size = std::max(size, norm(point.force));
-  constexpr double beyond_cone = 2e-4;  // contacts that stick at their limit may exert 1e-4 more, see docs/contact.md
+  constexpr double beyond_cone = 2e-4;  // contacts that stick at their limit may exert 1e-4 more
   for (const ContactPoint& point : points) {
     const std::string where = world.model().body_name(point.one) + " on " + world.model().body_name(point.other) + " " + at_;
     const double normal = dot(point.force, point.normal);
@@ -304,7 +304,7 @@ void InstantLaws::require_joints(const World& world, bool stepped) {
     // `pure` is about the joint's frame on the child, and has no effort along the joint's DoFs.
     const JointForces forces = world.joint_forces(id);
     const Mat3 axes = rotation_matrix(child.pose.rotation);
-    const Vec3 force = axes * forces.pure.force, torque = axes * forces.pure.torque;
+    const Vec3 force = axes * forces.bearing.force, torque = axes * forces.bearing.torque;
     const Vec3 point = child.pose * joint.child_at.position;
     const Vec3 carried = parent.linear + cross(parent.angular, point - parent.pose.position);
     const Vec3 velocity = velocity_of(child, joint.child_at.position) - carried, turning = child.angular - parent.angular;

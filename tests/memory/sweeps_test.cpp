@@ -148,10 +148,10 @@ TEST_CASE("lanes: rates and steps of every instruction set and precision") {
             auto q = spread(world.state.q()), p = spread(world.state.p());
             auto qdot = q, pdot = p, v = p;
             std::vector<double> time(static_cast<std::size_t>(lanes)), h(time.size(), 1e-3);
-            std::vector<unsigned char> ran_away(time.size());
+            std::vector<unsigned char> diverged(time.size());
             watch();
             stepper->rates(tree, plan, q.data(), p.data(), qdot.data(), pdot.data(), v.data());
-            if (can_step) stepper->step(tree, plan, {q.data(), p.data(), nullptr, time.data(), h.data(), ran_away.data()});
+            if (can_step) stepper->step(tree, plan, {q.data(), p.data(), nullptr, time.data(), h.data(), diverged.data()});
             if (fill != Fill::zeros) CHECK_FALSE(signalled());
             for (const auto& numbers : {q, p, qdot, pdot, v}) found.add(numbers.data(), static_cast<int>(numbers.size()));
           };

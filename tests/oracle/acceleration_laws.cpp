@@ -134,7 +134,7 @@ double work_of_reactions(const Tree& tree, const State& state, Workspace<double>
     const auto E = joint_columns(one.system, one.q, 0);
     const std::vector<Real> force = joint_forces(one.system, one.q, one.v);
     const Force<double> W = as_force(reaction(tree, state, workspace, tree.inboard_joint({b}))),
-                        pure = as_force(pure_reaction(tree, state, workspace, tree.inboard_joint({b})));
+                        pure = as_force(bearing_reaction(tree, state, workspace, tree.inboard_joint({b})));
     for (std::size_t i = 0; i < E.size(); ++i) {
       const auto& e = E[i];
       const int k = tree.first_p(b) + static_cast<int>(i);

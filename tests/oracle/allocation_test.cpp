@@ -352,7 +352,7 @@ TEST_CASE("worlds of a batch with loops are stepped without allocating, in sever
       const long before = allocations;
       for (int step = 0; step < 10; ++step) batch.step(1e-3);
       CHECK(allocations == before);
-      for (int world = 0; world < 12; ++world) CHECK_FALSE(batch.ran_away(world));
+      for (int world = 0; world < 12; ++world) CHECK_FALSE(batch.diverged(world));
     }
 }
 

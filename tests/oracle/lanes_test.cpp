@@ -221,7 +221,7 @@ TEST_CASE("steps in velocities: as a world alone, and as steps in momenta, on me
     const double size = largest(found.data(), static_cast<int>(found.size())) + 1;
     const double resolution = size * std::fmax(1e-13, 30 * velocity_resolution(tree, {found.data(), nq}));
     for (int i = 0; i < Both::worlds; ++i) {
-      REQUIRE_FALSE(coarse.u.ran_away(i));
+      REQUIRE_FALSE(coarse.u.diverged(i));
       Simulation single(model, {.method = "rk4", .variables = Variables::velocities});
       const State start = Both(model, v, time, 0).u.state(i);
       single.set_state(0, start.q(), start.u(), Variables::velocities);

@@ -327,7 +327,7 @@ inline Values along_dofs(const JointView& joint, const Wrench& on_child) {
 inline double effort_error(const World& world, JointId id, Numbers accelerations) {
   const JointView joint = world.joint(id);
   const JointForces forces = world.joint_forces(id);
-  const Values total = along_dofs(joint, forces.reaction), pure = along_dofs(joint, forces.pure);
+  const Values total = along_dofs(joint, forces.reaction), pure = along_dofs(joint, forces.bearing);
   double worst = 0, scale = 1 + size_of(forces.reaction);
   for (int i = 0; i < total.size(); ++i) {
     if (((joint.locked | joint.resting) >> i & 1u) != 0) continue;
@@ -431,7 +431,7 @@ inline double disagreement(const Ring& ring, const World& one, const World& othe
     const auto differs = [&](const Wrench& v, const Wrench& w) {
       differ(apart(in_world(ring, one, k, at_origin(x, v)), in_world(ring, other, k, at_origin(y, w))), largest);
     };
-    differs(f.reaction, g.reaction), differs(f.pure, g.pure);
+    differs(f.reaction, g.reaction), differs(f.bearing, g.bearing);
     if (k != ring.tested) continue;
     CHECK(x.kind == y.kind);
     CHECK(x.locked == y.locked);

@@ -7,7 +7,7 @@ const lines: number[] = diagnostics.map(({ line }) => line);
 const step: number | undefined = scenario?.step;
 const topology: Topology = world.topology();
 for (const joint of topology.joints) {
-  const done: Outcome = world.break(joint.number);
+  const done: Outcome = world.act({ break: joint.name });
   if (done.status === status.refused) console.log(done.message, lines, step);
 }
 const totals: WorldTotals = world.totals();

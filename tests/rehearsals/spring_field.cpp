@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <string_view>
 
-#include <momentree/results/checkpoint/archive.hpp>
 #include <momentree/scenario/keys/described.hpp>
+#include <momentree/text/archive.hpp>
 #include <momentree/text/json.hpp>
 
 using namespace momentree;

@@ -85,7 +85,7 @@ test("a click on a joint cuts it, and no momentum jumps", async () => {
   expect(after.kinetic).toBeCloseTo(before.kinetic, 12);
   expect(await page.getByLabel("Momentum", { exact: true }).innerText()).toBe(readout);
   expect(await page.getByLabel("Events").innerText()).toContain("break arm/2");
-  await keep(page, "playground-cut");
+  await keep(page, "playground-break");
   expect(complaints).toEqual([]);
 });
 
@@ -175,19 +175,19 @@ test("a broken scenario shows its errors at their lines, and the world stays", a
   expect(complaints).toEqual([]);
 });
 
-test("undo returns to before a cut; the other branch can be continued; a past instant is shown", async () => {
+test("undo returns to before a break; the other branch can be continued; a past instant is shown", async () => {
   const { page, complaints } = await playground();
   await load(page, three);
   await playTo(page, 0.2);
-  const cut = await page.evaluate(() => window.playground.app.run!.last.time);
+  const broken = await page.evaluate(() => window.playground.app.run!.last.time);
   await page.keyboard.press("b");
   await clickJoint(page, 1);
   await page.waitForFunction(() => window.playground.app.topology.mechanisms.length === 2);
-  await playTo(page, cut + 0.3);
+  await playTo(page, broken + 0.3);
   const end = await page.evaluate(() => window.playground.app.run!.last.time);
   await page.getByRole("button", { name: "Undo" }).click();
   await page.waitForFunction(() => window.playground.app.topology.mechanisms.length === 1);
-  expect(await page.evaluate(() => window.playground.app.run!.last.time)).toBe(cut);
+  expect(await page.evaluate(() => window.playground.app.run!.last.time)).toBe(broken);
   await page.getByLabel("Branches").getByRole("button").click();
   await page.waitForFunction(() => window.playground.app.topology.mechanisms.length === 2);
   await still(page);
@@ -288,7 +288,7 @@ test("the gallery runs, on a phone and in the dark too", async () => {
   }
 });
 
-test("loops and springs are listed; a loop joint is cut there, and bodies are welded by name", async () => {
+test("loops and springs are listed; a loop joint is broken there, and bodies are welded by name", async () => {
   const { page, complaints } = await playground();
   await page.getByLabel("Scenario", { exact: true }).first().selectOption("two_arms_hold_a_bar");
   await page.waitForFunction(() => document.title.startsWith("Two arms"));

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <momentree/dynamics/loops/loop_system.hpp>
+#include <momentree/dynamics/user_frames.hpp>
 #include <momentree/dynamics/wrench_inboard.hpp>
 #include <momentree/joint/dispatch.hpp>
 #include <momentree/joint/motion.hpp>
@@ -88,7 +89,7 @@ double loop_velocities_open(const Tree& tree, const Workspace<double>& workspace
 
 namespace {
 
-constexpr double undetermined_above = 1e-7;  // of the wrench that a unit null vector causes in a joint
+constexpr double undetermined_above = 1e-7;  // of a component of the wrench that a unit null vector causes in a joint
 
 using WorldWrench = LoopReactions::WorldWrench;
 
@@ -108,17 +109,18 @@ void drop_round_off(LoopReactions& work, std::size_t d) {
   std::fill(largest.begin(), largest.end(), 0.0);
 }
 
-// Null vectors change the reaction of a joint.
-bool carries_null(const LoopReactions& work, std::size_t joint, std::size_t d) {
+// The components of the reaction of a joint that null vectors change. `axes`: from those of the child to those of the world.
+ReactionParts changed_parts(const LoopReactions& work, std::size_t joint, const Mat3& axes, std::size_t d) {
+  ReactionParts parts = 0;
   for (std::size_t i = 0; i < d; ++i) {
-    double square = 0;
-    for (std::size_t part = 0; part < 6; ++part) {
-      const double x = work.by_null[(6 * joint + part) * d + i];
-      square += x * x;
-    }
-    if (square > undetermined_above * undetermined_above) return true;
+    const double* const of = work.by_null.data() + 6 * joint * d + i;
+    const Vec3 F = transpose_times(axes, Vec3{of[0], of[d], of[2 * d]});
+    const Vec3 T = transpose_times(axes, Vec3{of[3 * d], of[4 * d], of[5 * d]});
+    const double six[] = {F.x, F.y, F.z, T.x, T.y, T.z};
+    for (unsigned part = 0; part < 6; ++part)
+      if (std::fabs(six[part]) > undetermined_above) parts |= 1u << part;
   }
-  return false;
+  return parts;
 }
 
 // G c = c by Cholesky, without the zeros at the beginning of rows, and with zeros for vectors without effect.
@@ -198,6 +200,17 @@ Vec3 joint_place(const Tree& tree, const Workspace<double>& workspace, int b) {
   const KernelFrame& frame = tree.frame(child);
   const Kinematics<double>& body = workspace.bodies[at(child)];
   return body.r + body.R * transpose_times(frame.R, tree.joint(b).child_at.position - frame.r);
+}
+
+// Of the child of a joint, in the world; of couplings, which have no direction, those of the world.
+Mat3 child_axes(const Tree& tree, const Workspace<double>& workspace, const LoopReactions::Carried& joint) {
+  int child = joint.body;
+  if (child < 0 && at(joint.loop) >= tree.loops().size()) return rotation_matrix(Quat{});
+  if (child < 0)
+    child = tree.loops()[at(joint.loop)].body;
+  else if (tree.reversed(child))
+    child = tree.parent(child);
+  return rotation_matrix(user_pose(tree, workspace.bodies[at(child)], child).rotation);
 }
 
 // The size of the mechanism, by which torques are divided (m): the extent of its joints, whichever of them close loops.
@@ -291,8 +304,8 @@ void find_least_reactions(const Tree& tree, double t, Workspace<double>& workspa
   drop_round_off(work, d);
   for (std::size_t joint = 0; joint < work.joints.size(); ++joint) {
     const LoopReactions::Carried& at_joint = work.joints[joint];
-    if (carries_null(work, joint, d))
-      (at_joint.body >= 0 ? loops.open.bodies[at(at_joint.body)] : loops.open.links[at(at_joint.loop)]) = 1;
+    (at_joint.body >= 0 ? loops.open.bodies[at(at_joint.body)] : loops.open.links[at(at_joint.loop)]) =
+        static_cast<unsigned char>(changed_parts(work, joint, child_axes(tree, workspace, at_joint), d));
     const Vec3 F = at_joint.now.F, T = (1 / size) * at_joint.now.T;
     const double now[] = {F.x, F.y, F.z, T.x, T.y, T.z};
     for (std::size_t part = 0; part < 6; ++part) add_squares(work, work.by_null.data() + (6 * joint + part) * d, now[part], d);
@@ -314,14 +327,14 @@ void find_least_reactions(const Tree& tree, double t, Workspace<double>& workspa
   }
 }
 
-bool loop_determined(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
+ReactionParts open_parts_of_link(const Tree& tree, const Workspace<double>& workspace, int place) noexcept {
   MT_REQUIRE(!tree.has_loops() || workspace.loops->least, "accelerate was called for this state");
-  return workspace.loops->open.links[at(place)] == 0;
+  return workspace.loops->open.links[at(place)];
 }
 
-bool joint_determined(const Tree& tree, const Workspace<double>& workspace, int body) noexcept {
+ReactionParts open_parts_of_joint(const Tree& tree, const Workspace<double>& workspace, int body) noexcept {
   MT_REQUIRE(!tree.has_loops() || workspace.loops->least, "accelerate was called for this state");
-  return workspace.loops->open.bodies[at(body)] == 0;
+  return workspace.loops->open.bodies[at(body)];
 }
 
 }  // namespace momentree

@@ -141,7 +141,7 @@ struct LoopStrike {
   Force<double> impulse{};  ///< on its child, world axes
 };
 
-/// Joints whose reaction the loops leave open: 1 by body, and by link.
+/// Components of reactions that the loops leave open, as bits of ReactionParts: by body, and by link.
 struct OpenReactions {
   std::vector<unsigned char> bodies, links;
 };

@@ -163,10 +163,9 @@ bool loop_flipped(const Tree& tree, const Workspace<double>& workspace, int plac
 /// Where the loops leave reactions open at time t (s), chooses the least ones; part of `accelerate`. Allocates at the first call
 /// and where there are more redundant rows than before.
 void find_least_reactions(const Tree& tree, double t, Workspace<double>& workspace);
-/// False if the loops leave the reaction of a joint open: of a loop or a coupling, by its place in
-/// TreeLoops::links, or of the inboard joint of a body. Other
-/// reactions then cause the same motion. Requires `accelerate`.
-bool loop_determined(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
-bool joint_determined(const Tree& tree, const Workspace<double>& workspace, int body) noexcept;
+/// The components of the reaction of a joint that the loops leave open: of a loop or a coupling, by its place in
+/// TreeLoops::links, or of the inboard joint of a body. Other reactions then cause the same motion. Requires `accelerate`.
+ReactionParts open_parts_of_link(const Tree& tree, const Workspace<double>& workspace, int place) noexcept;
+ReactionParts open_parts_of_joint(const Tree& tree, const Workspace<double>& workspace, int body) noexcept;
 
 }  // namespace momentree

@@ -89,7 +89,7 @@ TEST_CASE("MJCF: impossible masses and inertias are refused") {
       {inside("<geom type='box' size='1 1'/>"), "m.xml:3:39: error: size: expected 3 numbers, found 2"},
       {inside("<geom type='capsule' size='1' fromto='1 2 3 1 2 3'/>"), "m.xml:3:54: error: fromto: the two ends coincide"},
       {inside("<geom type='mesh' mesh='x'/>"),
-       "m.xml:3:16: error: the inertia of a mesh is not computed; give the body an <inertial>, or the geom mass=\"0\""},
+       "m.xml:3:16: error: the inertia of this geom is not computed; give the body an <inertial>, or the geom mass=\"0\""},
       {inside("<joint/>"),
        "m.xml:3:16: error: joint 'm/a': the joint-space mass is singular: degree of freedom 1 of 1 of this revolute joint moves "
        "no mass; "

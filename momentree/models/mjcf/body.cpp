@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include <momentree/base/error.hpp>
+#include <momentree/models/import/solid_mesh.hpp>
 #include <momentree/models/mjcf/parts.hpp>
 #include <momentree/text/number_text.hpp>
 
@@ -264,7 +266,7 @@ class BodyReader {
       joints_.push_back(read_joint(child, childclass_, reading_));
     } else if (name == "geom") {
       Geom geom = read_geom(child, childclass_, reading_);
-      if (geom.without_inertia && !without_inertia_) without_inertia_ = child;
+      if (geom.mesh_mass) meshes_.push_back({child, geom.shape, *geom.mesh_mass});
       if (geom.mass.mass > 0) masses_.push_back(geom.mass);
       const auto geom_name = child.find("name");
       const bool paired = geom_name && reading_.geoms_of_pairs.contains(std::string(child.attribute(*geom_name)));
@@ -290,16 +292,24 @@ class BodyReader {
     }
   }
 
+  void add_mass_of(const Shape& mesh, const MeshMass& given, XmlElement element) {
+    const auto refuse = [&](const std::string& problem, const std::string&) {
+      reading_.file_of(element).error({element}, problem, "give the body an <inertial>, or the geom mass=\"0\"");
+    };
+    if (mesh.kind != Shape::Kind::mesh) return refuse("the inertia of this geom is not computed", "");
+    std::optional<MassProperties> mass = io::mass_of(mesh, given.density, refuse);
+    if (!mass) return;
+    if (given.mass) mass = io::mass_of(mesh, given.density * *given.mass / mass->mass, refuse);
+    masses_.push_back(*mass);
+  }
+
   MassProperties mass_of() {
     using From = Compiler::FromGeoms;
     const From from = reading_.compiler.from_geoms;
     MassProperties mass;
     if (inertial_) mass = read_inertial(inertial_, reading_);
     if (from == From::always || (from == From::automatic && !inertial_)) {
-      if (without_inertia_)
-        reading_.file_of(without_inertia_)
-            .error({without_inertia_}, "the inertia of a mesh is not computed",
-                   "give the body an <inertial>, or the geom mass=\"0\"");
+      for (const auto& [element, shape, given] : meshes_) add_mass_of(shape, given, element);
       mass = sum_of(masses_);
     }
     const Compiler& compiler = reading_.compiler;
@@ -353,13 +363,14 @@ class BodyReader {
   Pose pose_{};
   std::vector<Joint> joints_;
   std::vector<MassProperties> masses_;
+  std::vector<std::tuple<XmlElement, Shape, MeshMass>> meshes_;  // that have mass
   std::vector<Shape> collision_;
   std::vector<CollisionMask> masks_;
   std::vector<std::pair<std::string, double>> paired_;  // geoms of <pair>, with their friction
   double friction_ = -1;                                ///< negative: nothing touches
   std::vector<Shape> shapes_, hidden_shapes_;           ///< the hidden ones are drawn if there are no others
   std::vector<XmlElement> inner_, sites_;
-  XmlElement inertial_{}, without_inertia_{};
+  XmlElement inertial_{};
 };
 
 // A geom of the world is part of the ground. A plane that touches nothing says so of the floor that a scenario has there.

@@ -142,7 +142,7 @@ Geom read_geom(XmlElement element, const std::string& childclass, Reading& readi
     attributes.error("shellinertia", "inertias of shells are not supported", "give the body an <inertial>");
   if (group < reading.compiler.first_group || group > reading.compiler.last_group) return geom;
   if (type == Type::mesh || type == Type::sdf) {
-    geom.without_inertia = !(mass && *mass == 0) && !(!mass && density && *density == 0);
+    if (mass.value_or(density.value_or(1000)) > 0) geom.mesh_mass = {mass, density.value_or(1000)};
     return geom;
   }
   const contact::UniformBody solid = contact::uniform(geom.shape.primitive);

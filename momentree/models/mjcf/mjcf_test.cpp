@@ -105,7 +105,7 @@ TEST_CASE("MJCF: impossible elements are refused with their places") {
         "m.xml:3:46: error: range: the first number is not less than the second; swap them");
   CHECK(body(geom + "<joint class='none'/>") == "m.xml:3:46: error: class: there is no default class 'none'");
   CHECK(body(geom + "<frame/>").starts_with("m.xml:3:32: error: <frame> is not supported"));
-  CHECK(body("<geom type='mesh' mesh='x'/>").starts_with("m.xml:3:16: error: the inertia of a mesh is not computed"));
+  CHECK(body("<geom type='mesh' mesh='x'/>").starts_with("m.xml:3:16: error: the inertia of this geom is not computed"));
   CHECK(body("<inertial pos='0 0 0' mass='-1'/>") == "m.xml:3:44: error: mass: must not be negative");
   CHECK(body("<inertial pos='0 0 0' mass='1' diaginertia='1 1 3'/>")
             .starts_with("m.xml:3:16: error: inertia: the largest principal"));

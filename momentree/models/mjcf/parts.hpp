@@ -97,14 +97,19 @@ class Attributes {
 /// Reports attributes of the element that are not in `known`.
 void check_attributes(XmlElement element, std::initializer_list<std::string_view> known, Reading& reading);
 
+/// Of a mesh, which is read only if it has to be.
+struct MeshMass {
+  std::optional<double> mass{};  ///< kg
+  double density = 1000;         ///< without a mass: kg/m³
+};
 /// The mass of one geom (0 if it has none), and its shape for pictures.
 struct Geom {
   MassProperties mass{};
   Shape shape{};
-  bool without_inertia = false;  ///< a mesh, whose inertia is not computed
-  CollisionMask mask{};          ///< contype and conaffinity
-  double friction = 1;           ///< coefficient of sliding
-  bool hidden = false;           ///< in a group from 3 on, which is for collisions
+  std::optional<MeshMass> mesh_mass{};
+  CollisionMask mask{};  ///< contype and conaffinity
+  double friction = 1;   ///< coefficient of sliding
+  bool hidden = false;   ///< in a group from 3 on, which is for collisions
 };
 Geom read_geom(XmlElement element, const std::string& childclass, Reading& reading);
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include <momentree/results/checkpoint/run_fields.hpp>
+#include <momentree/results/checkpoint/event_fields.hpp>
 
 namespace momentree::io {
 
@@ -10,9 +10,7 @@ namespace {
 
 // Like that of PNG: files that were changed by a transfer as text are recognised.
 constexpr std::string_view checkpoint_magic = "\x89MTCKPT\r\n\x1a\n";
-constexpr std::uint64_t checkpoint_format = 15;
-constexpr const char* damaged_checkpoint = "this checkpoint is damaged";
-constexpr const char* start_again = "run without --resume to start again from the beginning";
+constexpr std::uint64_t checkpoint_format = 16;
 
 std::string little_endian(std::uint64_t n) {
   std::string bytes;
@@ -46,40 +44,49 @@ void fields(Archive& archive, Part<Archive, RecorderState>& r) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Checkpoint>& c) {
-  archive(c.input, c.every, c.run, c.record);
+  archive(c.input, c.every, c.run, c.record, c.scheduled, c.efforts);
 }
 
-std::string checkpoint_bytes(const Checkpoint& checkpoint) {
-  if (!checkpoint.run.world.added.empty())
-    throw_error({"bodies were added to this world: it cannot be saved as a checkpoint", "", ""});
-  ArchiveWriter archive;
-  archive(checkpoint);
+std::string sealed(const std::string& data) {
   std::string bytes(checkpoint_magic);
-  bytes += little_endian(checkpoint_format) + little_endian(archive.bytes.size()) + archive.bytes;
+  bytes += little_endian(checkpoint_format) + little_endian(data.size()) + data;
   Checksum checksum;
   checksum.add(bytes);
   return bytes + little_endian(checksum.value());
 }
 
-Checkpoint read_checkpoint(std::string_view bytes, const std::string& path) {
+std::string_view unsealed(std::string_view bytes, const std::string& path, const CheckpointWords& words) {
   const std::size_t head = checkpoint_magic.size() + 16, tail = 8;
-  if (!bytes.starts_with(checkpoint_magic)) throw_error({"this is not a checkpoint of momentree", path, start_again});
+  const std::string name = words.name;
+  const auto refuse = [&](const std::string& problem) { throw_error({problem, path, words.again}); };
+  if (!bytes.starts_with(checkpoint_magic)) refuse("this is not a checkpoint of momentree");
   if (bytes.size() < head + tail || number_in(bytes, checkpoint_magic.size() + 8) != bytes.size() - head - tail)
-    throw_error({"this checkpoint is incomplete", path, start_again});
+    refuse(name + " is incomplete");
   Checksum checksum;
   checksum.add(bytes.substr(0, bytes.size() - tail));
-  if (checksum.value() != number_in(bytes, bytes.size() - tail)) throw_error({damaged_checkpoint, path, start_again});
+  if (checksum.value() != number_in(bytes, bytes.size() - tail)) refuse(name + " is damaged");
   if (const std::uint64_t found = number_in(bytes, checkpoint_magic.size()); found != checkpoint_format)
-    throw_error({"this checkpoint has format " + std::to_string(found) + ", and this version reads format " +
-                     std::to_string(checkpoint_format),
-                 path, "resume with the version that wrote it, or run without --resume"});
+    throw_error(
+        {name + " has format " + std::to_string(found) + ", and this version reads format " + std::to_string(checkpoint_format),
+         path, words.other_version});
+  return bytes.substr(head, bytes.size() - head - tail);
+}
+
+std::string checkpoint_bytes(const Checkpoint& checkpoint) {
+  ArchiveWriter archive;
+  archive(checkpoint);
+  return sealed(archive.bytes);
+}
+
+Checkpoint read_checkpoint(std::string_view bytes, const std::string& path, const CheckpointWords& words) {
+  const std::string_view data = unsealed(bytes, path, words);
   Checkpoint checkpoint;
   try {
-    ArchiveReader archive(bytes.substr(head, bytes.size() - head - tail), damaged_checkpoint);
+    ArchiveReader archive(data, "damaged");
     archive(checkpoint);
     archive.require(archive.at_end());
   } catch (const Error&) {
-    throw_error({damaged_checkpoint, path, start_again});
+    throw_error({std::string(words.name) + " is damaged", path, words.again});
   }
   return checkpoint;
 }

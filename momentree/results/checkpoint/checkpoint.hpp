@@ -45,18 +45,34 @@ struct Checkpoint {
   double every = 0;  ///< wall-clock time between two checkpoints (s)
   RunState run;
   RecorderState record;
+  // Of a run that a program has set up:
+  std::vector<EventQueue::Entry> scheduled{};                  ///< its events, of which scenarios have their own
+  std::vector<std::pair<int, std::vector<double>>> efforts{};  ///< by joint number (N m, N)
 };
 
-/// The content of a checkpoint file: magic number, format version, length, data, checksum. Throws Error for a world to which
-/// bodies were added.
+/// What checkpoints are called in messages, and what helps if one can't be used.
+struct CheckpointWords {
+  const char* name = "this checkpoint";
+  const char* again = "run without --resume to start again from the beginning";
+  const char* other_version = "resume with the version that wrote it, or run without --resume";
+};
+
+/// The content of a file: magic number, format version, length, data, checksum.
+std::string sealed(const std::string& data);
+/// Its data; `path` is for messages. Throws Error, with a remedy, for anything else.
+std::string_view unsealed(std::string_view bytes, const std::string& path, const CheckpointWords& words);
+
+/// The content of a checkpoint file. Throws Error for scheduled events that depend on functions.
 std::string checkpoint_bytes(const Checkpoint& checkpoint);
 /// Reads one; `path` is for messages. Throws Error, with a remedy, for anything but a whole checkpoint of this format.
-Checkpoint read_checkpoint(std::string_view bytes, const std::string& path);
+Checkpoint read_checkpoint(std::string_view bytes, const std::string& path, const CheckpointWords& words = {});
 
 /// Throws Error if the simulation has another model or other events than the run of the checkpoint; `path` is for messages.
-void require_fit(const Simulation& simulation, const Checkpoint& checkpoint, const std::string& path);
+void require_fit(const Simulation& simulation, const Checkpoint& checkpoint, const std::string& path,
+                 const CheckpointWords& words = {});
 /// Continues the run of a checkpoint that fits in a simulation that has been set up as that run was: see
-/// Simulation::continue_from. Functions, such as those of couplings, are those of the simulation.
+/// Simulation::continue_from. Functions, such as those of couplings, are those of the simulation unless the checkpoint was given
+/// some.
 void continue_run(Simulation& simulation, const Checkpoint& checkpoint);
 
 /// The folder and the checkpoint of a run that ended early.

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include <momentree/results/checkpoint/run_fields.hpp>
+#include <momentree/results/checkpoint/event_fields.hpp>
 #include <momentree/scenario/test_support.hpp>
 #include <momentree/text/files/checksum.hpp>
 
@@ -121,6 +121,66 @@ TEST_CASE("a checkpoint of a world with loops reads back to the same bytes, and 
   damaged([](Snapshot& engine) { engine.topology.loops[1].number = engine.topology.loops[0].number; });
   damaged([](Snapshot& engine) { engine.topology.loops[1].held = {}; });
   damaged([](Snapshot& engine) { engine.turns.resize(3); });
+}
+
+TEST_CASE("a world to which bodies were added, and from which some were removed, continues to the last bit") {
+  Simulation whole(io::test::two_mechanisms()), continued(io::test::two_mechanisms());
+  whole.set_gravity({0, 1, -5});
+  const BodyId first = whole.add({.name = "new/one",
+                                  .mass = 1,
+                                  .com = {0.1, 0, 0.2},
+                                  .inertia = diagonal(0.1),
+                                  .parent = whole.world().model().body("arm/hand"),
+                                  .joint = Revolute{.axis = {0, 1, 0}, .damping = 0.1},
+                                  .v = 0.3});
+  REQUIRE(whole.run_until(0.01) == Status::ok);
+  static_cast<void>(
+      whole.add({.name = "new/ball", .mass = 1, .inertia = diagonal(0.01), .joint = Free{}, .q = {0, 9, 9, 1, 0, 0, 0}},
+                {contact::sphere(0.1), contact::box({0.1, 0.2, 0.3})}));
+  whole.remove(first);
+  whole.at(0.03).then(weld("new/ball", "arm/base")).named("joined");
+  const io::Checkpoint saved{{}, 0, whole.run_state(), {}, scheduled(whole), {}};
+  const io::Checkpoint read = io::read_checkpoint(io::checkpoint_bytes(saved), "checkpoint");
+  CHECK(io::checkpoint_bytes(read) == io::checkpoint_bytes(saved));
+  schedule(continued, read.scheduled);
+  io::require_fit(continued, read, "checkpoint");
+  io::continue_run(continued, read);
+  for (Simulation* each : {&whole, &continued}) REQUIRE(each->run_until(0.06) == Status::ok);
+  CHECK(continued.world().snapshot().engine.q == whole.world().snapshot().engine.q);
+  CHECK(continued.world().snapshot().engine.y == whole.world().snapshot().engine.y);
+  CHECK(continued.events().size() == 4);
+  CHECK(continued.energy().error == whole.energy().error);
+  CHECK(continued.world().model().colliders() == whole.world().model().colliders());
+  const auto damaged = [&](auto change) {
+    io::Checkpoint changed = saved;
+    change(changed.run.world);
+    changed.run.queue.entries.clear();
+    const Simulation fresh(io::test::two_mechanisms());
+    CHECK(io::test::error_of([&] { io::require_fit(fresh, changed, "checkpoint"); }).find("damaged") != std::string::npos);
+  };
+  damaged([](WorldSnapshot& world) { world.added[0].parent.index = 99; });
+  damaged([](WorldSnapshot& world) { world.added[0].mass = -1; });
+  damaged([](WorldSnapshot& world) { world.added_colliders[0].body.index = 99; });
+  damaged([](WorldSnapshot& world) { world.engine.topology.changed.clear(); });
+}
+
+TEST_CASE("scheduled events read back to the same bytes, whatever they do and depend on; those of a program are refused") {
+  EventQueue::Entry entry;
+  entry.event.actions = {attach("a/b", "c/d", Universal{.axis = {1, 0, 0}, .axis2 = {0, 1, 0}, .damping = 0.1}, Pose{{1, 2, 3}}),
+                         impulse("a/b", {1, 2, 3}, {4, 5, 6}, {7, 8, 9}), lock("a/b", {0, 2})};
+  for (const std::string& key : action_keys()) entry.event.actions.emplace_back(make_action(key));
+  const EventQueue::Entry back = there_and_back(entry);
+  for (std::size_t i = 0; i < entry.event.actions.size(); ++i)
+    CHECK(back.event.actions[i].text() == entry.event.actions[i].text());
+  for (const std::string& key : quantity_keys()) {
+    entry.condition = Condition(make_quantity(key), 0.25, true).repeated(0.5).lasting(2);
+    CHECK(there_and_back(entry).condition->what->key() == key);
+  }
+  entry.condition = beginning_to_slip("a/b", "ground");
+  CHECK(!there_and_back(entry).condition->what->has_threshold());
+  entry.condition = measured([](const World& world) { return world.time(); }).exceeds(1);
+  io::ArchiveWriter writer;
+  CHECK(io::test::error_of([&] { writer(entry); }).find("part of a program") != std::string::npos);
 }
 
 TEST_CASE("a changed, truncated or lengthened checkpoint is refused") {

@@ -13,17 +13,19 @@ namespace {
 
 class Fit {
  public:
-  Fit(const Simulation& simulation, const RunState& run, const std::string& path)
+  Fit(const Simulation& simulation, const RunState& run, const std::string& path, const CheckpointWords& words)
       : now_(simulation.run_state()),
         world_(simulation.world()),
         run_(run),
         topology_(run.world.engine.topology),
-        bodies_(world_.tree().bodies()),
-        path_(path) {}
+        path_(path),
+        words_(words),
+        model_(model_with(run.world)),
+        bodies_(model_.size()) {}
 
   void check() {
     const Topology& own = now_.world.engine.topology;
-    require(topology_.model == own.model && topology_.places.size() == own.places.size(), "another model");
+    require(topology_.model == own.model && topology_.places.size() == at(bodies_), "another model");
     require(run_.queue.entries.size() == now_.queue.entries.size(), "a run with other events");
     check_places();
     check_joints();
@@ -41,8 +43,18 @@ class Fit {
   static constexpr const char* whole = "";
   void require(bool holds, const char* what) const {
     if (holds) return;
-    const std::string problem = what == whole ? "this checkpoint is damaged" : std::string("this checkpoint is of ") + what;
-    throw_error({problem, path_, "run without --resume to start again from the beginning"});
+    const std::string problem = std::string(words_.name) + (what == whole ? " is damaged" : std::string(" is of ") + what);
+    throw_error({problem, path_, words_.again});
+  }
+  Model model_with(const WorldSnapshot& snapshot) const {
+    Model model = first_model(world_);
+    try {
+      for (const BodySpec& each : snapshot.added) model.add_unjudged(each);
+      for (const Collider& each : snapshot.added_colliders) model.add_collider(each);
+    } catch (const Error&) {
+      require(false, whole);
+    }
+    return model;
   }
   bool body(int number) const { return number >= 0 && number < bodies_; }
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -75,15 +87,20 @@ class Fit {
   }
 
   void check_joints() {
-    for (int j = 0; j < bodies_; ++j) kinds_[at(j)] = world_.model()[JointId{j}].joint.kind;
+    for (int j = 0; j < bodies_; ++j) kinds_[at(j)] = model_[JointId{j}].joint.kind;
     const int shared = world_.tree().shared_parameters(), own = static_cast<int>(topology_.own.size());
-    const int functions = static_cast<int>(now_.world.engine.topology.functions.size());
+    const auto& given = topology_.functions.empty() ? now_.world.engine.topology.functions : topology_.functions;
+    const int functions = static_cast<int>(given.size());
     for (const Topology::Changed& c : topology_.changed) {
       require(body(c.joint), whole);
       require(c.as.parameters >= -1 && c.as.parameters < shared + own, whole);
       require(c.as.function >= -1 && c.as.function < functions, "a run with other functions");
       require(c.as.locked >> info(c.as.kind).nv == 0, whole);
       kinds_[at(c.joint)] = c.as.kind;
+    }
+    for (int j = world_.start().bodies; j < bodies_; ++j) {  // the model has none of these
+      const auto changed = [j](const Topology::Changed& c) { return c.joint == j; };
+      require(!joint(j) || std::any_of(topology_.changed.begin(), topology_.changed.end(), changed), whole);
     }
     for (const Topology::Own& o : topology_.own) require(body(o.joint), whole);
   }
@@ -141,8 +158,10 @@ class Fit {
   const World& world_;
   const RunState& run_;
   const Topology& topology_;
-  const int bodies_;
   const std::string& path_;
+  const CheckpointWords& words_;
+  const Model model_;  ///< with the bodies that were added
+  const int bodies_;
   std::vector<char> carried_;  // by joint
   std::vector<Kind> kinds_;    // by joint
   std::set<int> loops_;        // numbers of loop joints, as handles
@@ -150,15 +169,17 @@ class Fit {
 
 }  // namespace
 
-void require_fit(const Simulation& simulation, const Checkpoint& checkpoint, const std::string& path) {
-  Fit(simulation, checkpoint.run, path).check();
+void require_fit(const Simulation& simulation, const Checkpoint& checkpoint, const std::string& path,
+                 const CheckpointWords& words) {
+  Fit(simulation, checkpoint.run, path, words).check();
 }
 
 void continue_run(Simulation& simulation, const Checkpoint& checkpoint) {
   const Topology own = simulation.world().tree().topology();
   RunState run = checkpoint.run;
-  run.world.engine.topology.functions = own.functions;
-  run.world.engine.topology.loads = own.loads;
+  Topology& topology = run.world.engine.topology;
+  if (topology.functions.empty()) topology.functions = own.functions;
+  topology.loads = own.loads;
   simulation.continue_from(run);
 }
 

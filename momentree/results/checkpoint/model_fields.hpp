@@ -1,119 +1,51 @@
 #pragma once
-// What joints and topologies consist of, for archives.
+// What bodies and topologies consist of, for archives.
 #include <algorithm>
-#include <cmath>
 
 #include <momentree/contact/primitive.hpp>
-#include <momentree/results/checkpoint/archive.hpp>
+#include <momentree/contact/shapes/height_field.hpp>
+#include <momentree/scenario/events/joint_fields.hpp>
 #include <momentree/simulate/world/world.hpp>
 
 namespace momentree::io {
 
 template <class Archive>
-void fields(Archive& archive, Part<Archive, Vec3>& v) {
-  archive(v.x, v.y, v.z);
+void fields(Archive& archive, Part<Archive, BodyId>& body) {
+  archive(body.index);
 }
 template <class Archive>
-void fields(Archive& archive, Part<Archive, Quat>& q) {
-  archive(q.w, q.x, q.y, q.z);
-}
-template <class Archive>
-void fields(Archive& archive, Part<Archive, Pose>& pose) {
-  archive(pose.position, pose.rotation);
-}
-
-inline void fields(ArchiveWriter& archive, const Values& values) {
-  archive(values.size());
-  for (const double x : values) archive(x);
-}
-inline void fields(ArchiveReader& archive, Values& values) {
-  int size = 0;
-  archive(size);
-  archive.require(size >= 0 && size <= Values::capacity);
-  values = {};
-  for (double x = 0; size > 0; --size) {
-    archive(x);
-    values.push_back(x);
-  }
+void fields(Archive& archive, Part<Archive, BodySpec>& b) {
+  archive(b.name, b.mass, b.com, b.inertia, b.parent, b.at, b.joint, b.q, b.v, b.child_at, b.joint_name);
 }
 
 template <class Archive>
-void fields(Archive& archive, Part<Archive, Signal::Knot>& knot) {
-  archive(knot.time, knot.value);
-}
-
-struct SavedSignal {
-  double offset = 0, amplitude = 0, frequency = 0, phase = 0, ramp = 0;
-  bool free_ends = false, from_here = false;
-  std::vector<Signal::Knot> knots;
-};
-template <class Archive>
-void fields(Archive& archive, Part<Archive, SavedSignal>& s) {
-  archive(s.offset, s.amplitude, s.frequency, s.phase, s.ramp, s.free_ends, s.from_here, s.knots);
-}
-inline void fields(ArchiveWriter& archive, const Signal& s) {
-  archive(SavedSignal{s.offset(),
-                      s.amplitude(),
-                      s.frequency(),
-                      s.phase(),
-                      s.ramp_rate(),
-                      s.ends() == Signal::Ends::free,
-                      s.from_here(),
-                      {s.knots().begin(), s.knots().end()}});
-}
-inline void fields(ArchiveReader& archive, Signal& signal) {
-  SavedSignal s;
-  archive(s);
-  if (!s.knots.empty())
-    signal = Signal::table(std::move(s.knots), s.free_ends ? Signal::Ends::free : Signal::Ends::rest);
-  else if (s.from_here)  // at the time ±0 whose product with the rate is +0: the offset is exact
-    signal = Signal::ramp_from_here(s.ramp).begun_at(s.offset, std::copysign(0.0, s.ramp));
-  else if (s.ramp != 0)
-    signal = Signal::ramp(s.ramp, s.offset);
-  else
-    signal = Signal::sine(s.amplitude, s.frequency, s.phase, s.offset);
-}
-inline void fields(ArchiveWriter& archive, const Curve& curve) { archive(curve.signal()); }
-inline void fields(ArchiveReader& archive, Curve& curve) {
-  Signal signal;
-  archive(signal);
-  curve = Curve(signal);
-}
-
-template <class Archive>
-void fields(Archive& archive, Part<Archive, JointLimits>& l) {
-  archive(l.lower, l.upper, l.restitution, l.rest_speed, l.stiffness, l.damping);
+void fields(Archive& archive, Part<Archive, contact::Solid::Edge>& e) {
+  archive(e.ends[0], e.ends[1], e.faces[0], e.faces[1]);
 }
 template <class Archive>
-void fields(Archive& archive, Part<Archive, JointFriction>& f) {
-  archive(f.coulomb, f.speed);
+void fields(Archive& archive, Part<Archive, contact::Solid::Face>& f) {
+  archive(f.normal, f.offset, f.corners, f.plane);
 }
 template <class Archive>
-void fields(Archive& archive, Part<Archive, JointStrength>& s) {
-  archive(s.force, s.torque);
+void fields(Archive& archive, Part<Archive, contact::Solid>& s) {
+  archive(s.vertices, s.edges, s.faces, s.along, s.radius, s.centre, s.reach, s.thickness, s.rim, s.ends, s.axes, s.surface,
+          s.belt);
 }
 template <class Archive>
-void fields(Archive& archive, Part<Archive, JointDrive>& d) {
-  archive(d.effort, d.pd.kp, d.pd.kd, d.pd.target, d.pd.target_speed, d.pd.max_effort, d.motion);
+void fields(Archive& archive, Part<Archive, contact::HeightField>& f) {
+  archive(f.at, f.x, f.y, f.columns, f.rows, f.heights, f.lowest, f.highest, f.convex);
 }
 template <class Archive>
-void fields(Archive& archive, Part<Archive, JointParameters>& p) {
-  archive(p.damping, p.stiffness, p.rest, p.armature, p.effort, p.limits, p.friction, p.strength, p.drive);
-}
-
-template <class Archive>
-void kind(Archive& archive, Part<Archive, Kind>& kind) {
-  auto number = static_cast<unsigned>(kind);
-  archive(number);
-  if constexpr (!Archive::writes) {
-    archive.require(number < all_kinds().size());
-    kind = static_cast<Kind>(number);
-  }
+void fields(Archive& archive, Part<Archive, Collider>& c) {
+  archive(c.body, c.solid, c.plane, c.point, c.normal, c.field);
 }
 template <class Archive>
-void fields(Archive& archive, Part<Archive, Joint>& j) {
-  kind(archive, j.kind);
-  archive(j.parameters, j.at, j.child_at, j.axis, j.axis2, j.pitch, j.locked, j.created_by_event, j.function);
+void fields(Archive& archive, Part<Archive, ContactLaw>& l) {
+  archive(l.friction, l.static_friction, l.torsional, l.rolling, l.restitution, l.off);
+}
+template <class Archive>
+void fields(Archive& archive, Part<Archive, ContactRule>& r) {
+  archive(r.name, r.one, r.other, r.law, r.one_name, r.other_name);
 }
 
 template <class Archive>
@@ -158,7 +90,7 @@ void fields(Archive& archive, Part<Archive, Contact>& c) {
     c.mode = static_cast<Contact::Mode>(mode);
   }
 }
-/// Without functions and added bodies.
+/// Without functions. Masses of added bodies are those of WorldSnapshot::added.
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Topology>& t) {
   archive(t.places, t.changed, t.own, t.springs, t.loops, t.ended_couplings, t.contacts, t.model);
@@ -179,7 +111,10 @@ void fields(Archive& archive, Part<Archive, ActiveLimit>& l) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, WorldSnapshot>& w) {
-  archive(w.engine, w.joint_names, w.mechanism_names, w.active_limits, w.former_contacts, w.overlapping, w.gravity);
+  archive(w.engine, w.joint_names, w.mechanism_names, w.active_limits, w.added, w.added_colliders, w.former_contacts,
+          w.overlapping, w.gravity);
+  if constexpr (!Archive::writes)
+    for (const BodySpec& body : w.added) w.engine.topology.added.push_back({body.mass, body.com, body.inertia});
 }
 
 }  // namespace momentree::io

@@ -15,7 +15,8 @@ void fields(Archive& archive, Part<Archive, Approach>& a) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, QueueState::Entry>& e) {
-  archive(e.status, e.nearest);
+  fields(archive, static_cast<Part<Archive, EventStatus>&>(e));
+  archive(e.nearest);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, Strength>& s) {
@@ -99,10 +100,6 @@ void fields(Archive& archive, Part<Archive, SteppedContact>& c) {
   archive(c.pair, c.id, c.a, c.b, c.point, c.normal, c.force, c.slip, c.cable, c.joint, c.side, c.rests, c.moment);
 }
 template <class Archive>
-void fields(Archive& archive, Part<Archive, SteppedBody>& b) {
-  archive(b.on, b.since_impact, b.patience);
-}
-template <class Archive>
 void fields(Archive& archive, Part<Archive, Overlap>& o) {
   archive(o.one, o.other, o.depth, o.cable, o.a, o.b);
 }
@@ -112,8 +109,8 @@ void fields(Archive& archive, Part<Archive, KeptOverlap>& o) {
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, SteppingState>& s) {
-  archive(s.on, s.all, s.bodies, s.changes, s.changes_at_once, s.window, s.instant, s.one, s.other, s.short_steps, s.steps,
-          s.steps_began, s.points, s.released, s.placed, s.overlaps);
+  describe_in_documents(archive, s);
+  archive(s.points, s.placed, s.overlaps);
 }
 template <class Archive>
 void fields(Archive& archive, Part<Archive, RunState>& r) {

@@ -23,7 +23,8 @@ std::string model_page(std::string_view page, std::string_view model, std::strin
 /// The page of a live view. `meshes`: a JSON list (PackedMeshes::json); empty: none.
 std::string live_page(std::string_view page, std::string_view meshes = {});
 
-/// The content security policy stated in the page itself, for a server that sends it; without what only other copies may load.
+/// The content security policy stated in the page itself, for a server that sends it. Unlike the file, a served page may not load
+/// scenarios from other addresses.
 std::string content_policy(std::string_view page);
 
 }  // namespace momentree::io

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include <momentree/model/start.hpp>
 #include <momentree/models/mesh/source.hpp>
 #include <momentree/scenario/convert/describe.hpp>
 
@@ -84,7 +85,7 @@ bool plain_root(const BodySpec& spec) {
 void hold(Value::Table& table, const BodySpec& root, bool with_velocity) {
   const bool free = root.joint.kind == Kind::free;
   if (free) add(table, "root", text("free"));
-  const Values& q = root.q;
+  const Values q = start_coordinates(root);
   const Pose pose = free ? Pose{{q[0], q[1], q[2]}, {q[3], q[4], q[5], q[6]}} : root.at;
   if (Value::Table at = placement(pose); !at.empty()) add(table, "pose", value(std::move(at)));
   if (!free || !with_velocity || !root.v.any()) return;

@@ -5,6 +5,7 @@
 #include <array>
 
 #include <momentree/scenario/events/argument_reader.hpp>
+#include <momentree/scenario/events/joint_fields.hpp>
 #include <momentree/scenario/keys/described.hpp>
 #include <momentree/simulate/contact/contact_bodies.hpp>
 
@@ -21,8 +22,9 @@ void read(const Argument& a, const argument::Joint& joint, ArgumentReader& in) {
   in.reading.joint_uses.push_back({joint.name, in.key, given->place, in.time, sets_parameters(in.what), in.what.takes_springs()});
 }
 ArgumentDescription described(const Argument& a, const argument::Joint&) {
-  return {{{a.key, type::string, "Full name of a joint; * matches within a name", nullptr, ""}},
-          {{a.key, "JointName", "Name of the joint, or its handle"}}};
+  const bool own = a.field.about != nullptr;
+  return {{{a.key, type::string, own ? a.field.about : "Full name of a joint; * matches within a name", nullptr, ""}},
+          {{a.key, "JointName", own ? "Its name, or its handle" : "Name of the joint, or its handle"}}};
 }
 
 void read(const Argument& a, const argument::MadeJoint& joint, ArgumentReader& in) {
@@ -195,6 +197,21 @@ std::string in_python(const Field& field) {
   return unit.empty() ? text : text + " (" + unit + ")";
 }
 
+void read(const Argument& a, double& value, ArgumentReader& in) {
+  const Value* const given = in.find(a.key, true);
+  const auto number = given ? read_number(*given, a.field.dimension, a.key, in.out) : std::nullopt;
+  if (!number) return;
+  if (a.field.range == Range::any || *number > 0 || (a.field.range == Range::not_negative && *number == 0))
+    value = *number;
+  else
+    in.out.error(given->place,
+                 a.key + std::string(a.field.range == Range::positive ? ": must be greater than 0" : ": must not be negative"));
+}
+ArgumentDescription described(const Argument& a, const double&) {
+  return {{{a.key, type::number(a.field.dimension, a.field.range), a.field.about, nullptr, ""}},
+          {{a.key, "Number", in_python(a.field)}}};
+}
+
 void read(const Argument& a, Vec3& value, ArgumentReader& in) {
   const Value* const given = in.find(a.key);
   if (!(a.field.dimension == dimension::length)) in.effect(given != nullptr);  // part of a wrench
@@ -282,6 +299,15 @@ void read(const Argument&, const argument::Parameters& parameters, ArgumentReade
     const auto fitting = std::find_if(kinds.begin(), kinds.end(), [&](const KindInfo* each) { return fit(each, in); });
     if (fitting != kinds.end()) kind = *fitting;
   }
+  if (in.wild() && kind && kind->nv == 0) {  // a weld among the matches has at most a strength
+    Diagnostics ignored("", "");
+    Fields again(in.value, in.key, ignored);
+    JointParameters all;
+    read_parameters(again, nullptr, all, ignored);
+    parameters.values.strength = all.strength;
+    for (const JointKey& key : joint_keys()) static_cast<void>(table.find(key.key));
+    return;
+  }
   if (!kind && in.out.errors() > 0) {  // it may be one of the joints that could not be read
     for (const JointKey& key : joint_keys()) static_cast<void>(table.find(key.key));
     return;
@@ -293,7 +319,9 @@ ArgumentDescription described(const Argument&, const argument::Parameters&) { re
 template <class... T>
 std::array<ArgumentKind, sizeof...(T)> list_of_kinds() {
   return {ArgumentKind{&typeid(T), [](const Argument& a, ArgumentReader& in) { read(a, *a.as<T>(), in); },
-                       [](const Argument& a) { return described(a, *a.as<T>()); }}...};
+                       [](const Argument& a) { return described(a, *a.as<T>()); },
+                       [](ArchiveWriter& archive, const Argument& a) { archive(*a.as<T>()); },
+                       [](ArchiveReader& archive, const Argument& a) { archive(*a.as<T>()); }}...};
 }
 
 }  // namespace
@@ -302,7 +330,7 @@ const ArgumentKind& kind_of(const Argument& argument) {
   namespace of = momentree::argument;
   static const auto all =
       list_of_kinds<of::Joint, of::MadeJoint, of::Body, of::OtherBody, of::Mechanism, of::Component, of::TwoSolids, of::Point,
-                    of::TwoPoints, of::Dofs, Vec3, std::optional<Pose>, of::Description, of::Parameters>();
+                    of::TwoPoints, of::Dofs, double, Vec3, std::optional<Pose>, of::Description, of::Parameters>();
   const auto found = std::find_if(all.begin(), all.end(), [&](const ArgumentKind& kind) { return *kind.type == *argument.type; });
   MT_REQUIRE(found != all.end(), "the list has every kind of argument");
   return *found;

@@ -5,6 +5,7 @@
 
 #include <momentree/scenario/keys/keys.hpp>
 #include <momentree/simulate/events/argument.hpp>
+#include <momentree/text/archive.hpp>
 
 namespace momentree::io {
 
@@ -28,6 +29,8 @@ struct ArgumentKind {
   const std::type_info* type;  ///< of the value
   void (*read)(const Argument& argument, ArgumentReader& in);
   ArgumentDescription (*described)(const Argument& argument);
+  void (*write)(ArchiveWriter& archive, const Argument& argument);
+  void (*read_back)(ArchiveReader& archive, const Argument& argument);
 };
 const ArgumentKind& kind_of(const Argument& argument);
 

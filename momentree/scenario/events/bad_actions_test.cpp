@@ -171,7 +171,7 @@ TEST_CASE("wrong types, units and degrees of freedom are refused") {
       {first + "reroot = \"f/y\"\n",
        "s.toml:42:1: error: event '#1' does nothing; for example break = \"chain/41\"\n"
        "s.toml:44:1: error: unknown key 'reroot' in [[event]]; known here: name at when after every from repeat for locate "
-       "hysteresis attach break change free impulse lock set unlock weld"},
+       "hysteresis attach break change free impulse lock set set_length unlock weld"},
       {first + "after = { event = \"x\" }\nlock = \"m/j\"\n",
        "s.toml:42:1: error: event '#1' has more than one of at, when, after and every; write two events"},
   });

@@ -136,23 +136,26 @@ class TableWriter {
   bool comparing_ = false;
 };
 
-/// Writes members into an open object.
+/// Writes members into an open object. Derive a writer for members that refer to others.
 class MemberWriter {
  public:
   MemberWriter(JsonWriter& json, const Model& model) : json_(json), model_(model) {}
-  void operator()(const char* key, double x, const Field&) { json_.member(key, x); }
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void operator()(const char* key, Number x, const Field& field) {
+    if (x != field.left_out) json_.member(key, x);
+  }
   void operator()(const char* key, const Vec3& x, const Field&) { json_.member(key, x); }
-  void operator()(const char* key, bool x, const Field&) { json_.member(key, x); }
   void operator()(const char* key, const SpringEnd& end, const Field&) {
     json_.key(key).begin_object().member("body", model_.body_name(end.body)).member("point", end.point).end_object();
   }
 
- private:
+ protected:
   JsonWriter& json_;
   const Model& model_;
 };
 
-/// Reads members of an object, in SI units. Absent ones keep their values.
+/// Reads members of an object, in SI units. Absent ones keep their values. Derive a reader for members that refer to others.
 class MemberReader {
  public:
   explicit MemberReader(Fields& fields) : fields_(fields) {}
@@ -162,8 +165,9 @@ class MemberReader {
     x = field.unbounded && given->is_null() ? HUGE_VAL : fields_.real(key).value_or(x);
   }
   void operator()(const char* key, bool& x, const Field&) { x = fields_.boolean(key).value_or(x); }
+  void operator()(const char* key, int& x, const Field&) { x = fields_.count(key).value_or(x); }
 
- private:
+ protected:
   Fields& fields_;
 };
 

@@ -131,6 +131,14 @@ std::optional<Vec3> Fields::vec3(std::string_view key, const Dimension& expected
   return read && in_range(key, std::min({read->x, read->y, read->z})) ? read : std::nullopt;
 }
 
+std::optional<int> Fields::count(std::string_view key) {
+  const auto given = real(key);
+  if (!given) return {};
+  if (*given >= 0 && *given <= std::numeric_limits<int>::max() && *given == std::floor(*given)) return static_cast<int>(*given);
+  out_.error(place_of(key), std::string(key) + ": expected a count");
+  return {};
+}
+
 std::optional<double> Fields::real(std::string_view key) {
   const Value* value = find(key);
   return value ? read_real(*value, key, out_) : std::nullopt;

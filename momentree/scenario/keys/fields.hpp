@@ -80,6 +80,7 @@ class Fields {
   std::optional<Vec3> vec3(std::string_view key, const Dimension& expected);
   std::optional<Pose> pose(std::string_view key);
   std::optional<double> real(std::string_view key);
+  std::optional<int> count(std::string_view key);
   std::vector<double> reals(std::string_view key, std::size_t count);
 
   /// Known keys that are not supported yet: each one present is an error. True if there was one.

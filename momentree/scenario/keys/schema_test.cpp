@@ -117,6 +117,7 @@ const std::vector<Table>& tables() {
       {action("weld"), {event("at = 1\nweld = { " + value + " }")}},
       {action("impulse"), {event("at = 1\nimpulse = { " + value + " }")}},
       {action("set"), {event("at = 1\nset = { joint = \"m/a\", " + value + " }")}},
+      {action("set_length"), {event("at = 1\nset_length = { cable = \"m/a\", " + value + " }")}},
       {action("change"),
        {event("at = 1\nchange = { kind = \"universal\", " + value + " }"),
         event("at = 1\nchange = { kind = \"helical\", " + value + " }")}},
@@ -344,6 +345,8 @@ TEST_CASE("the reader accepts every quantity and every action of the schema, and
       {"impulse", "{ body = \"m/b\", force = [1, 0, 0] }"},
       {"lock", "{ joint = \"m/b\", freedoms = [0] }"},
       {"set", "{ joint = \"m/b\", damping = 1 }"},
+      {"set_length",
+       "{ cable = \"rope\", length = 9 }\n[[spring]]\nname = \"rope\"\nfrom = \"m/b\"\nto = \"f/c\"\nstiffness = 1"},
       {"unlock", "\"m/b\"\n[[event]]\nat = 0.5\nlock = \"m/b\""},
       {"weld", "{ body = \"f/c\", to = \"m/b\", name = \"m/clasp\" }"},
   };

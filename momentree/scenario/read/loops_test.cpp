@@ -113,10 +113,14 @@ TEST_CASE("mistakes in loops are reported with their places") {
        "bodies, "
        "'at', 'child_at' and axes, or give start values nearer to a closed position"},
       {linkage + "[[event]]\nwhen = { reaction_force = \"pin\", exceeds = 5 }\nbreak = \"pin\"\n",
-       "s.toml:44:1: error: when: reaction_force: the closed loops do not determine the reaction of joint 'pin'; " + least},
+       "s.toml:44:1: error: when: reaction_force: the closed loops do not determine the reaction of joint 'pin', but its "
+       "components fx fz my; " +
+           least},
       {linkage + "[[event]]\nname = \"e\"\nwhen = { reaction_force = \"pin\", exceeds = 5 }\nbreak = \"pin\"\n"
                  "[[event]]\nafter = \"e\"\nlock = \"m/crank\"\n",
-       "s.toml:44:1: error: when: reaction_force: the closed loops do not determine the reaction of joint 'pin'; " + least},
+       "s.toml:44:1: error: when: reaction_force: the closed loops do not determine the reaction of joint 'pin', but its "
+       "components fx fz my; " +
+           least},
       {linkage + "strength = { force = 5 }\n",
        "s.toml:37:8: error: joint 'pin': strength: the closed loops do not determine its reaction; let loops block fewer "
        "directions, for example by a ball and a universal joint instead of revolute ones (explain counts the equations), "
@@ -238,6 +242,35 @@ TEST_CASE("a scenario with a loop is assembled, and its loop joint is one of the
   CHECK(joint.at("reaction").at("determined") == false);
   CHECK(text.at("joints").at("m/crank").at("reaction").contains("determined"));
   CHECK(text.at("loops").at("rows") == 5);
+}
+
+TEST_CASE("a planar linkage determines the components of reactions in its plane, which conditions may have") {
+  std::string ball = linkage;
+  ball.replace(ball.rfind("revolute"), 8, "ball");
+  if (const std::size_t axis = ball.rfind("axis = "); axis > ball.rfind("ball")) ball.erase(axis, ball.find('\n', axis) - axis);
+  const Session redundant = session_of(linkage), fewer = session_of(ball);
+  constexpr ReactionParts fx = 1, fy = 2, fz = 4, mx = 8, my = 16, mz = 32;
+  const auto open = [](const World& world, const std::string& name) {
+    ReactionParts parts = 0;
+    for (unsigned part = 0; part < 6; ++part)
+      if (!world.loops_determine({world.find_joint(name)}, 1u << part)) parts |= 1u << part;
+    return parts;
+  };
+  const World &one = redundant.simulation().world(), &other = fewer.simulation().world();
+  CHECK(open(one, "pin") == (fy | mx | mz));
+  CHECK(open(other, "pin") == fy);
+  for (const std::string name : {"m/crank", "m/coupler", "m/rocker", "pin"}) {
+    CHECK((open(one, name) & (fx | fz | my)) == 0);
+    CHECK(!one.loops_determine({one.find_joint(name)}));
+    const Wrench a = one.reaction({one.find_joint(name)}), b = other.reaction({other.find_joint(name)});
+    CHECK(a.force.x == doctest::Approx(b.force.x).epsilon(1e-9));
+    CHECK(a.force.z == doctest::Approx(b.force.z).epsilon(1e-9));
+    CHECK(std::fabs(a.torque.y - b.torque.y) < 1e-9);
+    const std::string when = linkage + "[[event]]\nwhen = { reaction = { joint = \"" + name + "\", component = \"f";
+    CHECK(read_scenario_text(when + "x\" }, exceeds = 5 }\nbreak = \"pin\"\n", "s.toml").scenario);
+    const ReadResult refused = read_scenario_text(when + "y\" }, exceeds = 5 }\nbreak = \"pin\"\n", "s.toml");
+    CHECK(said(refused).find("but its components fx fz my") != std::string::npos);
+  }
 }
 
 TEST_CASE("conversion keeps loops, and refuses them for URDF") {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include <momentree/scenario/keys/described.hpp>
 #include <momentree/simulate/stepping/overlap.hpp>
 
 namespace momentree::io {
@@ -261,74 +262,77 @@ void read_contacts(const Value& list, const Model& model, JointReader& joints, F
   std::ranges::sort(forest.overlapping);
 }
 
+namespace {
+
+// Bodies by name, and those of the last event as a list.
+struct SteppingWriter : MemberWriter {
+  SteppingWriter(JsonWriter& json, const World& world) : MemberWriter(json, world.model()), world_(world) {}
+  using MemberWriter::operator();
+  void operator()(const char* key, const std::vector<SteppedBody>& bodies, const Field&) {
+    json_.key(key).begin_object();
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (bodies[b] == SteppedBody{} || !world_.alive({static_cast<int>(b)})) continue;
+      json_.key(model_.bodies()[b].name).begin_object();
+      describe(*this, bodies[b]);
+      json_.end_object();
+    }
+    json_.end_object();
+  }
+  void operator()(const char* key, const std::array<std::string, 2>& last, const Field&) {
+    if (!last[0].empty()) json_.key(key).begin_array().value(last[0]).value(last[1]).end_array();
+  }
+
+ private:
+  const World& world_;
+};
+
+struct SteppingReader : MemberReader {
+  SteppingReader(Fields& fields, const Model& model, JointReader& joints, Diagnostics& out)
+      : MemberReader(fields), model_(model), joints_(joints), out_(out) {}
+  using MemberReader::operator();
+  void operator()(const char* key, std::vector<SteppedBody>& all, const Field&) {
+    const Value* const bodies = fields_.find(key);
+    if (bodies == nullptr) return;
+    for (const Value::Entry& entry : read_table(*bodies, key, out_)) {
+      Fields of_body(entry.value, "body " + in_quotes(entry.key), out_, "");
+      const auto body = joints_.body_named(entry.key, entry.place);
+      SteppedBody state;
+      MemberReader members(of_body);
+      describe(members, state);
+      of_body.finish();
+      if (!body) continue;
+      all.resize(static_cast<std::size_t>(model_.size()));
+      all[static_cast<std::size_t>(body->index)] = state;
+    }
+  }
+  void operator()(const char* key, std::array<std::string, 2>& bodies, const Field&) {
+    const Value* const last = fields_.find(key);
+    if (last == nullptr) return;
+    const Value::Array& pair = read_list(*last, key, out_);
+    if (pair.size() != 2) return out_.error(last->place, "last: expected the names of two bodies");
+    for (std::size_t i = 0; i < 2; ++i) bodies[i] = read_string(pair[i], key, out_).value_or("");
+  }
+
+ private:
+  const Model& model_;
+  JointReader& joints_;
+  Diagnostics& out_;
+};
+
+}  // namespace
+
 void write_stepping(JsonWriter& json, const World& world, const SteppingState& stepping) {
   json.begin_object();
-  if (stepping.all) json.member("everywhere", true);
-  json.key("bodies").begin_object();
-  for (std::size_t b = 0; b < stepping.bodies.size(); ++b) {
-    const SteppedBody& body = stepping.bodies[b];
-    if (body == SteppedBody{} || !world.alive({static_cast<int>(b)})) continue;
-    json.key(world.model().bodies()[b].name).begin_object().member("on", body.on);
-    json.member("since_impact", body.since_impact).member("patience", body.patience).end_object();
-  }
+  SteppingWriter members(json, world);
+  describe_in_documents(members, stepping);
   json.end_object();
-  if (stepping.released) json.member("released", true);
-  if (stepping.unloaded >= 0) json.member("unloaded", stepping.unloaded);
-  if (stepping.excess >= 0) json.member("excess", stepping.excess);
-  if (stepping.overlap > 0) json.member("overlap", stepping.overlap);
-  json.member("on", stepping.on).member("changes", stepping.changes).member("changes_at_once", stepping.changes_at_once);
-  if (!stepping.one.empty()) json.key("last").begin_array().value(stepping.one).value(stepping.other).end_array();
-  json.member("window", stepping.window).member("instant", stepping.instant).member("short_steps", stepping.short_steps);
-  json.member("steps", stepping.steps).member("steps_began", stepping.steps_began);
-  json.member("largest_kinetic", stepping.largest_kinetic).end_object();
 }
 
 void read_stepping(const Value& value, const Model& model, JointReader& joints, SteppingState& stepping, Diagnostics& out) {
   Fields fields(value, "contacts", out, "");
-  stepping.on = fields.boolean("on").value_or(false), stepping.all = fields.boolean("everywhere").value_or(false);
-  stepping.released = fields.boolean("released").value_or(false);
-  stepping.unloaded = fields.real("unloaded").value_or(-1);
-  stepping.excess = fields.real("excess").value_or(-1);
-  stepping.overlap = fields.real("overlap").value_or(0);
-  if (const Value* const bodies = fields.find("bodies"))
-    for (const Value::Entry& entry : read_table(*bodies, "bodies", out)) {
-      Fields of_body(entry.value, "body " + in_quotes(entry.key), out, "");
-      const auto body = joints.body_named(entry.key, entry.place);
-      SteppedBody state;
-      state.on = of_body.boolean("on").value_or(state.on);
-      state.since_impact = of_body.real("since_impact").value_or(state.since_impact);
-      state.patience = of_body.real("patience").value_or(state.patience);
-      of_body.finish();
-      if (!body) continue;
-      stepping.bodies.resize(static_cast<std::size_t>(model.size()));
-      stepping.bodies[static_cast<std::size_t>(body->index)] = state;
-    }
-  const auto is_on = [](const SteppedBody& body) { return body.on; };
-  stepping.on = stepping.on && std::ranges::any_of(stepping.bodies, is_on), stepping.all = stepping.all && stepping.on;
-  for (const auto& [key, count] : {std::pair{"changes", &stepping.changes},
-                                   {"changes_at_once", &stepping.changes_at_once},
-                                   {"short_steps", &stepping.short_steps},
-                                   {"steps", &stepping.steps}}) {
-    const double given = fields.real(key).value_or(0);
-    if (given >= 0 && given <= std::numeric_limits<int>::max() && given == std::floor(given))
-      *count = static_cast<int>(given);
-    else
-      out.error(fields.place_of(key), std::string(key) + ": expected a count");
-  }
-  if (const Value* const last = fields.find("last")) {
-    const Value::Array& pair = read_list(*last, "last", out);
-    if (pair.size() == 2) {
-      stepping.one = read_string(pair[0], "last", out).value_or("");
-      stepping.other = read_string(pair[1], "last", out).value_or("");
-    } else {
-      out.error(last->place, "last: expected the names of two bodies");
-    }
-  }
-  for (const auto& [key, time] : {std::pair{"window", &stepping.window},
-                                  {"instant", &stepping.instant},
-                                  {"steps_began", &stepping.steps_began},
-                                  {"largest_kinetic", &stepping.largest_kinetic}})
-    *time = fields.real(key).value_or(0);
+  SteppingReader members(fields, model, joints, out);
+  describe_in_documents(members, stepping);
+  stepping.on = stepping.on && std::ranges::any_of(stepping.bodies, &SteppedBody::on), stepping.all = stepping.all && stepping.on;
   fields.finish();
 }
 

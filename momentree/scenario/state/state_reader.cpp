@@ -164,16 +164,9 @@ class Reader {
     fields.finish();
   }
 
-  int read_count(Fields& fields) {
-    const double count = fields.real("fired").value_or(0);
-    if (count >= 0 && count <= std::numeric_limits<int>::max() && count == std::floor(count)) return static_cast<int>(count);
-    out_.error(fields.place_of("fired"), "fired: expected a count");
-    return 0;
-  }
-
   EventStatus read_condition(Fields& fields) {
     EventStatus armed;
-    armed.fired = read_count(fields);
+    armed.fired = fields.count("fired").value_or(0);
     armed.done = fields.boolean("done").value_or(false), armed.resting = fields.boolean("resting").value_or(false);
     armed.time = fields.real("due").value_or(std::numeric_limits<double>::infinity());
     armed.since = fields.real("since").value_or(armed.since);
@@ -193,7 +186,7 @@ class Reader {
   void read_armed(const Value::Entry& entry) {
     Fields fields(entry.value, "event " + in_quotes(entry.key), out_, "");
     if (!entry.value.table()) return;
-    ArmedEvent event{entry.key, read_count(fields)};
+    ArmedEvent event{entry.key, fields.count("fired").value_or(0)};
     if (const Value* each = fields.find("each")) {
       for (const Value& item : read_list(*each, "each", out_)) {
         Fields one(item, "an entry of each", out_, "");

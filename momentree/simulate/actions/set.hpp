@@ -23,6 +23,7 @@ struct Set : ActionBase {
     if (const int spring = editor.spring(name); spring >= 0) return editor.set_spring(spring, parameters);
     const int joint = editor.joint(name);
     if (joint < 0) return ActionResult::skipped(joint_is_gone);
+    if (parameters == JointParameters{}) return ActionResult::skipped("a weld has no degree of freedom");
     JointParameters all;
     if (const JointParameters* own = editor.parameters(joint)) all = *own;
     const auto take = [](Values& to, const Values& from) {

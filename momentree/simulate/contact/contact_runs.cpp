@@ -188,8 +188,8 @@ bool ContactRun::flood_of_changes(std::size_t first) {
   const double now = run_.world.time();
   if (!(now <= stepping.window + policy::window_length)) stepping.window = now, stepping.changes = 0;
   if (!(now <= stepping.instant + policy::instant_length)) stepping.instant = now, stepping.changes_at_once = 0;
-  if (first > 0) stepping.one = run_.events[first - 1].contact.one, stepping.other = run_.events[first - 1].contact.other;
-  const auto is_last = [&](const Event& e) { return e.contact.one == stepping.one && e.contact.other == stepping.other; };
+  if (first > 0) stepping.last = {run_.events[first - 1].contact.one, run_.events[first - 1].contact.other};
+  const auto is_last = [&](const Event& e) { return e.contact.one == stepping.last[0] && e.contact.other == stepping.last[1]; };
   const bool bounces = first + 1 == run_.events.size() && is_last(run_.events[first]);
   // A change costs dozens of evaluations, each of which solves for the forces of an island.
   const double crowd = static_cast<double>(points_at_events(first)) / static_cast<double>(policy::crowded);
@@ -288,7 +288,7 @@ SteppingState ContactRun::stepping_state() const {
   now.short_steps = contacts.watches.short_steps();
   if (!run_.world.model().colliders().empty() || std::ranges::any_of(run_.world.model().springs(), &Spring::inextensible))
     now.largest_kinetic = run_.energy.balance.largest_kinetic;
-  if (!run_.events.empty()) now.one = run_.events.back().contact.one, now.other = run_.events.back().contact.other;
+  if (!run_.events.empty()) now.last = {run_.events.back().contact.one, run_.events.back().contact.other};
   return now;
 }
 

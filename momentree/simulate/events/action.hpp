@@ -89,6 +89,8 @@ std::vector<std::string> action_keys();
 /// Removes a joint: the child's subtree becomes a separate mechanism. Of a spring: it exerts no force from then on.
 Action break_joint(std::string joint);
 inline Action break_spring(std::string spring) { return break_joint(std::move(spring)); }
+/// Another length (m) for a cable, or another rest length for a spring. The ends of a cable must not be farther apart.
+Action set_length(std::string cable, double length);
 /// Replaces the joint by a six-DoF joint relative to the same parent.
 Action free_joint(std::string joint);
 /// Changes the kind of a joint; its axes stay. Coordinates that the new kind can represent are kept; otherwise the present pose

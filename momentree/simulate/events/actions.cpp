@@ -85,6 +85,13 @@ Action impulse(std::string body, Vec3 force, Vec3 torque, Vec3 point) {
   return action;
 }
 
+Action set_length(std::string cable, double length) {
+  actions::SetLength action;
+  action.name = std::move(cable);
+  action.length = length;
+  return action;
+}
+
 Action set_parameters(std::string joint, JointParameters parameters) {
   actions::Set action;
   action.name = std::move(joint);

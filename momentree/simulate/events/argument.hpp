@@ -65,6 +65,36 @@ struct Parameters {
   JointParameters& values;
   const std::string& of;
 };
+
+// The values of each kind, for archives. They are references, which a reader sets.
+template <class Archive, class Thing>
+void fields(Archive& archive, const Name<Thing>& a) {
+  archive(a.name);
+}
+template <class Archive>
+void fields(Archive& archive, const TwoSolids& a) {
+  archive(a.one, a.other);
+}
+template <class Archive>
+void fields(Archive& archive, const Point& a) {
+  archive(a.body, a.point);
+}
+template <class Archive>
+void fields(Archive& archive, const TwoPoints& a) {
+  archive(a.one, a.other);
+}
+template <class Archive>
+void fields(Archive& archive, const Dofs& a) {
+  archive(a.numbers);
+}
+template <class Archive>
+void fields(Archive& archive, const Description& a) {
+  archive(a.joint);
+}
+template <class Archive>
+void fields(Archive& archive, const Parameters& a) {
+  archive(a.values);
+}
 }  // namespace argument
 
 /// An argument: its key, a reference to its value, and its meaning.

@@ -12,6 +12,7 @@
 #include <momentree/base/check.hpp>
 #include <momentree/base/error.hpp>
 #include <momentree/base/units.hpp>
+#include <momentree/model/body_force.hpp>
 #include <momentree/simulate/events/argument.hpp>
 #include <momentree/simulate/events/event.hpp>
 #include <momentree/tree/state.hpp>
@@ -35,8 +36,8 @@ class Quantity : public WithArguments {
   /// True for loads on joints: among several that are exceeded at one instant, the one with the largest ratio to its threshold
   /// comes first.
   virtual bool is_load() const { return false; }
-  /// True for reactions, which closed loops may leave open.
-  virtual bool is_reaction() const { return false; }
+  /// The components of a reaction on which it depends, which closed loops may leave open.
+  virtual ReactionParts reaction_parts() const { return 0; }
   /// False for what is true (1) or not (0), and needs no threshold.
   virtual bool has_threshold() const { return true; }
   /// Turns it into what a condition without a threshold means: has_threshold() is false from then on. False if it needs one.

@@ -180,30 +180,12 @@ void EventQueue::forget_looks() {
   for (std::size_t k = 0; k < count(); ++k) at(k).looked = at(k).looked_before = -1;
 }
 
-namespace {
-
-EventStatus status_of(const EventQueue::Entry& e) {
-  return {e.time, e.fired, e.done, e.since, e.resting, e.excess, e.excess_before, e.looked, e.looked_before};
-}
-
-void take_status(EventQueue::Entry& e, const EventStatus& s) {
-  e.time = s.time, e.fired = s.fired, e.done = s.done, e.since = s.since, e.resting = s.resting;
-  e.excess = s.excess, e.excess_before = s.excess_before, e.looked = s.looked, e.looked_before = s.looked_before;
-}
-
-}  // namespace
-
-std::vector<EventStatus> EventQueue::armed() const {
-  std::vector<EventStatus> all;
-  for (const Entry& e : entries) all.push_back(status_of(e));
-  return all;
-}
+std::vector<EventStatus> EventQueue::armed() const { return {entries.begin(), entries.end()}; }
 
 QueueState EventQueue::state(const World& world) const {
   QueueState state;
-  for (const Entry& e : entries) state.entries.push_back({status_of(e), e.nearest});
-  for (const Borne& b : strengths_)
-    state.strengths.push_back({b.strength, b.entry.event.name, b.joint, {status_of(b.entry), b.entry.nearest}});
+  state.entries.assign(entries.begin(), entries.end());
+  for (const Borne& b : strengths_) state.strengths.push_back({b.strength, b.entry.event.name, b.joint, b.entry});
   state.strengths_known = strengths_of_ == world.tree().revision();
   state.next = next_;
   return state;
@@ -211,8 +193,7 @@ QueueState EventQueue::state(const World& world) const {
 
 void EventQueue::continue_from(const QueueState& state, const World& world) {
   MT_REQUIRE(state.entries.size() == entries.size(), "the events are scheduled that the run had");
-  for (std::size_t k = 0; k < entries.size(); ++k)
-    take_status(entries[k], state.entries[k].status), entries[k].nearest = state.entries[k].nearest;
+  for (std::size_t k = 0; k < entries.size(); ++k) static_cast<Progress&>(entries[k]) = state.entries[k];
   restore_strengths(state, world);
   next_ = state.next;
 }
@@ -220,10 +201,8 @@ void EventQueue::continue_from(const QueueState& state, const World& world) {
 void EventQueue::restore_strengths(const QueueState& state, const World& world) {
   strengths_.clear();
   strengths_of_.reset();
-  for (const QueueState::Borne& b : state.strengths) {
-    Borne& now = strengths_.emplace_back(borne(b.strength, b.event, b.joint));
-    take_status(now.entry, b.entry.status), now.entry.nearest = b.entry.nearest;
-  }
+  for (const QueueState::Borne& b : state.strengths)
+    static_cast<Progress&>(strengths_.emplace_back(borne(b.strength, b.event, b.joint)).entry) = b.entry;
   if (state.strengths_known) strengths_of_ = world.tree().revision();
 }
 
@@ -235,7 +214,7 @@ void EventQueue::restore(std::span<const EventStatus> armed, double now) {
     e.looked = e.looked_before = -1;
     e.nearest = {};
     if (k < armed.size()) {
-      take_status(e, armed[k]);
+      static_cast<EventStatus&>(e) = armed[k];
     } else {
       e.fired = 0, e.since = -1, e.resting = false;
       if (!e.after.empty()) e.time = HUGE_VAL;

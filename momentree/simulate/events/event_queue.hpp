@@ -29,23 +29,19 @@ struct QueueState;
 
 class EventQueue {
  public:
-  struct Entry {
+  /// What a run changes in an entry.
+  struct Progress : EventStatus {
+    Approach nearest{};  ///< since the start or the last restore
+  };
+  struct Entry : Progress {
+    Entry() { time = HUGE_VAL; }
     DueEvent event;
-    double time = HUGE_VAL;              ///< when it is due (s), if known
     std::optional<Condition> condition;  ///< or when this condition is met
     std::string after;                   ///< or after the event with that name,
     double delay = 0;                    ///< by this delay (s)
     double period = 0;                   ///< repeated with this period (s); 0: once
     double from = 0;                     ///< the first instant of a repeated one (s)
     std::size_t rank = 0;                ///< of the entries due at one instant, the lowest rank comes first
-    int fired = 0;
-    bool done = false;
-    double since = -1;     ///< time (s) since which the condition holds; −1: it
-                           ///< does not hold
-    bool resting = false;  ///< it repeats, and is not armed again yet
-    double excess = 0, excess_before = 0, looked = -1, looked_before = -1;  ///< at the last two evaluations, and their times; −1:
-                                                                            ///< none
-    Approach nearest;  ///< since the start or the last restore
   };
 
   /// When an entry would happen, if known.

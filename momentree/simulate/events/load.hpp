@@ -13,7 +13,6 @@ struct Load : Quantity {
   void arguments(const ArgumentVisitor& visit) override { visit({"joint", argument::Joint{joint}}); }
   std::vector<std::string> joints() const override { return {joint}; }
   bool is_load() const override { return true; }
-  bool is_reaction() const override { return true; }
   bool never_negative() const override { return true; }
   virtual std::optional<double> of(const Wrench& wrench) const = 0;
   std::optional<double> value(const World& world, std::span<const Event>) const override {

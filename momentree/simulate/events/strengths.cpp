@@ -67,7 +67,7 @@ std::string name_of(const World& world, const Strength& strength) {
 std::optional<Error> undetermined_strength(const World& world) {
   if (!world.tree().has_loops()) return std::nullopt;
   for (const Strength& strength : strengths(world))
-    if (strength.spring < 0 && !world.loops_determine({strength.joint}))
+    if (strength.spring < 0 && !world.loops_determine({strength.joint}, strength.torque ? torque_parts : force_parts))
       return Error("strength: the closed loops do not determine its reaction",
                    "joint '" + std::string(world.joint_name({strength.joint})) + "'",
                    "let loops block fewer directions, for example by a ball and a universal joint instead of revolute ones "

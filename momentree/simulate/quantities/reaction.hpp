@@ -15,6 +15,7 @@ struct Reaction : Load {
     visit({"joint", argument::Joint{joint}});
     visit({"component", argument::Component{component}});
   }
+  ReactionParts reaction_parts() const override { return 1u << ((component[0] == 'm' ? 3 : 0) + (component[1] - 'x')); }
   std::optional<double> of(const Wrench& wrench) const override {
     const Vec3& v = component[0] == 'm' ? wrench.torque : wrench.force;
     return component[1] == 'x' ? v.x : component[1] == 'y' ? v.y : v.z;

@@ -7,6 +7,7 @@ namespace momentree::quantities {
 struct ReactionTorque : Load {
   std::string_view key() const override { return "reaction_torque"; }
   const char* summary() const override { return "Norm of the reaction torque of a joint, about the joint's frame (N m)"; }
+  ReactionParts reaction_parts() const override { return torque_parts; }
   Dimension dimension() const override { return dimension::torque; }
   std::optional<double> of(const Wrench& wrench) const override { return norm(wrench.torque); }
 };

@@ -1,9 +1,11 @@
 #pragma once
 // What a run that steps through contacts remembers between steps.
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include <momentree/base/describe.hpp>
 #include <momentree/math/vec.hpp>
 #include <momentree/simulate/stepping/overlap.hpp>
 
@@ -32,6 +34,12 @@ struct SteppedBody {
   double patience = 0.1;    ///< time without impacts after which its contacts are located again (s)
   friend bool operator==(const SteppedBody&, const SteppedBody&) = default;
 };
+template <class Visitor, Like<SteppedBody> B>
+void describe(Visitor& visit, B& body) {
+  visit("on", body.on, Field{"Its contacts are stepped through"});
+  visit("since_impact", body.since_impact, Field{"When it last hit something, or stepping began", dimension::time});
+  visit("patience", body.patience, Field{"Time without impacts after which its contacts are located again", dimension::time});
+}
 
 /// Bodies that steps could not keep from overlapping.
 struct KeptOverlap {
@@ -47,7 +55,7 @@ struct SteppingState {
   // Changes of contacts in a short time, and in a very short one, and when these times began (s).
   int changes = 0, changes_at_once = 0;
   double window = 0, instant = 0;
-  std::string one{}, other{};          ///< the bodies of the last event, if it was at a contact
+  std::array<std::string, 2> last{};   ///< the bodies of the last event, if it was at a contact
   int short_steps = 0;                 ///< in a row in which a contact that is located crept
   int steps = 0;                       ///< with closed contacts since these were last judged by their length
   double steps_began = 0;              ///< when that was (s)
@@ -66,5 +74,27 @@ struct SteppingState {
   double largest_kinetic = 0;
   friend bool operator==(const SteppingState&, const SteppingState&) = default;
 };
+
+/// The members that documents have together; `points` are contacts there.
+template <class Visitor, Like<SteppingState> S>
+void describe_in_documents(Visitor& visit, S& s) {
+  using namespace dimension;
+  visit("everywhere", s.all, Field{"All mechanisms are stepped through"}.left_out_at(0));
+  visit("bodies", s.bodies, Field{"By name: those that are not as at first"});
+  visit("released", s.released, Field{"The forces of the last step no longer act"}.left_out_at(0));
+  visit("unloaded", s.unloaded, Field{"Norm of the rates of all momenta without contacts"}.left_out_at(-1));
+  visit("excess", s.excess, Field{"The largest force that closed contacts cannot exert, of the largest of all"}.left_out_at(-1));
+  visit("overlap", s.overlap, Field{"The deepest overlap that could not be avoided", length}.left_out_at(0));
+  visit("on", s.on, Field{"Some bodies are stepped through"});
+  visit("changes", s.changes, Field{"Changes of contacts in a short time"});
+  visit("changes_at_once", s.changes_at_once, Field{"And in a very short one"});
+  visit("last", s.last, Field{"The bodies of the last event"});
+  visit("window", s.window, Field{"When the short time began", time});
+  visit("instant", s.instant, Field{"When the very short one began", time});
+  visit("short_steps", s.short_steps, Field{"Steps in a row in which a contact that is located crept"});
+  visit("steps", s.steps, Field{"Steps with closed contacts since these were last judged by their length"});
+  visit("steps_began", s.steps_began, Field{"When that was", time});
+  visit("largest_kinetic", s.largest_kinetic, Field{"The largest kinetic energy of the run", force * length});
+}
 
 }  // namespace momentree

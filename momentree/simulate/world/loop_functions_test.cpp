@@ -80,7 +80,7 @@ TEST_CASE("a function in a loop joint acts as the spring and the damper that it 
     const JointForces one = by_law.world().joint_forces(cylinder_id), other = by_function.world().joint_forces(cylinder_id);
     CHECK(one.effort[0] == doctest::Approx(other.effort[0]).epsilon(1e-9));
     CHECK(norm(one.reaction.force - other.reaction.force) < 1e-8 * (1 + norm(one.reaction.force)));
-    CHECK(norm(one.pure.force - other.pure.force) < 1e-8 * (1 + norm(one.pure.force)));
+    CHECK(norm(one.bearing.force - other.bearing.force) < 1e-8 * (1 + norm(one.bearing.force)));
     const EnergyBalance law = by_law.energy(), function = by_function.energy();
     const auto stored = [](const Simulation& sim) {
       const double l = sim.world().joint(cylinder_id).q[0];

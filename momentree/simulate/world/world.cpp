@@ -275,16 +275,17 @@ JointForces World::joint_forces(JointId number) const {
   for (int i = 0; i < info(tree_.joint(b).kind).nv; ++i) effort.push_back(along[i]);
   return {{workspace_.a.get() + tree_.first_p(b), static_cast<std::size_t>(info(tree_.joint(b).kind).nv)},
           at_joint(tree_.joint(b).child_at, momentree::reaction(tree_, state_, workspace_, number)),
-          at_joint(tree_.joint(b).child_at, pure_reaction(tree_, state_, workspace_, number)),
+          at_joint(tree_.joint(b).child_at, bearing_reaction(tree_, state_, workspace_, number)),
           effort,
           determined};
 }
 
-bool World::loops_determine(JointId number) const {
+bool World::loops_determine(JointId number, ReactionParts parts) const {
   if (!tree_.has_loops()) return true;
   accelerate(tree_, state_, workspace_);
-  return is_loop(number) ? loop_determined(tree_, workspace_, tree_.loops().place(number))
-                         : joint_determined(tree_, workspace_, carrier(number));
+  const ReactionParts open = is_loop(number) ? open_parts_of_link(tree_, workspace_, tree_.loops().place(number))
+                                             : open_parts_of_joint(tree_, workspace_, carrier(number));
+  return (open & parts) == 0;
 }
 
 Wrench World::reaction(JointId number) const {

@@ -45,9 +45,9 @@ struct JointView {
 struct JointForces {
   Numbers a;  ///< time derivative of v: nv numbers (m/s², rad/s²); points into the world as in JointView; empty for loop joints
   /// Wrench (N, N m) that the declared parent exerts on the declared child: about the origin of the joint's frame on the child
-  /// (`child_at`), in the child's axes. `reaction`: the total through the joint, including drive, spring and damping; `pure`:
-  /// without the effort along the joint's DoFs (momentree::pure_reaction), the load on its bearings and locks.
-  Wrench reaction, pure;
+  /// (`child_at`), in the child's axes. `reaction`: the total through the joint, including drive, spring and damping; `bearing`:
+  /// without the effort along the joint's DoFs (momentree::bearing_reaction), the load on its bearings and locks.
+  Wrench reaction, bearing;
   /// Effort along each DoF (nv numbers, N m or N): momentree::joint_effort; for a driven joint the effort that its motion
   /// requires.
   Values effort;
@@ -245,8 +245,8 @@ class World {
   const std::vector<BodyAcceleration>& accelerations() const;
   JointForces joint_forces(JointId joint) const;
   Wrench reaction(JointId joint) const;  ///< the reaction alone
-  /// Whether the equations of loops determine it.
-  bool loops_determine(JointId joint) const;
+  /// Whether the equations of loops determine it, or these components of it.
+  bool loops_determine(JointId joint, ReactionParts parts = all_parts) const;
   /// A spring of the model, with its length and tension. Only the tension of a cable needs an evaluation.
   SpringView spring(SpringId spring) const;
   /// The points at which bodies touch at present, with their forces. Redundant points, such as the corners of a box, share the

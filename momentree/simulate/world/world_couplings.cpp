@@ -19,7 +19,7 @@ CouplingView World::coupling(CouplingId number) const {
   const int place = coupling_place(tree_, number.index);
   view.effort =
       workspace_.loops->lambda[static_cast<std::size_t>(tree_.loops().links[static_cast<std::size_t>(place)].first_row)];
-  view.determined = loop_determined(tree_, workspace_, place);
+  view.determined = open_parts_of_link(tree_, workspace_, place) == 0;
   return view;
 }
 

@@ -53,7 +53,7 @@ JointForces World::loop_forces(JointId number) const {
     return Wrench{on_child.l, on_child.h - cross(loop.joint.child_at.position, on_child.l)};
   };
   JointForces forces;
-  forces.reaction = wrench(found.total), forces.pure = wrench(found.constraint);
+  forces.reaction = wrench(found.total), forces.bearing = wrench(found.constraint);
   for (int k = 0; k < info(loop.joint.kind).nv; ++k) forces.effort.push_back(found.effort[k]);
   return forces;
 }

@@ -64,7 +64,7 @@ export class LiveRecording implements Motion {
     return this.frame(frame).poses;
   }
   contacts(frame: number): ContactForce[] {
-    const numbers = this.frame(frame).contacts ?? new Float32Array();
+    const numbers = this.frame(frame).contacts;
     return Array.from({ length: numbers.length / contactForceSize }, (_, c) => {
       const [x, y, z, fx, fy, fz] = numbers.subarray(contactForceSize * c);
       return { point: [x, y, z], force: [fx, fy, fz] };

@@ -1,12 +1,20 @@
-// Messages between the page and the engine: a worker of the page, or a program that shows its simulation in it.
-import type { Diagnostic, ScenarioInfo, Topology, Triple, WorldTotals } from "../../../wasm/host.mjs";
+// Messages between the page and the engine: a worker of the page, or a program that shows its simulation in it. The engine reads
+// and writes them in momentree/pages.
+import {
+  totalsOf,
+  type Diagnostic,
+  type ScenarioInfo,
+  type Topology,
+  type Triple,
+  type World,
+  type WorldTotals,
+} from "../../../wasm/host.mjs";
 import type { RunEvent } from "../recording";
+import { bytesOf } from "../report/tables";
 import type { ModelFile } from "../result_files";
 
-/** An action on joints and bodies, which have the numbers that the engine gives them. */
-export type UserAction =
-  | { action: "break" | "free" | "lock" | "unlock"; joint: number }
-  | { action: "weld"; body: number; to: number };
+/** An action as events of scenarios have it: `{ break: "chain/4" }`. */
+export type UserAction = Readonly<Record<string, unknown>>;
 
 /** A number of the program, on the page of a live view. */
 export interface SliderInfo {
@@ -26,13 +34,11 @@ export type ToWorker =
   | { type: "play"; on: boolean }
   | { type: "speed"; factor: number }
   | { type: "act"; action: UserAction }
-  /** Parameters of all degrees of freedom of a joint. */
-  | { type: "set"; joint: number; damping?: number; stiffness?: number }
   | { type: "gravity"; value: Triple }
   | { type: "damping"; factor: number; offset: number }
   /** The force at which every joint breaks at the latest (N). */
   | { type: "strength"; force: number }
-  | { type: "grab"; body: number; point: Triple; target: Triple }
+  | { type: "grab"; body: string; point: Triple; target: Triple }
   | { type: "pull"; target: Triple }
   | { type: "release" }
   /** Goes back to an instant; continuing from there makes another branch. */
@@ -60,8 +66,50 @@ export interface Frame {
    */
   readonly loads: Float32Array;
   readonly totals: WorldTotals;
-  /** Per closed contact its point (m) and the force on its first body (N); absent: unknown. */
-  readonly contacts?: Float32Array;
+  /** Per closed contact its point (m) and the force on its first body (N). */
+  readonly contacts: Float32Array;
+}
+
+/** A frame as it arrives: how many numbers it has, and their bytes, which are in base64 if the message has no others. */
+interface FrameSizes {
+  readonly poses: number;
+  readonly loads: number;
+  readonly contacts: number;
+  readonly numbers?: string;
+}
+
+function frameFrom({ poses, loads, contacts, numbers = "" }: FrameSizes, given?: ArrayBuffer): Frame {
+  const bytes = given ?? bytesOf(numbers, 1);
+  const ofTotals = 8 * 17;
+  const all = new Float32Array(bytes, ofTotals);
+  const totals = totalsOf(new Float64Array(bytes, 0, 17));
+  return {
+    time: totals.time,
+    poses: all.subarray(0, poses),
+    loads: all.subarray(poses, poses + loads),
+    totals,
+    contacts: all.subarray(poses + loads, poses + loads + contacts),
+  };
+}
+
+/** A message as the engine writes it: its frame is given by numbers. */
+export type PostedMessage = { type: string; frame?: FrameSizes; world?: { frame: FrameSizes } | null };
+
+export function messageFrom(message: PostedMessage, bytes?: ArrayBuffer): FromWorker {
+  const { frame, world } = message;
+  return {
+    ...message,
+    ...(frame && { frame: frameFrom(frame, bytes) }),
+    ...(world && { world: { ...world, frame: frameFrom(world.frame, bytes) } }),
+  } as FromWorker;
+}
+
+/** The present frame of a world. */
+export function frameOf(world: World): Frame {
+  const [{ bytes, ...answer }] = world.ask({ type: "frame" });
+  const message = messageFrom(answer, bytes);
+  if (message.type !== "frame") throw new Error(`the engine answered ${message.type}`);
+  return message.frame;
 }
 
 export interface LoadedWorld {

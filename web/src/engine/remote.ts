@@ -1,29 +1,5 @@
 // A program that shows its simulation in this page: its messages arrive as server-sent events, and requests take the page's.
-import { totalsOf } from "../../../wasm/host.mjs";
-import { floats } from "../report/tables";
-import type { EnginePort, Frame, FromWorker, ToWorker } from "./messages";
-
-/** A frame as the program writes it: single-precision numbers in base64, and totals in the order of World.totals(). */
-export interface FrameText {
-  time: number;
-  poses: string;
-  loads: string;
-  totals: (number | null)[];
-}
-
-export const frameFrom = ({ time, poses, loads, totals }: FrameText): Frame => ({
-  time,
-  poses: floats(poses),
-  loads: floats(loads),
-  totals: totalsOf(totals.map((number) => number ?? NaN)),
-});
-
-export function messageFrom(text: string): FromWorker {
-  const message = JSON.parse(text);
-  if (message.type === "frame") return { ...message, frame: frameFrom(message.frame) };
-  if (message.type === "loaded") return { ...message, world: { ...message.world, frame: frameFrom(message.world.frame) } };
-  return message;
-}
+import { messageFrom, type EnginePort, type FromWorker, type ToWorker } from "./messages";
 
 const isFrame = (text: string) => text.startsWith('{"type": "frame"');
 
@@ -70,7 +46,8 @@ export class RemoteEngine implements EnginePort {
     this.scheduled = true;
     requestAnimationFrame(() => {
       this.scheduled = false;
-      for (const each of arrived.splice(0)) this.onmessage?.(new MessageEvent("message", { data: messageFrom(each) }));
+      for (const each of arrived.splice(0))
+        this.onmessage?.(new MessageEvent("message", { data: messageFrom(JSON.parse(each)) }));
     });
   }
 

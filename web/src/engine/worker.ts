@@ -1,10 +1,9 @@
-// The worker: an engine and a session, controlled by messages from the page and by the clock.
-import { Engine, EngineFailure } from "../../../wasm/host.mjs";
-import type { FromWorker, ToWorker } from "./messages";
-import { Session } from "./session";
+// The worker: hands messages between the page and a session of the engine on, and tells it the time.
+import { Engine, EngineFailure, type Session } from "../../../wasm/host.mjs";
+import { messageFrom, type FromWorker, type PostedMessage, type ToWorker } from "./messages";
 
 const scope = self as unknown as { onmessage: (event: MessageEvent<ToWorker>) => void; postMessage(message: FromWorker): void };
-let session: Session | null = null;
+let session: Session<ToWorker> | null = null;
 let module: WebAssembly.Module | null = null;
 let last = performance.now();
 
@@ -12,7 +11,8 @@ const post = (message: FromWorker) => scope.postMessage(message);
 
 async function begin() {
   try {
-    session = new Session(await Engine.of(module!), post);
+    const engine = await Engine.of(module!);
+    session = engine.session((message: PostedMessage, bytes) => post(messageFrom(message, bytes)));
     post({ type: "ready" });
   } catch (error) {
     post({ type: "failed", message: `The engine can't start: ${String(error)}` });
@@ -42,7 +42,7 @@ scope.onmessage = ({ data }) => {
       },
       (error) => post({ type: "failed", message: `The engine can't start: ${String(error)}` }),
     );
-  else guarded(() => session?.handle(data));
+  else guarded(() => session?.send(data));
 };
 
 setInterval(() => {

@@ -22,8 +22,8 @@ export class App implements Clock {
   /** The frame that is shown; null: the last one. */
   shownFrame: number | null = null;
   notice = "";
-  /** The number of the joint that was last clicked in the picture. */
-  chosenJoint: number | null = null;
+  /** The name of the joint that was last clicked in the picture. */
+  chosenJoint: string | null = null;
   private listeners: ((changed: Changed) => void)[] = [];
   private requested: string | null = null;
   /** Whether the world has the floor of this page, or is about to have it. */

@@ -11,8 +11,6 @@ export interface Connection {
   readonly kind: "loop" | "spring" | "coupling";
   readonly name: string;
   readonly text: string;
-  /** The number of a loop joint, for actions. */
-  readonly joint?: number;
   readonly over?: boolean;
 }
 
@@ -29,10 +27,9 @@ export function tensionOf(spring: Spring, poses: ArrayLike<number>): number {
 export function connectionsOf(model: Model, topology: Topology, phase: Phase, poses: ArrayLike<number>): Connection[] {
   const loops = topology.joints
     .filter(({ loop }) => loop)
-    .map(({ name, number, kind, parent, child, locked }) => ({
+    .map(({ name, kind, parent, child, locked }) => ({
       kind: "loop" as const,
       name,
-      joint: number,
       text: `${kind}${locked ? ", locked" : ""}, ${of(model, child)} to ${of(model, parent)}`,
     }));
   const acting = new Set((phase.springs ?? model.springs ?? []).map(({ name }) => name));
@@ -79,7 +76,7 @@ export function connections(app: App): HTMLElement {
     const frame = run.frame(app.frame);
     const all = connectionsOf(run.model, run.topology, phaseAt(run, frame.time), frame.poses);
     element.hidden = all.length === 0;
-    const key = JSON.stringify(all.map(({ name, joint, over }) => [name, joint, over]));
+    const key = JSON.stringify(all.map(({ name, kind, over }) => [name, kind, over]));
     if (key === shown) {
       // The same rows: only their texts change, and a button keeps the focus.
       all.forEach(({ text }, i) => (list.children[i].querySelector(".about")!.textContent = text));
@@ -88,20 +85,20 @@ export function connections(app: App): HTMLElement {
     shown = key;
     legend.textContent = `Loops, springs and couplings (${all.filter(({ over }) => !over).length})`;
     list.replaceChildren(
-      ...all.map(({ kind, name, text, joint, over }) =>
+      ...all.map(({ kind, name, text, over }) =>
         h(
           "li",
           over ? { class: "gone" } : {},
           h("span", { class: "what", title: titles[kind] }, name),
           h("span", { class: "about" }, text),
-          joint !== undefined &&
+          kind === "loop" &&
             h(
               "button",
               {
                 type: "button",
                 title: "Break this joint: the loop opens",
                 "aria-label": `Break ${name}`,
-                onclick: () => app.act({ action: "break", joint }),
+                onclick: () => app.act({ break: name }),
               },
               "Break",
             ),

@@ -9,7 +9,7 @@ import type { App } from "./app";
 export function jointControls(app: App): HTMLElement {
   const choice = h("select", { "aria-label": "Joint", onchange: () => app.run && update() });
   const button = (label: string, action: "break" | "free" | "lock" | "unlock", title: string) =>
-    h("button", { type: "button", title, onclick: () => app.act({ action, joint: Number(choice.value) }) }, label);
+    h("button", { type: "button", title, onclick: () => app.act({ [action]: choice.value }) }, label);
   const lock = button("Lock", "lock", "Fixes the joint in its present position by an impulse");
   const unlock = button("Unlock", "unlock", "Releases the lock");
   const breaks = button("Break", "break", "The bodies beyond it detach");
@@ -19,13 +19,13 @@ export function jointControls(app: App): HTMLElement {
     const input = h("input", { type: "number", min: 0, step: "any", "aria-label": `${parameter} of the joint (${unit})` });
     input.addEventListener("change", () => {
       const value = input.valueAsNumber;
-      if (Number.isFinite(value)) app.send({ type: "set", joint: Number(choice.value), [parameter]: value });
+      if (Number.isFinite(value)) app.send({ type: "act", action: { set: { joint: choice.value, [parameter]: value } } });
     });
     return { parameter, input, label: h("label", {}, parameter === "damping" ? "Damping" : "Stiffness", input, unit) };
   };
   const fields = [field("damping", "N m s, N s/m"), field("stiffness", "N m, N/m")];
   const update = () => {
-    const joint = app.topology?.joints.find(({ number }) => number === Number(choice.value));
+    const joint = app.topology?.joints.find(({ name }) => name === choice.value);
     for (const each of [lock, unlock, breaks, free]) each.disabled = !joint;
     for (const { input } of fields) input.disabled = !joint || joint.kind === "weld";
     if (!joint) return;
@@ -36,20 +36,20 @@ export function jointControls(app: App): HTMLElement {
     state.textContent = [joint.kind, ...(joint.locked ? ["locked"] : []), ...(joint.loop ? ["closes a loop"] : [])].join(", ");
   };
   let shown: unknown = null;
-  let chosen: number | null = null;
+  let chosen: string | null = null;
   const show = () => {
     if (chosen !== app.chosenJoint) {
       chosen = app.chosenJoint;
-      if ([...choice.options].some(({ value }) => value === String(chosen))) choice.value = String(chosen);
+      if (chosen !== null && [...choice.options].some(({ value }) => value === chosen)) choice.value = chosen;
     }
     if (shown === app.topology) return update();
     shown = app.topology;
     const before = choice.value;
     const joints = (app.topology?.joints ?? []).filter(({ kind }) => kind !== "free");
-    choice.replaceChildren(...joints.map(({ number, name }) => h("option", { value: number }, name)));
-    const former = joints.find(({ number }) => String(number) === before);
+    choice.replaceChildren(...joints.map(({ name }) => h("option", { value: name }, name)));
+    const former = joints.find(({ name }) => name === before);
     const shownFirst = former ?? joints.find(({ kind }) => kind !== "weld") ?? joints[0];
-    if (shownFirst) choice.value = String(shownFirst.number);
+    if (shownFirst) choice.value = shownFirst.name;
     update();
   };
   app.listen(show);
@@ -73,7 +73,7 @@ export function weldControls(app: App): HTMLElement {
     {
       type: "button",
       title: "Joins them rigidly; two bodies of one mechanism close a loop",
-      onclick: () => app.act({ action: "weld", body: Number(body.value), to: Number(to.value) }),
+      onclick: () => app.act({ weld: { body: body.value, to: to.value } }),
     },
     "Weld together",
   );
@@ -81,9 +81,9 @@ export function weldControls(app: App): HTMLElement {
   for (const choice of [body, to]) choice.addEventListener("change", update);
   app.listen((changed) => {
     if (changed !== "world") return;
-    const options = () => (app.run?.model.bodies ?? []).map(({ name }, b) => h("option", { value: b }, name));
+    const options = () => (app.run?.model.bodies ?? []).map(({ name }) => h("option", { value: name }, name));
     body.replaceChildren(...options());
-    to.replaceChildren(...options(), h("option", { value: -1 }, "the ground"));
+    to.replaceChildren(...options(), h("option", { value: "ground" }, "the ground"));
     to.selectedIndex = Math.min(1, to.options.length - 1);
     update();
   });

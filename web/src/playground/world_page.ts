@@ -181,7 +181,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
   const actions = {
     grab: (body: number, point: readonly [number, number, number], target: readonly [number, number, number]) => {
       if (app.shownFrame !== null) app.continueFrom(app.run!.time(app.frame));
-      app.send({ type: "grab", body, point, target });
+      app.send({ type: "grab", body: app.run!.model.bodies[body].name, point, target });
       if (!app.playing) app.play(true);
     },
     pull: (target: readonly [number, number, number]) => app.send({ type: "pull", target }),
@@ -189,9 +189,9 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
     joint: (name: string) => {
       const joint = app.topology?.joints.find((each) => each.name === name);
       if (!joint || joint.kind === "free") return app.showNotice("There is no joint here");
-      app.chosenJoint = joint.number;
-      if (tool === "break") app.act({ action: "break", joint: joint.number });
-      else app.act({ action: joint.locked ? "unlock" : "lock", joint: joint.number });
+      app.chosenJoint = name;
+      if (tool === "break") app.act({ break: name });
+      else app.act({ [joint.locked ? "unlock" : "lock"]: name });
     },
     body: (body: number) => {
       const names = app.run!.model.bodies;
@@ -199,7 +199,7 @@ export function showWorldPage(page: HTMLElement, app: App, shell: Shell) {
         first = body;
         hint.textContent = `Click the body to which ${names[body].name} is to be welded`;
       } else {
-        app.act({ action: "weld", body: first, to: body });
+        app.act({ weld: { body: names[first].name, to: names[body].name } });
         choose("weld");
       }
     },

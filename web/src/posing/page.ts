@@ -1,7 +1,7 @@
 // Page for posing a model: a slider for each DoF, next to the picture. The engine computes the poses.
-import type { Engine } from "../../../wasm/host.mjs";
+import { motionSize, type Engine } from "../../../wasm/host.mjs";
 import { LiveRecording } from "../engine/live";
-import { frameOf, posesOf } from "../engine/session";
+import { frameOf } from "../engine/messages";
 import type { Meshes } from "../meshes";
 import { h, table } from "../panels/dom";
 import { helpButton, viewRows } from "../panels/help";
@@ -35,6 +35,9 @@ const help = () =>
     },
   ]);
 
+/** Per body x, y, z, qw, qx, qy, qz. */
+const posesOf = (motions: Float64Array) => Float32Array.from(motions.filter((_number, i) => i % motionSize < 7));
+
 /** `scenario`: the model as the text of a scenario; `meshes`: those that it names. Throws if it has errors. */
 export function showModel(page: HTMLElement, engine: Engine, scenario: string, meshes?: Meshes) {
   const world = engine.world();
@@ -57,7 +60,7 @@ export function showModel(page: HTMLElement, engine: Engine, scenario: string, m
     run.addFrame({ ...first, poses: posesOf(world.motionsAt(q.flat())) });
     if (loops > 0) {
       // Closing them moves other joints, too.
-      const all = world.posed(q.flat().length);
+      const all = world.posed();
       q = q.map((each) => all.splice(0, each.length));
       q.forEach((each, j) => j !== changed && shown.get(j)?.set(each));
     }

@@ -103,7 +103,7 @@ child_at = { xyz = [1, 0, 0] }
     const start = Array.from(world.motionsAt(q));
     close(end(Float64Array.from(start)), [1.5, 0], 9);
     const turned = Float64Array.from(world.motionsAt([q[0] + 0.3, q[1], q[2]]));
-    const posed = world.posed(3);
+    const posed = world.posed();
     expect(posed[0]).toBe(q[0] + 0.3); // the joint that was moved stays there
     expect(posed[2]).not.toBe(q[2]);
     close(end(turned), [1.5, 0], 9);

@@ -2,7 +2,7 @@
 
 const littleEndian = new Uint8Array(new Uint16Array([1]).buffer)[0] === 1;
 
-function bytesOf(base64: string, size: number): ArrayBuffer {
+export function bytesOf(base64: string, size: number): ArrayBuffer {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);

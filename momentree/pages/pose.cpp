@@ -4,10 +4,10 @@
 
 #include <momentree/joint/kinds/weld.hpp>
 #include <momentree/joint/motion.hpp>
+#include <momentree/pages/page_world.hpp>
 #include <momentree/simulate/assembly.hpp>
-#include <wasm/world.hpp>
 
-namespace momentree::wasm {
+namespace momentree::io {
 
 namespace {
 
@@ -67,7 +67,7 @@ std::vector<double> start_of(const World& world) {
 void pose(const Model& model, const double* q, std::vector<double>& motions, std::vector<double>& posed) {
   const World start(model);
   if (posed.empty()) posed = start_of(start);
-  if (motions.empty()) io::fill_motions(start, motions);
+  if (motions.empty()) fill_motions(start, motions);
   if (!std::all_of(q, q + posed.size(), [](double x) { return std::isfinite(x); })) return;
   if (model.loops().empty()) {
     World world(model);
@@ -79,7 +79,7 @@ void pose(const Model& model, const double* q, std::vector<double>& motions, std
       for (int i = 0; i < info(model[{j}].joint.kind).nv; ++i) joint.v.push_back(0);
     }
     world.restore(0, {}, joints);
-    io::fill_motions(world, motions);
+    fill_motions(world, motions);
     posed = start_of(world);  // joints that are coupled follow others
     return;
   }
@@ -87,7 +87,7 @@ void pose(const Model& model, const double* q, std::vector<double>& motions, std
   const Model other = moved(model, q, posed.data(), held);
   if (check_assembly(other)) return;
   const World world(other, Variables::velocities);
-  io::fill_motions(world, motions);
+  fill_motions(world, motions);
   std::size_t place = 0;
   for (int j = 0; j < model.size(); ++j) {
     const Numbers own = world.joint({j}).q;
@@ -96,4 +96,4 @@ void pose(const Model& model, const double* q, std::vector<double>& motions, std
   }
 }
 
-}  // namespace momentree::wasm
+}  // namespace momentree::io
