@@ -172,6 +172,8 @@ void CommandLine::add_readers() {
   evaluate_command
       ->add_option("--state", evaluate_.state, "A state document, such as the final.json of a run; - is standard input")
       ->type_name("STATE.json");
+  evaluate_command->add_flag("--equilibrium", evaluate_.equilibrium,
+                             "Move to the equilibrium first, and list the modes of vibration about it");
   overrides(evaluate_command, evaluate_.overrides);
   verbose(evaluate_command, evaluate_.verbose);
   evaluate_command->add_flag("--json", evaluate_.json, "Print the state document and nothing else");

@@ -54,6 +54,7 @@ int check(const CheckOptions& options);
 struct EvaluateOptions {
   std::string scenario, state;
   std::vector<std::string> overrides;
+  bool equilibrium = false;
   bool json = false, verbose = false;
 };
 int evaluate(const EvaluateOptions& options);

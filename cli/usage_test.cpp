@@ -93,6 +93,19 @@ TEST_CASE("help covers the program or a command") {
   }
 }
 
+TEST_CASE("evaluate --equilibrium: the pose of rest with its modes, as a state from which runs start") {
+  const Workplace here;
+  const Outcome shown = here.call("evaluate s.toml --equilibrium");
+  CHECK(shown.code == 0);
+  CHECK(shown.says("Modes (without damping)"));
+  CHECK(shown.says(" Hz"));
+  CHECK(shown.says("potential energy           -0.15696 J"));  // of eight links that hang
+  const Outcome rest = here.call("evaluate s.toml --equilibrium --json");
+  REQUIRE(rest.code == 0);
+  io::write_text_file(here.path("rest.json"), rest.output);
+  CHECK(here.call("evaluate s.toml --state rest.json --json").output == rest.output);
+}
+
 TEST_CASE("- is standard input, wherever a scenario, a model or a state is read") {
   const Workplace here;
   CHECK(here.call("run - --out a --quiet <s.toml").code == 0);

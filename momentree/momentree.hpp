@@ -9,6 +9,9 @@
 #include <momentree/dynamics/forward.hpp>
 #include <momentree/joint/kinds.hpp>
 #include <momentree/model/model.hpp>
+#include <momentree/simulate/analysis/equilibrium.hpp>
+#include <momentree/simulate/analysis/inverse_kinematics.hpp>
+#include <momentree/simulate/analysis/linearization.hpp>
 #include <momentree/simulate/simulation.hpp>
 #include <momentree/topology/change.hpp>
 #include <momentree/topology/snapshot.hpp>

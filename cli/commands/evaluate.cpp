@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <span>
@@ -6,6 +7,7 @@
 #include <cli/input.hpp>
 #include <cli/text.hpp>
 #include <momentree/base/error.hpp>
+#include <momentree/simulate/analysis/equilibrium.hpp>
 #include <momentree/simulate/stepping/overlap.hpp>
 
 namespace momentree::cli {
@@ -86,22 +88,46 @@ std::string evaluation_text(const World& world, const Style& style) {
          " (m/s², rad/s²; of the body's origin, in the world's axes)\n" + bodies.text("  ") + springs + couplings + contacts;
 }
 
+std::string modes_text(const World& world, const Equilibrium& rest, const Style& style) {
+  if (rest.modes.empty()) return {};
+  Table table;
+  table.row({"frequency", "moves most"});
+  const Tree& tree = world.tree();
+  for (const Mode& mode : rest.modes) {
+    int most = 0;
+    for (int i = 0; i < tree.nv(); ++i)
+      if (std::fabs(mode.shape[static_cast<std::size_t>(i)]) > std::fabs(mode.shape[static_cast<std::size_t>(most)])) most = i;
+    std::string joint;
+    for (const int b : tree.order())
+      if (most >= tree.first_p(b) && most < tree.first_p(b) + info(tree.kind(b)).nv)
+        joint = world.joint_name(tree.inboard_joint({b}));
+    table.row({mode.square < 0 ? "unstable" : format("%.9g Hz", mode.frequency()), joint});
+  }
+  return '\n' + style.heading("Modes") + " (without damping)\n" + table.text("  ");
+}
+
 }  // namespace
 
 int evaluate(const EvaluateOptions& options) {
   const std::shared_ptr<const io::Scenario> scenario = load(options.scenario, options.overrides, notes_of(options.verbose));
   if (!scenario) return bad_input;
-  const io::Session session(scenario, documents_of(options.state, scenario->model));
+  io::Session session(scenario, documents_of(options.state, scenario->model));
   if (const std::optional<Overlap> worst = overlap(session.simulation()); worst && worst->depth > left_by_steps)
     throw_error({worst->text() + " in this state", options.state.empty() ? options.scenario : options.state,
                  "move one of them, or use the scenario for which the state was written"});
   const World& world = session.simulation().world();
+  std::optional<Equilibrium> rest;
+  if (options.equilibrium) {
+    rest = equilibrium(world);
+    const std::vector<double> still(world.state().y().size());
+    session.simulation().set_state(world.time(), rest->q, still, Variables::velocities);
+  }
   StepMemory memory = step_memory(session.simulation());
   if (options.state.empty() && scenario->state_files.empty()) memory.next_step = memory.work = 0;  // no step was made
   if (options.json)
     std::fputs(io::state_json(world, session.armed(), memory).c_str(), stdout);
   else
-    show(stdout, evaluation_text(world, Style::of_output()));
+    show(stdout, evaluation_text(world, Style::of_output()) + (rest ? modes_text(world, *rest, Style::of_output()) : ""));
   return done;
 }
 

@@ -8,6 +8,7 @@ NAVIGATION = [
             "docs/cookbook-changes",
             "docs/cookbook-runs",
             "docs/cookbook-results",
+            "docs/cookbook-analysis",
             "The guide <docs/guide>",
             "docs/gallery",
             "docs/examples/README",

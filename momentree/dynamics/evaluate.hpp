@@ -54,8 +54,9 @@ void unlocked_forces(const Tree& tree, double t, const double* q, Workspace<doub
 
 /// Spring of body b's joint, which must have one: writes the generalised force (nv numbers) and returns the energy (J).
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept;
-/// The same, with only that joint's coordinates q.
-double joint_spring_at(const Tree& tree, const double* q, int b, double* force) noexcept;
+/// The same, with only that joint's coordinates q. T: double, or a Dual.
+template <class T>
+T joint_spring_at(const Tree& tree, const T* q, int b, T* force) noexcept;
 
 /// Effort of the prescribed motion of b's joint, in addition to springs, dampers and friction (N m, N). Requires the
 /// accelerations of this evaluation.

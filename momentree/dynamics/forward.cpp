@@ -5,6 +5,7 @@
 #include <momentree/dynamics/forces/body_forces.hpp>
 #include <momentree/dynamics/forces/elements.hpp>
 #include <momentree/dynamics/forces/evaluation_context.hpp>
+#include <momentree/dynamics/forces/joint_spring.hpp>
 #include <momentree/dynamics/forces/linear_spring.hpp>
 #include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/dynamics/loops/loop_momenta.hpp>
@@ -167,22 +168,6 @@ std::vector<forces::LinearSpring> forces::linear_springs(const Tree& tree) {
 
 double joint_spring(const Tree& tree, const double* q, int b, double* force) noexcept {
   return joint_spring_at(tree, q + tree.first_q(b), b, force);
-}
-
-double joint_spring_at(const Tree& tree, const double* q, int b, double* force) noexcept {
-  return dispatch(tree.kind(b), [&](auto tag) {
-    using K = typename decltype(tag)::type;
-    constexpr int nq = K::info.nq, nv = K::info.nv;
-    MT_REQUIRE(tree.parameters(b) != nullptr, "the joint has a spring");
-    const JointParameters& p = *tree.parameters(b);
-    double stiffness[nv > 0 ? nv : 1], rest[nq > 0 ? nq : 1];
-    for (int i = 0; i < nv; ++i) stiffness[i] = p.stiffness.of(i);
-    if (p.rest.empty())
-      K::Kernels::zero(rest);
-    else
-      for (int i = 0; i < nq; ++i) rest[i] = p.rest[i];
-    return K::Kernels::spring(q, rest, stiffness, force);
-  });
 }
 
 void forward_dynamics(const Tree& tree, const State& state, Workspace<double>& workspace) noexcept {

@@ -190,6 +190,7 @@ struct GenericKernels {
   template <class T>
   using Column = Columns<T, NV>;
 
+  static constexpr int nq = NQ, nv = NV;
   /// True if the joint rotates about z, so that the x axis may be chosen freely and θ0 is added to the joint angle.
   static constexpr bool rotates_about_z = false;
   /// True if the offset along the joint's axis is known apart from that along the parent's x: see PlacementShape.
@@ -321,10 +322,11 @@ struct GenericKernels {
     for (int i = 0; i < NQ; ++i) q[i] = 0;
   }
   /// Spring about q0: writes the generalised force −stiffness·(q − q0) of each DoF (N m, N) and returns the energy (J).
-  static double spring(const double* q, const double* q0, const double* stiffness, double* force) {
-    double energy = 0;
+  template <class T>
+  static T spring(const T* q, const double* q0, const double* stiffness, T* force) {
+    T energy(0);
     for (int i = 0; i < NV; ++i) {
-      const double x = q[i] - q0[i];
+      const T x = q[i] - q0[i];
       force[i] = -stiffness[i] * x;
       energy += 0.5 * stiffness[i] * x * x;
     }

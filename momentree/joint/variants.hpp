@@ -42,7 +42,8 @@ struct ReversedKernels : GenericKernels<ReversedKernels<K, NQ, NV>, NQ, NV> {
   }
   static void normalise(double* q) { K::normalise(q); }
   static void zero(double* q) { K::zero(q); }
-  static double spring(const double* q, const double* q0, const double* stiffness, double* force) {
+  template <class T>
+  static T spring(const T* q, const double* q0, const double* stiffness, T* force) {
     return K::spring(q, q0, stiffness, force);
   }
   static Mat3 frame(const JointSpec& joint, double* geometry) { return K::frame(joint, geometry); }

@@ -31,10 +31,14 @@ struct Coupling {
   double value(double x) const {
     return leads() ? offset + x * (multiplier + x * (higher[0] + x * (higher[1] + x * higher[2]))) : offset;
   }
-  double slope(double x) const {
-    return leads() ? multiplier + x * (2 * higher[0] + x * (3 * higher[1] + x * 4 * higher[2])) : 0;
+  template <class T>
+  T slope(const T& x) const {
+    return leads() ? multiplier + x * (2 * higher[0] + x * (3 * higher[1] + x * 4 * higher[2])) : T(0);
   }
-  double curvature(double x) const { return leads() ? 2 * higher[0] + x * (6 * higher[1] + x * 12 * higher[2]) : 0; }
+  template <class T>
+  T curvature(const T& x) const {
+    return leads() ? 2 * higher[0] + x * (6 * higher[1] + x * 12 * higher[2]) : T(0);
+  }
   /// The sum of the magnitudes of the terms of f: rounding of f is relative to it.
   double size(double x) const {
     const double y = std::fabs(x);

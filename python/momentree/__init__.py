@@ -30,6 +30,17 @@ from momentree._records import (
 )
 from momentree._views import StateView
 from momentree._vocabulary import Action, Condition, JointSpec, Onset, Quantity, Reaction
+from momentree.analysis import (
+    DampedMode,
+    Equilibrium,
+    KinematicSolution,
+    Linearization,
+    Mode,
+    Target,
+    equilibrium,
+    inverse_kinematics,
+    linearize,
+)
 from momentree.batch import Batch, BodyColumns, Group, JointColumns
 from momentree.distributions import *
 from momentree.events import *
@@ -53,8 +64,10 @@ __all__: list[str] = [
     "Contact",
     "Context",
     "Coupling",
+    "DampedMode",
     "Diagnostic",
     "Energy",
+    "Equilibrium",
     "Error",
     "Event",
     "EventContact",
@@ -63,10 +76,13 @@ __all__: list[str] = [
     "JointColumns",
     "JointRows",
     "JointSpec",
+    "KinematicSolution",
+    "Linearization",
     "LiveView",
     "LoopStatus",
     "Mechanism",
     "MissedEvent",
+    "Mode",
     "Model",
     "ModelBody",
     "Momentum",
@@ -85,10 +101,14 @@ __all__: list[str] = [
     "StateView",
     "Sweep",
     "SweepResults",
+    "Target",
     "Totals",
     "World",
     "Wrench",
     "__version__",
+    "equilibrium",
+    "inverse_kinematics",
+    "linearize",
     "load",
     "load_sweep",
     "loads",

@@ -1,5 +1,10 @@
-// Evaluation: rates, accelerations, and the equations of motion as matrices.
+// Evaluation: rates, accelerations, the equations of motion as matrices, and what follows from these.
+#include <algorithm>
 #include <cstring>
+
+#include <momentree/simulate/analysis/equilibrium.hpp>
+#include <momentree/simulate/analysis/inverse_kinematics.hpp>
+#include <momentree/simulate/analysis/linearization.hpp>
 
 #include "world_object.hpp"
 
@@ -84,6 +89,72 @@ nb::object totals_as(const SimulationPtr& self, bool energy) {
   return python_class("_records", "Momentum")(from_vec3(t.linear), from_vec3(t.angular));
 }
 
+nb::object array_of(const DenseMatrix& matrix) {
+  NewArray array = new_array(static_cast<std::size_t>(matrix.rows), static_cast<std::size_t>(matrix.columns));
+  std::copy(matrix.numbers.begin(), matrix.numbers.end(), array.data);
+  return std::move(array.object);
+}
+
+/// As columns of results: "arm/elbow.v0".
+nb::list dof_names(const World& world) {
+  const Tree& tree = world.tree();
+  std::vector<std::string> names(static_cast<std::size_t>(tree.nv()));
+  for (const int b : tree.order())
+    for (int i = 0; i < info(tree.kind(b)).nv; ++i)
+      names[static_cast<std::size_t>(tree.first_p(b) + i)] =
+          std::string(world.joint_name(tree.inboard_joint({b}))) + ".v" + std::to_string(i);
+  nb::list all;
+  for (const std::string& name : names) all.append(nb::str(name.c_str()));
+  return all;
+}
+
+nb::tuple linearized(const SimulationPtr& self) {
+  const Use use(*self, Access::read);
+  const World& world = self->simulation().world();
+  const Linearization all = linearize(world);
+  return nb::make_tuple(array_of(all.A), array_of(all.B), array_of(all.projection), dof_names(world));
+}
+
+nb::tuple balanced(const SimulationPtr& self) {
+  const Use use(*self, Access::read);
+  const World& world = self->simulation().world();
+  const Equilibrium found = equilibrium(world);
+  const std::size_t nv = static_cast<std::size_t>(world.tree().nv());
+  NewArray squares = new_array(found.modes.size()), shapes = new_array(found.modes.size(), nv);
+  for (std::size_t k = 0; k < found.modes.size(); ++k) {
+    squares.data[k] = found.modes[k].square;
+    std::copy(found.modes[k].shape.begin(), found.modes[k].shape.end(), shapes.data + k * nv);
+  }
+  const nb::list names = dof_names(world);
+  nb::list resting;
+  for (const int i : found.resting) resting.append(names[static_cast<std::size_t>(i)]);
+  nb::list taut;
+  for (const int i : found.taut) taut.append(nb::str(world.model().springs()[static_cast<std::size_t>(i)].name.c_str()));
+  return nb::make_tuple(copy_of(found.q), found.residual, found.iterations, squares.object, shapes.object, resting, taut, names);
+}
+
+nb::tuple posed(const SimulationPtr& self, nb::list targets, double tolerance, int iterations, int attempts, std::uint64_t seed) {
+  const Use use(*self, Access::read);
+  const World& world = self->simulation().world();
+  std::vector<KinematicTarget> all;
+  for (const nb::handle each : targets) {
+    const auto fields = nb::cast<nb::tuple>(each);  // body, position, orientation, point, weight
+    KinematicTarget target{.body = body_of(world, *self, fields[0])};
+    if (!fields[1].is_none()) target.position = to_vec3(fields[1], "position");
+    if (!fields[2].is_none()) {
+      const std::vector<double> q = numbers_of(fields[2], 4, 0, "orientation");
+      target.orientation = Quat{q[0], q[1], q[2], q[3]};
+    }
+    if (!fields[3].is_none()) target.point = to_vec3(fields[3], "point");
+    target.weight = nb::cast<double>(fields[4]);
+    all.push_back(target);
+  }
+  const KinematicSolution found =
+      inverse_kinematics(world, all, {.tolerance = tolerance, .iterations = iterations, .attempts = attempts, .seed = seed});
+  return nb::make_tuple(found.reached, copy_of(found.q), found.position_error, found.angle_error, found.iterations,
+                        found.attempts);
+}
+
 }  // namespace
 
 void register_equations(SimulationClass& simulation) {
@@ -126,6 +197,9 @@ void register_equations(SimulationClass& simulation) {
            "angular\nvelocity (rad/s).\n\n"
            "Args:\n    body: Name or handle.\n    point: In the body's frame (m), shape (3,); default: its origin.\n\n"
            "Raises:\n    Error: The name is unknown, or the handle is of another simulation.")
+      .def("_linearize", &linearized)
+      .def("_equilibrium", &balanced)
+      .def("_inverse_kinematics", &posed, "targets"_a, "tolerance"_a, "iterations"_a, "attempts"_a, "seed"_a)
       .def_prop_ro(
           "energy", [](const SimulationPtr& self) { return totals_as(self, true); },
           "Energies of the world (J): `kinetic`, `potential` and `total`.")

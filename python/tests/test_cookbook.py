@@ -271,7 +271,36 @@ def shown(names: dict[str, Any]) -> None:
     assert np.isclose(names["sim"].time, 0.4)
 
 
+def posed(names: dict[str, Any]) -> None:
+    body = names["sim"].world.bodies["ur5_robot/wrist_3_link"]
+    assert np.allclose(body.position, (0.4, 0.2, 0.5), atol=1e-8) and abs(body.quaternion[1]) == pytest.approx(1)
+
+
+def rested(names: dict[str, Any]) -> None:
+    sim, rest = names["sim"], names["rest"]
+    assert rest.stable and np.allclose(sim.accelerations(), 0, atol=1e-9)
+    (q,) = rest.q  # the moment of both ropes about the hinge is that of the weight
+    end = 8 * np.array([np.cos(q), np.sin(q)])
+    rope = np.array([0, 6]) - end
+    arm = abs(end[0] * rope[1] - end[1] * rope[0]) / np.hypot(*rope)
+    assert 2 * arm * sim.world.springs["left"].tension == pytest.approx(400 * GRAVITY * 4 * np.cos(q), rel=1e-9)
+
+
+def linearised(names: dict[str, Any]) -> None:
+    assert names["mode"].stable
+    # A small push vibrates at that frequency.
+    sim = mt.Simulation(names["model"])
+    sim.set_state(q=mt.equilibrium(sim).q, v=[1e-4])
+    (mode,) = mt.linearize(sim).modes()
+    quarter = np.arctan2(abs(mode.eigenvalue.imag), -mode.eigenvalue.real) / abs(mode.eigenvalue.imag)
+    sim.run(quarter)
+    assert abs(sim.v[0]) < 1e-7
+
+
 PROGRAMS: dict[str, Callable[[dict[str, Any]], None]] = {
+    "Reach a pose": posed,
+    "Find where it rests": rested,
+    "Linearise it": linearised,
     "Load a robot": read_as_it_is,
     "Let a robot stand on the floor": stood,
     "Hit a body": hit_now,

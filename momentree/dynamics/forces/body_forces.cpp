@@ -1,19 +1,14 @@
 #include <momentree/dynamics/forces/body_forces.hpp>
 
-#include <cmath>
-
 #include <momentree/dynamics/evaluate.hpp>
 #include <momentree/dynamics/forces/evaluation_context.hpp>
+#include <momentree/dynamics/forces/load_laws.hpp>
 #include <momentree/dynamics/forces/springs.hpp>
 #include <momentree/joint/dispatch.hpp>
 
 namespace momentree {
 
 namespace {
-
-Vec3 value(const std::array<Signal, 3>& signals, double t) noexcept {
-  return {signals[0].value(t), signals[1].value(t), signals[2].value(t)};
-}
 
 // Poses and velocities of the loaded bodies and of all bodies inboard of them; the places only for springs.
 void move_loaded_bodies(const Tree& tree, const double* q, Workspace<double>& workspace) noexcept {
@@ -35,23 +30,6 @@ void move_loaded_bodies(const Tree& tree, const double* q, Workspace<double>& wo
       own.velocity = K::template spatial_velocity<double>(tree.link(b), joint, own.velocity, workspace.v.get() + tree.first_p(b));
     });
   }
-}
-
-// Wrench of one force about the origin of the kernel frame; adds its power.
-Force<double> wrench_of(const BodyForce& force, const KernelFrame& frame, const Kinematics<double>& body, double t,
-                        Power& power) noexcept {
-  const auto to_kernel = [&](const Vec3& a) { return transpose_times(force.body_axes ? frame.R : body.R, a); };
-  const Vec3 at = transpose_times(frame.R, force.point - frame.r);
-  const Vec3 v = body.velocity.v + cross(body.velocity.w, at);
-  Force<double> W{to_kernel(value(force.force, t)), to_kernel(value(force.torque, t))};
-  power.work += dot(W.l, v) + dot(W.h, body.velocity.w);
-  if (force.drag.any()) {
-    const double speed = std::sqrt(dot(v, v)), resistance = force.drag.linear + force.drag.quadratic * force.drag.area * speed;
-    W.l = W.l - resistance * v;
-    power.dissipated += resistance * speed * speed;
-  }
-  W.h += cross(at, W.l);
-  return W;
 }
 
 // The first query for a body through the context locates all bodies; the loaded ones get the values that they already have.
@@ -81,7 +59,9 @@ void find_loads(const Tree& tree, double t, const double* q, Workspace<double>& 
     const int b = force.body.index;
     if (!tree.alive(b)) continue;
     const auto i = static_cast<std::size_t>(b);
-    workspace.loads[i] += wrench_of(force, tree.frame(b), workspace.bodies[i], t, workspace.power);
+    forces::PowerOf<double> power;
+    workspace.loads[i] += forces::wrench_of(force, tree.frame(b), workspace.bodies[i], t, power);
+    workspace.power.work += power.work, workspace.power.dissipated += power.dissipated;
   }
   add_spring_loads(tree, workspace);
   if (!tree.loads().functions.empty()) call_functions(tree, t, q, workspace);

@@ -17,7 +17,7 @@ inline double asked(const JointDrive::Pd& pd, int dof, double t, double q, doubl
 inline Resistance position_control(const JointDrive::Pd& pd, int dof, double t, double q, double u) noexcept {
   const double effort = asked(pd, dof, t, q, u), most = pd.max_effort.of(dof, HUGE_VAL);
   const bool bounded = std::fabs(effort) > most;
-  return {bounded ? std::copysign(most, effort) : effort, bounded ? 0 : pd.kd.of(dof)};
+  return {bounded ? std::copysign(most, effort) : effort, bounded ? 0 : pd.kd.of(dof), bounded ? 0 : pd.kp.of(dof)};
 }
 
 inline void add_position_control(const Site& s, const JointDrive::Pd& pd) noexcept {

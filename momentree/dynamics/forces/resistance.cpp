@@ -32,10 +32,14 @@ void joint_damping(const Tree& tree, double* damping) noexcept {
 }
 
 void resisting_forces(const Tree& tree, double t, const double* q, const double* u, const Resisting& to) noexcept {
-  for (double* values : {to.dissipating, to.giving, to.slope}) std::fill_n(values, tree.nv(), 0.0);
+  for (double* values : {to.dissipating, to.giving, to.slope, to.stiffness})
+    if (values != nullptr) std::fill_n(values, tree.nv(), 0.0);
   each_resisted(tree, t, q, u, [&](const forces::Site& s, int i, int at) {
     const JointParameters& p = s.parameters;
-    const auto add = [&](double* force, forces::Resistance r) { force[at] += r.force, to.slope[at] += r.slope; };
+    const auto add = [&](double* force, forces::Resistance r) {
+      force[at] += r.force, to.slope[at] += r.slope;
+      if (to.stiffness != nullptr) to.stiffness[at] += r.stiffness;
+    };
     if (p.friction.any()) add(to.dissipating, forces::friction(p.friction, i, s.u[i]));
     if (p.limits.soft()) add(to.dissipating, forces::soft_stop(p.limits, i, s.q[i], s.u[i]));
     if (p.drive != nullptr && p.drive->pd.any()) add(to.giving, forces::position_control(p.drive->pd, i, s.t, s.q[i], s.u[i]));

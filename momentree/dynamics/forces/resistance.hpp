@@ -12,6 +12,7 @@ struct Resisting {
   double* dissipating;  ///< dry friction and soft stops
   double* giving;       ///< position control, which may also add energy
   double* slope;
+  double* stiffness = nullptr;  ///< of the slopes −∂τ/∂q; null: not of interest
 };
 /// Evaluates them at time t (s), coordinates q and velocities u. Zero for prescribed motions and locked DoFs. Neither allocates
 /// nor throws.

@@ -16,9 +16,9 @@ struct Site {
   bool on(int dof) const { return (acts >> dof & 1u) != 0; }
 };
 
-/// A force that resists motion: its value at a velocity (N m, N) and its slope −∂force/∂u.
+/// A force that resists motion: its value (N m, N), and its slopes −∂force/∂u and −∂force/∂q.
 struct Resistance {
-  double force = 0, slope = 0;
+  double force = 0, slope = 0, stiffness = 0;
 };
 
 inline Site site_of(const Tree& tree, double t, const double* q, const double* v, int b, double* force, Power& power) noexcept {

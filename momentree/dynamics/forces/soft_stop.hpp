@@ -19,7 +19,7 @@ inline Resistance soft_stop(const JointLimits& limits, int dof, double q, double
   if (x == 0) return {};
   const double force = limits.stiffness.of(dof) * x + damping * u;
   if (force * x < 0) return {};
-  return {-force, damping};
+  return {-force, damping, limits.stiffness.of(dof)};
 }
 
 inline void add_soft_stop(const Site& s) noexcept {

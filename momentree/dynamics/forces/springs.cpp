@@ -1,40 +1,28 @@
 #include <momentree/dynamics/forces/springs.hpp>
 
+#include <momentree/dynamics/forces/load_laws.hpp>
 #include <momentree/dynamics/momentum.hpp>
 
 namespace momentree {
 
 namespace {
 
-// Of a body's kernel frame, to one of its points in that frame.
-Vec3 in_kernel_frame(const Tree& tree, const SpringEnd& end) noexcept {
-  const KernelFrame& frame = tree.frame(end.body.index);
-  return transpose_times(frame.R, end.point - frame.r);
-}
-
-struct End {
-  Vec3 place, velocity;
-};
-End end_of(const Tree& tree, const Workspace<double>& workspace, const SpringEnd& end) noexcept {
-  if (end.body == ground) return {end.point, {}};
-  const Kinematics<double>& body = workspace.bodies[static_cast<std::size_t>(end.body.index)];
-  const Vec3 at = in_kernel_frame(tree, end);
-  return {body.r + body.R * at, body.R * (body.velocity.v + cross(body.velocity.w, at))};
+forces::SpringPoint<double> end_of(const Tree& tree, const Workspace<double>& workspace, const SpringEnd& end) noexcept {
+  if (end.body == ground) return forces::spring_point<double>(end, nullptr, nullptr);
+  return forces::spring_point(end, &tree.frame(end.body.index), &workspace.bodies[static_cast<std::size_t>(end.body.index)]);
 }
 
 // `force`: on the end, in world axes.
 void pull(const Tree& tree, const SpringEnd& end, const Vec3& force, Workspace<double>& workspace) noexcept {
   if (end.body == ground) return;
-  const auto b = static_cast<std::size_t>(end.body.index);
-  const Vec3 own = transpose_times(workspace.bodies[b].R, force);
-  workspace.loads[b] += Force<double>{own, cross(in_kernel_frame(tree, end), own)};
+  workspace.loads[static_cast<std::size_t>(end.body.index)] += forces::pull(end_of(tree, workspace, end), force);
 }
 
 }  // namespace
 
 SpringMotion spring_motion(const Tree& tree, const Workspace<double>& workspace, int spring) noexcept {
   const Spring& s = tree.springs()[static_cast<std::size_t>(spring)];
-  const End from = end_of(tree, workspace, s.from), to = end_of(tree, workspace, s.to);
+  const forces::SpringPoint<double> from = end_of(tree, workspace, s.from), to = end_of(tree, workspace, s.to);
   SpringMotion motion{from.place, to.place, {}, norm(to.place - from.place), 0};
   if (!(motion.length > 0)) return motion;
   motion.direction = (1 / motion.length) * (to.place - from.place);
@@ -47,7 +35,8 @@ double spring_energy(const Tree& tree, const State& state, const Workspace<doubl
   const auto place = [&](const SpringEnd& end) {
     if (end.body == ground) return end.point;
     const DenseTransform<double> body = locate_body(tree, state, workspace, end.body.index);
-    return body.r + body.R * in_kernel_frame(tree, end);
+    const KernelFrame& frame = tree.frame(end.body.index);
+    return body.r + body.R * transpose_times(frame.R, end.point - frame.r);
   };
   const Spring& s = tree.springs()[static_cast<std::size_t>(spring)];
   return tree.springs().law(spring).energy(norm(place(s.to) - place(s.from)));

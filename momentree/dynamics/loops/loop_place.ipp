@@ -13,15 +13,15 @@ struct LoopSide {
   Vector3<T> x, v{}, w{};
 };
 template <class T>
-MOMENTREE_INLINE LoopSide<T> side_of(const Workspace<T>& workspace, int body, const KernelFrame& frame, bool moving) {
+MOMENTREE_INLINE LoopSide<T> side_of(const Kinematics<T>* body, const KernelFrame& frame, bool moving) {
   LoopSide<T> side;
-  if (body < 0) {
+  if (body == nullptr) {
     const Mat3& R = frame.R;
     side.R = {T(R.xx), T(R.xy), T(R.xz), T(R.yx), T(R.yy), T(R.yz), T(R.zx), T(R.zy), T(R.zz)};
     side.x = {T(frame.r.x), T(frame.r.y), T(frame.r.z)};
     return side;
   }
-  const Kinematics<T>& k = workspace.bodies[at(body)];
+  const Kinematics<T>& k = *body;
   const Vector3<T> arm = k.R * frame.r;
   side.R = k.R * frame.R;
   side.x = k.r + arm;
@@ -60,6 +60,23 @@ MOMENTREE_INLINE void closure_rows(const Closure& c, unsigned wanted, const Matr
   put(c.positions + c.directions, dot(r, s.n) - s.h * angle(si, co), constant(s.n), -s.h * gradient, -s.h * rate);
 }
 
+// A row of a closure at a place, from φ, F, T and Ṫ in the parent-side frame.
+template <class S>
+struct RowAt {
+  Vector3<S> relative, v, turning;
+
+  MOMENTREE_INLINE explicit RowAt(const LoopPlaceOf<S>& p)
+      : relative(p.wb - p.wa), v(p.vb - p.va - cross(p.wa, p.xb - p.xa)), turning(cross(relative, p.vb)) {}
+  MOMENTREE_INLINE void put(const LoopPlaceOf<S>& p, const S& phi, const Vector3<S>& F, const Vector3<S>& moment,
+                            const Vector3<S>& rate, LoopRowOf<S>& to) const {
+    to.residual = phi, to.softness = to.jump_to = S(0);
+    to.F = p.Ra * F, to.T = p.Ra * moment;
+    to.velocity = dot(to.F, v) + dot(to.T, relative);
+    to.rate = cross(p.wa, to.T) + p.Ra * rate;
+    to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(to.rate, relative);
+  }
+};
+
 // Flattened, because calls of small products take 5 % of a stage.
 template <class T>
 [[gnu::flatten]] void place_closures(const Tree& tree, const T* q, Workspace<T>& workspace, LoopSystem<T>& loops, bool moving,
@@ -81,7 +98,10 @@ template <class T>
   for (std::size_t i = 0; i < tree.loops().size(); ++i) {
     const Loop& loop = tree.loops()[i];
     const LoopLink& link = tree.loops().links[i];
-    const LoopSide<T> a = side_of(workspace, loop.to, link.parent, moving), b = side_of(workspace, loop.body, link.child, moving);
+    const auto side = [&](int body, const KernelFrame& frame) MOMENTREE_INLINE_LAMBDA {
+      return side_of(body < 0 ? nullptr : &workspace.bodies[at(body)], frame, moving);
+    };
+    const LoopSide<T> a = side(loop.to, link.parent), b = side(loop.body, link.child);
     LoopPlaceOf<T>& p = loops.places[i];
     p.Ra = a.R, p.xa = a.x, p.xb = b.x;
     p.R = transpose(a.R) * b.R, p.r = transpose_times(a.R, b.x - a.x);
@@ -97,8 +117,8 @@ template <class T>
       const double size = length(a.x) + length(b.x) + length(origin) + inner;
       set_lane(p.size, l, loops.extents[i] > size ? loops.extents[i] : size);  // everything may be at the origin
     }
-    const Vector3<T> relative = p.wb - p.wa, wr = transpose_times(a.R, relative);
-    const Vector3<T> v = p.vb - p.va - cross(p.wa, p.xb - p.xa), turning = cross(relative, p.vb);
+    const RowAt<T> row(p);
+    const Vector3<T> wr = transpose_times(a.R, row.relative);
     unsigned wanted = ~0u;
     if (which == LoopRows::kept) {
       wanted = 0;
@@ -106,14 +126,7 @@ template <class T>
         wanted |= 1u << (loops.kept.rows[at(k)] - link.first_row);
     }
     const auto put = [&](int k, const T& phi, const Vector3<T>& F, const Vector3<T>& moment, const Vector3<T>& rate)
-                         MOMENTREE_INLINE_LAMBDA {
-                           LoopRowOf<T>& to = loops.rows[at(link.first_row + k)];
-                           to.residual = phi, to.softness = to.jump_to = T(0);
-                           to.F = a.R * F, to.T = a.R * moment;
-                           to.velocity = dot(to.F, v) + dot(to.T, relative);
-                           to.rate = cross(p.wa, to.T) + a.R * rate;
-                           to.drift = dot(cross(p.wa, to.F), v) + dot(to.F, turning) + dot(to.rate, relative);
-                         };
+                         MOMENTREE_INLINE_LAMBDA { row.put(p, phi, F, moment, rate, loops.rows[at(link.first_row + k)]); };
     const auto angle = [&](const T& si, const T& co) MOMENTREE_INLINE_LAMBDA {
       T all_lanes(0);
       each_lane<T>(loops, [&](int l) MOMENTREE_INLINE_LAMBDA {

@@ -52,7 +52,8 @@ struct BallKernels : GenericKernels<BallKernels, 4, 3> {
     q[0] = n.w, q[1] = n.x, q[2] = n.y, q[3] = n.z;
   }
   static void zero(double* q) { q[0] = 1, q[1] = q[2] = q[3] = 0; }
-  static double spring(const double* q, const double* q0, const double* stiffness, double* force) {
+  template <class T>
+  static T spring(const T* q, const double* q0, const double* stiffness, T* force) {
     return rotational_spring(q, q0, stiffness, force);
   }
   static bool coordinates(const JointSpec&, const Pose& motion, const Turns&, double* q) {

@@ -65,10 +65,11 @@ struct SixDofs : GenericKernels<K, 7, 6> {
     for (int i = 0; i < 7; ++i) q[i] = i == 3 ? 1 : 0;
   }
   /// Translational springs along the parent-side axes, ½ Σ kᵢ (rᵢ − r0ᵢ)²; rotational springs as for a ball joint.
-  static double spring(const double* q, const double* q0, const double* stiffness, double* force) {
-    const Vec3 x{q[0] - q0[0], q[1] - q0[1], q[2] - q0[2]};
-    const Vec3 f{-stiffness[0] * x.x, -stiffness[1] * x.y, -stiffness[2] * x.z};
-    const Vec3 child = transpose_times(rotation_matrix(Quat{q[3], q[4], q[5], q[6]}), f);
+  template <class T>
+  static T spring(const T* q, const double* q0, const double* stiffness, T* force) {
+    const Vector3<T> x{q[0] - q0[0], q[1] - q0[1], q[2] - q0[2]};
+    const Vector3<T> f{-stiffness[0] * x.x, -stiffness[1] * x.y, -stiffness[2] * x.z};
+    const Vector3<T> child = transpose_times(rotation_matrix(Quaternion<T>{q[3], q[4], q[5], q[6]}), f);
     force[0] = child.x, force[1] = child.y, force[2] = child.z;
     return -0.5 * dot(f, x) + rotational_spring(q + 3, q0 + 3, stiffness + 3, force + 3);
   }
