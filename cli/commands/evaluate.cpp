@@ -89,7 +89,16 @@ std::string evaluation_text(const World& world, const Style& style) {
 }
 
 std::string modes_text(const World& world, const Equilibrium& rest, const Style& style) {
-  if (rest.modes.empty()) return {};
+  std::string held;
+  for (const int i : rest.resting)
+    for (const int b : world.tree().order())
+      if (i >= world.tree().first_p(b) && i < world.tree().first_p(b) + info(world.tree().kind(b)).nv)
+        held += " " + std::string(world.joint_name(world.tree().inboard_joint({b})));
+  for (const int s : rest.taut) held += " " + std::string(world.spring({s}).name);
+  if (!held.empty())
+    held = "\n" + style.heading("Held by stops and cables:") + held +
+           "\n  These act once a run has begun: accelerations and reactions above are without them.\n";
+  if (rest.modes.empty()) return held;
   Table table;
   table.row({"frequency", "moves most"});
   const Tree& tree = world.tree();
@@ -103,7 +112,7 @@ std::string modes_text(const World& world, const Equilibrium& rest, const Style&
         joint = world.joint_name(tree.inboard_joint({b}));
     table.row({mode.square < 0 ? "unstable" : format("%.9g Hz", mode.frequency()), joint});
   }
-  return '\n' + style.heading("Modes") + " (without damping)\n" + table.text("  ");
+  return held + '\n' + style.heading("Modes") + " (without damping)\n" + table.text("  ");
 }
 
 }  // namespace

@@ -289,3 +289,41 @@ TEST_CASE("an arm reaches points and orientations, within its limits") {
           static_cast<void>(inverse_kinematics(world, {&nothing, 1}));
         }).find("no position and no orientation") != std::string::npos);
 }
+
+TEST_CASE("joints with a prescribed motion are held, and must rest") {
+  Model model({.gravity = {0, 0, -g}});
+  BodySpec one = rod("one", 1, 1), two = rod("two", 1, 1, BodyId{0}, 1);
+  JointSpec driven = Revolute{.axis = y_axis};
+  driven.parameters.drive = motion_drive(Signal(0.4));
+  one.joint = driven;
+  model.add(one), model.add(two);
+  const Equilibrium rest = equilibrium(World(model));
+  CHECK(rest.q[0] == 0.4);
+  CHECK(rest.q[1] == doctest::Approx(-0.4).epsilon(1e-10));
+  REQUIRE(rest.modes.size() == 1);
+  CHECK(rest.modes[0].square == doctest::Approx(1.5 * g).epsilon(1e-10));
+  const KinematicTarget away{.body = {0}, .point = {0, 0, -1}, .position = Vec3{-1, 0, 0}};
+  CHECK(!inverse_kinematics(World(model), {&away, 1}).reached);
+  Model moving({.gravity = {0, 0, -g}});
+  one.joint.parameters.drive = motion_drive(Signal::ramp(1, 0));
+  moving.add(one), moving.add(two);
+  CHECK(problem([&] { static_cast<void>(equilibrium(World(moving))); }).find("prescribed motion of joint 'one'") !=
+        std::string::npos);
+}
+
+TEST_CASE("a mode that falls slowly beside stiff ones, while a stop holds another joint, is unstable") {
+  Model model({.gravity = {0, 0, -g}});
+  BodySpec mast = rod("mast", 20, 1), lamp = rod("lamp", 0.1, 0.1), hatch = rod("hatch", 1, 1);
+  mast.q = pi;
+  lamp.joint = Revolute{.axis = y_axis, .stiffness = 1e5};
+  hatch.joint = Revolute{.axis = y_axis, .limits = {.lower = 0.2, .upper = 2}};
+  hatch.q = 0.2;
+  model.add(mast), model.add(lamp), model.add(hatch);
+  const Equilibrium rest = equilibrium(World(model));
+  CHECK(rest.resting == std::vector<int>{2});
+  CHECK(!rest.stable());
+  CHECK(rest.modes[0].square == doctest::Approx(-1.5 * g / 20).epsilon(1e-3));
+  Model pressed({.gravity = {0, 0, -g}});
+  pressed.add(hatch);
+  CHECK(problem([&] { static_cast<void>(linearize(World(pressed))); }).find("is pressed against its stop") != std::string::npos);
+}

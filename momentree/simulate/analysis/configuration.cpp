@@ -5,6 +5,7 @@
 
 #include <momentree/dynamics/equations.hpp>
 #include <momentree/dynamics/loops/loop_workspace.hpp>
+#include <momentree/joint/link_constants.hpp>
 
 namespace momentree::analysis {
 
@@ -54,7 +55,7 @@ bool Configuration::displace(const std::vector<double>& step) {
 std::vector<bool> Configuration::held() const {
   std::vector<bool> held(at(nv()));
   for (const int b : tree_->order())
-    for (int i = 0; i < info(tree_->kind(b)).nv; ++i) held[at(tree_->first_p(b) + i)] = (tree_->joint(b).locked >> i & 1u) != 0;
+    for (int i = 0; i < info(tree_->kind(b)).nv; ++i) held[at(tree_->first_p(b) + i)] = (tree_->link(b).locked >> i & 1u) != 0;
   return held;
 }
 
@@ -83,8 +84,6 @@ DenseMatrix Configuration::projection() {
   return P;
 }
 
-double Configuration::accuracy() const { return exact() ? 1e-12 : accuracy_of_differences; }
-
 bool Configuration::exact() const { return not_differentiable(*tree_, workspace_).part == NotDifferentiable::Part::none; }
 
 DenseMatrix Configuration::slopes() {
@@ -105,8 +104,7 @@ DenseMatrix Configuration::slopes() {
   return differences(projection(), [this] { return accelerations(); });
 }
 
-DenseMatrix Configuration::differences(const DenseMatrix& P, const std::function<std::vector<double>()>& f) {
-  constexpr double width = 1e-5;  // rounding and truncation are about equal
+DenseMatrix Configuration::differences(const DenseMatrix& P, const std::function<std::vector<double>()>& f, double width) {
   DenseMatrix K(nv(), nv());
   const State here = state_;
   for (int j = 0; j < nv(); ++j)

@@ -32,18 +32,17 @@ class Configuration {
   [[nodiscard]] DenseMatrix projection();
   /// ∂v̇/∂q along the allowed displacements: exact, but with functions and with forces in loop joints by differences.
   [[nodiscard]] DenseMatrix slopes();
-  /// The relative accuracy of these.
-  [[nodiscard]] double accuracy() const;
+  /// Whether these are exact.
+  [[nodiscard]] bool exact() const;
   /// The slopes of nv numbers along the columns of P, by central differences.
-  [[nodiscard]] DenseMatrix differences(const DenseMatrix& P, const std::function<std::vector<double>()>& f);
-  static constexpr double accuracy_of_differences = 1e-8;
+  /// Rounding and truncation are about equal at the default width.
+  [[nodiscard]] DenseMatrix differences(const DenseMatrix& P, const std::function<std::vector<double>()>& f, double width = 1e-5);
   /// The mass matrix, in which locked DoFs and those with a prescribed motion have a one on the diagonal alone.
   [[nodiscard]] DenseMatrix mass();
   /// By DoF: true if it is locked or has a prescribed motion.
   [[nodiscard]] std::vector<bool> held() const;
 
  private:
-  bool exact() const;
   bool loops_within_limits(const double* q);
 
   const Tree* tree_;

@@ -5,6 +5,7 @@
 
 #include <momentree/base/error.hpp>
 #include <momentree/dynamics/acceleration.hpp>
+#include <momentree/dynamics/forces/motion.hpp>
 #include <momentree/simulate/analysis/limits.hpp>
 
 namespace momentree {
@@ -24,18 +25,38 @@ double largest(const std::vector<double>& x) {
   return most;
 }
 
+void require_rest(const World& world) {
+  const Tree& tree = world.tree();
+  for (const int b : tree.joints_with().motions) {
+    const Curve::Point s = prescribed_motion(tree, b).at(world.time());
+    if (s.rate != 0 || s.acceleration != 0)
+      throw_error({"the prescribed motion of joint '" + std::string(world.joint_name(tree.inboard_joint({b}))) +
+                       "' moves it at this time: there is no equilibrium",
+                   "", "look for it at a time at which the motion rests, or lock the joint"});
+  }
+  for (std::size_t i = 0; i < tree.loops().size(); ++i)
+    if (tree.loops()[i].driven())
+      throw_error({"a joint that closes a loop has a prescribed motion: the equilibrium is not found by this function", "",
+                   "put the motion into a joint of the tree, or lock the joint"});
+}
+
 void require_no_contacts(const World& world) {
+  require_rest(world);
   if (!world.model().colliders().empty())
     throw_error({"the equilibrium of bodies that can touch is not found by this function", "",
                  "run the world with damping until it is at rest, or leave out the collisions"});
   if (!world.tree().contacts().empty())
-    throw_error({"a cable is taut since the last run", "", "look for the equilibrium before the run, or after set_state"});
+    throw_error({"a cable is taut since the last run", "",
+                 "look for the equilibrium before the run, or after set_state to a place where the cable is slack"});
 }
 
-/// Slopes of the accelerations along the columns of P.
-DenseMatrix held_slopes(Configuration& at_rest, const Held& held) {
-  if (held.limits.empty()) return at_rest.slopes() * held.P;
-  return at_rest.differences(held.P, [&] { return held_accelerations(at_rest, held); });
+bool exact(const Configuration& at_rest, const Held& held) { return held.limits.empty() && at_rest.exact(); }
+
+/// Slopes of the accelerations along the columns of P; of differences with that width, if they are not exact.
+DenseMatrix held_slopes(Configuration& at_rest, const Held& held, double width = 1e-5) {
+  if (exact(at_rest, held)) return at_rest.slopes() * held.P;
+  return at_rest.differences(
+      held.P, [&] { return held_accelerations(at_rest, held); }, width);
 }
 
 // With M = L Lᵀ, the modes are the eigenvectors of −Lᵀ (P K P) L⁻ᵀ, which is symmetric.
@@ -63,11 +84,23 @@ std::vector<Mode> modes_of(Configuration& at_rest, const Held& held) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) S(i, j) += 0.5 * above * ((i == j ? 2 : 0) - Q(i, j) - Q(j, i));
   const SymmetricEigen eigen = symmetric_eigen(S);
-  const double accuracy = held.limits.empty() ? at_rest.accuracy() : Configuration::accuracy_of_differences;
+  // The error of each mode: of rounding, or of differences, which others with another width show.
+  DenseMatrix noise(n, n);
+  if (!exact(at_rest, held)) {
+    const DenseMatrix other = transposed * (P * (held_slopes(at_rest, held, 3e-5) * inverse));
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) noise(i, j) = 0.5 * (other(i, j) + other(j, i) - product(i, j) - product(j, i));
+  }
   std::vector<Mode> modes;
   for (int k = 0; k < n && eigen.values[at(k)] < bound + 0.5; ++k) {
     Mode mode{eigen.values[at(k)], std::vector<double>(at(n))};
-    if (std::fabs(mode.square) < accuracy * bound) mode.square = 0;
+    double error = 0;
+    for (int i = 0; i < n; ++i) {
+      double row = 0;
+      for (int j = 0; j < n; ++j) row += noise(i, j) * eigen.vectors(j, k);
+      error += row * row;
+    }
+    if (std::fabs(mode.square) < 1e-12 * bound + 3 * std::sqrt(error)) mode.square = 0;
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j) mode.shape[at(i)] += inverse(i, j) * eigen.vectors(j, k);
     modes.push_back(std::move(mode));
@@ -125,7 +158,9 @@ class Search {
   void add_stops_that_hold(std::vector<int>& resting) {
     const Tree& tree = at_.tree();
     for (const ActiveLimit& limit : world_.constraints().active_limits) {
-      if (limit.joint >= tree.bodies()) continue;  // of a loop joint
+      if (limit.joint >= tree.bodies())
+        throw_error({"joint '" + std::string(world_.joint_name({limit.joint})) + "' closes a loop and rests on its stop", "",
+                     "stops of joints that close loops are not covered: move it off the stop, with set_state"});
       double effort[6] = {};
       accelerate(tree, at_.state(), at_.workspace());
       joint_effort(tree, at_.state(), at_.workspace(), {limit.joint}, effort);

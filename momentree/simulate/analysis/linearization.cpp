@@ -20,6 +20,15 @@ void require_derivatives(const World& world, const Workspace<double>& workspace)
   for (int s = 0; s < world.springs(); ++s) cable = cable || (world.spring({s}).inextensible && world.spring({s}).tension != 0);
   if (cable || !world.contacts().empty() || (world.model().has_contact() && !world.constraints().active_limits.empty()))
     refuse("a world with closed contacts or taut cables cannot be linearised", "linearise where nothing touches");
+  const Tree& tree = world.tree();
+  analysis::each_coordinate(tree, [&](int b, int dof, int p, int q) {
+    const analysis::Bounds bounds = analysis::bounds_of(tree, b, dof);
+    const double x = world.state().q()[at(q)], a = workspace.a[at(p)];
+    if ((tree.joint(b).locked >> dof & 1u) == 0 && ((x <= bounds.lower && a < 0) || (x >= bounds.upper && a > 0)))
+      refuse("joint '" + std::string(world.joint_name(tree.inboard_joint({b}))) +
+                 "' is pressed against its stop, which acts once a run has begun",
+             "run the world for a moment, or lock the joint");
+  });
   switch (what.part) {
     case Part::none: return;
     case Part::loop_joint:
@@ -29,9 +38,10 @@ void require_derivatives(const World& world, const Workspace<double>& workspace)
     case Part::contact:
       return refuse("a world with closed contacts or taut cables cannot be linearised", "linearise where nothing touches");
     case Part::joint_function:
-      return refuse("joint '" + std::string(world.joint_name(world.tree().inboard_joint({what.number}))) +
-                        "' is driven by a function or an elastic coupling, whose derivatives are not known",
-                    "use drives and springs of joints, or remove it");
+      return refuse(
+          "joint '" + std::string(world.joint_name(world.tree().inboard_joint({what.number}))) +
+              "' is driven by a function, an elastic coupling or efforts that were written, whose derivatives are not known",
+          "use drives and springs of joints, or remove it");
     case Part::body_function:
       return refuse(
           "a function acts on body '" + world.model().bodies()[at(what.number)].name + "', whose derivatives are not known",
