@@ -36,14 +36,26 @@ Integration checked(Integration how) {
   return how;
 }
 
+namespace {
+
+std::optional<Error> unfit_method(const std::string& method) {
+  if (supports_contact(method)) return std::nullopt;
+  std::string others;
+  for (const std::string& other : integration_methods())
+    if (supports_contact(other)) others += (others.empty() ? "\"" : ", \"") + other + '"';
+  return Error{"the method '" + method + "' does not support contact and cables", "", "use one of " + others};
+}
+
+}  // namespace
+
+void require_contact_method(const WorldSnapshot& snapshot, const std::string& method) {
+  if (!snapshot.added_colliders.empty())
+    if (std::optional<Error> unfit = unfit_method(method)) throw_error(std::move(*unfit));
+}
+
 std::optional<Error> unfit_for_contact(const Model& model, const std::string& method) {
   if (!model.has_contact()) return std::nullopt;
-  if (!supports_contact(method)) {
-    std::string others;
-    for (const std::string& other : integration_methods())
-      if (supports_contact(other)) others += (others.empty() ? "\"" : ", \"") + other + '"';
-    return Error{"the method '" + method + "' does not support contact and cables", "", "use one of " + others};
-  }
+  if (std::optional<Error> unfit = unfit_method(method)) return unfit;
   if (model.colliders().size() > most_colliders)
     return Error{std::to_string(model.colliders().size()) + " shapes can touch, and at most " + std::to_string(most_colliders) +
                      " are supported yet",

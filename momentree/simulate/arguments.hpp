@@ -12,9 +12,12 @@ namespace momentree {
 
 struct Integration;
 class Model;
+struct WorldSnapshot;
 
 /// Why a run with contact is impossible; nothing for a model without contact.
 std::optional<Error> unfit_for_contact(const Model& model, const std::string& method);
+/// Throws Error if bodies were added to the snapshot's world that touch others, and the method does not support that.
+void require_contact_method(const WorldSnapshot& snapshot, const std::string& method);
 
 namespace detail {
 /// A number for a message.

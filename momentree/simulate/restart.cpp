@@ -56,6 +56,7 @@ void resume(Simulation& simulation, std::span<const EventStatus> armed, const St
 
 void restart(Simulation& simulation, const WorldSnapshot& start) {
   Simulation::Impl& impl = implementation(simulation, true);
+  require_contact_method(start, impl.integration.method);
   const double before = impl.world.time();
   const bool populated = !start.added.empty() || impl.world.model().size() != impl.world.start().bodies;
   impl.world.restore(start);

@@ -174,7 +174,11 @@ void Simulation::set_gravity(Vec3 gravity) {
 
 DryRun Simulation::dry_run() { return changing().dry_run(); }
 SimulationSnapshot Simulation::snapshot() const { return steady().snapshot(); }
-void Simulation::restore(const SimulationSnapshot& snapshot) { changing().go_back(snapshot); }
+void Simulation::restore(const SimulationSnapshot& snapshot) {
+  Impl& impl = changing();
+  require_contact_method(snapshot.world, impl.integration.method);
+  impl.go_back(snapshot);
+}
 void Simulation::keep_history(std::size_t most) { scheduling().history.most = most; }
 
 bool Simulation::can_undo(std::size_t number) const { return impl().history.before(number, impl_->events.size()) != nullptr; }

@@ -395,3 +395,32 @@ def test_snapshots_are_restored_in_other_processes() -> None:
     sim.force(next(iter(sim.world.bodies)), lambda context: ((0, 0, 0), (0, 0, 0)))
     with pytest.raises(TypeError, match="functions"):
         pickle.dumps(sim.snapshot())
+
+
+def test_a_snapshot_with_bodies_that_touch_needs_a_method_for_contact() -> None:
+    def simulation(method: str) -> mt.Simulation:
+        model = mt.Model()
+        model.add("a", mass=1, inertia=0.1, joint=mt.Ball())
+        return mt.Simulation(model, method=method)
+
+    sim, damped = simulation("rk4"), simulation("damped")
+    sim.add("b", mass=1, inertia=0.1, joint=mt.Free(), collision={"sphere": 0.1}, at=(3, 0, 0))
+    with pytest.raises(mt.Error, match="'damped' does not support contact"):
+        damped.restore(sim.snapshot())
+    damped.run(0.01)
+
+
+@pytest.mark.parametrize("given", ["rk4", "midpoint", "dopri5", "dop853", "damped"])
+@pytest.mark.parametrize("taken", ["rk4", "midpoint", "dopri5", "dop853", "damped"])
+def test_a_snapshot_continues_with_any_method(given: str, taken: str) -> None:
+    def simulation(method: str) -> mt.Simulation:
+        model = mt.Model()
+        a = model.add("a", mass=1, inertia=0.1, joint=mt.Revolute(axis=(0, 1, 0)), v=0.3)
+        model.add("b", mass=1, com=(0, 0, -0.5), inertia=0.1, parent=a, at=(0, 0, -1), joint=mt.Revolute(axis=(0, 1, 0)))
+        return mt.Simulation(model, method=method)
+
+    sim, other = simulation(given), simulation(taken)
+    sim.run(0.01)
+    other.restore(sim.snapshot())
+    assert np.allclose(other.q, sim.q, atol=1e-14) and np.allclose(other.v, sim.v, atol=1e-14)
+    other.run(0.02)
