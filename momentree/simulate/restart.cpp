@@ -60,6 +60,7 @@ void restart(Simulation& simulation, const WorldSnapshot& start) {
   const double before = impl.world.time();
   const bool populated = !start.added.empty() || impl.world.model().size() != impl.world.start().bodies;
   impl.world.restore(start);
+  impl.world.edit().take_needed_variables();
   if (populated) impl.contact.geometry.pairs.renew();
   impl.contact.contacts.watches.set_short_steps(0);
   impl.queue.restart(before, impl.world.time());

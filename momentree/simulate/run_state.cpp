@@ -27,6 +27,7 @@ void Simulation::Impl::restore_run(const SimulationSnapshot& to) {
   const int bodies = world.tree().bodies();
   const bool populated = !to.world.added.empty() || world.model().size() != world.start().bodies;
   world.restore(to.world);
+  world.edit().take_needed_variables();
   if (populated) contact.geometry.pairs.renew();
   if (populated || world.tree().bodies() != bodies) make_methods();
   method->set_proposal(to.proposal);
@@ -84,6 +85,7 @@ void Simulation::Impl::continue_from(const RunState& from) {
   history.instants.clear();
   recover();
   world.restore(from.world);
+  world.edit().take_needed_variables();
   contact.geometry.pairs.renew();
   make_methods();
   method->set_proposal(from.proposal);

@@ -380,8 +380,6 @@ void World::restore(const WorldSnapshot& snapshot) {
   for (const auto& [number, name] : snapshot.joint_names)
     number >= first_loop ? names_.add_loop(number, name) : names_.name_joint(number, name);
   for (const auto& [root, name] : snapshot.mechanism_names) names_.name_mechanism(root, name);
-  // The snapshot of a world whose method takes velocities, in one whose method takes momenta alone.
-  if (own_variables() == Variables::momenta) take_variables(Variables::momenta);
 }
 
 void World::drive(int joint, JointFunction function) {

@@ -39,6 +39,10 @@ class World::Edit {
   }
   /// The same motion in other variables, or in those that its topology asks for.
   void take_variables(Variables variables) const { world_.take_variables(variables); }
+  // After a snapshot of a world whose method takes velocities, where the method takes momenta alone.
+  void take_needed_variables() const {
+    if (world_.own_variables() == Variables::momenta) world_.take_variables(Variables::momenta);
+  }
   void take_own_variables() const { world_.take_variables(world_.own_variables()); }
   /// Active limits end when their joint, or its limits, are removed.
   void forget_active_limits() const { world_.forget_active_limits(); }
