@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -89,11 +90,9 @@ std::string evaluation_text(const World& world, const Style& style) {
 }
 
 std::string modes_text(const World& world, const Equilibrium& rest, const Style& style) {
+  const auto joint_of = [&](int dof) { return std::string(world.joint_name(joint_of_dof(world.tree(), dof))); };
   std::string held;
-  for (const int i : rest.resting)
-    for (const int b : world.tree().order())
-      if (i >= world.tree().first_p(b) && i < world.tree().first_p(b) + info(world.tree().kind(b)).nv)
-        held += " " + std::string(world.joint_name(world.tree().inboard_joint({b})));
+  for (const int dof : rest.resting) held += " " + joint_of(dof);
   for (const int s : rest.taut) held += " " + std::string(world.spring({s}).name);
   if (!held.empty())
     held = "\n" + style.heading("Held by stops and cables:") + held +
@@ -101,16 +100,11 @@ std::string modes_text(const World& world, const Equilibrium& rest, const Style&
   if (rest.modes.empty()) return held;
   Table table;
   table.row({"frequency", "moves most"});
-  const Tree& tree = world.tree();
   for (const Mode& mode : rest.modes) {
-    int most = 0;
-    for (int i = 0; i < tree.nv(); ++i)
-      if (std::fabs(mode.shape[static_cast<std::size_t>(i)]) > std::fabs(mode.shape[static_cast<std::size_t>(most)])) most = i;
-    std::string joint;
-    for (const int b : tree.order())
-      if (most >= tree.first_p(b) && most < tree.first_p(b) + info(tree.kind(b)).nv)
-        joint = world.joint_name(tree.inboard_joint({b}));
-    table.row({mode.square < 0 ? "unstable" : format("%.9g Hz", mode.frequency()), joint});
+    const auto most =
+        std::max_element(mode.shape.begin(), mode.shape.end(), [](double a, double b) { return std::fabs(a) < std::fabs(b); });
+    table.row({mode.square < 0 ? "unstable" : format("%.9g Hz", mode.frequency()),
+               joint_of(static_cast<int>(most - mode.shape.begin()))});
   }
   return held + '\n' + style.heading("Modes") + " (without damping)\n" + table.text("  ");
 }

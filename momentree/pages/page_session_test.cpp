@@ -77,7 +77,7 @@ Frame frame_from(const json& sizes, std::span<const unsigned char> bytes) {
   return frame;
 }
 
-/// A page that keeps what it is told. Its clock stands still, so that each frame is computed whole.
+/// A page that keeps the messages that it receives. Its clock stands still, so that each frame is computed whole.
 struct Page {
   explicit Page(const std::string& text = chain_text, bool floor = false) { load(text, floor); }
 

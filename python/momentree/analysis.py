@@ -170,7 +170,7 @@ def linearize(sim: Simulation) -> Linearization:
 
 
 def equilibrium(sim: Simulation) -> Equilibrium:
-    """The equilibrium that a mechanism reaches from the present configuration if it creeps there without inertia.
+    """The equilibrium that a mechanism reaches from the present configuration in a viscous fluid, without inertia.
 
     If it starts in an equilibrium, that is the one, stable or not. Closed loops stay closed, hard stops are not passed, cables
     are not stretched, and drives have their values at the present time. The simulation is not changed.

@@ -49,6 +49,17 @@ SpringPoint<T> spring_point(const SpringEnd& end, const KernelFrame* frame, cons
   const Vec3 at = transpose_times(frame->R, end.point - frame->r);
   return {body->r + body->R * at, body->R * (body->velocity.v + cross(body->velocity.w, at)), at, body};
 }
+/// The line between two ends: as of SpringMotion.
+template <class T>
+struct SpringStretch {
+  Vector3<T> direction{};
+  T length, rate{};
+  SpringStretch(const SpringPoint<T>& from, const SpringPoint<T>& to) : length(norm(to.place - from.place)) {
+    if (!(value_of(length) > 0)) return;
+    direction = (1.0 / length) * (to.place - from.place);
+    rate = dot(direction, to.velocity - from.velocity);
+  }
+};
 /// A force at that point, in world axes, as a wrench on its body in the kernel frame.
 template <class T>
 Force<T> pull(const SpringPoint<T>& end, const Vector3<T>& force) {

@@ -23,11 +23,8 @@ void pull(const Tree& tree, const SpringEnd& end, const Vec3& force, Workspace<d
 SpringMotion spring_motion(const Tree& tree, const Workspace<double>& workspace, int spring) noexcept {
   const Spring& s = tree.springs()[static_cast<std::size_t>(spring)];
   const forces::SpringPoint<double> from = end_of(tree, workspace, s.from), to = end_of(tree, workspace, s.to);
-  SpringMotion motion{from.place, to.place, {}, norm(to.place - from.place), 0};
-  if (!(motion.length > 0)) return motion;
-  motion.direction = (1 / motion.length) * (to.place - from.place);
-  motion.rate = dot(motion.direction, to.velocity - from.velocity);
-  return motion;
+  const forces::SpringStretch<double> stretch(from, to);
+  return {from.place, to.place, stretch.direction, stretch.length, stretch.rate};
 }
 
 double spring_energy(const Tree& tree, const State& state, const Workspace<double>& workspace, int spring) noexcept {

@@ -42,8 +42,8 @@ void AccelerationTangent::prepare(const Tree& tree, const State& state, Workspac
   Memory& m = *memory_;
   MT_REQUIRE(m.bodies.size() >= at(tree.bodies()), "the tangent has room for the tree's bodies: construct it for this tree");
   momentree::accelerate(tree, state, workspace);
-  m.located_ones = !tree.loads().bodies.empty() || tree.has_loops();
-  if (m.located_ones) locate_bodies(tree, state, workspace);
+  m.needs_places = !tree.loads().bodies.empty() || tree.has_loops();
+  if (m.needs_places) locate_bodies(tree, state, workspace);
   m.tree = &tree, m.state = &state, m.workspace = &workspace;
   resisting_forces(tree, state.time(), state.q().data(), workspace.v.get(),
                    {m.resisting.data(), m.resisting.data(), m.slope.data(), m.stiffness.data()});
@@ -141,7 +141,7 @@ void AccelerationTangent::Memory::outward() noexcept {
       }
       own.displacement = own_joint.displacement;
       transform.outboard(own.velocity);
-      if (located_ones) transform.outboard(own.place), own.place = own.place + own.displacement;
+      if (needs_places) transform.outboard(own.place), own.place = own.place + own.displacement;
       const auto carried = [&](const Motion<double>& a) {  // −η × a
         const Motion<Lanes> turned = cross(own.displacement, spread(a));
         return Motion<Lanes>{-turned.v, -turned.w};
@@ -206,12 +206,9 @@ void AccelerationTangent::Memory::add_loads() noexcept {
       return forces::spring_point(e, &tree->frame(e.body.index), &body);
     };
     const forces::SpringPoint<Number> from = end(spring.from, ends[0]), to = end(spring.to, ends[1]);
-    const Vector3<Number> apart = to.place - from.place;
-    const Number length = norm(apart);
-    if (!(length.r > 0)) continue;
-    const Vector3<Number> direction = (1.0 / length) * apart;
-    const Number rate = dot(direction, to.velocity - from.velocity);
-    const Vector3<Number> pull = forces::tension_of(tree->springs().law(i), length, rate) * direction;
+    const forces::SpringStretch<Number> stretch(from, to);
+    if (!(stretch.length.r > 0)) continue;
+    const Vector3<Number> pull = forces::tension_of(tree->springs().law(i), stretch.length, stretch.rate) * stretch.direction;
     if (from.body != nullptr) take(spring.from.body.index, forces::pull(from, pull));
     if (to.body != nullptr) take(spring.to.body.index, forces::pull(to, -pull));
   }

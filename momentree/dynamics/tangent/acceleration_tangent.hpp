@@ -20,7 +20,7 @@
 
 namespace momentree {
 
-/// What of a state has no derivative here.
+/// A part of a model whose derivatives are not available.
 struct NotDifferentiable {
   enum class Part : unsigned char {
     none,
@@ -31,7 +31,7 @@ struct NotDifferentiable {
   } part = Part::none;
   int number = -1;  ///< of the loop by its place, of the joint's carrier, or of the body
 };
-/// The first such part of a tree in a state, if there is one.
+/// The first such part that acts in the evaluated state.
 [[nodiscard]] NotDifferentiable not_differentiable(const Tree& tree, const Workspace<double>& workspace) noexcept;
 
 /// Memory for one tree, also after changes of its topology.

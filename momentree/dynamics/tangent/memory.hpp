@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -102,7 +103,7 @@ struct JointTangent {
 
   JointTangent(const LinkConstants& link, const JointState<double>& joint, const double* u, const double* udot, const Lanes* dq,
                const Lanes* dv)
-      : E(K::template columns<double>(link, joint)), joint_(joint), u_(u), dq_(dq), dv_(dv) {
+      : E(K::template columns<double>(link, joint)) {
     for (std::size_t i = 0; i < E.size(); ++i) {
       const Motion<Lanes> column = spread(E[i]);
       displacement = displacement + Motion<Lanes>{dq[i] * column.v, dq[i] * column.w};
@@ -110,8 +111,8 @@ struct JointTangent {
       velocity_rate = velocity_rate + Motion<Lanes>{dv[i] * column.v, dv[i] * column.w};
     }
     if constexpr (turns) {
-      const MovingJoint moving = moving_joint<K>(joint, u, dq, dv);
-      const auto columns = K::template columns<Number>(link, moving.state());
+      moving_ = moving_joint<K>(joint, u, dq, dv);
+      const auto columns = K::template columns<Number>(link, moving_.state());
       for (std::size_t i = 0; i < E.size(); ++i) {
         columns_rate[i] = rate_of(columns[i]);
         velocity_rate = velocity_rate + Motion<Lanes>{u[i] * columns_rate[i].v, u[i] * columns_rate[i].w};
@@ -127,9 +128,8 @@ struct JointTangent {
   /// Ω × E u + Ė u at the velocity of the body and its derivative.
   BiasTangent bias(const LinkConstants& link, const Motion<double>& body, const Motion<Lanes>& rate) const {
     if constexpr (turns) {
-      const MovingJoint moving = moving_joint<K>(joint_, u_, dq_, dv_);
       const Motion<Number> all =
-          K::template acceleration_bias<Number>(link, moving.state(), with_rate(body, rate), moving.u.data());
+          K::template acceleration_bias<Number>(link, moving_.state(), with_rate(body, rate), moving_.u.data());
       return {value_of(all), rate_of(all)};
     } else {
       return {cross(body, velocity), cross(rate, spread(velocity)) + cross(spread(body), velocity_rate)};
@@ -137,9 +137,8 @@ struct JointTangent {
   }
 
  private:
-  JointState<double> joint_;
-  const double* u_;
-  const Lanes *dq_, *dv_;
+  struct Nothing {};
+  std::conditional_t<turns, MovingJoint, Nothing> moving_;
 };
 
 }  // namespace detail::tangents
@@ -200,7 +199,7 @@ struct AccelerationTangent::Memory {
   const Workspace<double>* workspace = nullptr;
   detail::Untouched<Lanes> records;  // those of the workspace in all lanes
   std::vector<BodyTangent> bodies;
-  bool located_ones = false;                        // forces or loops depend on the places of bodies
+  bool needs_places = false;                        // forces or loops depend on the places of bodies
   std::vector<Lanes> dq, dv, da;                    // packed as p
   std::vector<double> slope, stiffness, resisting;  // of the joints' resisting forces
   std::vector<Force<double>> transmitted;           // Tr, by body

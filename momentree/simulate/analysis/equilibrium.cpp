@@ -25,7 +25,7 @@ double largest(const std::vector<double>& x) {
   return most;
 }
 
-void require_rest(const World& world) {
+void require_statics(const World& world) {
   const Tree& tree = world.tree();
   for (const int b : tree.joints_with().motions) {
     const Curve::Point s = prescribed_motion(tree, b).at(world.time());
@@ -38,10 +38,6 @@ void require_rest(const World& world) {
     if (tree.loops()[i].driven())
       throw_error({"a joint that closes a loop has a prescribed motion: the equilibrium is not found by this function", "",
                    "put the motion into a joint of the tree, or lock the joint"});
-}
-
-void require_no_contacts(const World& world) {
-  require_rest(world);
   if (!world.model().colliders().empty())
     throw_error({"the equilibrium of bodies that can touch is not found by this function", "",
                  "run the world with damping until it is at rest, or leave out the collisions"});
@@ -108,7 +104,8 @@ std::vector<Mode> modes_of(Configuration& at_rest, const Held& held) {
   return modes;
 }
 
-/// The search by steps of the flow q̇ = v̇(q), whose length grows as it comes nearer: at last these are Newton's.
+/// Pseudo-transient continuation: implicit Euler steps of the flow q̇ = v̇(q). They grow as the forces vanish, and become steps
+/// of Newton's method.
 class Search {
  public:
   explicit Search(const World& world) : world_(world), at_(world), gravity_(norm(world.tree().gravity())) {}
@@ -185,20 +182,19 @@ class Search {
     // As far as the next limit: beyond it, it would no longer be the same mechanism.
     const double part = analysis::part_to_limits(at_, move);
     for (double& each : move) each *= part;
-    return at_.displace(move) && analysis::shorten_cables(at_);
+    const std::vector<double> before(at_.q().begin(), at_.q().end());
+    if (!at_.displace(move)) return false;
+    if (analysis::shorten_cables(at_)) return true;
+    static_cast<void>(at_.set(before));  // as closed as it was
+    return false;
   }
 
   [[noreturn]] void refuse(const std::vector<double>& a, int iterations) const {
     const auto worst = static_cast<int>(
         std::max_element(a.begin(), a.end(), [](double x, double y) { return std::fabs(x) < std::fabs(y); }) - a.begin());
-    const Tree& tree = at_.tree();
-    std::string name;
-    for (const int b : tree.order())
-      if (worst >= tree.first_p(b) && worst < tree.first_p(b) + info(tree.kind(b)).nv)
-        name = world_.joint_name(tree.inboard_joint({b}));
-    throw_error(
-        {"no equilibrium was found: after " + std::to_string(iterations) + " steps joint '" + name + "' still accelerates", "",
-         "something must hold each body: a joint, a spring, or a stop; or start nearer to the equilibrium"});
+    throw_error({"no equilibrium was found: after " + std::to_string(iterations) + " steps joint '" +
+                     std::string(world_.joint_name(joint_of_dof(at_.tree(), worst))) + "' still accelerates",
+                 "", "something must hold each body: a joint, a spring, or a stop; or start nearer to the equilibrium"});
   }
 
   const World& world_;
@@ -214,14 +210,15 @@ bool Equilibrium::stable() const {
   return std::all_of(modes.begin(), modes.end(), [](const Mode& mode) { return mode.square >= 0; });
 }
 
-std::vector<Mode> vibration_modes(const World& world) {
-  require_no_contacts(world);
-  Configuration at_rest(world);
-  return modes_of(at_rest, {{}, at_rest.projection()});
+JointId joint_of_dof(const Tree& tree, int dof) {
+  for (const int b : tree.order())
+    if (dof >= tree.first_p(b) && dof < tree.first_p(b) + info(tree.kind(b)).nv) return tree.inboard_joint({b});
+  MT_REQUIRE(false, "a place in v");
+  return {};
 }
 
 Equilibrium equilibrium(const World& world) {
-  require_no_contacts(world);
+  require_statics(world);
   return Search(world).find();
 }
 

@@ -24,11 +24,10 @@ struct Equilibrium {
   bool stable() const;
 };
 
-/// The modes of a world about its present configuration, as if it were at rest there. Springs, gravity and position control
-/// count, damping doesn't. Throws Error as equilibrium() does.
-[[nodiscard]] std::vector<Mode> vibration_modes(const World& world);
+/// The joint of a DoF, given by its place in v.
+[[nodiscard]] JointId joint_of_dof(const Tree& tree, int dof);
 
-/// The equilibrium that the world reaches from its present configuration if it creeps there without inertia; where it starts in
+/// The equilibrium that the world reaches from its present configuration in a viscous fluid, without inertia; where it starts in
 /// one, that one, stable or not. Closed loops stay closed, hard stops are not passed, cables are not stretched, and drives have
 /// their values at the present time. The world is not changed. Throws Error if there is none within reach, as for bodies that
 /// fall freely, and for worlds in which bodies can touch or a cable is taut since the last run.

@@ -142,9 +142,10 @@ double part_to_limits(Configuration& at_rest, const std::vector<double>& step) {
 }
 
 int stretched_cable(Configuration& at_rest) {
+  constexpr double too_long = 1e-8;  // as of overlap(): more is not rounding
   int found = -1;
   each_cable(at_rest, [&](int s, double length, double most, const std::vector<double>&) {
-    if (length > most + 1e-8 * (1 + most)) found = s;
+    if (length > most + too_long * (1 + most)) found = s;
   });
   return found;
 }
@@ -154,8 +155,8 @@ bool shorten_cables(Configuration& at_rest) {
     std::vector<double> move(at(at_rest.nv()));
     bool any = false;
     each_cable(at_rest, [&](int, double length, double most, const std::vector<double>& row) {
-      if (!(length > most + 1e-15 * (1 + most)) || any) return;
-      any = length > most + 1e-13 * (1 + most);
+      if (any || !(length > most + 1e-13 * (1 + most))) return;
+      any = true;
       const std::vector<double> response = at_rest.projection() * least_squares(at_rest.mass(), row);
       const double mobility = dot(row, response);
       for (std::size_t i = 0; i < move.size(); ++i) move[i] = (most - length) / mobility * response[i];
@@ -164,7 +165,7 @@ bool shorten_cables(Configuration& at_rest) {
     if (!std::all_of(move.begin(), move.end(), [](double x) { return std::isfinite(x); }) || !at_rest.displace(move))
       return false;
   }
-  return true;
+  return false;
 }
 
 }  // namespace momentree::analysis

@@ -18,7 +18,8 @@ void require_derivatives(const World& world, const Workspace<double>& workspace)
   const auto refuse = [](const std::string& problem, const std::string& hint) { throw_error({problem, "", hint}); };
   bool cable = false;
   for (int s = 0; s < world.springs(); ++s) cable = cable || (world.spring({s}).inextensible && world.spring({s}).tension != 0);
-  if (cable || !world.contacts().empty() || (world.model().has_contact() && !world.constraints().active_limits.empty()))
+  if (what.part == Part::contact || cable || !world.contacts().empty() ||
+      (world.model().has_contact() && !world.constraints().active_limits.empty()))
     refuse("a world with closed contacts or taut cables cannot be linearised", "linearise where nothing touches");
   const Tree& tree = world.tree();
   analysis::each_coordinate(tree, [&](int b, int dof, int p, int q) {
@@ -30,16 +31,15 @@ void require_derivatives(const World& world, const Workspace<double>& workspace)
              "run the world for a moment, or lock the joint");
   });
   switch (what.part) {
-    case Part::none: return;
+    case Part::none:
+    case Part::contact: return;
     case Part::loop_joint:
       return refuse("joint '" + std::string(world.joint_name(world.loops()[at(what.number)])) +
                         "' closes a loop and has forces, a motion, an armature or a lock, whose derivatives are not available",
                     "put these into a joint of the tree");
-    case Part::contact:
-      return refuse("a world with closed contacts or taut cables cannot be linearised", "linearise where nothing touches");
     case Part::joint_function:
       return refuse(
-          "joint '" + std::string(world.joint_name(world.tree().inboard_joint({what.number}))) +
+          "joint '" + std::string(world.joint_name(tree.inboard_joint({what.number}))) +
               "' is driven by a function, an elastic coupling or efforts that were written, whose derivatives are not known",
           "use drives and springs of joints, or remove it");
     case Part::body_function:
